@@ -1,0 +1,117 @@
+"""The whole error tree. Every error says in one sentence what was wrong and what to do about it.
+
+RostetherError
+├── InvalidNameError            a graph name, package name or type name that breaks the naming rules
+├── ConfigError                 an option, link address, environment variable or file that makes no sense
+├── CodegenError                a client library that cannot be generated
+├── DefinitionError             a .msg or .srv text that cannot be read (file, line, column)
+├── SerializationError          a value or bytes that do not fit a type
+├── ProtocolError
+│   ├── LocalProtocolError      we were asked to send what the protocol does not allow
+│   └── RemoteProtocolError     the peer sent what the protocol does not allow
+├── TransportError
+│   ├── TransportOpenError      a port, address or pseudo-terminal that cannot be opened
+│   ├── TransportClosedError    the pipe ended: unplugged, hung up, or closed by us
+│   └── TransportTimeoutError   the peer did not answer in time
+├── GraphError
+│   ├── MasterUnreachableError  no ROS master answers
+│   ├── UnknownNameError        the graph knows no such topic, node, service or parameter
+│   ├── TypeMismatchError       both ends disagree on a type or its md5sum
+│   └── ServiceCallError
+│       ├── ServiceUnavailableError
+│       └── ServiceTimeoutError
+└── SessionError                one board's session cannot go on
+"""
+
+from __future__ import annotations
+
+
+class RostetherError(Exception):
+    """Root of all errors that rostether raises on purpose; its text is one line for a person."""
+
+
+class InvalidNameError(RostetherError, ValueError):
+    """A graph resource name, package name or type name breaks the naming rules."""
+
+
+class ConfigError(RostetherError):
+    """A setting makes no sense: option, link address, environment variable or file."""
+
+
+class CodegenError(RostetherError):
+    """A client library cannot be generated."""
+
+
+class DefinitionError(RostetherError):
+    """A message or service definition cannot be read; `line` and `column` count from 1, 0 is unknown."""
+
+    def __init__(self, message: str, *, file: str = "", line: int = 0, column: int = 0) -> None:
+        place = ":".join(str(part) for part in (file, line, column) if part)
+        super().__init__(f"{place}: {message}" if place else message)
+        self.file = file
+        self.line = line
+        self.column = column
+
+
+class SerializationError(RostetherError, ValueError):
+    """A value does not fit its type, or bytes do not have their type's layout."""
+
+
+class ProtocolError(RostetherError):
+    """A peer or we broke a protocol."""
+
+
+class LocalProtocolError(ProtocolError):
+    """We were asked to send what the protocol does not allow."""
+
+
+class RemoteProtocolError(ProtocolError):
+    """The peer sent what the protocol does not allow."""
+
+
+class TransportError(RostetherError):
+    """A byte pipe failed."""
+
+
+class TransportOpenError(TransportError):
+    """A port, address or pseudo-terminal cannot be opened."""
+
+
+class TransportClosedError(TransportError):
+    """The pipe ended: unplugged, hung up, or closed by us."""
+
+
+class TransportTimeoutError(TransportError, TimeoutError):
+    """The peer did not answer in time."""
+
+
+class GraphError(RostetherError):
+    """A ROS graph refused or failed a request."""
+
+
+class MasterUnreachableError(GraphError):
+    """No ROS master answers at the address."""
+
+
+class UnknownNameError(GraphError, LookupError):
+    """The graph knows no such topic, node, service or parameter."""
+
+
+class TypeMismatchError(GraphError):
+    """Two ends disagree on a type or on its md5sum."""
+
+
+class ServiceCallError(GraphError):
+    """A service call failed; the text is the server's own where it gave one."""
+
+
+class ServiceUnavailableError(ServiceCallError):
+    """Nobody offers the service, or its server does not answer."""
+
+
+class ServiceTimeoutError(ServiceCallError, TimeoutError):
+    """The service did not respond within the time limit."""
+
+
+class SessionError(RostetherError):
+    """One board's session cannot go on."""

@@ -1,0 +1,216 @@
+"""The graph port: what a bridge, a tool or a page asks of any ROS graph, ROS 1, ROS 2 or in memory.
+
+A `Graph` is one node's membership of a ROS graph. Payloads are ROS 1 serialization without a length
+prefix and are never decoded here. Names are resolved by the implementation: relative names against the
+node's namespace, `~name` against the node, and through its remappings.
+
+Payloads travel in batches: a chunk read from a board holds hundreds of messages, and one call per chunk
+is what makes a flood cheap.
+"""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import IntEnum
+from typing import Protocol, TypeAlias
+
+from rostether.msgdef.interface import MessageType, ServiceType
+from rostether.rostime import Time
+
+ParamValue: TypeAlias = (
+    bool | int | float | str | bytes | list["ParamValue"] | dict[str, "ParamValue"] | None
+)
+OnMessages: TypeAlias = Callable[[Sequence[bytes]], None]
+ServiceHandler: TypeAlias = Callable[[bytes], Awaitable[bytes]]
+
+
+class Level(IntEnum):
+    """Log severities with the values of rosgraph_msgs/Log."""
+
+    DEBUG = 1
+    INFO = 2
+    WARN = 4
+    ERROR = 8
+    FATAL = 16
+
+
+@dataclass(frozen=True, slots=True)
+class TopicInfo:
+    """One topic in a snapshot; `type` is `*` while nobody who knows it has registered."""
+
+    name: str
+    type: str
+    publishers: tuple[str, ...]
+    subscribers: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ServiceInfo:
+    """One service in a snapshot, with the nodes that provide it."""
+
+    name: str
+    providers: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Snapshot:
+    """The whole graph at one moment; every mapping is sorted by name."""
+
+    nodes: tuple[str, ...] = ()
+    topics: Mapping[str, TopicInfo] = field(default_factory=dict)
+    services: Mapping[str, ServiceInfo] = field(default_factory=dict)
+
+
+class Publisher(Protocol):
+    """A handle to publish on one topic."""
+
+    @property
+    def topic(self) -> str:
+        """The resolved topic name."""
+
+    @property
+    def type(self) -> MessageType:
+        """The advertised type."""
+
+    @property
+    def subscriber_count(self) -> int:
+        """How many subscribers are connected now."""
+
+    @property
+    def dropped_count(self) -> int:
+        """How many messages slow subscribers have lost so far, summed over them."""
+
+    def publish_raw(self, payloads: Sequence[bytes]) -> bool:
+        """Queue the payloads for every subscriber, in order.
+
+        Returns False when a subscriber that keeps up otherwise is above its high-water mark: a caller that
+        can pause its source should then await `drained`. Never blocks and never raises for a peer's sake.
+        """
+
+    async def drained(self, timeout_s: float) -> None:
+        """Wait until no subscriber is above its high-water mark; who is not by then counts as slow."""
+
+    async def close(self) -> None:
+        """Unadvertise. Idempotent."""
+
+
+class Subscriber(Protocol):
+    """A handle of one subscription."""
+
+    @property
+    def topic(self) -> str:
+        """The resolved topic name."""
+
+    @property
+    def publisher_count(self) -> int:
+        """How many publishers are connected now."""
+
+    def pause(self) -> None:
+        """Stop reading from publishers, so that they queue on their side."""
+
+    def resume(self) -> None:
+        """Read again."""
+
+    async def close(self) -> None:
+        """Unsubscribe. Idempotent; no callback runs after it returns."""
+
+
+class ServiceServer(Protocol):
+    """A handle of one advertised service."""
+
+    @property
+    def service(self) -> str:
+        """The resolved service name."""
+
+    async def close(self) -> None:
+        """Unadvertise. Idempotent."""
+
+
+class Watch(Protocol):
+    """A handle of a parameter watch."""
+
+    async def close(self) -> None:
+        """Stop watching. Idempotent."""
+
+
+class Graph(Protocol):
+    """One node's membership of a ROS graph."""
+
+    @property
+    def node_name(self) -> str:
+        """The node's fully qualified name."""
+
+    def resolve(self, name: str) -> str:
+        """Return the fully qualified, remapped form of a name. Raises InvalidNameError."""
+
+    async def advertise(
+        self, topic: str, message_type: MessageType, *, latch: bool = False, queue_bytes: int | None = None
+    ) -> Publisher:
+        """Advertise a topic. `queue_bytes` bounds what waits for each slow subscriber (None: default)."""
+
+    async def subscribe(
+        self,
+        topic: str,
+        message_type: MessageType,
+        on_messages: OnMessages,
+        *,
+        on_connection: Callable[[Mapping[str, str]], None] | None = None,
+        tcp_nodelay: bool = True,
+    ) -> Subscriber:
+        """Subscribe. `ANY_MESSAGE` takes every type; `on_connection` gets each publisher's header fields."""
+
+    async def advertise_service(
+        self, service: str, service_type: ServiceType, handler: ServiceHandler
+    ) -> ServiceServer:
+        """Offer a service. A handler that raises RostetherError fails the call with that error's text."""
+
+    async def call_service(
+        self, service: str, service_type: ServiceType, request: bytes, *, timeout_s: float | None = None
+    ) -> bytes:
+        """Call a service. Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError."""
+
+    async def get_param(self, name: str) -> ParamValue:
+        """Return a parameter's value. Raises UnknownNameError."""
+
+    async def set_param(self, name: str, value: ParamValue) -> None:
+        """Set a parameter; a mapping replaces the whole tree below it."""
+
+    async def delete_param(self, name: str) -> None:
+        """Delete a parameter. Raises UnknownNameError."""
+
+    async def has_param(self, name: str) -> bool:
+        """Tell whether a parameter is set."""
+
+    async def search_param(self, name: str) -> str | None:
+        """Find the nearest parameter of that name, upward from the node's namespace."""
+
+    async def list_params(self) -> list[str]:
+        """Return the full names of all parameters, sorted."""
+
+    async def watch_param(self, name: str, on_change: Callable[[ParamValue], None]) -> Watch:
+        """Call back on every change of a parameter; None means it is unset. Called once with the value now."""
+
+    def log(self, level: Level, text: str) -> None:
+        """Publish a log message on /rosout under this node's name."""
+
+    def now(self) -> Time:
+        """Return ROS time: the wall clock, or /clock under use_sim_time (zero before its first message)."""
+
+    async def snapshot(self) -> Snapshot:
+        """Return the whole graph as it stands."""
+
+    def changes(self) -> AsyncIterator[Snapshot]:
+        """Yield a snapshot now and one after each change."""
+
+    async def close(self) -> None:
+        """Leave the graph: everything advertised, subscribed or watched ends. Idempotent."""
+
+
+class JoinGraph(Protocol):
+    """Opens a node of its own on a graph: what the bridge calls once for each board."""
+
+    async def __call__(
+        self, node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
+    ) -> Graph:
+        """Join as `node_name`. Raises MasterUnreachableError, InvalidNameError."""
