@@ -5,6 +5,7 @@ RostetherError
 ├── ConfigError                 an option, link address, environment variable or file that makes no sense
 ├── CodegenError                a client library that cannot be generated
 ├── DefinitionError             a .msg or .srv text that cannot be read (file, line, column)
+│   └── UnknownTypeError        no known package has the message or service; says how to give it
 ├── SerializationError          a value or bytes that do not fit a type
 ├── ProtocolError
 │   ├── LocalProtocolError      we were asked to send what the protocol does not allow
@@ -51,6 +52,10 @@ class DefinitionError(RostetherError):
         self.file = file
         self.line = line
         self.column = column
+
+
+class UnknownTypeError(DefinitionError, LookupError):
+    """No known package has the message or service."""
 
 
 class SerializationError(RostetherError, ValueError):
