@@ -189,7 +189,7 @@ class Graph(Protocol):
         """Return the full names of all parameters, sorted."""
 
     async def watch_param(self, name: str, on_change: Callable[[ParamValue], None]) -> Watch:
-        """Call back on every change of a parameter; None means it is unset. Called once with the value now."""
+        """Call back with the value now and after every change; None means it is unset."""
 
     def log(self, level: Level, text: str) -> None:
         """Publish a log message on /rosout under this node's name."""
