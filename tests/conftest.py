@@ -1,0 +1,27 @@
+"""Which peers a test needs; where one is missing the test is skipped with the reason, or fails in CI."""
+
+from __future__ import annotations
+
+import functools
+import os
+from collections.abc import Callable
+
+import pytest
+from interop.ros1_peers import missing_ros1, missing_roscpp
+
+PEERS: dict[str, Callable[[], str]] = {
+    "ros1": functools.cache(missing_ros1),
+    "roscpp": functools.cache(missing_roscpp),
+}
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Skip or fail a test whose peer is not installed."""
+    for name, missing in PEERS.items():
+        if item.get_closest_marker(name) is None:
+            continue
+        reason = missing()
+        if reason and os.environ.get("CI") == "true":
+            pytest.fail(f"CI needs every peer: {reason}", pytrace=False)
+        elif reason:
+            pytest.skip(reason)

@@ -1,0 +1,215 @@
+"""Debian's ROS 1 as the other side: its tools, its Python nodes and a compiled roscpp node.
+
+All of them run as subprocesses with an environment of their own, on loopback, and are ended by process
+group when the test ends.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import fcntl
+import hashlib
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import tempfile
+import time
+from collections.abc import AsyncIterator, Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+DEBIAN_PYTHON = "/usr/bin/python3"
+PEER_SOURCE = Path(__file__).parent / "peers" / "roscpp_peer.cpp"
+
+
+def missing_ros1() -> str:
+    """Return why Debian's ROS 1 tools cannot be used here, or an empty string."""
+    if shutil.which("rostopic", path="/usr/bin") is None:
+        return "Debian's ROS 1 is not installed (apt install ros-core python3-rospy)"
+    probe = subprocess.run(
+        [DEBIAN_PYTHON, "-c", "import rospy, sensor_msgs.msg"], capture_output=True, check=False
+    )
+    return "" if probe.returncode == 0 else "/usr/bin/python3 cannot import rospy and sensor_msgs"
+
+
+def missing_roscpp() -> str:
+    """Return why a roscpp node cannot be built here, or an empty string."""
+    if shutil.which("g++") is None:
+        return "no C++ compiler (apt install g++)"
+    if not Path("/usr/include/ros/ros.h").exists() or not Path("/usr/include/std_srvs/SetBool.h").exists():
+        return "roscpp's headers are not installed (apt install libroscpp-dev libstd-srvs-dev)"
+    return ""
+
+
+def free_port() -> int:
+    """Return a TCP port of loopback that was free a moment ago."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+def roscpp_peer() -> Path:
+    """Return the compiled roscpp peer, built once for all test processes."""
+    digest = hashlib.sha256(PEER_SOURCE.read_bytes()).hexdigest()[:16]
+    folder = Path(tempfile.gettempdir()) / f"rostether-peers-{os.getuid()}"
+    folder.mkdir(mode=0o700, exist_ok=True)
+    program = folder / f"roscpp_peer-{digest}"
+    with (folder / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not program.exists():
+            flags = subprocess.run(
+                ["pkg-config", "--cflags", "--libs", "roscpp"], capture_output=True, text=True, check=True
+            ).stdout.split()
+            unfinished = program.with_suffix(".new")
+            command = ["g++", "-O1", "-o", str(unfinished), str(PEER_SOURCE), *flags, "-lpthread"]
+            subprocess.run(command, check=True)
+            unfinished.rename(program)
+    return program
+
+
+def ros_environment(master_uri: str, home: Path) -> dict[str, str]:
+    """Return the environment Debian's tools run in: nothing of ours, nothing of the user's."""
+    return {
+        "PATH": "/usr/sbin:/usr/bin:/sbin:/bin",
+        "HOME": str(home),
+        "ROS_HOME": str(home / ".ros"),
+        "ROS_LOG_DIR": str(home / "log"),
+        "ROS_MASTER_URI": master_uri,
+        "ROS_HOSTNAME": "localhost",
+        "ROS_PACKAGE_PATH": "/usr/share",
+        "ROS_ROOT": "/usr/share/ros",
+        "ROS_ETC_DIR": "/etc/ros",
+        "ROS_OS_OVERRIDE": "debian",
+        "ROS_DISTRO": "noetic",
+        "PYTHONUNBUFFERED": "1",
+        "LANG": "C.UTF-8",
+    }
+
+
+@dataclass
+class Peer:
+    """One running peer process; `lines` grows as it prints (standard error too)."""
+
+    process: asyncio.subprocess.Process
+    lines: list[str] = field(default_factory=list)
+    reader: asyncio.Task[None] | None = None
+
+    @property
+    def text(self) -> str:
+        """Return all it has printed so far."""
+        return "\n".join(self.lines)
+
+    async def read(self) -> None:
+        """Collect its output until it closes it."""
+        assert self.process.stdout is not None
+        async for line in self.process.stdout:
+            self.lines.append(line.decode(errors="replace").rstrip("\n"))
+
+    async def wait_for(self, condition: Callable[[list[str]], bool] | str, timeout_s: float = 20.0) -> None:
+        """Wait until its output holds a text or meets a condition."""
+        wanted = (
+            (lambda lines: any(condition in line for line in lines))
+            if isinstance(condition, str)
+            else condition
+        )
+        deadline = time.monotonic() + timeout_s
+        while not wanted(self.lines):
+            if time.monotonic() > deadline or (self.process.returncode is not None and self.reader_done):
+                raise AssertionError(f"peer never printed {condition!r}; it printed:\n{self.text}")
+            await asyncio.sleep(0.01)
+
+    @property
+    def reader_done(self) -> bool:
+        """Tell whether its output has ended."""
+        return self.reader is None or self.reader.done()
+
+    async def finish(self, timeout_s: float = 20.0) -> str:
+        """Wait until it ends by itself; returns what it printed."""
+        try:
+            await asyncio.wait_for(self.process.wait(), timeout_s)
+        except TimeoutError:
+            raise AssertionError(f"peer did not end within {timeout_s} s; it printed:\n{self.text}") from None
+        if self.reader is not None:
+            await self.reader
+        return self.text
+
+    async def stop(self, signal_number: int = signal.SIGINT) -> None:
+        """End it and all it started, politely first."""
+        for number in (signal_number, signal.SIGTERM, signal.SIGKILL):
+            if self.process.returncode is not None:
+                break
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(self.process.pid, number)
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(self.process.wait(), 3.0)
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            os.killpg(self.process.pid, signal.SIGKILL)
+        if self.reader is not None:
+            await self.reader
+
+
+class Ros1Peers:
+    """Starts Debian's ROS 1 programs against one master."""
+
+    def __init__(self, master_uri: str, home: Path) -> None:
+        self.master_uri = master_uri
+        self.environment = ros_environment(master_uri, home)
+        self._peers: list[Peer] = []
+
+    async def start(self, *command: str, stdin: bytes | None = None) -> Peer:
+        """Start a program: `rostopic`, a path, or `python` for Debian's Python."""
+        program = DEBIAN_PYTHON if command[0] == "python" else command[0]
+        process = await asyncio.create_subprocess_exec(
+            program,
+            *command[1:],
+            env=self.environment,
+            stdin=asyncio.subprocess.DEVNULL if stdin is None else asyncio.subprocess.PIPE,
+            stdout=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.STDOUT,
+            start_new_session=True,
+            limit=1 << 22,
+        )
+        if stdin is not None and process.stdin is not None:
+            process.stdin.write(stdin)
+            process.stdin.close()
+        peer = Peer(process)
+        peer.reader = asyncio.create_task(peer.read())
+        self._peers.append(peer)
+        return peer
+
+    async def run(self, *command: str, timeout_s: float = 30.0, check: bool = True) -> str:
+        """Run a program to its end; returns what it printed, and fails when it fails."""
+        peer = await self.start(*command)
+        text = await peer.finish(timeout_s)
+        if check and peer.process.returncode != 0:
+            raise AssertionError(f"{' '.join(command)} ended with {peer.process.returncode}:\n{text}")
+        return text
+
+    async def rospy(self, script: str, *arguments: str) -> Peer:
+        """Start a rospy script given as text."""
+        return await self.start("python", "-c", script, *arguments)
+
+    async def roscpp(self, role: str, *arguments: str) -> Peer:
+        """Start the compiled roscpp peer in a role (its source lists them)."""
+        program = await asyncio.to_thread(roscpp_peer)
+        return await self.start(str(program), role, *arguments)
+
+    async def close(self) -> None:
+        """End every program still running."""
+        await asyncio.gather(*(peer.stop() for peer in self._peers))
+
+
+@contextlib.asynccontextmanager
+async def debian_roscore(home: Path) -> AsyncIterator[Ros1Peers]:
+    """Run Debian's own roscore on a free port."""
+    port = free_port()
+    peers = Ros1Peers(f"http://localhost:{port}/", home)
+    try:
+        core = await peers.start("roscore", "-p", str(port))
+        await core.wait_for("started core service [/rosout]")
+        yield peers
+    finally:
+        await peers.close()
