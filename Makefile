@@ -1,0 +1,45 @@
+# demo and test are all a newcomer needs; each sets up what it needs by itself.
+PYTHON ?= $(shell scripts/find-python)
+VENV := .venv
+BIN := $(VENV)/bin
+
+.PHONY: help demo test check bench docs clean
+
+help:
+	@echo "make demo   watch a simulated board become a ROS node (no hardware, no ROS, no root)"
+	@echo "make test   install what the tests need and run them all"
+	@echo "make check  ruff, mypy and import-linter"
+	@echo "make bench  measure the data path, beside a bare relay"
+	@echo "make docs   build the documentation into site/"
+
+demo: $(VENV)/.installed
+	$(BIN)/rostether demo $(ARGS)
+
+test: $(VENV)/.dev
+	scripts/install-peers
+	$(BIN)/python -m pytest -n auto --dist worksteal $(ARGS)
+
+check: $(VENV)/.dev
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+bench: $(VENV)/.dev
+	scripts/install-peers
+	$(BIN)/python -m benchmarks $(ARGS)
+
+docs: $(VENV)/.dev
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
+
+$(VENV)/.installed: pyproject.toml
+	scripts/make-venv "$(PYTHON)" $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
+	touch $@
+
+$(VENV)/.dev: $(VENV)/.installed
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[dev,uvloop]"
+	touch $@
+
+clean:
+	rm -rf $(VENV) site build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis
