@@ -1,0 +1,91 @@
+"""Runs every benchmark and prints a table: what we reach, what was asked, and the bare relay of the same run.
+
+python -m benchmarks [throughput|round-trip|footprint ...]
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
+
+from rich.console import Console
+from rich.table import Table
+
+from benchmarks import footprint, round_trip, throughput
+
+
+def throughput_table() -> Table:
+    """Measure floods both ways."""
+    table = Table(
+        "flood", "messages/s", "lost", "CPU s/100k", "bare relay/s", "ratio", "wanted", title="Throughput"
+    )
+    for type_name, count, wanted in (
+        ("std_msgs/String", 600_000, "150,000 and 60 %"),
+        ("sensor_msgs/Imu", 300_000, "100,000"),
+        ("sensor_msgs/CompressedImage", 60_000, "10,000"),
+    ):
+        relay = throughput.relay_to_ros(type_name, count)
+        ours = throughput.device_to_ros(type_name, count)
+        _row(table, f"device to ROS, {throughput.SIZES[type_name]} B", ours, relay, wanted)
+    _row(
+        table,
+        "ROS to device, 64 B",
+        throughput.ros_to_device(600_000),
+        throughput.relay_from_ros(600_000),
+        "150,000",
+    )
+    return table
+
+
+def _row(table: Table, name: str, ours: throughput.Flood, relay: throughput.Flood, wanted: str) -> None:
+    table.add_row(
+        name,
+        f"{ours.rate_hz:,.0f}",
+        f"{ours.sent - ours.received:,}",
+        f"{ours.cpu_per_100k_s:.2f}",
+        f"{relay.rate_hz:,.0f}",
+        f"{ours.rate_hz / relay.rate_hz:.0%}",
+        wanted,
+    )
+
+
+def round_trip_table() -> Table:
+    """Measure round trips at two rates."""
+    table = Table("round trip ROS, device, ROS", "p50 ms", "p99 ms", "lost", "wanted", title="Round trip")
+    for rate_hz, wanted in ((100, "p50 0.4, p99 2"), (1000, "p50 0.4")):
+        trips = round_trip.round_trips(rate_hz, 5 * rate_hz)
+        table.add_row(
+            f"{rate_hz} Hz",
+            f"{trips.percentile_ms(50):.2f}",
+            f"{trips.percentile_ms(99):.2f}",
+            str(trips.sent - len(trips.times_s)),
+            wanted,
+        )
+    return table
+
+
+def footprint_table() -> Table:
+    """Measure start, idle CPU and memory."""
+    table = Table("footprint", "measured", "wanted", title="Footprint")
+    starts = sorted(footprint.start_to_first_message_s() for _ in range(5))
+    table.add_row("start to first message", f"{starts[2]:.2f} s", "0.6 s")
+    for devices, memory in ((1, "0.5 %, 45 MB"), (32, "70 MB")):
+        cost = footprint.idle(devices)
+        table.add_row(f"{devices} device(s)", f"{cost.cpu_percent:.1f} %, {cost.resident_mb:.0f} MB", memory)
+    return table
+
+
+TABLES = {"throughput": throughput_table, "round-trip": round_trip_table, "footprint": footprint_table}
+
+
+def main(names: list[str]) -> None:
+    """Print the tables that the arguments name, all without any."""
+    console = Console()
+    for name in names or TABLES:
+        console.print(TABLES[name]())
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

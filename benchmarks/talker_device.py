@@ -1,0 +1,45 @@
+"""Quiet TCP devices in one program: each publishes a std_msgs/String once a second, when asked for topics.
+
+talker_device.py PORT COUNT
+"""
+
+from __future__ import annotations
+
+import selectors
+import socket
+import sys
+import time
+
+from rostether.rosserial.frame import encode_frame
+
+from benchmarks.flood_device import PAYLOADS, PUBLISHER_ID, announcement, connect
+
+
+def main(arguments: list[str]) -> None:
+    """Serve the devices for ever."""
+    announcements = announcement(PUBLISHER_ID, 0, "flood", "std_msgs/String")
+    message = encode_frame(PUBLISHER_ID, PAYLOADS["std_msgs/String"])
+    selector = selectors.DefaultSelector()
+    lines = [connect(int(arguments[0])) for _ in range(int(arguments[1]))]
+    for line in lines:
+        selector.register(line, selectors.EVENT_READ)
+    asked: set[socket.socket] = set()
+    due = time.monotonic()
+    while True:
+        for key, _ in selector.select(max(0.0, due - time.monotonic())):
+            line = key.fileobj
+            assert isinstance(line, socket.socket)
+            received = line.recv(65536)
+            if not received:
+                return
+            if b"\xff\xfe\x00\x00\xff\x00\x00\xff" in received:
+                line.sendall(encode_frame(10, bytes(8)) + announcements + message)
+                asked.add(line)
+        if time.monotonic() >= due:
+            due += 1.0
+            for line in asked:
+                line.sendall(message + encode_frame(10, bytes(8)))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
