@@ -1,7 +1,7 @@
 """A TCP device that does nothing but send or count: its frames are made before the clock starts.
 
     flood_device.py PORT send TYPE COUNT   announces a publisher of TYPE on `flood`, waits for a line on
-                                           stdin, sends COUNT frames as fast as the host takes them, prints seconds
+                                           stdin, then sends COUNT frames and prints seconds
     flood_device.py PORT sink COUNT        announces a std_msgs/String subscriber on `flood`, prints what came
     flood_device.py PORT echo              announces both, and sends back on `out` all that comes on `in`
 

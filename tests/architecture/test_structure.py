@@ -1,0 +1,35 @@
+"""The shape of the tree: file lengths, names that say something, and that a light start stays light."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+PACKAGE = Path(__file__).parents[2] / "src" / "rostether"
+MODULES = sorted(PACKAGE.rglob("*.py"))
+LONGEST_FILE_LINES = 330
+NAMES_THAT_SAY_NOTHING = {"util", "utils", "helper", "helpers", "manager", "common", "misc", "base"}
+# `core` is the verb that every ROS user knows.
+ALLOWED = {PACKAGE / "cli" / "core.py"}
+HEAVY = {"numpy", "rosbags", "rich", "serialx", "xml.dom", "http.client", "email", "ssl", "multiprocessing"}
+
+
+@pytest.mark.parametrize("module", MODULES, ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_one_concept_a_file(module: Path) -> None:
+    assert len(module.read_text().splitlines()) <= LONGEST_FILE_LINES
+
+
+def test_names_say_what_is_inside() -> None:
+    parts = {(path, part) for path in MODULES for part in path.relative_to(PACKAGE).with_suffix("").parts}
+    vague = {path for path, part in parts if part in NAMES_THAT_SAY_NOTHING or part == "core"}
+    assert vague <= ALLOWED
+
+
+@pytest.mark.parametrize("module", ["rostether", "rostether.cli.main", "rostether.bridge.supervisor"])
+def test_import_stays_light(module: str) -> None:
+    code = f"import sys, {module}; print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    assert not HEAVY & set(loaded)

@@ -1,0 +1,131 @@
+"""Every command of the README and the docs is typed here, in order, and prints what the page says."""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from docs.page import Step, missing_lines, steps
+from interop.ros1_peers import free_port
+
+REPOSITORY = Path(__file__).parents[2]
+PAGES = sorted(
+    page for page in [REPOSITORY / "README.md", *(REPOSITORY / "docs").rglob("*.md")] if steps(page)
+)
+PATIENCE_S = 20.0
+# Commands that set a machine up or open a browser are typed by tests of their own, or by nobody.
+NOT_TYPED = ("make ", "git clone", "cd ", "pip ", "pipx ", "sudo ")
+
+
+@pytest.fixture
+def alone() -> Iterator[None]:
+    """Pages name fixed ports, as readers want them, so two pages never run at once on one machine."""
+    with (Path(tempfile.gettempdir()) / f"rostether-docs-{os.getuid()}.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
+class Terminal:
+    """Types commands as a reader would, each in a process group of its own."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._running: list[subprocess.Popen[bytes]] = []
+        self._environment = {
+            name: value for name, value in os.environ.items() if not name.startswith(("ROS", "PYTEST"))
+        } | {
+            "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}",
+            "ROS_MASTER_URI": f"http://localhost:{free_port()}",
+            "HOME": str(folder),
+            "PYTHONUNBUFFERED": "1",
+            "COLUMNS": "120",
+        }
+
+    def type(self, command: str, expected: tuple[str, ...], *, leave_running: bool) -> None:
+        """Run one command until it has printed what is expected and, unless left running, has ended."""
+        printed = self._folder / f"output-{time.monotonic_ns()}"
+        with printed.open("wb") as output:
+            process = subprocess.Popen(
+                ["bash", "-c", command],
+                cwd=self._folder,
+                env=self._environment,
+                stdin=subprocess.DEVNULL,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+            )
+        self._running.append(process)
+        deadline = time.monotonic() + PATIENCE_S
+        while (missing := missing_lines(expected, printed.read_text(errors="replace"))) or (
+            not leave_running and not expected and process.poll() is None
+        ):
+            ended = process.poll() is not None
+            if (ended or time.monotonic() > deadline) and missing_lines(
+                expected, printed.read_text(errors="replace")
+            ):
+                pytest.fail(
+                    f"`{command}` never printed {missing}; it printed:\n{printed.read_text(errors='replace')}"
+                )
+            if time.monotonic() > deadline:
+                pytest.fail(f"`{command}` did not end; it printed:\n{printed.read_text(errors='replace')}")
+            time.sleep(0.02)
+        if leave_running:
+            assert process.poll() is None, f"`{command}` ended:\n{printed.read_text(errors='replace')}"
+            return
+        status = self._end(process)
+        assert status in (0, 130, -signal.SIGINT), (
+            f"`{command}` gave {status}:\n{printed.read_text(errors='replace')}"
+        )
+        assert "Traceback" not in printed.read_text(errors="replace")
+
+    @staticmethod
+    def _end(process: subprocess.Popen[bytes]) -> int:
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            return process.wait(0.5)
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGINT)
+        try:
+            return process.wait(5)
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+            pytest.fail(f"Ctrl-C did not end {process.args!r}")
+
+    def close(self) -> None:
+        """End what was left running, the last first."""
+        for process in reversed(self._running):
+            if process.poll() is None:
+                self._end(process)
+
+
+@pytest.mark.timeout(240)
+@pytest.mark.usefixtures("alone")
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(REPOSITORY)))
+def test_page(page: Path, tmp_path: Path) -> None:
+    terminal = Terminal(tmp_path)
+    try:
+        for step in steps(page):
+            _type_step(terminal, step)
+    finally:
+        terminal.close()
+
+
+def _type_step(terminal: Terminal, step: Step) -> None:
+    commands = [command for command in step.commands if not command.startswith(NOT_TYPED)]
+    for command in commands:
+        last = command is commands[-1]
+        terminal.type(command, step.expected if last else (), leave_running=last and step.leave_running)
+
+
+def test_there_are_pages() -> None:
+    assert len(PAGES) >= 2
