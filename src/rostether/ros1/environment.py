@@ -1,0 +1,180 @@
+"""What the ROS environment variables say: which master, which address to advertise, where to listen.
+
+Listening is on loopback unless ROS_IP or ROS_HOSTNAME names another address: that is the user's consent. An
+address is listened on beside loopback, so that local tools still reach `localhost`; a host name may stand for
+any of the machine's addresses (Debian maps the machine's own to 127.0.1.1), so it opens all of them.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import socket
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from rostether.errors import ConfigError
+
+DEFAULT_MASTER_PORT = 11311
+DEFAULT_MASTER_URI = f"http://localhost:{DEFAULT_MASTER_PORT}"
+# Advertised by number: peers then need no resolver, and none of them tries ::1 first.
+LOOPBACK = "127.0.0.1"
+ALL_ADDRESSES = "0.0.0.0"  # noqa: S104
+
+_URI = re.compile(
+    r"(?P<scheme>[a-z]+)://(?P<host>\[[^\]\s/]+\]|[^\[\]:/\s@]+):(?P<port>\d{1,5})(?P<path>/\S*)?"
+)
+_HOST = re.compile(r"[A-Za-z0-9]([A-Za-z0-9._-]*[A-Za-z0-9])?")
+
+
+@dataclass(frozen=True, slots=True)
+class RpcUri:
+    """The parts of `http://host:port/` or `rosrpc://host:port`; an IPv6 host has no brackets."""
+
+    host: str
+    port: int
+    path: str = "/"
+
+    @property
+    def is_loopback(self) -> bool:
+        """Whether it names this machine's loopback."""
+        return is_loopback(self.host)
+
+
+def parse_rpc_uri(uri: str, *, scheme: str = "http") -> RpcUri:
+    """Take a node's or master's URI apart. Raises ConfigError."""
+    match = _URI.fullmatch(uri.strip())
+    if match is None or match["scheme"] != scheme or not 0 < int(match["port"]) < 65536:
+        raise ConfigError(f"{uri!r:.200} is not a URI like {scheme}://192.168.1.7:11311: give host and port")
+    return RpcUri(match["host"].strip("[]"), int(match["port"]), match["path"] or "/")
+
+
+def format_uri(host: str, port: int, *, scheme: str = "http") -> str:
+    """Return the URI under which a server is advertised; only http URIs end with a slash, as rospy's do."""
+    name = f"[{host}]" if ":" in host else host
+    return f"{scheme}://{name}:{port}" + ("/" if scheme == "http" else "")
+
+
+def is_loopback(host: str) -> bool:
+    """Tell whether a host name or address is loopback, without asking a resolver."""
+    return host in ("localhost", "::1") or bool(re.fullmatch(r"127(\.\d{1,3}){3}", host))
+
+
+def connect_host(host: str) -> str:
+    """Return what to connect to for an advertised host: `localhost` needs no resolver, and no ::1."""
+    return LOOPBACK if host == "localhost" else host
+
+
+@dataclass(frozen=True, slots=True)
+class RosEnvironment:
+    """The ROS 1 environment, validated.
+
+    `master_uri_is_set` tells a chosen master from the default; `advertised_host` goes into the URIs we
+    register; `listen_hosts` are the addresses our servers bind; `namespace` is global.
+    """
+
+    master_uri: str = DEFAULT_MASTER_URI
+    master_uri_is_set: bool = False
+    advertised_host: str = LOOPBACK
+    listen_hosts: tuple[str, ...] = (LOOPBACK,)
+    namespace: str = "/"
+    package_path: tuple[Path, ...] = ()
+
+    @classmethod
+    def read(cls, environ: Mapping[str, str] | None = None) -> RosEnvironment:
+        """Read the variables, os.environ's by default. Raises ConfigError naming the variable."""
+        variables = os.environ if environ is None else environ
+        master_uri = variables.get("ROS_MASTER_URI", "").strip()
+        if master_uri:
+            try:
+                parse_rpc_uri(master_uri)
+            except ConfigError as error:
+                raise ConfigError(f"ROS_MASTER_URI: {error}") from None
+        environment = cls(
+            master_uri=master_uri or DEFAULT_MASTER_URI,
+            master_uri_is_set=bool(master_uri),
+            namespace=_read_namespace(variables.get("ROS_NAMESPACE", "")),
+            package_path=tuple(
+                Path(part) for part in variables.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if part
+            ),
+        )
+        # rospy and roscpp let ROS_HOSTNAME win over ROS_IP.
+        for variable in ("ROS_HOSTNAME", "ROS_IP"):
+            if host := variables.get(variable, "").strip():
+                _check_host(variable, host)
+                advertised = _network_address() if _is_wildcard(host) else host
+                return replace(environment, advertised_host=advertised, listen_hosts=_listen_hosts(host))
+        return environment
+
+    @property
+    def master(self) -> RpcUri:
+        """The master's host and port."""
+        return parse_rpc_uri(self.master_uri)
+
+    @property
+    def listens_on_loopback_only(self) -> bool:
+        """Whether other machines cannot reach us."""
+        return all(is_loopback(host) for host in self.listen_hosts)
+
+    def listening_on(self, address: str) -> RosEnvironment:
+        """Return this environment with servers on `address` (`--listen`); `0.0.0.0` is every address.
+
+        The advertised host stays what ROS_IP or ROS_HOSTNAME said, else becomes the address, or this
+        machine's address in its network. Raises ConfigError.
+        """
+        _check_host("--listen", address)
+        advertised = self.advertised_host
+        if is_loopback(advertised):
+            advertised = _network_address() if _is_wildcard(address) else address
+        return replace(self, advertised_host=advertised, listen_hosts=_listen_hosts(address))
+
+    def with_master(self, uri: str) -> RosEnvironment:
+        """Return this environment with another master (`--master`). Raises ConfigError."""
+        parse_rpc_uri(uri)
+        return replace(self, master_uri=uri, master_uri_is_set=True)
+
+
+def _is_wildcard(host: str) -> bool:
+    return host in (ALL_ADDRESSES, "::")
+
+
+def _read_namespace(text: str) -> str:
+    namespace = "/" + "/".join(part for part in text.strip().split("/") if part)
+    if not re.fullmatch(r"/([A-Za-z]\w*(/\w+)*)?", namespace, re.ASCII):
+        raise ConfigError(f"ROS_NAMESPACE={text!r:.200} is not a namespace like robot1 or /lab/robot1")
+    return namespace
+
+
+def _check_host(source: str, host: str) -> None:
+    if not (_is_ip_address(host) or _HOST.fullmatch(host)):
+        raise ConfigError(
+            f"{source}={host!r:.200} is no address: give an IP or a host name, without http:// and port"
+        )
+
+
+def _listen_hosts(host: str) -> tuple[str, ...]:
+    if is_loopback(host):
+        return (LOOPBACK,) if host == "localhost" else (host,)
+    if not _is_ip_address(host):
+        return (ALL_ADDRESSES,)
+    return (host,) if _is_wildcard(host) else (host, LOOPBACK)
+
+
+def _is_ip_address(host: str) -> bool:
+    try:
+        socket.inet_pton(socket.AF_INET6 if ":" in host else socket.AF_INET, host)
+    except OSError:
+        return False
+    return True
+
+
+def _network_address() -> str:
+    # Connecting a datagram socket sends nothing; it only picks the interface that leads outside.
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect(("192.0.2.1", 9))
+            address: str = probe.getsockname()[0]
+        except OSError:
+            return socket.gethostname()
+    return address

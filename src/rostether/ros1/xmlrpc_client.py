@@ -1,0 +1,181 @@
+"""Calls to an XML-RPC server of a ROS graph, a master or a node, over connections that are kept."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TypeAlias
+
+from rostether.errors import GraphError, ProtocolError, RemoteProtocolError
+from rostether.ros1.environment import connect_host, parse_rpc_uri
+from rostether.xmlrpc.http_message import HttpClientSide
+from rostether.xmlrpc.values import FaultError, XmlRpcValue, dump_call, load_response
+
+StatusTriplet: TypeAlias = tuple[int, str, XmlRpcValue]
+
+# A healthy master or node answers within milliseconds; a loaded board's computer within a second or two.
+DEFAULT_TIMEOUT_S = 10.0
+# More calls than this to one server at a time are rare; connections above it are closed after their call.
+MAX_IDLE_CONNECTIONS = 4
+
+
+class XmlRpcClient:
+    """Calls the server at `uri` (`http://host:port/`). Raises ConfigError for a URI that is none.
+
+    `peer` names the server in errors (`the ROS master`); `unreachable` is the error raised when nobody
+    answers there. Calls may overlap; each has a connection of its own meanwhile.
+    """
+
+    def __init__(
+        self,
+        uri: str,
+        *,
+        peer: str = "the node",
+        unreachable: type[GraphError] = GraphError,
+        timeout_s: float = DEFAULT_TIMEOUT_S,
+    ) -> None:
+        self.uri = uri
+        self.peer = peer
+        self._unreachable = unreachable
+        self._timeout_s = timeout_s
+        address = parse_rpc_uri(uri)
+        self._host, self._port, self._path = address.host, address.port, address.path
+        self._idle: list[_Connection] = []
+        self._is_closed = False
+
+    async def call(self, method: str, *args: object, timeout_s: float | None = None) -> XmlRpcValue:
+        """Return the method's value.
+
+        Raises GraphError (or `unreachable`) when the server is not there, is too slow, answers a fault or
+        nonsense; SerializationError when an argument cannot be sent. `__cause__` is the OSError, if any.
+        """
+        body = dump_call(method, args)
+        limit_s = self._timeout_s if timeout_s is None else timeout_s
+        try:
+            async with asyncio.timeout(limit_s):
+                answer = await self._exchange(body)
+            return load_response(answer)
+        except TimeoutError:
+            raise self._unreachable(
+                f"{self.peer} at {self.uri} did not answer {method} in {limit_s:g} s: see whether it hangs"
+            ) from None
+        except (OSError, UnicodeError) as error:
+            reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
+            raise self._unreachable(
+                f"{self.peer} at {self.uri} cannot be reached ({reason}): see whether it runs there"
+            ) from error
+        except FaultError as error:
+            raise GraphError(f"{self.peer} at {self.uri} refused {method}: {error.text}") from error
+        except ProtocolError as error:
+            raise GraphError(f"{self.peer} at {self.uri} answered {method} with nonsense: {error}") from error
+
+    async def call_status(self, method: str, *args: object, timeout_s: float | None = None) -> StatusTriplet:
+        """Call a ROS method and return its `(code, status message, value)`; raises as `call` does.
+
+        Code 1 is success, 0 failure, -1 the caller's error; the value counts only with code 1.
+        """
+        answer = await self.call(method, *args, timeout_s=timeout_s)
+        if not (isinstance(answer, list) and len(answer) == 3 and isinstance(answer[0], int)):
+            raise GraphError(f"{self.peer} at {self.uri} answered {method} with no [code, message, value]")
+        return answer[0], str(answer[1]), answer[2]
+
+    async def close(self) -> None:
+        """Close the connections that are not in use; those in use close after their call. Idempotent."""
+        self._is_closed = True
+        for connection in self._idle:
+            connection.close()
+        self._idle.clear()
+
+    async def _exchange(self, body: bytes) -> bytes:
+        while self._idle:
+            connection = self._idle.pop()
+            if connection.is_open:
+                try:
+                    return await self._exchange_on(connection, body)
+                except (OSError, RemoteProtocolError):
+                    # The server may have closed a kept connection while our request was on its way.
+                    if connection.answer_began:
+                        raise
+                    break
+        loop = asyncio.get_running_loop()
+        host_header = f"{self._host}:{self._port}"
+        _, connection = await loop.create_connection(
+            lambda: _Connection(HttpClientSide(host_header, path=self._path)),
+            connect_host(self._host),
+            self._port,
+        )
+        return await self._exchange_on(connection, body)
+
+    async def _exchange_on(self, connection: _Connection, body: bytes) -> bytes:
+        try:
+            answer = await connection.exchange(body)
+        except BaseException:
+            connection.close()
+            raise
+        if connection.is_open and not self._is_closed and len(self._idle) < MAX_IDLE_CONNECTIONS:
+            self._idle.append(connection)
+        else:
+            connection.close()
+        return answer
+
+
+class _Connection(asyncio.Protocol):
+    """One TCP connection with at most one exchange under way."""
+
+    def __init__(self, http: HttpClientSide) -> None:
+        self._http = http
+        self._transport: asyncio.Transport | None = None
+        self._answer: asyncio.Future[bytes] | None = None
+        self._is_lost = False
+
+    @property
+    def is_open(self) -> bool:
+        return not self._is_lost and self._http.is_reusable
+
+    @property
+    def answer_began(self) -> bool:
+        return self._http.answer_began
+
+    async def exchange(self, body: bytes) -> bytes:
+        assert self._transport is not None
+        if self._is_lost:
+            raise ConnectionResetError("connection closed")
+        self._answer = asyncio.get_running_loop().create_future()
+        self._transport.write(self._http.send_request(body))
+        try:
+            return await self._answer
+        finally:
+            self._answer = None
+
+    def close(self) -> None:
+        if self._transport is not None:
+            self._transport.abort()
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        assert isinstance(transport, asyncio.Transport)
+        self._transport = transport
+
+    def data_received(self, data: bytes) -> None:
+        self._feed(data)
+
+    def eof_received(self) -> None:
+        self._feed(b"")
+        self._is_lost = True
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._is_lost = True
+        if self._answer is not None and not self._answer.done():
+            self._answer.set_exception(exc or ConnectionResetError("connection closed"))
+
+    def _feed(self, data: bytes) -> None:
+        if self._answer is None or self._answer.done():
+            # Nobody waits: the server closes a kept connection, or talks out of turn.
+            self.close()
+            self._is_lost = True
+            return
+        try:
+            body = self._http.receive_data(data)
+        except RemoteProtocolError as error:
+            self._answer.set_exception(error)
+            return
+        if body is not None:
+            self._answer.set_result(body)

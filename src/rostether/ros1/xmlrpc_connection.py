@@ -1,0 +1,126 @@
+"""One client's connection to an XML-RPC server: requests are answered one after the other."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+
+from rostether.xmlrpc.http_message import HttpServerSide
+
+
+class ServerConnection(asyncio.Protocol):
+    """Reads requests, hands each body to `answer`, writes what comes back; `on_lost` is called at the end.
+
+    While an answer is computed, or the client does not take what was written, nothing more is read: what
+    a client can make us hold is one request, one answer and a socket's buffer.
+    """
+
+    def __init__(
+        self,
+        answer: Callable[[bytes], bytes | Awaitable[bytes]],
+        on_lost: Callable[[ServerConnection], None],
+    ) -> None:
+        self._answer = answer
+        self._on_lost = on_lost
+        self._http = HttpServerSide()
+        self._transport: asyncio.Transport | None = None
+        self._task: asyncio.Future[bytes] | None = None
+        self._is_congested = False
+        self._loop = asyncio.get_running_loop()
+        self.last_active_s = self._loop.time()
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether no request is under way."""
+        return self._task is None and not self._is_congested and self._http.is_idle
+
+    @property
+    def is_answering(self) -> bool:
+        """Whether the method called has not returned yet."""
+        return self._task is not None
+
+    def close(self) -> None:
+        """End the connection, after what is written has left; no method goes on for it."""
+        if self._task is not None:
+            self._task.cancel()
+        if self._transport is not None:
+            self._transport.close()
+
+    def abort(self) -> None:
+        """End the connection at once."""
+        if self._transport is not None:
+            self._transport.abort()
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Begin."""
+        assert isinstance(transport, asyncio.Transport)
+        self._transport = transport
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """End; a method under way is cancelled, nobody waits for it."""
+        if self._task is not None:
+            self._task.cancel()
+        self._transport = None
+        self._on_lost(self)
+
+    def data_received(self, data: bytes) -> None:
+        """Read on."""
+        self.last_active_s = self._loop.time()
+        self._http.receive_data(data)
+        self._serve()
+
+    def eof_received(self) -> bool:
+        """Let an answer under way still be written to a client that closed its half."""
+        if self._task is None and not self._is_congested:
+            return False
+        self._http.receive_data(b"")
+        return True
+
+    def pause_writing(self) -> None:
+        """Stop: the client does not read."""
+        self._is_congested = True
+        self._pause()
+
+    def resume_writing(self) -> None:
+        """Go on."""
+        self._is_congested = False
+        self._serve()
+
+    def _pause(self) -> None:
+        if self._transport is not None and not self._transport.is_closing():
+            self._transport.pause_reading()
+
+    def _serve(self) -> None:
+        while self._transport is not None and self._task is None and not self._is_congested:
+            body = self._http.next_request()
+            if data := self._http.data_to_send():
+                self._transport.write(data)
+            if body is None:
+                break
+            answer = self._answer(body)
+            if isinstance(answer, bytes):
+                self._respond(answer)
+            else:
+                self._task = asyncio.ensure_future(answer)
+                self._task.add_done_callback(self._answered)
+                self._pause()
+                return
+        if self._transport is None or self._transport.is_closing() or self._is_congested:
+            return
+        if self._http.ended:
+            self._transport.close()
+        else:
+            self._transport.resume_reading()
+
+    def _answered(self, task: asyncio.Future[bytes]) -> None:
+        self._task = None
+        self.last_active_s = self._loop.time()
+        if task.cancelled() or self._transport is None:
+            return
+        self._respond(task.result())
+        self._serve()
+
+    def _respond(self, answer: bytes) -> None:
+        assert self._transport is not None
+        self._http.send_response(answer)
+        self._transport.write(self._http.data_to_send())

@@ -1,0 +1,182 @@
+"""HTTP as XML-RPC needs it, sans I/O: POST bodies to a server, response bodies to a client.
+
+h11 does the framing (Content-Length, chunked, HTTP/1.0 and 1.1, keep-alive); this adds what ROS peers need:
+limits, one exchange at a time, `Expect: 100-continue`, and no browsers: a web page can make a browser POST to
+a loopback port, and only a browser sends an `Origin` header, so a request with one is refused.
+"""
+
+from __future__ import annotations
+
+import h11
+
+from rostether.errors import LocalProtocolError, RemoteProtocolError
+
+# The largest documents in the field are robot descriptions and whole parameter dumps, of a few MB.
+MAX_BODY_BYTES = 32 * 1024 * 1024
+
+_TEXT_XML = (b"Content-Type", b"text/xml")
+_REASONS = {400: b"Bad Request", 403: b"Forbidden", 405: b"Method Not Allowed", 413: b"Content Too Large"}
+
+
+class HttpServerSide:
+    """One connection's server half: `receive_data`, then `next_request` and `send_response` in turns."""
+
+    def __init__(self, *, max_body_bytes: int = MAX_BODY_BYTES) -> None:
+        self._connection = h11.Connection(h11.SERVER)
+        self._max_body_bytes = max_body_bytes
+        self._body = bytearray()
+        self._out = bytearray()
+
+    @property
+    def ended(self) -> bool:
+        """Whether the connection must be closed once `data_to_send` is written."""
+        return self._connection.our_state in (h11.MUST_CLOSE, h11.CLOSED, h11.ERROR)
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether no request has begun."""
+        return self._connection.their_state is h11.IDLE and not self._connection.trailing_data[0]
+
+    def data_to_send(self) -> bytes:
+        """Return the bytes to write now."""
+        data = bytes(self._out)
+        self._out.clear()
+        return data
+
+    def receive_data(self, data: bytes) -> None:
+        """Take bytes from the peer, cut anywhere; `b""` is the end of the stream."""
+        self._connection.receive_data(data)
+
+    def next_request(self) -> bytes | None:
+        """Return the body of the next complete POST, or None while there is none.
+
+        What is no POST we serve is answered here, and ends the connection: see `ended`.
+        """
+        try:
+            return self._next_request()
+        except h11.RemoteProtocolError as error:
+            self._refuse(error.error_status_hint, str(error))
+        return None
+
+    def _next_request(self) -> bytes | None:
+        while not self.ended:
+            if self._connection.our_state is h11.DONE and self._connection.their_state is h11.DONE:
+                self._connection.start_next_cycle()
+                self._body.clear()
+            event = self._connection.next_event()
+            if event is h11.NEED_DATA:
+                if self._connection.they_are_waiting_for_100_continue:
+                    self._send(h11.InformationalResponse(status_code=100, headers=[]))
+                return None
+            if event is h11.PAUSED or isinstance(event, h11.ConnectionClosed):
+                return None
+            if isinstance(event, h11.Request):
+                self._judge(event)
+            elif isinstance(event, h11.Data):
+                self._body += event.data
+                if len(self._body) > self._max_body_bytes:
+                    self._refuse(413, f"the request is larger than {self._max_body_bytes} bytes")
+            elif isinstance(event, h11.EndOfMessage):
+                return bytes(self._body)
+        return None
+
+    def _judge(self, request: h11.Request) -> None:
+        headers = dict(request.headers)
+        if request.method != b"POST":
+            self._refuse(405, "this is an XML-RPC server of a ROS graph: send it a POST")
+        elif b"origin" in headers:
+            self._refuse(403, "requests from web pages are refused")
+        elif headers.get(b"content-encoding", b"identity") != b"identity":
+            self._refuse(400, "compressed requests are not understood")
+        elif int(headers.get(b"content-length", b"0")) > self._max_body_bytes:
+            self._refuse(413, f"the request is larger than {self._max_body_bytes} bytes")
+
+    def send_response(self, body: bytes) -> None:
+        """Answer the request with an XML-RPC document."""
+        self._respond(200, b"OK", body, [_TEXT_XML])
+
+    def _refuse(self, status: int, text: str) -> None:
+        if self._connection.our_state in (h11.IDLE, h11.SEND_RESPONSE):
+            headers = [(b"Content-Type", b"text/plain"), (b"Connection", b"close")]
+            self._respond(status, _REASONS.get(status, b"Bad Request"), f"{text}\n".encode(), headers)
+        if not self.ended:
+            self._connection.send_failed()
+
+    def _respond(self, status: int, reason: bytes, body: bytes, headers: list[tuple[bytes, bytes]]) -> None:
+        length = (b"Content-Length", b"%d" % len(body))
+        try:
+            self._send(h11.Response(status_code=status, reason=reason, headers=[*headers, length]))
+            self._send(h11.Data(data=body))
+            self._send(h11.EndOfMessage())
+        except h11.LocalProtocolError as error:
+            raise LocalProtocolError(f"no response can be sent now: {error}") from None
+
+    def _send(self, event: h11.Event) -> None:
+        self._out += self._connection.send(event) or b""
+
+
+class HttpClientSide:
+    """One connection's client half: `send_request`, then `receive_data` until it returns the response."""
+
+    def __init__(self, host: str, *, path: str = "/", max_body_bytes: int = MAX_BODY_BYTES) -> None:
+        self._connection = h11.Connection(h11.CLIENT)
+        self._target = path.encode("ascii", "replace")
+        self._headers = [(b"Host", host.encode("ascii", "replace")), (b"User-Agent", b"rostether"), _TEXT_XML]
+        self._max_body_bytes = max_body_bytes
+        self._body = bytearray()
+        self._status = 0
+        self.answer_began = False
+
+    @property
+    def is_reusable(self) -> bool:
+        """Whether another request may be sent on this connection."""
+        return self._connection.our_state is h11.IDLE
+
+    def send_request(self, body: bytes) -> bytes:
+        """Return the bytes of a POST. Raises LocalProtocolError while another exchange is under way."""
+        self._body.clear()
+        self.answer_began = False
+        length = (b"Content-Length", b"%d" % len(body))
+        request = h11.Request(method=b"POST", target=self._target, headers=[*self._headers, length])
+        try:
+            head = self._connection.send(request) or b""
+            data = self._connection.send(h11.Data(data=body)) or b""
+            return head + data + (self._connection.send(h11.EndOfMessage()) or b"")
+        except h11.LocalProtocolError as error:
+            raise LocalProtocolError(f"no request can be sent now: {error}") from None
+
+    def receive_data(self, data: bytes) -> bytes | None:
+        """Take bytes, `b""` for the end of the stream; return the body once the response is complete.
+
+        Raises RemoteProtocolError for what is no HTTP, another status than 200, or too large a body.
+        """
+        try:
+            self._connection.receive_data(data)
+            self.answer_began = self.answer_began or bool(data)
+            return self._read()
+        except h11.RemoteProtocolError as error:
+            raise RemoteProtocolError(f"the answer is not HTTP: {error}") from None
+
+    def _read(self) -> bytes | None:
+        while True:
+            event = self._connection.next_event()
+            if event is h11.NEED_DATA or event is h11.PAUSED:
+                return None
+            if isinstance(event, h11.Response):
+                self._status = event.status_code
+            elif isinstance(event, h11.Data):
+                self._body += event.data
+                if len(self._body) > self._max_body_bytes:
+                    raise RemoteProtocolError(f"the answer is larger than {self._max_body_bytes} bytes")
+            elif isinstance(event, h11.EndOfMessage):
+                return self._finish()
+            elif isinstance(event, h11.ConnectionClosed):
+                raise RemoteProtocolError("the connection ended before the answer")
+
+    def _finish(self) -> bytes:
+        if self._status != 200:
+            text = self._body[:200].decode("utf-8", "replace").strip().replace("\n", " ")
+            raise RemoteProtocolError(f"the answer is HTTP status {self._status}: {text}")
+        if self._connection.our_state is h11.DONE and self._connection.their_state is h11.DONE:
+            self._connection.start_next_cycle()
+        return bytes(self._body)
