@@ -31,7 +31,5 @@ def test_names_say_what_is_inside() -> None:
 @pytest.mark.parametrize("module", ["rostether", "rostether.cli.main", "rostether.bridge.supervisor"])
 def test_import_stays_light(module: str) -> None:
     code = f"import sys, {module}; print(*sys.modules)"
-    loaded = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True
-    ).stdout.split()
-    assert not HEAVY & set(finished.stdout.split())
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert not HEAVY & set(loaded.stdout.split())
