@@ -1,0 +1,233 @@
+"""What links report, as frozen values. Directions and roles are the device's.
+
+`HostLink` reports: MessagesReceived, TopicAnnounced, TopicWithdrawn, ServiceAnnounced, ServiceWithdrawn,
+NegotiationSettled, TimeRequested, LogReceived, ParameterRequested, FrameDiscarded, UnknownTopicId, DeviceReset,
+DeviceSilent, ProtocolDetected.
+
+`DeviceLink` reports: MessagesReceived, TopicsRequested, Unconfigured, TimeAnswered, ParameterReceived,
+ParameterTimedOut, StopReceived, FrameDiscarded, UnknownTopicId.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import TypeAlias
+
+from rostether.rosserial.packets import LogLevel, TopicInfo
+from rostether.rostime import Time
+
+
+class TopicRole(Enum):
+    """What the device does with a topic: PUBLISHER sends to ROS, SUBSCRIBER receives from ROS."""
+
+    PUBLISHER = "publisher"
+    SUBSCRIBER = "subscriber"
+
+
+class ServiceRole(Enum):
+    """What the device is to a service: SERVER answers calls from ROS, CLIENT calls a service of ROS."""
+
+    SERVER = "service server"
+    CLIENT = "service client"
+
+
+class DiscardReason(Enum):
+    """Why bytes were not believed."""
+
+    NOISE = "bytes outside any frame"
+    VERSION = "sync byte followed by another protocol version"
+    LENGTH_CHECKSUM = "frame header with a wrong length checksum"
+    PAYLOAD_CHECKSUM = "frame with a wrong payload checksum"
+    TOO_LONG = "frame longer than the limit"
+    UNFINISHED = "frame that began and never ended"
+    PACKET = "control packet that does not have its layout"
+    UNEXPECTED = "frame on a topic id that means nothing in this direction"
+    TOO_MANY = "announcement beyond the limit of endpoints"
+
+
+@dataclass(frozen=True, slots=True)
+class MessagesReceived:
+    """Payloads of one announced topic id, in order; at most one event for each topic id a chunk."""
+
+    topic_id: int
+    payloads: list[bytes]
+
+
+@dataclass(frozen=True, slots=True)
+class TopicAnnounced:
+    """The device has a topic; reported again for the same id only when something about it changed."""
+
+    role: TopicRole
+    info: TopicInfo
+
+
+@dataclass(frozen=True, slots=True)
+class TopicWithdrawn:
+    """A topic announced earlier is no longer the device's."""
+
+    role: TopicRole
+    info: TopicInfo
+
+
+@dataclass(frozen=True, slots=True)
+class ServiceAnnounced:
+    """The device serves or calls a service; reported once both halves are known.
+
+    The `md5sum` of `request` and `response` is that of the half's message, not the service's.
+    For a SERVER the host sends on `request.topic_id`, for a CLIENT on `response.topic_id`.
+    """
+
+    role: ServiceRole
+    name: str
+    type: str
+    request: TopicInfo
+    response: TopicInfo
+
+
+@dataclass(frozen=True, slots=True)
+class ServiceWithdrawn:
+    """A service announced earlier is no longer the device's."""
+
+    role: ServiceRole
+    name: str
+    type: str
+    request: TopicInfo
+    response: TopicInfo
+
+
+@dataclass(frozen=True, slots=True)
+class NegotiationSettled:
+    """The set of endpoints is taken to be complete: asked again, the device told nothing new."""
+
+    topic_count: int
+    service_count: int
+    rounds: int
+    duration_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class TimeRequested:
+    """The device asks for the time: call `HostLink.answer_time`."""
+
+
+@dataclass(frozen=True, slots=True)
+class LogReceived:
+    """The device logs a line."""
+
+    level: LogLevel
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterRequested:
+    """The device asks for a parameter and waits: call `HostLink.answer_parameter`, if need be with empty lists."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class FrameDiscarded:
+    """Bytes that were not believed: `data` is what came, in order, never also part of a frame."""
+
+    reason: DiscardReason
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class UnknownTopicId:
+    """`count` messages came on a topic id that was never announced; the link asks for the topics again."""
+
+    topic_id: int
+    count: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class DeviceReset:
+    """The device has forgotten us (reset or lost the time answers); the link asks for its topics at once.
+
+    Until it has announced a topic id again, nothing may be sent on it (`HostLink.can_send`).
+    """
+
+
+@dataclass(frozen=True, slots=True)
+class DeviceSilent:
+    """No valid frame for longer than a healthy device stays silent; reported once a silence."""
+
+    silence_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class ProtocolDetected:
+    """The device speaks protocol version 1 or 2; reported once, again only if it changes."""
+
+    version: int
+
+
+@dataclass(frozen=True, slots=True)
+class TopicsRequested:
+    """A host asked for the topics; they were announced and the device is configured now."""
+
+
+@dataclass(frozen=True, slots=True)
+class Unconfigured:
+    """The device heard no time answer for too long, or was told to stop: it publishes nothing from now on."""
+
+
+@dataclass(frozen=True, slots=True)
+class TimeAnswered:
+    """The host's time came; `round_trip_s` since the request."""
+
+    time: Time
+    round_trip_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterReceived:
+    """The answer to `DeviceLink.request_parameter`; all lists empty means the parameter does not exist."""
+
+    name: str
+    ints: tuple[int, ...]
+    floats: tuple[float, ...]
+    strings: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterTimedOut:
+    """No answer to `DeviceLink.request_parameter` came in time."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class StopReceived:
+    """The host goes away and tells the device to stop sending."""
+
+
+HostEvent: TypeAlias = (
+    MessagesReceived
+    | TopicAnnounced
+    | TopicWithdrawn
+    | ServiceAnnounced
+    | ServiceWithdrawn
+    | NegotiationSettled
+    | TimeRequested
+    | LogReceived
+    | ParameterRequested
+    | FrameDiscarded
+    | UnknownTopicId
+    | DeviceReset
+    | DeviceSilent
+    | ProtocolDetected
+)
+DeviceEvent: TypeAlias = (
+    MessagesReceived
+    | TopicsRequested
+    | Unconfigured
+    | TimeAnswered
+    | ParameterReceived
+    | ParameterTimedOut
+    | StopReceived
+    | FrameDiscarded
+    | UnknownTopicId
+)

@@ -1,0 +1,39 @@
+"""The reserved topic ids of the rosserial wire, and where user topics begin.
+
+    id       payload                                               direction
+    0        empty: "send me your topics"                          host to device
+    0        TopicInfo of a publisher                              device to host
+    1        TopicInfo of a subscriber                             device to host
+    2, 3     TopicInfo of a service server: response, request      device to host
+    4, 5     TopicInfo of a service client: request, response      device to host
+    6        RequestParam: request (device), response (host)       both
+    7        Log                                                   device to host
+    10       Time: request (device), answer (host)                 both
+    11       empty: stop sending, I am going away                  host to device
+    100 ..   user topics                                           both
+
+Directions are the device's: 2 and 4 announce the half the device publishes on, 3 and 5 the half it listens to.
+"""
+
+from __future__ import annotations
+
+TOPIC_REQUEST = 0
+PUBLISHER = 0
+SUBSCRIBER = 1
+SERVICE_SERVER_RESPONSE = 2
+SERVICE_SERVER_REQUEST = 3
+SERVICE_CLIENT_REQUEST = 4
+SERVICE_CLIENT_RESPONSE = 5
+PARAMETER = 6
+LOG = 7
+TIME = 10
+TX_STOP = 11
+
+FIRST_USER_ID = 100
+LAST_ID = 0xFFFF
+
+ANNOUNCEMENTS = range(PUBLISHER, SERVICE_CLIENT_RESPONSE + 1)
+"""The ids on which a device announces an endpoint."""
+
+DEVICE_SENDS_ON = frozenset({PUBLISHER, SERVICE_SERVER_RESPONSE, SERVICE_CLIENT_REQUEST})
+"""Announcements of endpoints that the device sends on; on the others it listens."""
