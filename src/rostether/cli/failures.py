@@ -1,0 +1,82 @@
+"""How a command ends: one line for each failure, exit codes 0 done, 1 failed, 2 usage, 130 interrupted.
+
+A traceback shown to a user is a defect; ROSTETHER_TRACEBACK=1 asks for one.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable
+
+import click
+
+from rostether.errors import RostetherError
+
+EXIT_DONE = 0
+EXIT_FAILED = 1
+EXIT_USAGE = 2
+EXIT_INTERRUPTED = 130
+TRACEBACK_VARIABLE = "ROSTETHER_TRACEBACK"
+
+
+def exit_code_of(command: Callable[[], object]) -> int:
+    """Run a command to its end, print why it failed if it did, and return its exit code; never raises."""
+    try:
+        code = command()
+        sys.stdout.flush()
+    except BrokenPipeError:
+        return _reader_had_enough()
+    except (KeyboardInterrupt, click.Abort):
+        return EXIT_INTERRUPTED
+    except click.exceptions.Exit as ending:
+        return ending.exit_code
+    except click.ClickException as error:
+        return _report_usage(error)
+    except Exception as error:  # noqa: BLE001 - the last line of defence: a user never sees a traceback
+        return _report(error)
+    return code if isinstance(code, int) else EXIT_DONE
+
+
+def one_line(error: BaseException) -> str:
+    """Return what an error says in one line, without the name of its class where the text can stand alone."""
+    while isinstance(error, BaseExceptionGroup):
+        error = error.exceptions[0]
+    text = " ".join(str(error).split())
+    if isinstance(error, RostetherError) and text:
+        return text
+    if isinstance(error, OSError) and error.strerror:
+        return f"{error.filename}: {error.strerror}" if error.filename else error.strerror
+    return (
+        f"{type(error).__name__}: {text} (unexpected; {TRACEBACK_VARIABLE}=1 shows where, please report it)"
+    )
+
+
+def print_error(text: str) -> None:
+    """Write one error line to stderr."""
+    click.echo(f"rostether: error: {text}", err=True)
+
+
+def _report_usage(error: click.ClickException) -> int:
+    context = getattr(error, "ctx", None)
+    if context is not None:
+        click.echo(f"{context.get_usage()}\nTry `{context.command_path} --help`.", err=True)
+    print_error(" ".join(error.format_message().split()))
+    return error.exit_code
+
+
+def _report(error: Exception) -> int:
+    if os.environ.get(TRACEBACK_VARIABLE):
+        import traceback
+
+        traceback.print_exception(error)
+    print_error(one_line(error))
+    return EXIT_FAILED
+
+
+def _reader_had_enough() -> int:
+    # `| head` closed the pipe. The interpreter flushes stdout once more at exit: let it go nowhere.
+    devnull = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(devnull, sys.stdout.fileno())
+    os.close(devnull)
+    return EXIT_DONE

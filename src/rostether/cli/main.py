@@ -1,0 +1,62 @@
+"""The `rostether` command: the table of its verbs and the way in."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+
+import click
+
+from rostether.cli.failures import exit_code_of
+from rostether.cli.verbs import LazyGroup, VerbEntry
+
+VERBS = {
+    "demo": VerbEntry("rostether.cli.demo:demo", "Show a simulated board live, no hardware needed."),
+    "serve": VerbEntry("rostether.cli.serve:serve", "Bridge boards into the ROS graph."),
+    "serial-node": VerbEntry(
+        "rostether.cli.serial_node:serial_node", "Bridge one board, typed as for serial_node.py."
+    ),
+    "ports": VerbEntry("rostether.cli.ports:ports", "List serial ports with what they are."),
+    "core": VerbEntry("rostether.cli.core:core", "Run the ROS master alone, like roscore."),
+    "topic": VerbEntry("rostether.cli.topic:topic", "List, show, publish and measure topics."),
+    "node": VerbEntry("rostether.cli.node:node", "List, show, ping and stop nodes."),
+    "service": VerbEntry("rostether.cli.service:service", "List, show and call services."),
+    "param": VerbEntry("rostether.cli.param:param", "Read and write parameters."),
+    "msg": VerbEntry("rostether.cli.definitions:msg", "Show message definitions."),
+    "srv": VerbEntry("rostether.cli.definitions:srv", "Show service definitions."),
+    "completion": VerbEntry("rostether.cli.completion:completion", "Print shell completion code."),
+}
+
+
+@click.group(
+    cls=LazyGroup,
+    verbs=VERBS,
+    examples="""
+    rostether demo                         a simulated board, live
+    rostether serve /dev/ttyACM0           your board, master included
+    rostether topic list                   what it publishes
+    rostether topic echo /ultrasound       its values
+    """,
+)
+@click.version_option(package_name="rostether", prog_name="rostether")
+def rostether() -> None:
+    """Tether microcontrollers to ROS: boards with rosserial firmware become nodes, no ROS installed."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return the exit code; never raises for anything a user did."""
+    _make_output_forgiving()
+    return exit_code_of(
+        lambda: rostether.main(
+            None if arguments is None else list(arguments), prog_name="rostether", standalone_mode=False
+        )
+    )
+
+
+def _make_output_forgiving() -> None:
+    # Strings from boards may hold bytes that are no UTF-8 (kept as surrogates): give them back as they came.
+    for stream in (sys.stdout, sys.stderr):
+        reconfigure = getattr(stream, "reconfigure", None)
+        if reconfigure is not None:
+            is_utf8 = (stream.encoding or "").lower().replace("-", "") == "utf8"
+            reconfigure(errors="surrogateescape" if is_utf8 else "backslashreplace")

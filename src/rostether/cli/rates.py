@@ -1,0 +1,171 @@
+"""Rates, delays and bandwidth over a sliding window, reported in rostopic's words."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+
+UNBOUNDED_WINDOW = 50_000
+"""Messages in a window that was not limited: about 15 minutes at 50 Hz, 400 kB."""
+
+DEFAULT_BANDWIDTH_WINDOW = 100
+"""rostopic bw's own: short enough to follow a change within seconds."""
+
+
+@dataclass(frozen=True, slots=True)
+class Spread:
+    """What a window holds: mean, extremes and standard deviation in seconds; `window` counts messages."""
+
+    mean_s: float
+    min_s: float
+    max_s: float
+    std_dev_s: float
+    window: int
+
+    @property
+    def rate_hz(self) -> float:
+        """The rate that a mean interval stands for; 0 when all came at once."""
+        return 1.0 / self.mean_s if self.mean_s > 0 else 0.0
+
+
+def _spread(values: Sequence[float], window: int) -> Spread:
+    count = len(values)
+    mean = sum(values) / count
+    deviation = math.sqrt(sum((value - mean) ** 2 for value in values) / count)
+    return Spread(mean, min(values), max(values), deviation, window)
+
+
+class IntervalWindow:
+    """The intervals between a topic's messages."""
+
+    def __init__(self, window: int = -1) -> None:
+        self._intervals: deque[float] = deque(maxlen=_bounded(window) - 1)
+        self._last_s: float | None = None
+        self._reported_s: float | None = None
+
+    def add(self, now_s: float) -> None:
+        """Count a message; a clock that went back starts anew."""
+        if self._last_s is None or now_s < self._last_s:
+            self._intervals.clear()
+        else:
+            self._intervals.append(now_s - self._last_s)
+        self._last_s = now_s
+
+    def report(self) -> Spread | None:
+        """Return the spread, or None when no message came since the last report."""
+        if not self._intervals or self._last_s == self._reported_s:
+            return None
+        self._reported_s = self._last_s
+        return _spread(self._intervals, len(self._intervals) + 1)
+
+
+class DelayWindow:
+    """How long a topic's messages were on their way, by the stamps in their headers."""
+
+    def __init__(self, window: int = -1) -> None:
+        self._delays: deque[float] = deque(maxlen=_bounded(window))
+        self._has_news = False
+
+    def add(self, now_s: float, stamp_s: float) -> None:
+        """Count a message."""
+        self._delays.append(now_s - stamp_s)
+        self._has_news = True
+
+    def report(self) -> Spread | None:
+        """Return the spread, or None when no message came since the last report."""
+        if not self._has_news:
+            return None
+        self._has_news = False
+        return _spread(self._delays, len(self._delays))
+
+
+@dataclass(frozen=True, slots=True)
+class Bandwidth:
+    """Bytes a second, and the sizes of the messages in the window."""
+
+    bytes_per_s: float
+    mean_bytes: float
+    min_bytes: int
+    max_bytes: int
+    window: int
+
+
+class SizeWindow:
+    """The sizes of a topic's messages and when they came."""
+
+    def __init__(self, window: int = DEFAULT_BANDWIDTH_WINDOW) -> None:
+        self._arrivals: deque[tuple[float, int]] = deque(maxlen=max(window, 2))
+
+    def add(self, now_s: float, size_bytes: int) -> None:
+        """Count a message."""
+        self._arrivals.append((now_s, size_bytes))
+
+    def report(self, now_s: float) -> Bandwidth | None:
+        """Return the bandwidth up to now; None before the second message."""
+        if len(self._arrivals) < 2:
+            return None
+        sizes = [size for _, size in self._arrivals]
+        total = sum(sizes)
+        span_s = max(now_s - self._arrivals[0][0], 1e-9)
+        return Bandwidth(total / span_s, total / len(sizes), min(sizes), max(sizes), len(sizes))
+
+
+def format_rate(spread: Spread) -> str:
+    """Return the two lines of `rostopic hz`."""
+    return f"average rate: {spread.rate_hz:.3f}\n{_format_spread(spread)}"
+
+
+def format_delay(spread: Spread) -> str:
+    """Return the two lines of `rostopic delay`."""
+    return f"average delay: {spread.mean_s:.3f}\n{_format_spread(spread)}"
+
+
+def format_bandwidth(bandwidth: Bandwidth) -> str:
+    """Return the two lines of `rostopic bw`, all in the unit that suits the average."""
+    rate = bandwidth.bytes_per_s
+    divisor, unit = (1, "B") if rate < 1e3 else (1e3, "KB") if rate < 1e6 else (1e6, "MB")
+    mean, low, high = (
+        f"{size / divisor:.2f}{unit}"
+        for size in (bandwidth.mean_bytes, bandwidth.min_bytes, bandwidth.max_bytes)
+    )
+    return (
+        f"average: {rate / divisor:.2f}{unit}/s\n"
+        f"\tmean: {mean} min: {low} max: {high} window: {bandwidth.window}"
+    )
+
+
+def format_rate_table(spreads: dict[str, Spread]) -> str:
+    """Return the table that `rostopic hz` prints for several topics."""
+    rows = [
+        (
+            topic,
+            *(f"{value:.4}" for value in (spread.rate_hz, spread.min_s, spread.max_s, spread.std_dev_s)),
+            str(spread.window),
+        )
+        for topic, spread in spreads.items()
+    ]
+    header = ("topic", "rate", "min_delta", "max_delta", "std_dev", "window")
+    widths = [max(len(cell) for cell in column) for column in zip(header, *rows, strict=True)]
+    lines = ["   ".join(cell.center(width) for cell, width in zip(header, widths, strict=True))]
+    lines.append("=" * len(lines[0]))
+    lines += ["   ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) for row in rows]
+    return "\n".join(lines) + "\n"
+
+
+def rate_record(topic: str, spread: Spread) -> dict[str, object]:
+    """Return a rate as a JSON object with units in its keys."""
+    record = asdict(spread)
+    return {"topic": topic, "rate_hz": spread.rate_hz, "mean_interval_s": record.pop("mean_s"), **record}
+
+
+def _format_spread(spread: Spread) -> str:
+    return (
+        f"\tmin: {spread.min_s:.3f}s max: {spread.max_s:.3f}s "
+        f"std dev: {spread.std_dev_s:.5f}s window: {spread.window}"
+    )
+
+
+def _bounded(window: int) -> int:
+    return UNBOUNDED_WINDOW if window < 0 else max(window, 2)
