@@ -5,7 +5,7 @@ Type names are `package/Name`, as ROS 1 writes them.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TypeAlias
 
 ConstantValue: TypeAlias = bool | int | float | str
@@ -16,17 +16,19 @@ class FieldType:
     """The type of one field.
 
     `base` is a primitive name (`int32`, `string`, `time` ...) or a full `package/Name`.
-    `length` is None for a variable-length array and meaningless unless `is_array`.
+    `length` is None for a variable-length array and meaningless unless `is_array`. `length_text` is the
+    length as written (`05`), which the md5sum is over.
     """
 
     base: str
     is_array: bool = False
     length: int | None = None
+    length_text: str = field(default="", compare=False)
 
     def __str__(self) -> str:
         if not self.is_array:
             return self.base
-        return f"{self.base}[{'' if self.length is None else self.length}]"
+        return f"{self.base}[{'' if self.length is None else self.length_text or self.length}]"
 
 
 @dataclass(frozen=True, slots=True)

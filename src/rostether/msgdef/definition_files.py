@@ -1,0 +1,133 @@
+"""Where .msg, .srv and .action texts are: packages on disk, plain folders, and those we bring along.
+
+A package's definitions stand in its `msg`, `srv` and `action` folders or directly in its root. Outside of any
+package, `X/Foo.msg` and `X/msg/Foo.msg` are X/Foo. Folders are read when first asked for, not before.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from enum import StrEnum
+from pathlib import Path
+
+from rostether.errors import DefinitionError
+from rostether.msgdef.parse_msg import MAX_TEXT_CHARACTERS
+from rostether.packages.search_path import Folder, package_name, walk
+
+BUNDLED_FOLDER = Path(__file__).with_name("share")
+
+_TYPE_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+
+
+class Kind(StrEnum):
+    """The three kinds of definition; the value is both the file's suffix and its folder's usual name."""
+
+    MESSAGE = "msg"
+    SERVICE = "srv"
+    ACTION = "action"
+
+
+_KIND_FOLDERS = frozenset(Kind)
+
+
+class PackageFiles:
+    """The definition files of one package: kind -> type name -> file, gathered from one or more folders."""
+
+    def __init__(self) -> None:
+        self._roots: list[Path] = []
+        self._files: dict[Kind, dict[str, Path]] | None = None
+        self._loose: list[tuple[Path, frozenset[str]]] = []
+
+    def add_root(self, root: Path) -> None:
+        """Add a package's root; its subfolders are read later."""
+        self._roots.append(root)
+        self._files = None
+
+    def add_loose(self, folder: Path, files: frozenset[str]) -> None:
+        """Add the files of one folder that was already read."""
+        self._loose.append((folder, files))
+        self._files = None
+
+    def of(self, kind: Kind) -> Mapping[str, Path]:
+        """Return the files of a kind by type name."""
+        if self._files is None:
+            self._files = {each: {} for each in Kind}
+            for folder, files in [*self._folders(), *self._loose]:
+                for file in sorted(files):
+                    self._add(folder, file)
+        return self._files[kind]
+
+    def _folders(self) -> Iterator[tuple[Path, frozenset[str]]]:
+        for root in self._roots:
+            for kind in Kind:
+                for folder in walk(root / kind, below_packages=True):
+                    yield folder.path, folder.files
+            try:
+                yield root, frozenset(entry.name for entry in root.iterdir() if _is_definition(entry.name))
+            except OSError:
+                continue
+
+    def _add(self, folder: Path, file: str) -> None:
+        name, _, suffix = file.rpartition(".")
+        if suffix in _KIND_FOLDERS and _TYPE_NAME.fullmatch(name) and self._files is not None:
+            self._files[Kind(suffix)].setdefault(name, folder / file)
+
+
+def find_definitions(msg_paths: Iterable[Path], package_path: Iterable[Path]) -> dict[str, PackageFiles]:
+    """Find packages below both, and plain folders of definitions below `msg_paths`; earlier roots win."""
+    found: dict[str, PackageFiles] = {}
+    for root in msg_paths:
+        for folder in walk(root):
+            if folder.is_package:
+                _add_package(found, folder)
+            elif any(map(_is_definition, folder.files)):
+                _add_loose(found, folder)
+    for root in package_path:
+        for folder in walk(root):
+            if folder.is_package:
+                _add_package(found, folder)
+    return found
+
+
+def read_definition(file: Path) -> str:
+    """Return a file's text with Unix line ends. Raises DefinitionError if it cannot be read or is too long.
+
+    Comments in another encoding than UTF-8 do not matter, so undecodable bytes are replaced.
+    """
+    try:
+        with file.open("rb") as stream:
+            data = stream.read(MAX_TEXT_CHARACTERS + 1)
+    except OSError as error:
+        raise DefinitionError(f"cannot be read: {error.strerror}", file=str(file)) from error
+    if len(data) > MAX_TEXT_CHARACTERS:
+        raise DefinitionError(f"the definition is longer than {MAX_TEXT_CHARACTERS} bytes", file=str(file))
+    text = data.decode("utf-8-sig", errors="replace")
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def _is_definition(file: str) -> bool:
+    return file.endswith((".msg", ".srv", ".action"))
+
+
+def _add_package(found: dict[str, PackageFiles], folder: Folder) -> None:
+    name = package_name(folder)
+    if name:
+        found.setdefault(name, PackageFiles()).add_root(folder.path)
+
+
+def _add_loose(found: dict[str, PackageFiles], folder: Folder) -> None:
+    owner = folder.path
+    if owner.name in _KIND_FOLDERS:
+        owner = owner.parent
+    name: str | None = owner.name
+    if owner != folder.path and (package := _package_at(owner)):
+        # --msg-path was given the msg folder of a real package.
+        name = package
+    if name and _TYPE_NAME.fullmatch(name):
+        found.setdefault(name, PackageFiles()).add_loose(folder.path, folder.files)
+
+
+def _package_at(path: Path) -> str | None:
+    folder = next(walk(path), None)
+    return package_name(folder) if folder is not None and folder.is_package else None

@@ -1,0 +1,209 @@
+"""Every message and service type by name: from the user's folders, those we bring along, and learned ones."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from rostether.errors import ConfigError, DefinitionError, UnknownTypeError
+from rostether.msgdef.definition_files import (
+    BUNDLED_FOLDER,
+    Kind,
+    PackageFiles,
+    find_definitions,
+    read_definition,
+)
+from rostether.msgdef.full_text import message_full_text, split_full_text
+from rostether.msgdef.interface import MessageType, ServiceType
+from rostether.msgdef.md5sum import message_md5sum, service_md5sum
+from rostether.msgdef.parse_action import action_of, expand_action
+from rostether.msgdef.parse_msg import parse_message
+from rostether.msgdef.parse_srv import parse_service
+from rostether.msgdef.spec import MessageSpec, ServiceSpec
+from rostether.msgdef.unknown_type import explain_unknown
+from rostether.packages.search_path import ros_package_path
+
+MAX_LEARNED_TYPES = 4096  # peers' definitions must not fill memory; a large system has some hundred types
+
+
+class Registry:
+    """Finds, parses and caches definitions; nothing is read before it is asked for.
+
+    `paths` are folders of packages or of plain definitions (--msg-path), `package_path` those of
+    ROS_PACKAGE_PATH; both win over the bundled definitions, type by type, in the order given.
+    """
+
+    def __init__(
+        self,
+        paths: Iterable[Path | str] = (),
+        *,
+        package_path: Iterable[Path | str] = (),
+        bundled: bool = True,
+    ) -> None:
+        self._paths = [Path(path) for path in paths]
+        self._package_path = [Path(path) for path in package_path]
+        self._bundled = bundled
+        self._found: dict[str, PackageFiles] | None = None
+        self._learned: dict[str, str] = {}
+        self._messages: dict[str, MessageSpec] = {}
+        self._services: dict[str, ServiceSpec] = {}
+        self._message_types: dict[str, MessageType] = {}
+        self._service_types: dict[str, ServiceType] = {}
+
+    @classmethod
+    def from_environment(
+        cls, msg_paths: Iterable[Path | str] = (), environ: Mapping[str, str] | None = None
+    ) -> Registry:
+        """Use --msg-path folders and ROS_PACKAGE_PATH. Raises ConfigError for a --msg-path that is no folder."""
+        paths = [Path(path).expanduser() for path in msg_paths]
+        for path in paths:
+            if not path.is_dir():
+                raise ConfigError(
+                    f"--msg-path {path}: no such folder; give a folder of packages or of .msg files"
+                )
+        return cls(paths, package_path=ros_package_path(os.environ if environ is None else environ))
+
+    def message(self, name: str) -> MessageSpec:
+        """Return a message by `package/Name`; halves of services and parts of actions are messages too.
+
+        Raises UnknownTypeError, or DefinitionError if its own text is broken.
+        """
+        spec = self._messages.get(name)
+        if spec is None:
+            spec = self._messages[name] = self._load_message(name)
+        return spec
+
+    def service(self, name: str) -> ServiceSpec:
+        """Return a service by `package/Name`. Raises UnknownTypeError, DefinitionError."""
+        spec = self._services.get(name)
+        if spec is None:
+            package, short_name = self._split(Kind.SERVICE, name)
+            file = self._file(Kind.SERVICE, package, short_name)
+            if file is None:
+                raise UnknownTypeError(explain_unknown(self, Kind.SERVICE, package, short_name))
+            spec = parse_service(read_definition(file), package=package, name=short_name, file=str(file))
+            self._services[name] = spec
+        return spec
+
+    def message_type(self, name: str) -> MessageType:
+        """Return a message's md5sum and full text. Raises as `message`, for every type below it as well."""
+        found = self._message_types.get(name)
+        if found is None:
+            found = self._message_types[name] = self._describe(self.message(name))
+        return found
+
+    def service_type(self, name: str) -> ServiceType:
+        """Return a service's md5sum and its halves. Raises as `service`, for every type below it as well."""
+        found = self._service_types.get(name)
+        if found is None:
+            spec = self.service(name)
+            found = ServiceType(
+                name,
+                service_md5sum(spec, self.message),
+                self._describe(spec.request),
+                self._describe(spec.response),
+            )
+            self._service_types[name] = found
+        return found
+
+    def packages(self) -> list[str]:
+        """Return the names of all packages that have definitions, sorted."""
+        names = {package for package, files in self._on_path().items() if any(map(files.of, Kind))}
+        names.update(name.partition("/")[0] for name in self._learned)
+        if self._bundled:
+            names.update(_names_in(BUNDLED_FOLDER))
+        return sorted(names)
+
+    def messages(self, package: str | None = None) -> list[str]:
+        """Return the full names of all messages, or of one package's, sorted; service halves are not listed."""
+        names: set[str] = set()
+        for each in self.packages() if package is None else [package]:
+            names.update(f"{each}/{name}" for name in self._names(Kind.MESSAGE, each))
+            for action in self._names(Kind.ACTION, each):
+                names.update(f"{each}/{message}" for message in _messages_of_action(action))
+        names.update(name for name in self._learned if package in (None, name.partition("/")[0]))
+        return sorted(names)
+
+    def services(self, package: str | None = None) -> list[str]:
+        """Return the full names of all services, or of one package's, sorted."""
+        packages = self.packages() if package is None else [package]
+        return sorted(f"{each}/{name}" for each in packages for name in self._names(Kind.SERVICE, each))
+
+    def add_full_text(self, name: str, definition: str) -> None:
+        """Learn a message from a connection header's `message_definition`, with all messages below it.
+
+        Types that are already known keep their definition: to read one connection exactly as its publisher
+        defines it, give a `Registry(bundled=False)` of its own. Raises DefinitionError.
+        """
+        texts = split_full_text(name, definition)
+        new = {each: text for each, text in texts.items() if each not in self._learned}
+        if len(self._learned) + len(new) > MAX_LEARNED_TYPES:
+            raise DefinitionError(f"more than {MAX_LEARNED_TYPES} types learned from peers", file=name)
+        for each, text in new.items():
+            package, short_name = self._split(Kind.MESSAGE, each)
+            parse_message(text, package=package, name=short_name)
+        self._learned.update(new)
+
+    def _load_message(self, name: str) -> MessageSpec:
+        package, short_name = self._split(Kind.MESSAGE, name)
+        if file := self._file(Kind.MESSAGE, package, short_name):
+            return parse_message(read_definition(file), package=package, name=short_name, file=str(file))
+        for action in action_of(short_name):
+            if file := self._file(Kind.ACTION, package, action):
+                texts = expand_action(read_definition(file), name=action, file=str(file))
+                return parse_message(texts[short_name], package=package, name=short_name, file=str(file))
+        for half in ("request", "response"):
+            service = short_name.removesuffix(half.capitalize())
+            if service != short_name and self._file(Kind.SERVICE, package, service):
+                spec = self.service(f"{package}/{service}")
+                return spec.request if half == "request" else spec.response
+        if name in self._learned:
+            return parse_message(self._learned[name], package=package, name=short_name)
+        raise UnknownTypeError(explain_unknown(self, Kind.MESSAGE, package, short_name))
+
+    def _describe(self, spec: MessageSpec) -> MessageType:
+        return MessageType(
+            spec.full_name, message_md5sum(spec, self.message), message_full_text(spec, self.message)
+        )
+
+    def _split(self, kind: Kind, name: str) -> tuple[str, str]:
+        package, slash, short_name = name.partition("/")
+        if not slash or not (package.isascii() and short_name.isidentifier() and short_name.isascii()):
+            example = "std_srvs/SetBool" if kind is Kind.SERVICE else "std_msgs/String"
+            raise UnknownTypeError(f"{name[:80]!r} is not a type name; write package/Name, as {example}")
+        return package, short_name
+
+    def _on_path(self) -> dict[str, PackageFiles]:
+        if self._found is None:
+            self._found = find_definitions(self._paths, self._package_path)
+        return self._found
+
+    def _file(self, kind: Kind, package: str, short_name: str) -> Path | None:
+        on_path = self._on_path().get(package)
+        if on_path is not None and (file := on_path.of(kind).get(short_name)):
+            return file
+        if self._bundled and package.isidentifier():
+            file = BUNDLED_FOLDER / package / kind / f"{short_name}.{kind}"
+            if file.is_file():
+                return file
+        return None
+
+    def _names(self, kind: Kind, package: str) -> set[str]:
+        on_path = self._on_path().get(package)
+        names = set(on_path.of(kind)) if on_path is not None else set()
+        if self._bundled and package.isidentifier():
+            suffix = f".{kind}"
+            names.update(each.removesuffix(suffix) for each in _names_in(BUNDLED_FOLDER / package / kind))
+        return names
+
+
+def _messages_of_action(action: str) -> list[str]:
+    return list(expand_action("---\n---", name=action))
+
+
+def _names_in(folder: Path) -> list[str]:
+    try:
+        return os.listdir(folder)
+    except OSError:
+        return []

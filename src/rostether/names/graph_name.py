@@ -1,0 +1,74 @@
+"""The rules of ROS 1 graph names: `/global/name`, `relative/name`, `~private`.
+
+Source: what rosgraph.names (rospy) and ros::names (roscpp) accept, the stricter of the two.
+"""
+
+from __future__ import annotations
+
+import re
+
+from rostether.errors import InvalidNameError
+
+SEPARATOR = "/"
+PRIVATE = "~"
+
+_LEGAL = re.compile(r"[~/A-Za-z][A-Za-z0-9_/]*")
+_ILLEGAL_CHARACTER = re.compile(r"[^A-Za-z0-9_/]")
+_MAX_QUOTED_CHARACTERS = 80  # a board can announce any bytes as a name; the error stays one readable line
+
+
+def is_global(name: str) -> bool:
+    """Tell whether the name starts at the root, as `/a`."""
+    return name.startswith(SEPARATOR)
+
+
+def is_private(name: str) -> bool:
+    """Tell whether the name belongs to a node, as `~a`."""
+    return name.startswith(PRIVATE)
+
+
+def is_legal_name(name: str) -> bool:
+    """Tell whether ROS accepts the name; the empty name is legal and means the namespace."""
+    return not name or (_LEGAL.fullmatch(name) is not None and "//" not in name)
+
+
+def validate_name(name: str) -> str:
+    """Return the name unchanged. Raises InvalidNameError for an illegal or empty one, with the reason."""
+    if name and is_legal_name(name):
+        return name
+    raise InvalidNameError(f"{_quote(name)} is not a ROS name: {_reason(name)}")
+
+
+def join(namespace: str, name: str) -> str:
+    """Put a relative name into a namespace (`/`, `/ns`, `~` or empty); other names come back as they are."""
+    if is_global(name) or is_private(name) or not namespace:
+        return name
+    if namespace == PRIVATE or namespace.endswith(SEPARATOR):
+        return namespace + name
+    return namespace + SEPARATOR + name
+
+
+def namespace_of(name: str) -> str:
+    """Return the namespace that holds the name, without a trailing slash: `/a/b` -> `/a`, `/b` -> `/`."""
+    return name.removesuffix(SEPARATOR).rpartition(SEPARATOR)[0] or SEPARATOR
+
+
+def canonical(name: str) -> str:
+    """Return the name without doubled or trailing slashes; `/` stays."""
+    cleaned = SEPARATOR.join(part for part in name.split(SEPARATOR) if part)
+    return SEPARATOR + cleaned if is_global(name) else cleaned
+
+
+def _reason(name: str) -> str:
+    if not name:
+        return "it is empty"
+    if not _LEGAL.match(name):
+        return "it must start with a letter, '/' or '~'"
+    if "//" in name:
+        return "it has an empty part ('//')"
+    found = _ILLEGAL_CHARACTER.search(name, 1)
+    return f"{found.group()!r} is not a letter, digit, '_' or '/'" if found else "it is malformed"
+
+
+def _quote(name: str) -> str:
+    return repr(name if len(name) <= _MAX_QUOTED_CHARACTERS else name[:_MAX_QUOTED_CHARACTERS] + "...")

@@ -1,0 +1,112 @@
+"""Finding ROS packages on disk: breadth first, bounded, never below a package, as rospack and catkin do."""
+
+from __future__ import annotations
+
+import os
+from collections import deque
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from rostether.errors import ConfigError
+from rostether.packages.package_xml import MAX_PACKAGE_XML_BYTES, parse_package_xml
+
+MAX_FOLDERS = 20_000  # a large workspace has some thousands; a home directory must not be read whole
+MAX_DEPTH = 12  # workspace/src/repository/stack/package is 4; more than 12 is no workspace
+PACKAGE_FILE = "package.xml"
+ROSBUILD_FILE = "manifest.xml"
+_IGNORE_FILE = "CATKIN_IGNORE"
+_NO_SUBFOLDERS_FILE = "rospack_nosubdirs"
+
+
+@dataclass(frozen=True, slots=True)
+class Folder:
+    """One folder met by a walk, with the names of its files."""
+
+    path: Path
+    files: frozenset[str]
+
+    @property
+    def is_package(self) -> bool:
+        """Whether the folder is a package's root."""
+        return PACKAGE_FILE in self.files or ROSBUILD_FILE in self.files
+
+
+def ros_package_path(environ: Mapping[str, str]) -> list[Path]:
+    """Return the folders of ROS_PACKAGE_PATH in order; empty when it is not set."""
+    return [Path(part) for part in environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if part]
+
+
+def find_packages(roots: Iterable[Path]) -> dict[str, Path]:
+    """Map the names of all packages below the roots to their folders; the first found of a name counts.
+
+    Folders that cannot be read and packages whose package.xml is broken are passed over, so that one bad
+    checkout does not hide the others.
+    """
+    found: dict[str, Path] = {}
+    for root in roots:
+        for folder in walk(root):
+            if folder.is_package and (name := package_name(folder)):
+                found.setdefault(name, folder.path)
+    return found
+
+
+def package_name(folder: Folder) -> str | None:
+    """Return the name of the package whose root this folder is; None if its package.xml is broken."""
+    file = folder.path / (PACKAGE_FILE if PACKAGE_FILE in folder.files else ROSBUILD_FILE)
+    # A rosbuild manifest has no name: the package is called like its folder.
+    default_name = "" if PACKAGE_FILE in folder.files else folder.path.name
+    try:
+        with file.open("rb") as stream:
+            data = stream.read(MAX_PACKAGE_XML_BYTES + 1)
+        return parse_package_xml(data, file=str(file), default_name=default_name).name
+    except (OSError, ConfigError):
+        return None
+
+
+def walk(root: Path, *, below_packages: bool = False) -> Iterator[Folder]:
+    """Yield the root and the folders below it, nearest first.
+
+    Hidden folders and those with a CATKIN_IGNORE file are left out with all they hold; links are followed,
+    but no folder is visited twice. Stops after MAX_FOLDERS folders.
+    """
+    seen: set[tuple[int, int]] = set()
+    waiting: deque[tuple[str, int]] = deque([(os.path.abspath(root), 0)])  # noqa: PTH100 - keeps links
+    visited = 0
+    while waiting and visited < MAX_FOLDERS:
+        path, depth = waiting.popleft()
+        visited += 1
+        listing = _list_folder(path, seen)
+        if listing is None:
+            continue
+        files, subfolders = listing
+        folder = Folder(Path(path), files)
+        yield folder
+        stops = _NO_SUBFOLDERS_FILE in files or (folder.is_package and not below_packages)
+        if not stops and depth < MAX_DEPTH:
+            waiting.extend((subfolder, depth + 1) for subfolder in subfolders)
+
+
+def _list_folder(path: str, seen: set[tuple[int, int]]) -> tuple[frozenset[str], list[str]] | None:
+    files: set[str] = set()
+    subfolders: list[str] = []
+    try:
+        status = os.stat(path)  # noqa: PTH116 - this is the hot loop of a search
+        identity = (status.st_dev, status.st_ino)
+        # Windows file systems without file ids give 0 for all.
+        if identity in seen and status.st_ino:
+            return None
+        seen.add(identity)
+        with os.scandir(path) as entries:
+            for entry in entries:
+                if entry.name.startswith("."):
+                    continue
+                if entry.is_dir():
+                    subfolders.append(entry.path)
+                else:
+                    files.add(entry.name)
+    except OSError:
+        return None
+    if _IGNORE_FILE in files:
+        return None
+    return frozenset(files), sorted(subfolders)
