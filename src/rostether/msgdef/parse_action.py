@@ -13,7 +13,9 @@ ACTION_SUFFIXES = ("ActionGoal", "ActionResult", "ActionFeedback", "Action", "Go
 def action_of(message_name: str) -> tuple[str, ...]:
     """Return the names of the actions that a message of this name could belong to, likeliest first."""
     return tuple(
-        message_name.removesuffix(suffix) for suffix in ACTION_SUFFIXES if _has(message_name, suffix)
+        message_name.removesuffix(suffix)
+        for suffix in ACTION_SUFFIXES
+        if message_name.endswith(suffix) and message_name != suffix
     )
 
 
@@ -30,7 +32,7 @@ def expand_action(text: str, *, name: str, file: str = "") -> dict[str, str]:
             sections[-1].append(line)
     if len(sections) != 3:
         raise DefinitionError(
-            f"an action has 3 sections (goal, result, feedback) between '---' lines, this has {len(sections)}",
+            f"an action is goal, result and feedback with '---' between; this has {len(sections)} parts",
             file=file or name,
         )
     goal, result, feedback = ("\n".join(lines) for lines in sections)
@@ -46,7 +48,3 @@ def expand_action(text: str, *, name: str, file: str = "") -> dict[str, str]:
         f"{name}ActionFeedback action_feedback\n",
     }
     return {message: _MADE_FROM_ACTION + body for message, body in bodies.items()}
-
-
-def _has(message_name: str, suffix: str) -> bool:
-    return message_name.endswith(suffix) and message_name != suffix

@@ -55,7 +55,7 @@ class Registry:
     def from_environment(
         cls, msg_paths: Iterable[Path | str] = (), environ: Mapping[str, str] | None = None
     ) -> Registry:
-        """Use --msg-path folders and ROS_PACKAGE_PATH. Raises ConfigError for a --msg-path that is no folder."""
+        """Use --msg-path folders and ROS_PACKAGE_PATH. Raises ConfigError for a missing folder."""
         paths = [Path(path).expanduser() for path in msg_paths]
         for path in paths:
             if not path.is_dir():
@@ -116,7 +116,7 @@ class Registry:
         return sorted(names)
 
     def messages(self, package: str | None = None) -> list[str]:
-        """Return the full names of all messages, or of one package's, sorted; service halves are not listed."""
+        """Return the full names of all messages, or of one package's, sorted, without service halves."""
         names: set[str] = set()
         for each in self.packages() if package is None else [package]:
             names.update(f"{each}/{name}" for name in self._names(Kind.MESSAGE, each))
@@ -204,6 +204,6 @@ def _messages_of_action(action: str) -> list[str]:
 
 def _names_in(folder: Path) -> list[str]:
     try:
-        return os.listdir(folder)
+        return [entry.name for entry in folder.iterdir()]
     except OSError:
         return []

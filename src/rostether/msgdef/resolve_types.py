@@ -12,8 +12,8 @@ from rostether.msgdef.spec import Field, MessageSpec
 Lookup: TypeAlias = Callable[[str], MessageSpec]
 
 MAX_DEPTH = 32  # the deepest in use nest about 8; definitions also come from peers
-# Values that every message holds because of fixed arrays and nesting. Nested twice a level, 32 levels would be 4e9
-# of them in a text of 1 KB; the largest in use have some thousand.
+# Values that every message holds because of fixed arrays and nesting: two fields of the next type on each of
+# 32 levels would be 4e9 of them in a text of 1 KB; the largest in use have some thousand.
 MAX_FIXED_VALUES = 1 << 20
 _BYTES_A_VALUE = 256  # a fixed array of bytes is one value in memory, so it counts by size only
 

@@ -6,35 +6,41 @@ from typing import Protocol
 
 from rostether.msgdef.definition_files import Kind
 
-_HOW = "give its folder with --msg-path DIR or put it on ROS_PACKAGE_PATH"
-_NOUNS = {Kind.MESSAGE: "message", Kind.SERVICE: "service", Kind.ACTION: "action"}
+HOW_TO_GIVE = "give its folder with --msg-path DIR or put it on ROS_PACKAGE_PATH"
 
 
-class _Names(Protocol):
-    def packages(self) -> list[str]: ...
-    def messages(self, package: str | None = None) -> list[str]: ...
-    def services(self, package: str | None = None) -> list[str]: ...
+class KnownNames(Protocol):
+    """What a registry knows by name."""
+
+    def packages(self) -> list[str]:
+        """All packages."""
+
+    def messages(self, package: str | None = None) -> list[str]:
+        """Full names of messages."""
+
+    def services(self, package: str | None = None) -> list[str]:
+        """Full names of services."""
 
 
-def explain_unknown(names: _Names, kind: Kind, package: str, short_name: str) -> str:
+def explain_unknown(known: KnownNames, kind: Kind, package: str, short_name: str) -> str:
     """Say why `package/short_name` is unknown and what to do."""
     wanted = f"{package}/{short_name}"
-    packages = names.packages()
+    packages = known.packages()
     if package not in packages:
-        return f"no package {package!r} is known for {wanted}; {_meant(package, packages)}{_HOW}"
-    messages, services = names.messages(package), names.services(package)
-    candidates, others = (messages, services) if kind is Kind.MESSAGE else (services, messages)
-    noun = _NOUNS[kind]
+        meant = _did_you_mean(package, packages)
+        return f"no package {package!r} is known for {wanted}; {meant}{HOW_TO_GIVE}"
+    candidates, others = known.messages(package), known.services(package)
+    noun, other_noun = "message", "service"
+    if kind is Kind.SERVICE:
+        candidates, others, noun, other_noun = others, candidates, other_noun, noun
     if wanted in others:
-        return f"{wanted} is a {'service' if kind is Kind.MESSAGE else 'message'}, not a {noun}"
-    return (
-        f"package {package!r} has no {noun} {short_name!r}; {_meant(wanted, candidates)}if another version of"
-        f" the package has it, {_HOW}"
-    )
+        return f"{wanted} is a {other_noun}, not a {noun}"
+    meant = _did_you_mean(wanted, candidates)
+    return f"package {package!r} has no {noun} {short_name!r}; {meant}if a newer one has it, {HOW_TO_GIVE}"
 
 
-def _meant(name: str, candidates: list[str]) -> str:
+def _did_you_mean(name: str, candidates: list[str]) -> str:
     import difflib
 
     close = difflib.get_close_matches(name, candidates, n=1)
-    return f"did you mean {close[0]!r}? Else " if close else ""
+    return f"did you mean {close[0]}? Otherwise, " if close else ""

@@ -66,6 +66,4 @@ def _yaml_value(argument: str, text: str) -> Any:
         return yaml.safe_load(text)
     except yaml.YAMLError as error:
         reason = str(error).splitlines()[0]
-        raise ConfigError(
-            f"{argument!r}: the value is not YAML ({reason}); quote it if it is a text"
-        ) from error
+        raise ConfigError(f"{argument!r}: the value is not YAML ({reason}); quote a text") from error
