@@ -1,0 +1,176 @@
+"""Who may connect to what: the fields each side of a TCPROS connection sends first, and their check.
+
+The side that connects says what it wants; the other answers with its own fields, or with one field `error`
+and the end of the connection. What the first header makes of a connection:
+
+    field present            purpose          answered, then
+    topic                    SUBSCRIBE        messages flow to the peer until one side hangs up
+    service, probe=1         PROBE            the peer hangs up; it only wanted to know that we live
+    service, persistent=1    CALL_PERSISTENT  requests and answers alternate until one side hangs up
+    service                  CALL_ONCE        one request, one answer, end
+
+A md5sum or type of `*` agrees with every other. Names of types are only compared to explain why md5sums
+differ, as rospy and roscpp do it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from enum import Enum
+
+from rostether.errors import GraphError, RemoteProtocolError, TypeMismatchError
+from rostether.msgdef.interface import ANY_MD5SUM, MessageType, ServiceType
+
+
+class Purpose(Enum):
+    """What the peer that connected wants."""
+
+    SUBSCRIBE = "subscribe"
+    PROBE = "probe"
+    CALL_PERSISTENT = "call, persistent"
+    CALL_ONCE = "call once"
+
+
+_PURPOSES: tuple[tuple[str, str, Purpose], ...] = (
+    # field that must be there, field that must be true besides it
+    ("topic", "", Purpose.SUBSCRIBE),
+    ("service", "probe", Purpose.PROBE),
+    ("service", "persistent", Purpose.CALL_PERSISTENT),
+    ("service", "", Purpose.CALL_ONCE),
+)
+
+
+def is_true(fields: Mapping[str, str], key: str) -> bool:
+    """Tell whether a flag of a header is set."""
+    return fields.get(key, "").strip().lower() in ("1", "true")
+
+
+def purpose_of(fields: Mapping[str, str]) -> Purpose:
+    """Classify an incoming connection by its header. Raises RemoteProtocolError."""
+    for field, flag, purpose in _PURPOSES:
+        if field in fields and (not flag or is_true(fields, flag)):
+            if "md5sum" not in fields:
+                raise RemoteProtocolError("Missing required 'md5sum' field")
+            return purpose
+    raise RemoteProtocolError("no topic or service name detected")
+
+
+def subscriber_fields(
+    topic: str, message_type: MessageType, *, caller_id: str, tcp_nodelay: bool
+) -> dict[str, str]:
+    """Return what a subscriber sends to a publisher."""
+    return {
+        "topic": topic,
+        "type": message_type.name,
+        "md5sum": message_type.md5sum,
+        "message_definition": message_type.definition,
+        "callerid": caller_id,
+        "tcp_nodelay": "1" if tcp_nodelay else "0",
+    }
+
+
+def publisher_fields(topic: str, message_type: MessageType, *, caller_id: str, latch: bool) -> dict[str, str]:
+    """Return what a publisher answers."""
+    return {
+        "topic": topic,
+        "type": message_type.name,
+        "md5sum": message_type.md5sum,
+        "message_definition": message_type.definition,
+        "callerid": caller_id,
+        "latching": "1" if latch else "0",
+    }
+
+
+def client_fields(
+    service: str, service_type: ServiceType, *, caller_id: str, persistent: bool
+) -> dict[str, str]:
+    """Return what a service client sends to a server."""
+    fields = {
+        "service": service,
+        "type": service_type.name,
+        "md5sum": service_type.md5sum,
+        "callerid": caller_id,
+    }
+    return fields | {"persistent": "1"} if persistent else fields
+
+
+def probe_fields(service: str, *, caller_id: str) -> dict[str, str]:
+    """Return what asks a server only whether it lives, and for its type."""
+    return {"service": service, "md5sum": ANY_MD5SUM, "callerid": caller_id, "probe": "1"}
+
+
+def server_fields(service: str, service_type: ServiceType, *, caller_id: str) -> dict[str, str]:
+    """Return what a service server answers."""
+    return {
+        "service": service,
+        "type": service_type.name,
+        "md5sum": service_type.md5sum,
+        "request_type": service_type.request.name,
+        "response_type": service_type.response.name,
+        "callerid": caller_id,
+    }
+
+
+def check_subscriber(fields: Mapping[str, str], topic: str, message_type: MessageType) -> None:
+    """Check a subscriber's header against what we publish. Raises TypeMismatchError with the text to send."""
+    if agree(fields["md5sum"], message_type.md5sum):
+        return
+    wanted = fields.get("type", message_type.name)
+    if not agree(wanted, message_type.name):
+        raise TypeMismatchError(f"topic types do not match: [{wanted}] vs. [{message_type.name}]")
+    raise TypeMismatchError(
+        f"Client [{fields.get('callerid', '?')}] wants topic [{topic}] to have datatype/md5sum "
+        f"[{wanted}/{fields['md5sum']}], but our version has [{message_type.name}/{message_type.md5sum}]. "
+        "Dropping connection."
+    )
+
+
+def check_publisher(fields: Mapping[str, str], topic: str, message_type: MessageType) -> None:
+    """Check a publisher's answer against what we subscribe to.
+
+    Raises TypeMismatchError, GraphError with the publisher's own words, RemoteProtocolError.
+    """
+    _check_answer(fields)
+    if not agree(fields["md5sum"], message_type.md5sum):
+        raise TypeMismatchError(
+            f"{topic} is published as {fields.get('type', '?')} (md5sum {fields['md5sum']}), "
+            f"not as {message_type.name} (md5sum {message_type.md5sum}): make both ends use one definition"
+        )
+
+
+def check_client(fields: Mapping[str, str], service_type: ServiceType) -> None:
+    """Check a client's header against our service. Raises TypeMismatchError with the text to send."""
+    if not agree(fields["md5sum"], service_type.md5sum):
+        raise TypeMismatchError(
+            f"request from [{fields.get('callerid', '?')}]: md5sums do not match: "
+            f"[{fields['md5sum']}] vs. [{service_type.md5sum}]"
+        )
+
+
+def check_server(fields: Mapping[str, str], service: str, service_type: ServiceType) -> None:
+    """Check a server's answer against the type we call.
+
+    Raises TypeMismatchError, GraphError with the server's own words, RemoteProtocolError.
+    """
+    # roscpp's servers answer with the md5sum only, rospy's with everything.
+    _check_answer(fields)
+    if not agree(fields["md5sum"], service_type.md5sum):
+        raise TypeMismatchError(
+            f"service {service} has type {fields.get('type', '?')} (md5sum {fields['md5sum']}), "
+            f"not {service_type.name} (md5sum {service_type.md5sum}): make both ends use one definition"
+        )
+
+
+def agree(left: str, right: str) -> bool:
+    """Tell whether two md5sums, or two type names, agree: `*` does with all."""
+    return left == right or ANY_MD5SUM in (left, right)
+
+
+def _check_answer(fields: Mapping[str, str]) -> None:
+    if "error" in fields:
+        text = fields["error"]
+        # rospy and roscpp say md5sum, and rospy "topic types", when types disagree.
+        kind = TypeMismatchError if "md5sum" in text or "types do not match" in text else GraphError
+        raise kind(text)
+    if "md5sum" not in fields:
+        raise RemoteProtocolError("connection header lacks the field md5sum")

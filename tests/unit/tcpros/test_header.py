@@ -1,0 +1,56 @@
+"""Connection headers."""
+
+from __future__ import annotations
+
+import struct
+
+import pytest
+
+from rostether.errors import RemoteProtocolError
+from rostether.tcpros.header import MAX_HEADER_BYTES, HeaderDecoder, decode_fields, encode_header
+
+FIELDS = {"topic": "/chatter", "md5sum": "*", "message_definition": "string data\n", "empty": ""}
+
+
+def test_layout_is_length_then_sorted_fields_with_their_lengths() -> None:
+    assert encode_header({"b": "2", "a": "=x"}) == b"\x0f\0\0\0" + b"\x04\0\0\0a==x" + b"\x03\0\0\0b=2"
+
+
+def test_fields_survive_every_cut() -> None:
+    wire = encode_header(FIELDS) + b"tail"
+    for cut in range(len(wire) + 1):
+        decoder = HeaderDecoder()
+        first = decoder.feed(wire[:cut])
+        fields = first if first is not None else decoder.feed(wire[cut:])
+        assert fields == FIELDS
+        assert decoder.rest + (wire[cut:] if first is not None else b"") == b"tail"
+
+
+def test_bytes_that_are_no_utf8_survive() -> None:
+    body = encode_header({})[4:] + b"\x04\0\0\0k=\xff\xfe"
+    assert encode_header(decode_fields(body))[4:] == body
+
+
+def test_a_header_without_fields_is_complete() -> None:
+    assert HeaderDecoder().feed(b"\0\0\0\0") == {}
+
+
+@pytest.mark.parametrize(
+    ("body", "reason"),
+    [
+        (b"\x01\0", "ends inside a field's length"),
+        (b"\x09\0\0\0a=b", "claims 9 bytes, only 3"),
+        (b"\x03\0\0\0abc", "has no '='"),
+        (b"\0\0\0\0", "has no '='"),
+    ],
+)
+def test_broken_fields_are_refused(body: bytes, reason: str) -> None:
+    with pytest.raises(RemoteProtocolError, match=reason):
+        decode_fields(body)
+
+
+def test_a_length_above_the_limit_is_refused_before_its_bytes_come() -> None:
+    with pytest.raises(RemoteProtocolError, match="not a TCPROS peer"):
+        HeaderDecoder().feed(struct.pack("<I", MAX_HEADER_BYTES + 1))
+    with pytest.raises(RemoteProtocolError):
+        HeaderDecoder().feed(b"GET / HTTP/1.1\r\n")
