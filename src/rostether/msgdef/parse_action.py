@@ -35,7 +35,7 @@ def expand_action(text: str, *, name: str, file: str = "") -> dict[str, str]:
             f"an action is goal, result and feedback with '---' between; this has {len(sections)} parts",
             file=file or name,
         )
-    goal, result, feedback = ("\n".join(lines) for lines in sections)
+    goal, result, feedback = ("".join(f"{line}\n" for line in lines) for lines in sections)
     status = "\nHeader header\nactionlib_msgs/GoalStatus status\n"
     bodies = {
         f"{name}Goal": goal,
