@@ -1,0 +1,66 @@
+"""Values to bytes and back, for one message type."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from rostether.errors import SerializationError
+from rostether.serde.conform import Conform
+from rostether.serde.decoder_source import DECODE_ERRORS, Decode, compile_decoder
+from rostether.serde.encoder_source import ENCODE_ERRORS, Encode, compile_encoder
+from rostether.serde.layout import Layout
+from rostether.serde.type_tree import Struct
+from rostether.serde.values import Message, MessageClasses
+
+
+class Codec:
+    """Encodes and decodes one message type; compiled on first use of each direction."""
+
+    def __init__(self, tree: Struct, classes: MessageClasses, layout: Layout) -> None:
+        self.tree = tree
+        self.layout = layout
+        self.message_class = classes.of(tree)
+        self._classes = classes
+        self._encode: Encode = self._first_encode
+        self._decode: Decode = self._first_decode
+
+    @property
+    def type_name(self) -> str:
+        """The type as `package/Name`."""
+        return self.tree.name
+
+    def encode(self, value: Message | Mapping[str, Any]) -> bytes:
+        """Return the ROS 1 serialization. Raises SerializationError naming the field that does not fit.
+
+        Messages may have mappings, tuples or numpy arrays where messages and lists are meant.
+        """
+        if isinstance(value, Message) and value._type == self.tree.name:
+            try:
+                return self._encode(value)
+            except ENCODE_ERRORS:
+                pass
+        message = self.conform(value)
+        try:
+            return self._encode(message)
+        except ENCODE_ERRORS as error:
+            raise SerializationError(f"{self.tree.name} cannot be encoded: {error}") from error
+
+    def decode(self, payload: bytes) -> Message:
+        """Return the message that a whole payload holds. Raises SerializationError saying how it differs."""
+        try:
+            return self._decode(payload)
+        except DECODE_ERRORS:
+            raise SerializationError(self.layout.explain(payload)) from None
+
+    def conform(self, value: Message | Mapping[str, Any]) -> Message:
+        """Return a complete message, each value in its own Python type. Raises SerializationError."""
+        return Conform(self.tree, self._classes).message(value)
+
+    def _first_encode(self, message: Message) -> bytes:
+        self._encode = compile_encoder(self.tree, self._classes)
+        return self._encode(message)
+
+    def _first_decode(self, payload: bytes) -> Message:
+        self._decode = compile_decoder(self.tree, self._classes)
+        return self._decode(payload)

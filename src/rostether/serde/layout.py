@@ -1,0 +1,119 @@
+"""Whether raw bytes have the layout of a type, told without decoding them.
+
+A frame in 256 survives line noise, and what a damaged one holds must never reach ROS. The check is on the
+path of every message, so that it is compiled for each type: a comparison of lengths where the size never
+varies, otherwise a walk over the lengths that the payload announces.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from struct import Struct as Packing
+from typing import Final
+
+from rostether.serde.layout_source import compile_layout
+from rostether.serde.type_tree import Array, Node, Struct, Text
+
+_UNPACK_U32: Final = Packing("<I").unpack_from
+
+
+class Layout:
+    """The layout of one message type. Nothing here raises, whatever the bytes are."""
+
+    __slots__ = ("_tree", "accepts", "accepts_all", "fixed_size_bytes")
+
+    accepts: Callable[[bytes], bool]
+    """Tell whether a payload is exactly one message: all of it, and nothing more."""
+
+    accepts_all: Callable[[Sequence[bytes]], bool]
+    """Tell whether every payload of a batch is exactly one message; an empty batch is."""
+
+    def __init__(self, tree: Struct) -> None:
+        self._tree = tree
+        self.fixed_size_bytes = tree.fixed_size_bytes
+        """The size in bytes of every message of the type, None where it varies."""
+        if tree.fixed_size_bytes is None:
+            self.accepts, self.accepts_all = compile_layout(tree)
+        else:
+            self.accepts, self.accepts_all = _fixed_size_checks(tree.fixed_size_bytes)
+
+    @property
+    def type_name(self) -> str:
+        """The type as `package/Name`."""
+        return self._tree.name
+
+    def explain(self, payload: bytes) -> str:
+        """Say in one line, without a full stop, how a payload differs from the layout."""
+        walk = _Walk(payload)
+        try:
+            walk.over(self._tree, "")
+        except _DoesNotFit as reason:
+            return f"the payload of {_count(len(payload), 'byte')} {reason} of {self._tree.name}"
+        extra_bytes = len(payload) - walk.at
+        if extra_bytes:
+            return f"the payload has {_count(extra_bytes, 'byte')} more than {self._tree.name}"
+        return f"the payload fits {self._tree.name}"
+
+
+def _fixed_size_checks(size: int) -> tuple[Callable[[bytes], bool], Callable[[Sequence[bytes]], bool]]:
+    sizes = frozenset((size,))
+
+    def accepts(payload: bytes) -> bool:
+        return len(payload) == size
+
+    def accepts_all(payloads: Sequence[bytes]) -> bool:
+        return sizes.issuperset(map(len, payloads))
+
+    return accepts, accepts_all
+
+
+class _DoesNotFit(Exception):  # noqa: N818
+    """Ends a walk; the text is the reason."""
+
+
+class _Walk:
+    """Walks over a payload field by field: slow, but it knows where it is."""
+
+    def __init__(self, payload: bytes) -> None:
+        self.at = 0
+        self._payload = payload
+
+    def over(self, node: Node, path: str) -> None:
+        """Walk over one value. Raises _DoesNotFit."""
+        if node.fixed_size_bytes is not None and not isinstance(node, Struct):
+            self._skip(node.fixed_size_bytes, path)
+        elif isinstance(node, Text):
+            self._skip(self._length(path), path)
+        elif isinstance(node, Array):
+            self._over_array(node, path)
+        else:
+            assert isinstance(node, Struct)
+            for member in node.members:
+                self.over(member.node, f"{path}.{member.name}" if path else member.name)
+
+    def _over_array(self, array: Array, path: str) -> None:
+        count = self._length(path) if array.length is None else array.length
+        size = array.element.fixed_size_bytes
+        if array.max_count is not None and count > array.max_count:
+            raise _DoesNotFit(f"announces {count} elements in field '{path}', over the limit")
+        if size is not None:
+            self._skip(count * size, path)
+            return
+        for index in range(count):
+            self.over(array.element, f"{path}[{index}]")
+
+    def _length(self, path: str) -> int:
+        start = self.at
+        self._skip(4, path)
+        length: int = _UNPACK_U32(self._payload, start)[0]
+        return length
+
+    def _skip(self, size: int, path: str) -> None:
+        missing_bytes = self.at + size - len(self._payload)
+        if missing_bytes > 0:
+            raise _DoesNotFit(f"ends {_count(missing_bytes, 'byte')} early in field '{path}'")
+        self.at += size
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"

@@ -1,0 +1,37 @@
+"""All types of one registry with their layouts and codecs, each compiled when first asked for."""
+
+from __future__ import annotations
+
+from rostether.msgdef.registry import Registry
+from rostether.serde.codec import Codec
+from rostether.serde.layout import Layout
+from rostether.serde.type_tree import TypeTrees
+from rostether.serde.values import MessageClasses
+
+
+class TypeStore:
+    """Layouts and codecs by type name; halves of services are `package/NameRequest` and `NameResponse`.
+
+    A type keeps the definition that it had when first asked for.
+    """
+
+    def __init__(self, registry: Registry) -> None:
+        self.registry = registry
+        self._trees = TypeTrees(registry)
+        self._classes = MessageClasses()
+        self._layouts: dict[str, Layout] = {}
+        self._codecs: dict[str, Codec] = {}
+
+    def layout(self, name: str) -> Layout:
+        """Return the layout of `package/Name`. Raises UnknownTypeError, DefinitionError."""
+        layout = self._layouts.get(name)
+        if layout is None:
+            layout = self._layouts[name] = Layout(self._trees.struct(name))
+        return layout
+
+    def codec(self, name: str) -> Codec:
+        """Return the codec of `package/Name`. Raises UnknownTypeError, DefinitionError."""
+        codec = self._codecs.get(name)
+        if codec is None:
+            codec = self._codecs[name] = Codec(self._trees.struct(name), self._classes, self.layout(name))
+        return codec

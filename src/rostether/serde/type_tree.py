@@ -1,0 +1,222 @@
+"""Message types resolved for serialization: trees of numbers, stamps, text, arrays and structs.
+
+A tree is what layouts and codecs are compiled from. Everything about a type that costs time to work out is
+worked out here once: its size on the wire where it is constant, the least it takes where it is not, and
+whether its definition is one that we can hold in memory at all (definitions also come from peers).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Final, Protocol, TypeAlias
+
+from rostether.errors import DefinitionError
+from rostether.msgdef.spec import Constant, FieldType, MessageSpec
+
+MAX_DEPTH: Final = 32
+"""How deep types may nest. Real ones stay below 10; compiling recurses, so a peer's text must not go on."""
+
+MAX_FIXED_BYTES: Final = 1 << 26
+"""How large the part of a type that never varies may be: its zero value is allocated whole (64 MiB)."""
+
+MAX_ZERO_ELEMENTS: Final = 1 << 20
+"""How many objects a zero value may consist of: fixed arrays of structs multiply, and a text is cheap."""
+
+MAX_EMPTY_ELEMENTS: Final = 256
+"""How many objects an array of elements without content may hold: they take no bytes, so that the length of
+a payload does not bound them, and four bytes could otherwise ask for four billion objects."""
+
+
+class DefinitionSource(Protocol):
+    """Where message definitions come from; `msgdef.registry.Registry` is one."""
+
+    def message(self, name: str) -> MessageSpec:
+        """Return the definition of `package/Name`. Raises UnknownTypeError, DefinitionError."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Number:
+    """A bool, integer or float; `code` is its `struct` format."""
+
+    name: str
+    code: str
+    fixed_size_bytes: int
+    zero_elements: int = 1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stamp:
+    """A time (two uint32) or duration (two int32); `code` is its `struct` format."""
+
+    name: str
+    code: str
+    fixed_size_bytes: int = 8
+    zero_elements: int = 1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Text:
+    """A string: a uint32 length and that many bytes, so never of constant size."""
+
+    name: str = "string"
+    fixed_size_bytes: None = None
+    zero_elements: int = 1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Array:
+    """An array; `length` is None where a uint32 count precedes the elements.
+
+    `zero_elements` counts the objects of the zero value, `fixed_size_bytes` is None if the size varies.
+    """
+
+    element: Number | Stamp | Text | Struct
+    length: int | None
+    fixed_size_bytes: int | None
+    zero_elements: int
+
+    @property
+    def name(self) -> str:
+        """The type as a definition writes it, such as `float64[9]`."""
+        return f"{self.element.name}[{'' if self.length is None else self.length}]"
+
+    @property
+    def is_bytes(self) -> bool:
+        """Whether the array's value is a `bytes`: uint8[] and char[]."""
+        return self.element.name in _BYTE_NAMES
+
+    @property
+    def max_count(self) -> int | None:
+        """The most elements a variable array may announce, None where its bytes are limit enough."""
+        if self.element.fixed_size_bytes == 0:
+            return max(1, MAX_EMPTY_ELEMENTS // self.element.zero_elements)
+        return None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Member:
+    """One field of a struct; `type` is as the definition says it."""
+
+    name: str
+    type: FieldType
+    node: Node
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Struct:
+    """A message type; `depth` is 1 where no field is a struct."""
+
+    name: str
+    members: tuple[Member, ...]
+    constants: tuple[Constant, ...]
+    depth: int
+    fixed_size_bytes: int | None
+    zero_elements: int
+
+
+Node: TypeAlias = Number | Stamp | Text | Array | Struct
+
+_BYTE_NAMES: Final = frozenset({"uint8", "char"})
+
+_SCALARS: Final[dict[str, Number | Stamp | Text]] = {
+    "bool": Number("bool", "?", 1),
+    "int8": Number("int8", "b", 1),
+    "byte": Number("byte", "b", 1),
+    "uint8": Number("uint8", "B", 1),
+    "char": Number("char", "B", 1),
+    "int16": Number("int16", "h", 2),
+    "uint16": Number("uint16", "H", 2),
+    "int32": Number("int32", "i", 4),
+    "uint32": Number("uint32", "I", 4),
+    "int64": Number("int64", "q", 8),
+    "uint64": Number("uint64", "Q", 8),
+    "float32": Number("float32", "f", 4),
+    "float64": Number("float64", "d", 8),
+    "string": Text(),
+    "time": Stamp("time", "II"),
+    "duration": Stamp("duration", "ii"),
+}
+
+
+class TypeTrees:
+    """Resolves message types to trees, each once."""
+
+    def __init__(self, source: DefinitionSource) -> None:
+        self._source = source
+        self._structs: dict[str, Struct] = {}
+
+    def struct(self, name: str) -> Struct:
+        """Return the tree of `package/Name`. Raises UnknownTypeError, DefinitionError."""
+        struct = self._structs.get(name)
+        return struct if struct is not None else self._resolve(name, self._source.message(name), ())
+
+    def _resolve(self, name: str, spec: MessageSpec, within: tuple[str, ...]) -> Struct:
+        if name in within:
+            cycle = " -> ".join((*within[within.index(name) :], name))
+            raise DefinitionError(f"{name} contains itself ({cycle}), so no message of it can end")
+        if len(within) >= MAX_DEPTH:
+            raise DefinitionError(f"{within[0]} nests types more than {MAX_DEPTH} deep; flatten it")
+        within = (*within, name)
+        members = tuple(
+            Member(field.name, field.type, self._node(field.type, within)) for field in spec.fields
+        )
+        nodes = [member.node for member in members]
+        struct = Struct(
+            name,
+            members,
+            spec.constants,
+            1 + max((_depth(node) for node in nodes), default=0),
+            _total_size(node.fixed_size_bytes for node in nodes),
+            1 + sum(node.zero_elements for node in nodes),
+        )
+        _require_modest(name, struct)
+        if struct.depth > MAX_DEPTH:
+            raise DefinitionError(f"{name} nests types more than {MAX_DEPTH} deep; flatten it")
+        self._structs[name] = struct
+        return struct
+
+    def _node(self, field_type: FieldType, within: tuple[str, ...]) -> Node:
+        element = _SCALARS.get(field_type.base) or self._nested(field_type.base, within)
+        if not field_type.is_array:
+            return element
+        array = _array(element, field_type.length)
+        _require_modest(f"{within[-1]}, by its {field_type},", array)
+        return array
+
+    def _nested(self, name: str, within: tuple[str, ...]) -> Struct:
+        struct = self._structs.get(name)
+        return struct if struct is not None else self._resolve(name, self._source.message(name), within)
+
+
+def _array(element: Number | Stamp | Text | Struct, length: int | None) -> Array:
+    if length is None:
+        return Array(element, None, None, 1)
+    size = element.fixed_size_bytes
+    fixed_size_bytes = 0 if length == 0 else None if size is None else length * size
+    zero_elements = 1 if element.name in _BYTE_NAMES else 1 + length * element.zero_elements
+    return Array(element, length, fixed_size_bytes, zero_elements)
+
+
+def _depth(node: Node) -> int:
+    struct = node.element if isinstance(node, Array) else node
+    return struct.depth if isinstance(struct, Struct) else 0
+
+
+def _total_size(sizes: Iterable[int | None]) -> int | None:
+    total = 0
+    for size in sizes:
+        if size is None:
+            return None
+        total += size
+    return total
+
+
+def _require_modest(owner: str, node: Array | Struct) -> None:
+    if (node.fixed_size_bytes or 0) > MAX_FIXED_BYTES:
+        raise DefinitionError(
+            f"{owner} takes {node.fixed_size_bytes} bytes at least, more than the {MAX_FIXED_BYTES} we hold"
+        )
+    limit = MAX_EMPTY_ELEMENTS if node.fixed_size_bytes == 0 else MAX_ZERO_ELEMENTS
+    if node.zero_elements > limit + 1:
+        raise DefinitionError(f"{owner} has {node.zero_elements} parts, more than the {limit} we hold")

@@ -1,0 +1,120 @@
+"""ROS messages as Python values: one class for each message type, made when the type is first used.
+
+Field values: bool, int, float, str, `rostime.Time` and `rostime.Duration`, nested messages, `bytes` for
+uint8[] and char[], lists for all other arrays. Bytes of a string that are not UTF-8 are kept as lone
+surrogates (`surrogateescape`), so that what was decoded encodes to the same bytes.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Any, ClassVar, Final
+
+from rostether.errors import DefinitionError, SerializationError
+from rostether.msgdef.spec import FieldType
+from rostether.rostime import Duration, Time
+from rostether.serde.type_tree import Array, Node, Number, Stamp, Struct
+
+_NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+
+
+class Message:
+    """One ROS message; a subclass for each type has its fields as attributes and its constants on the class.
+
+    The constructor takes fields by keyword, missing ones are zero, unknown ones raise SerializationError.
+    Two messages are equal if their types and all fields are; as everywhere in Python, NaN equals nothing.
+    Names of ours start with `_`, which no field's name does.
+    """
+
+    __slots__ = ()
+
+    _type: ClassVar[str] = ""
+    """The type as `package/Name`."""
+
+    _fields: ClassVar[tuple[tuple[str, FieldType], ...]] = ()
+    """The fields' names and types in the order of the definition."""
+
+    _zeros: ClassVar[tuple[tuple[str, Any], ...]] = ()
+
+    def __init__(self, /, **fields: Any) -> None:
+        for name, zero in self._zeros:
+            setattr(self, name, fields.pop(name) if name in fields else zero() if callable(zero) else zero)
+        if fields:
+            raise unknown_field(self._type, next(iter(fields)), [name for name, _ in self._fields])
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Message):
+            return NotImplemented
+        return self._type == other._type and all(
+            getattr(self, name) == getattr(other, name) for name, _ in self._fields
+        )
+
+    def __repr__(self) -> str:
+        values = ", ".join(f"{name}={getattr(self, name)!r}" for name, _ in self._fields)
+        return f"{self._type}({values})"
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any: ...
+
+        def __setattr__(self, name: str, value: Any) -> None: ...
+
+
+class MessageClasses:
+    """The message classes of one type store, each made once."""
+
+    def __init__(self) -> None:
+        self._classes: dict[str, type[Message]] = {}
+
+    def of(self, tree: Struct) -> type[Message]:
+        """Return the class of a message type. Raises DefinitionError for names no definition may have."""
+        message_class = self._classes.get(tree.name)
+        if message_class is None:
+            message_class = self._classes[tree.name] = self._make(tree)
+        return message_class
+
+    def _make(self, tree: Struct) -> type[Message]:
+        names = tuple(member.name for member in tree.members)
+        for name in names:
+            if not _NAME.fullmatch(name):
+                raise DefinitionError(f"{tree.name} has a field {name!r}; names are letters, digits and _")
+        if len(set(names)) != len(names):
+            raise DefinitionError(f"{tree.name} has two fields of the same name; rename one")
+        namespace: dict[str, Any] = {
+            constant.name: constant.value
+            for constant in tree.constants
+            if _NAME.fullmatch(constant.name) and constant.name not in names
+        }
+        namespace |= {
+            "__slots__": names,
+            "__module__": __name__,
+            "_type": tree.name,
+            "_fields": tuple((member.name, member.type) for member in tree.members),
+            "_zeros": tuple((member.name, self._zero(member.node)) for member in tree.members),
+        }
+        return type(tree.name.rpartition("/")[2], (Message,), namespace)
+
+    def _zero(self, node: Node) -> Any:
+        """Return a zero value, or what makes one where it can be changed."""
+        if isinstance(node, Struct):
+            return self.of(node)
+        if isinstance(node, Number):
+            return False if node.code == "?" else 0.0 if node.code in "fd" else 0
+        if isinstance(node, Stamp):
+            return Time() if node.name == "time" else Duration()
+        if not isinstance(node, Array):
+            return ""
+        if node.is_bytes:
+            return bytes(node.length or 0)
+        if not node.length:
+            return list
+        length, element = node.length, self._zero(node.element)
+        if callable(element):
+            return lambda: [element() for _ in range(length)]
+        return lambda: [element] * length
+
+
+def unknown_field(type_name: str, field: str, known: list[str]) -> SerializationError:
+    """Return the error for a field that a type does not have."""
+    has = f"it has {', '.join(known)}" if known else "it has no fields"
+    return SerializationError(f"{type_name} has no field {field!r}; {has}")
