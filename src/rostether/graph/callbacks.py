@@ -1,0 +1,26 @@
+"""Calling what the user of a graph gave us, without letting its errors into the data path."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from typing import ParamSpec
+
+_Args = ParamSpec("_Args")
+_log = logging.getLogger("rostether.graph")
+
+
+def call_contained(
+    what: str, callback: Callable[_Args, object], *args: _Args.args, **kwargs: _Args.kwargs
+) -> None:
+    """Call back; an exception becomes one line in the log that names `what`."""
+    try:
+        callback(*args, **kwargs)
+    except Exception as error:  # noqa: BLE001 - a user's mistake must not end a connection
+        report_error(what, error)
+
+
+def report_error(what: str, error: BaseException) -> None:
+    """Log one line for the error of a callback; the traceback only where debugging is on."""
+    _log.error("%s failed: %s: %s", what, type(error).__name__, error)
+    _log.debug("traceback of that failure", exc_info=error)

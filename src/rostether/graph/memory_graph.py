@@ -1,0 +1,214 @@
+"""The graph port in memory: one node of a `MemoryNetwork`."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
+from typing import TYPE_CHECKING, Protocol
+
+from rostether.errors import GraphError, ServiceUnavailableError, UnknownNameError
+from rostether.graph.log_message import LOG_TYPE, ROSOUT, LogRecord, encode_log
+from rostether.graph.memory_parameters import MemoryWatch
+from rostether.graph.memory_services import MemoryServiceServer
+from rostether.graph.memory_topics import MemoryPublisher, MemorySubscriber
+from rostether.graph.ports import Level, OnMessages, ParamValue, ServiceHandler, Snapshot
+from rostether.msgdef.interface import MessageType, ServiceType
+from rostether.names.resolve import resolve_name, resolve_remappings
+from rostether.rostime import Time
+
+if TYPE_CHECKING:
+    from rostether.graph.memory_network import MemoryNetwork
+
+
+class _Closable(Protocol):
+    def close(self) -> Awaitable[None]: ...
+
+
+class MemoryGraph:
+    """A `Graph`; made by `MemoryNetwork.join`."""
+
+    def __init__(
+        self, network: MemoryNetwork, node_name: str, namespace: str, remappings: Mapping[str, str]
+    ) -> None:
+        self.node_name = node_name
+        self._network = network
+        self._namespace = namespace
+        self._remappings = resolve_remappings(remappings, namespace=namespace, node_name=node_name)
+        # Everything that ends with the node.
+        self._handles: dict[_Closable, None] = {}
+        self._is_closed = False
+        self._log_sequence = 0
+        self._rosout = self._add_publisher(ROSOUT, LOG_TYPE, latch=True)
+
+    def resolve(self, name: str) -> str:
+        """Return the fully qualified, remapped form of a name. Raises InvalidNameError."""
+        return resolve_name(
+            name, namespace=self._namespace, node_name=self.node_name, remappings=self._remappings
+        )
+
+    async def advertise(
+        self, topic: str, message_type: MessageType, *, latch: bool = False, queue_bytes: int | None = None
+    ) -> MemoryPublisher:
+        """Advertise a topic."""
+        self._check_open()
+        return self._add_publisher(self.resolve(topic), message_type, latch=latch, queue_bytes=queue_bytes)
+
+    async def subscribe(
+        self,
+        topic: str,
+        message_type: MessageType,
+        on_messages: OnMessages,
+        *,
+        on_connection: Callable[[Mapping[str, str]], None] | None = None,
+        tcp_nodelay: bool = True,
+    ) -> MemorySubscriber:
+        """Subscribe to a topic."""
+        self._check_open()
+
+        def ended(subscriber: MemorySubscriber) -> None:
+            self._handles.pop(subscriber, None)
+            self._network.remove_subscriber(subscriber)
+
+        subscriber = MemorySubscriber(
+            self.resolve(topic),
+            message_type,
+            self.node_name,
+            on_messages,
+            on_connection=on_connection,
+            on_close=ended,
+        )
+        self._handles[subscriber] = None
+        self._network.add_subscriber(subscriber)
+        return subscriber
+
+    async def advertise_service(
+        self, service: str, service_type: ServiceType, handler: ServiceHandler
+    ) -> MemoryServiceServer:
+        """Offer a service."""
+        self._check_open()
+
+        def ended(server: MemoryServiceServer) -> None:
+            self._handles.pop(server, None)
+            self._network.remove_service(server)
+
+        server = MemoryServiceServer(self.resolve(service), service_type, self.node_name, handler, ended)
+        self._handles[server] = None
+        self._network.add_service(server)
+        return server
+
+    async def call_service(
+        self, service: str, service_type: ServiceType, request: bytes, *, timeout_s: float | None = None
+    ) -> bytes:
+        """Call a service."""
+        self._check_open()
+        try:
+            server = self._network.service(self.resolve(service))
+        except UnknownNameError as error:
+            raise ServiceUnavailableError(str(error)) from None
+        return await server.call(service_type, request, timeout_s)
+
+    async def get_param(self, name: str) -> ParamValue:
+        """Return a parameter's value. Raises UnknownNameError."""
+        return self._network.parameters.get(self.resolve(name))
+
+    async def set_param(self, name: str, value: ParamValue) -> None:
+        """Set a parameter."""
+        self._network.parameters.set(self.resolve(name), value)
+
+    async def delete_param(self, name: str) -> None:
+        """Delete a parameter. Raises UnknownNameError."""
+        self._network.parameters.delete(self.resolve(name))
+
+    async def has_param(self, name: str) -> bool:
+        """Tell whether a parameter is set."""
+        try:
+            self._network.parameters.get(self.resolve(name))
+        except UnknownNameError:
+            return False
+        return True
+
+    async def search_param(self, name: str) -> str | None:
+        """Find the nearest parameter of that name, upward from the node itself, as rospy does."""
+        if name.startswith(("/", "~")):
+            return self.resolve(name) if await self.has_param(name) else None
+        parts = [part for part in self.node_name.split("/") if part]
+        first = name.partition("/")[0]
+        for depth in range(len(parts), -1, -1):
+            prefix = "".join(f"/{part}" for part in parts[:depth])
+            if await self.has_param(f"{prefix}/{first}"):
+                return f"{prefix}/{name}"
+        return None
+
+    async def list_params(self) -> list[str]:
+        """Return the full names of all parameters, sorted."""
+        return self._network.parameters.names()
+
+    async def watch_param(self, name: str, on_change: Callable[[ParamValue], None]) -> MemoryWatch:
+        """Call back with the value now and after every change."""
+        self._check_open()
+        watch = self._network.parameters.watch(self.resolve(name), on_change)
+        self._handles[watch] = None
+        return watch
+
+    def log(self, level: Level, text: str) -> None:
+        """Publish a log message on /rosout, and keep it in the network's `logs`."""
+        self._network.logs.append(LogRecord(self.node_name, level, text))
+        self._log_sequence += 1
+        message = encode_log(
+            sequence=self._log_sequence,
+            stamp=self.now(),
+            level=level,
+            node_name=self.node_name,
+            text=text,
+            topics=[each.topic for each in self._handles if isinstance(each, MemoryPublisher)],
+        )
+        self._rosout.publish_raw([message])
+
+    def now(self) -> Time:
+        """Return the network's time."""
+        return self._network.now()
+
+    async def snapshot(self) -> Snapshot:
+        """Return the whole graph as it stands."""
+        return self._network.snapshot()
+
+    async def changes(self) -> AsyncIterator[Snapshot]:
+        """Yield a snapshot now and one after each change, until the node leaves."""
+        event = self._network.watch_changes()
+        try:
+            latest = None
+            while not self._is_closed:
+                event.clear()
+                snapshot = self._network.snapshot()
+                if snapshot != latest:
+                    latest = snapshot
+                    yield snapshot
+                else:
+                    await event.wait()
+        finally:
+            self._network.unwatch_changes(event)
+
+    async def close(self) -> None:
+        """Leave the graph. Idempotent."""
+        if not self._is_closed:
+            self._is_closed = True
+            await asyncio.gather(*(handle.close() for handle in list(self._handles)))
+            self._network.leave(self)
+
+    def _add_publisher(
+        self, topic: str, message_type: MessageType, *, latch: bool, queue_bytes: int | None = None
+    ) -> MemoryPublisher:
+        def ended(publisher: MemoryPublisher) -> None:
+            self._handles.pop(publisher, None)
+            self._network.remove_publisher(publisher)
+
+        publisher = MemoryPublisher(
+            topic, message_type, self.node_name, latch=latch, queue_bytes=queue_bytes, on_close=ended
+        )
+        self._handles[publisher] = None
+        self._network.add_publisher(publisher)
+        return publisher
+
+    def _check_open(self) -> None:
+        if self._is_closed:
+            raise GraphError(f"node {self.node_name} has left the graph: join again")

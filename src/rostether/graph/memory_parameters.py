@@ -1,0 +1,128 @@
+"""Parameters of the in-memory graph: one tree, shared by its nodes, with watches."""
+
+from __future__ import annotations
+
+import asyncio
+import copy
+from collections.abc import Callable, Iterator
+
+from rostether.errors import UnknownNameError
+from rostether.graph.callbacks import call_contained
+from rostether.graph.ports import ParamValue
+
+
+class MemoryParameters:
+    """A tree of parameters; names are fully qualified, and values are copied in and out."""
+
+    def __init__(self) -> None:
+        self._root: dict[str, ParamValue] = {}
+        self._watches: list[MemoryWatch] = []
+
+    def get(self, name: str) -> ParamValue:
+        """Return a value or a whole tree. Raises UnknownNameError."""
+        value: ParamValue = self._root
+        for part in _parts(name):
+            if not isinstance(value, dict) or part not in value:
+                raise UnknownNameError(f"parameter {name} is not set")
+            value = value[part]
+        return copy.deepcopy(value)
+
+    def get_or_none(self, name: str) -> ParamValue:
+        """Return a value, or None where there is none."""
+        try:
+            return self.get(name)
+        except UnknownNameError:
+            return None
+
+    def set(self, name: str, value: ParamValue) -> None:
+        """Set a value; a mapping replaces the whole tree below."""
+        value = copy.deepcopy(value)
+        parts = _parts(name)
+        if parts:
+            tree = self._root
+            for part in parts[:-1]:
+                child = tree.get(part)
+                if not isinstance(child, dict):
+                    child = tree[part] = {}
+                tree = child
+            tree[parts[-1]] = value
+        elif isinstance(value, dict):
+            self._root = value
+        else:
+            raise UnknownNameError("the root of all parameters can only be set to a mapping")
+        self._changed(name)
+
+    def delete(self, name: str) -> None:
+        """Delete a value or tree. Raises UnknownNameError."""
+        self.get(name)
+        parts = _parts(name)
+        if not parts:
+            self._root = {}
+        else:
+            tree = self._root
+            for part in parts[:-1]:
+                child = tree[part]
+                assert isinstance(child, dict)
+                tree = child
+            del tree[parts[-1]]
+        self._changed(name)
+
+    def names(self) -> list[str]:
+        """Return the names of all values, sorted."""
+        return sorted(_leaves("", self._root))
+
+    def watch(self, name: str, on_change: Callable[[ParamValue], None]) -> MemoryWatch:
+        """Call back now and after each change at, above or below `name`."""
+        watch = MemoryWatch(self, name, on_change)
+        self._watches.append(watch)
+        watch.call()
+        return watch
+
+    def forget(self, watch: MemoryWatch) -> None:
+        """End a watch."""
+        if watch in self._watches:
+            self._watches.remove(watch)
+
+    def _changed(self, name: str) -> None:
+        for watch in self._watches:
+            if _is_at_or_below(watch.name, name) or _is_at_or_below(name, watch.name):
+                asyncio.get_running_loop().call_soon(watch.call)
+
+
+class MemoryWatch:
+    """A `Watch`."""
+
+    def __init__(
+        self, parameters: MemoryParameters, name: str, on_change: Callable[[ParamValue], None]
+    ) -> None:
+        self.name = name
+        self._parameters = parameters
+        self._on_change = on_change
+        self._is_closed = False
+
+    def call(self) -> None:
+        """Hand the value on; an error of the callback stays here."""
+        if not self._is_closed:
+            value = self._parameters.get_or_none(self.name)
+            call_contained(f"on_change of parameter {self.name}", self._on_change, value)
+
+    async def close(self) -> None:
+        """Stop watching. Idempotent."""
+        self._is_closed = True
+        self._parameters.forget(self)
+
+
+def _parts(name: str) -> list[str]:
+    return [part for part in name.split("/") if part]
+
+
+def _is_at_or_below(name: str, tree: str) -> bool:
+    return (name.rstrip("/") + "/").startswith(tree.rstrip("/") + "/")
+
+
+def _leaves(prefix: str, tree: dict[str, ParamValue]) -> Iterator[str]:
+    for key, value in tree.items():
+        if isinstance(value, dict):
+            yield from _leaves(f"{prefix}/{key}", value)
+        else:
+            yield f"{prefix}/{key}"

@@ -1,0 +1,214 @@
+"""Topics of the in-memory graph: publishers and subscribers that meet inside one process."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
+
+from rostether.graph.callbacks import call_contained
+from rostether.graph.flow_control import (
+    DEFAULT_QUEUE_BYTES,
+    HIGH_WATER_BYTES,
+    PublicationFlow,
+    SubscriberFlow,
+)
+from rostether.graph.ports import OnMessages
+from rostether.msgdef.interface import ANY_MD5SUM, MessageType
+
+_log = logging.getLogger("rostether.graph.memory")
+
+
+class MemoryPublisher:
+    """A `Publisher`: what it publishes waits in one queue for each subscriber until the loop delivers it."""
+
+    def __init__(
+        self,
+        topic: str,
+        message_type: MessageType,
+        node_name: str,
+        *,
+        latch: bool,
+        queue_bytes: int | None,
+        on_close: Callable[[MemoryPublisher], None],
+    ) -> None:
+        self.topic = topic
+        self.type = message_type
+        self.node_name = node_name
+        self.flow = PublicationFlow()
+        self.dropped_count = 0
+        self.links: list[_Link] = []
+        self._queue_bytes = DEFAULT_QUEUE_BYTES if queue_bytes is None else queue_bytes
+        self._latch = latch
+        self._latched: bytes | None = None
+        self._on_close = on_close
+        self._is_closed = False
+
+    @property
+    def subscriber_count(self) -> int:
+        """How many subscribers are connected now."""
+        return len(self.links)
+
+    def publish_raw(self, payloads: Sequence[bytes]) -> bool:
+        """Queue the payloads for every subscriber; False asks the caller to await `drained`."""
+        if self._is_closed or not payloads:
+            return self.flow.is_open
+        for link in self.links:
+            self.dropped_count += link.put(payloads)
+        if self._latch:
+            self._latched = payloads[-1]
+        return self.flow.is_open
+
+    async def drained(self, timeout_s: float) -> None:
+        """Wait until no subscriber is above its high-water mark."""
+        await self.flow.drained(timeout_s)
+
+    async def close(self) -> None:
+        """Unadvertise. Idempotent."""
+        if not self._is_closed:
+            self._is_closed = True
+            for link in list(self.links):
+                link.close()
+            self._on_close(self)
+
+    def connect(self, subscriber: MemorySubscriber) -> None:
+        """Connect a subscriber if it wants this type; a mismatch is one line in the log."""
+        if not _agree(self.type.md5sum, subscriber.type.md5sum):
+            _log.warning(
+                "%s: %s publishes %s, %s wants %s",
+                self.topic,
+                self.node_name,
+                self.type.name,
+                subscriber.node_name,
+                subscriber.type.name,
+            )
+            return
+        link = _Link(self, subscriber, self._queue_bytes)
+        if self._latched is not None:
+            link.put([self._latched])
+
+    def header_fields(self) -> dict[str, str]:
+        """Return what a TCPROS publisher would say of itself."""
+        return {
+            "topic": self.topic,
+            "type": self.type.name,
+            "md5sum": self.type.md5sum,
+            "message_definition": self.type.definition,
+            "callerid": self.node_name,
+            "latching": "1" if self._latch else "0",
+        }
+
+
+class MemorySubscriber:
+    """A `Subscriber`."""
+
+    def __init__(
+        self,
+        topic: str,
+        message_type: MessageType,
+        node_name: str,
+        on_messages: OnMessages,
+        *,
+        on_connection: Callable[[Mapping[str, str]], None] | None,
+        on_close: Callable[[MemorySubscriber], None],
+    ) -> None:
+        self.topic = topic
+        self.type = message_type
+        self.node_name = node_name
+        self.links: list[_Link] = []
+        self.is_paused = False
+        self.is_closed = False
+        self._on_messages = on_messages
+        self._on_connection = on_connection
+        self._on_close = on_close
+
+    @property
+    def publisher_count(self) -> int:
+        """How many publishers are connected now."""
+        return len(self.links)
+
+    def pause(self) -> None:
+        """Take nothing until resume; publishers queue."""
+        self.is_paused = True
+
+    def resume(self) -> None:
+        """Take what has queued, and go on."""
+        self.is_paused = False
+        for link in self.links:
+            link.deliver_soon()
+
+    async def close(self) -> None:
+        """Unsubscribe. Idempotent; no callback runs after it returns."""
+        if not self.is_closed:
+            self.is_closed = True
+            for link in list(self.links):
+                link.close()
+            self._on_close(self)
+
+    def take_connection(self, fields: Mapping[str, str]) -> None:
+        """Hand a new publisher's fields on."""
+        if self._on_connection is not None:
+            call_contained(f"on_connection of {self.topic}", self._on_connection, fields)
+
+    def take(self, payloads: Sequence[bytes]) -> None:
+        """Hand a batch on; an error of the callback stays here."""
+        call_contained(f"on_messages of {self.topic}", self._on_messages, payloads)
+
+
+class _Link:
+    """One connection: a bounded queue from one publisher to one subscriber."""
+
+    def __init__(self, publisher: MemoryPublisher, subscriber: MemorySubscriber, queue_bytes: int) -> None:
+        self._publisher = publisher
+        self._subscriber = subscriber
+        self._limit_bytes = queue_bytes
+        self._queue: deque[bytes] = deque()
+        self._bytes = 0
+        self._flow = SubscriberFlow(publisher.flow, min(HIGH_WATER_BYTES, queue_bytes // 2))
+        self._is_new = True
+        self._is_scheduled = False
+        publisher.links.append(self)
+        subscriber.links.append(self)
+        self.deliver_soon()
+
+    def put(self, payloads: Sequence[bytes]) -> int:
+        """Queue a batch; returns how many of the oldest messages had to go."""
+        self._queue.extend(payloads)
+        self._bytes += sum(map(len, payloads))
+        dropped = 0
+        while self._bytes > self._limit_bytes and len(self._queue) > 1:
+            self._bytes -= len(self._queue.popleft())
+            dropped += 1
+        self._flow.note_backlog(self._bytes)
+        self.deliver_soon()
+        return dropped
+
+    def deliver_soon(self) -> None:
+        if not self._is_scheduled:
+            self._is_scheduled = True
+            asyncio.get_running_loop().call_soon(self._deliver)
+
+    def close(self) -> None:
+        if self in self._publisher.links:
+            self._publisher.links.remove(self)
+            self._subscriber.links.remove(self)
+        self._flow.end()
+
+    def _deliver(self) -> None:
+        self._is_scheduled = False
+        if self._subscriber.is_closed:
+            return
+        if self._is_new:
+            self._is_new = False
+            self._subscriber.take_connection(self._publisher.header_fields())
+        if self._queue and not self._subscriber.is_paused:
+            payloads = list(self._queue)
+            self._queue.clear()
+            self._bytes = 0
+            self._flow.note_backlog(0)
+            self._subscriber.take(payloads)
+
+
+def _agree(left: str, right: str) -> bool:
+    return left == right or ANY_MD5SUM in (left, right)
