@@ -6,6 +6,7 @@ package, `X/Foo.msg` and `X/msg/Foo.msg` are X/Foo. Folders are read when first 
 
 from __future__ import annotations
 
+import functools
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from enum import StrEnum
@@ -80,14 +81,52 @@ def find_definitions(msg_paths: Iterable[Path], package_path: Iterable[Path]) ->
     for root in msg_paths:
         for folder in walk(root):
             if folder.is_package:
-                _add_package(found, folder)
+                # The user named this folder: a broken package.xml must not hide its definitions.
+                _add_package(found, package_name(folder) or folder.path.name, folder)
             elif any(map(_is_definition, folder.files)):
                 _add_loose(found, folder)
     for root in package_path:
         for folder in walk(root):
-            if folder.is_package:
-                _add_package(found, folder)
+            if folder.is_package and (name := package_name(folder)):
+                _add_package(found, name, folder)
     return found
+
+
+@functools.cache
+def bundled_packages() -> frozenset[str]:
+    """Return the names of the packages whose definitions we bring along."""
+    return frozenset(entry.name for entry in BUNDLED_FOLDER.iterdir() if entry.is_dir())
+
+
+@functools.cache
+def bundled_names(package: str, kind: Kind) -> frozenset[str]:
+    """Return the type names of one kind that we bring along for a package; empty for an unknown package."""
+    if package not in bundled_packages():
+        return frozenset()
+    try:
+        return frozenset(entry.stem for entry in (BUNDLED_FOLDER / package / kind).iterdir())
+    except OSError:
+        return frozenset()
+
+
+def bundled_file(package: str, kind: Kind, name: str) -> Path | None:
+    """Return the file of a definition that we bring along, or None."""
+    # Looked up in the listing: some file systems would also find Name under `name`.
+    if name not in bundled_names(package, kind):
+        return None
+    return BUNDLED_FOLDER / package / kind / f"{name}.{kind}"
+
+
+def earlier_files(package: str, name: str) -> dict[str, Path]:
+    """Return a message's definitions in earlier versions of its package that we bring along, newest first.
+
+    The files are `earlier/Name.VERSION.msg` in the package's folder.
+    """
+    if package not in bundled_packages():
+        return {}
+    files = (BUNDLED_FOLDER / package / "earlier").glob("*.msg")
+    found = {file.stem.partition(".")[2]: file for file in files if file.stem.partition(".")[0] == name}
+    return dict(sorted(found.items(), reverse=True))
 
 
 def read_definition(file: Path) -> str:
@@ -110,10 +149,8 @@ def _is_definition(file: str) -> bool:
     return file.endswith((".msg", ".srv", ".action"))
 
 
-def _add_package(found: dict[str, PackageFiles], folder: Folder) -> None:
-    name = package_name(folder)
-    if name:
-        found.setdefault(name, PackageFiles()).add_root(folder.path)
+def _add_package(found: dict[str, PackageFiles], name: str, folder: Folder) -> None:
+    found.setdefault(name, PackageFiles()).add_root(folder.path)
 
 
 def _add_loose(found: dict[str, PackageFiles], folder: Folder) -> None:

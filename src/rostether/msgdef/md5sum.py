@@ -7,20 +7,21 @@ md5sum (without array brackets); comments, blanks and package names do not count
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Iterable, Mapping
 
 from rostether.msgdef.primitives import PRIMITIVE_TYPES
 from rostether.msgdef.resolve_types import Lookup, dependencies
-from rostether.msgdef.spec import MessageSpec, ServiceSpec
+from rostether.msgdef.spec import Constant, Field, MessageSpec, ServiceSpec
 
 
 def message_md5sum(spec: MessageSpec, lookup: Lookup) -> str:
     """Return the md5sum in 32 hexadecimal digits. Raises what `dependencies` raises."""
-    return _digest(message_md5_text(spec, lookup))
+    return digest(message_md5_text(spec, lookup))
 
 
 def service_md5sum(spec: ServiceSpec, lookup: Lookup) -> str:
     """Return the md5sum of a whole service: over the text of the request, then that of the response."""
-    return _digest(message_md5_text(spec.request, lookup) + message_md5_text(spec.response, lookup))
+    return digest(message_md5_text(spec.request, lookup) + message_md5_text(spec.response, lookup))
 
 
 def message_md5_text(spec: MessageSpec, lookup: Lookup) -> str:
@@ -30,17 +31,22 @@ def message_md5_text(spec: MessageSpec, lookup: Lookup) -> str:
 
 
 def _text(spec: MessageSpec, nested: dict[str, MessageSpec], sums: dict[str, str]) -> str:
-    lines = [f"{constant.type} {constant.name}={constant.text}" for constant in spec.constants]
     for field in spec.fields:
         base = field.type.base
-        if base in PRIMITIVE_TYPES:
-            lines.append(f"{field.type} {field.name}")
-            continue
-        if base not in sums:
-            sums[base] = _digest(_text(nested[base], nested, sums))
-        lines.append(f"{sums[base]} {field.name}")
+        if base not in PRIMITIVE_TYPES and base not in sums:
+            sums[base] = digest(_text(nested[base], nested, sums))
+    return declarations_text(spec.constants, spec.fields, sums)
+
+
+def declarations_text(
+    constants: Iterable[Constant], fields: Iterable[Field], md5sums: Mapping[str, str]
+) -> str:
+    """Return the text that is hashed, given the md5sum of every message type among the fields."""
+    lines = [f"{constant.type} {constant.name}={constant.text}" for constant in constants]
+    lines.extend(f"{md5sums.get(field.type.base, field.type)} {field.name}" for field in fields)
     return "\n".join(lines)
 
 
-def _digest(text: str) -> str:
+def digest(text: str) -> str:
+    """Return the md5sum of a text in 32 hexadecimal digits."""
     return hashlib.md5(text.encode(), usedforsecurity=False).hexdigest()

@@ -8,9 +8,11 @@ from pathlib import Path
 
 from rostether.errors import ConfigError, DefinitionError, UnknownTypeError
 from rostether.msgdef.definition_files import (
-    BUNDLED_FOLDER,
     Kind,
     PackageFiles,
+    bundled_file,
+    bundled_names,
+    bundled_packages,
     find_definitions,
     read_definition,
 )
@@ -112,7 +114,7 @@ class Registry:
         names = {package for package, files in self._on_path().items() if any(map(files.of, Kind))}
         names.update(name.partition("/")[0] for name in self._learned)
         if self._bundled:
-            names.update(_names_in(BUNDLED_FOLDER))
+            names.update(bundled_packages())
         return sorted(names)
 
     def messages(self, package: str | None = None) -> list[str]:
@@ -183,27 +185,13 @@ class Registry:
         on_path = self._on_path().get(package)
         if on_path is not None and (file := on_path.of(kind).get(short_name)):
             return file
-        if self._bundled and package.isidentifier():
-            file = BUNDLED_FOLDER / package / kind / f"{short_name}.{kind}"
-            if file.is_file():
-                return file
-        return None
+        return bundled_file(package, kind, short_name) if self._bundled else None
 
     def _names(self, kind: Kind, package: str) -> set[str]:
         on_path = self._on_path().get(package)
         names = set(on_path.of(kind)) if on_path is not None else set()
-        if self._bundled and package.isidentifier():
-            suffix = f".{kind}"
-            names.update(each.removesuffix(suffix) for each in _names_in(BUNDLED_FOLDER / package / kind))
-        return names
+        return names | bundled_names(package, kind) if self._bundled else names
 
 
 def _messages_of_action(action: str) -> list[str]:
     return list(expand_action("---\n---", name=action))
-
-
-def _names_in(folder: Path) -> list[str]:
-    try:
-        return [entry.name for entry in folder.iterdir()]
-    except OSError:
-        return []

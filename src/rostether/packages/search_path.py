@@ -15,6 +15,8 @@ MAX_FOLDERS = 20_000  # a large workspace has some thousands; a home directory m
 MAX_DEPTH = 12  # workspace/src/repository/stack/package is 4; more than 12 is no workspace
 PACKAGE_FILE = "package.xml"
 ROSBUILD_FILE = "manifest.xml"
+# Here every program of the system has its folder: packages stand at the top, as Debian's rospkg has it.
+SYSTEM_SHARE_FOLDERS = frozenset({"/usr/share", "/usr/local/share"})
 _IGNORE_FILE = "CATKIN_IGNORE"
 _NO_SUBFOLDERS_FILE = "rospack_nosubdirs"
 
@@ -71,7 +73,9 @@ def walk(root: Path, *, below_packages: bool = False) -> Iterator[Folder]:
     but no folder is visited twice. Stops after MAX_FOLDERS folders.
     """
     seen: set[tuple[int, int]] = set()
-    waiting: deque[tuple[str, int]] = deque([(os.path.abspath(root), 0)])  # noqa: PTH100 - keeps links
+    start = os.path.abspath(root)  # noqa: PTH100 - Path has no way to do this without following links
+    max_depth = 1 if start in SYSTEM_SHARE_FOLDERS else MAX_DEPTH
+    waiting: deque[tuple[str, int]] = deque([(start, 0)])
     visited = 0
     while waiting and visited < MAX_FOLDERS:
         path, depth = waiting.popleft()
@@ -83,7 +87,7 @@ def walk(root: Path, *, below_packages: bool = False) -> Iterator[Folder]:
         folder = Folder(Path(path), files)
         yield folder
         stops = _NO_SUBFOLDERS_FILE in files or (folder.is_package and not below_packages)
-        if not stops and depth < MAX_DEPTH:
+        if not stops and depth < max_depth:
             waiting.extend((subfolder, depth + 1) for subfolder in subfolders)
 
 
