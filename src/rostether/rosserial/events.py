@@ -1,8 +1,8 @@
 """What links report, as frozen values. Directions and roles are the device's.
 
 `HostLink` reports: MessagesReceived, TopicAnnounced, TopicWithdrawn, ServiceAnnounced, ServiceWithdrawn,
-NegotiationSettled, TimeRequested, LogReceived, ParameterRequested, FrameDiscarded, UnknownTopicId, DeviceReset,
-DeviceSilent, ProtocolDetected.
+NegotiationSettled, TimeRequested, LogReceived, ParameterRequested, FrameDiscarded, UnknownTopicId,
+DeviceReset, DeviceSilent, ProtocolDetected.
 
 `DeviceLink` reports: MessagesReceived, TopicsRequested, Unconfigured, TimeAnswered, ParameterReceived,
 ParameterTimedOut, StopReceived, FrameDiscarded, UnknownTopicId.
@@ -121,7 +121,7 @@ class LogReceived:
 
 @dataclass(frozen=True, slots=True)
 class ParameterRequested:
-    """The device asks for a parameter and waits: call `HostLink.answer_parameter`, if need be with empty lists."""
+    """The device asks for a parameter and waits: call `HostLink.answer_parameter`, even if there is none."""
 
     name: str
 

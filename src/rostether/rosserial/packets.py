@@ -1,41 +1,42 @@
 """The control packets of rosserial, encoded and decoded by hand; decoding is strict.
 
-    TopicInfo              uint16 topic_id, string topic_name, string message_type, string md5sum, int32 buffer_size
+    TopicInfo              uint16 topic_id, string topic_name, string message_type, string md5sum,
+                           int32 buffer_size
     Log                    uint8 level, string msg
     RequestParam request   string name
     RequestParam response  int32[] ints, float32[] floats, string[] strings
     Time                   uint32 secs, uint32 nsecs
 
 About one damaged frame in 256 passes its checksum, so a payload is believed only if it has exactly its layout
-and says something possible. Source: rosserial_msgs, std_msgs/Time.
+and says something possible: the decoders return None otherwise. Source: rosserial_msgs, std_msgs/Time.
 """
 
 from __future__ import annotations
 
 import re
 import struct
-from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from rostether.errors import RemoteProtocolError
-from rostether.rosserial.topic_id import FIRST_USER_ID
+from rostether.errors import LocalProtocolError
+from rostether.rosserial.topic_id import FIRST_USER_ID, LAST_ID
 from rostether.rostime import NS_PER_S, Time
 
 MAX_NAME_BYTES = 255
-"""Names and types longer than this do not fit the buffers of any board; one that claims more is damage."""
+"""Longer names and types fit no board's buffer (150 to 512 bytes); one that claims more is damage."""
 
-MAX_BUFFER_BYTES = 1 << 24
-"""The length field of a frame ends at 65535; some Linux devices announce more, but none 16 MiB."""
+MAX_BUFFER_BYTES = 1 << 20
+"""A frame holds at most 65535 bytes; devices with more memory may round up, none says more than 1 MiB."""
 
-_NAME = re.compile(r"[~/]?[A-Za-z][A-Za-z0-9_]*(?:/[A-Za-z][A-Za-z0-9_]*)*\Z")
-_TYPE = re.compile(r"[A-Za-z][A-Za-z0-9_]*/[A-Za-z][A-Za-z0-9_]*\Z")
-_MD5SUM = re.compile(r"[0-9a-f]{32}\Z")
+TIME_BYTES = 8
 
-_LENGTH = struct.Struct("<I")
+_NAME = re.compile(r"(?!.*//)[A-Za-z~/][A-Za-z0-9_/]*\Z", re.ASCII)
+_TYPE = re.compile(r"[A-Za-z][A-Za-z0-9_]*/[A-Za-z][A-Za-z0-9_]*\Z", re.ASCII)
+_MD5SUM = re.compile(r"[0-9a-f]{32}\Z", re.ASCII)
+_COUNT = struct.Struct("<I")
 _TIME = struct.Struct("<II")
-_TOPIC_ID = struct.Struct("<H")
+_ID = struct.Struct("<H")
 _BUFFER_SIZE = struct.Struct("<i")
 
 
@@ -51,13 +52,76 @@ class LogLevel(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class TopicInfo:
-    """One announced endpoint. `buffer_size` in bytes: what the device can send (with 8 of framing) or receive."""
+    """One announced endpoint; `buffer_size` in bytes: what it receives, or sends with 8 of framing."""
 
     topic_id: int
     topic_name: str
     message_type: str
     md5sum: str
     buffer_size: int
+
+    def encode(self) -> bytes:
+        """Return the payload. Raises LocalProtocolError for an id or a size that does not fit."""
+        try:
+            head, tail = _ID.pack(self.topic_id), _BUFFER_SIZE.pack(self.buffer_size)
+        except struct.error as error:
+            raise LocalProtocolError(f"cannot announce {self}: {error}; use a smaller number") from None
+        return head + _string(self.topic_name) + _string(self.message_type) + _string(self.md5sum) + tail
+
+    @classmethod
+    def decode(cls, payload: bytes) -> TopicInfo | None:
+        """Read an announcement; None unless names, type, md5sum, id and size can all be meant."""
+        reader = _Reader(payload)
+        topic_id = reader.number(_ID)
+        name, message_type, md5sum = (reader.text(MAX_NAME_BYTES) for _ in range(3))
+        buffer_size = reader.number(_BUFFER_SIZE)
+        sound = (
+            reader.is_spent
+            and FIRST_USER_ID <= topic_id <= LAST_ID
+            and len(name.strip("~/")) > 0
+            and _NAME.match(name)
+            and _TYPE.match(message_type)
+            and _MD5SUM.match(md5sum)
+            and 0 <= buffer_size <= MAX_BUFFER_BYTES
+        )
+        return cls(topic_id, name, message_type, md5sum, buffer_size) if sound else None
+
+
+class Log(NamedTuple):
+    """One log line of a device."""
+
+    level: LogLevel
+    text: str
+
+    def encode(self) -> bytes:
+        """Return the payload."""
+        return bytes((self.level,)) + _string(self.text)
+
+    @classmethod
+    def decode(cls, payload: bytes) -> Log | None:
+        """Read a log line; text that is not UTF-8 is shown with replacement characters."""
+        if not payload or payload[0] > LogLevel.FATAL:
+            return None
+        reader = _Reader(payload, 1)
+        text = reader.text(len(payload), errors="replace")
+        return cls(LogLevel(payload[0]), text) if reader.is_spent else None
+
+
+class ParameterRequest(NamedTuple):
+    """A device asks for a parameter."""
+
+    name: str
+
+    def encode(self) -> bytes:
+        """Return the payload."""
+        return _string(self.name)
+
+    @classmethod
+    def decode(cls, payload: bytes) -> ParameterRequest | None:
+        """Read a request; the name need not be legal (the asker waits for an answer), only printable."""
+        reader = _Reader(payload)
+        name = reader.text(MAX_NAME_BYTES)
+        return cls(name) if reader.is_spent and name and name.isprintable() else None
 
 
 class ParameterResponse(NamedTuple):
@@ -66,3 +130,94 @@ class ParameterResponse(NamedTuple):
     ints: tuple[int, ...] = ()
     floats: tuple[float, ...] = ()
     strings: tuple[str, ...] = ()
+
+    def encode(self) -> bytes:
+        """Return the payload. Raises LocalProtocolError for numbers beyond int32 and float32."""
+        try:
+            ints = struct.pack(f"<I{len(self.ints)}i", len(self.ints), *self.ints)
+            floats = struct.pack(f"<I{len(self.floats)}f", len(self.floats), *self.floats)
+        except (struct.error, OverflowError) as error:
+            raise LocalProtocolError(
+                f"a parameter value does not fit int32 or float32 ({error}); use smaller numbers"
+            ) from None
+        return ints + floats + _COUNT.pack(len(self.strings)) + b"".join(map(_string, self.strings))
+
+    @classmethod
+    def decode(cls, payload: bytes) -> ParameterResponse | None:
+        """Read an answer."""
+        reader = _Reader(payload)
+        ints = reader.array("i")
+        floats = reader.array("f")
+        count = reader.number(_COUNT)
+        if count * _COUNT.size > reader.left_bytes:
+            return None
+        strings = tuple(reader.text(len(payload)) for _ in range(count))
+        return cls(ints, floats, strings) if reader.is_spent else None
+
+
+def encode_time(time: Time) -> bytes:
+    """Return the payload of a time request or answer; seconds wrap as uint32 does."""
+    return _TIME.pack(time.secs & 0xFFFFFFFF, time.nsecs)
+
+
+def decode_time(payload: bytes) -> Time | None:
+    """Read a time; None unless it is 8 bytes with less than a second of nanoseconds."""
+    if len(payload) != TIME_BYTES:
+        return None
+    secs, nsecs = _TIME.unpack(payload)
+    return Time(secs, nsecs) if nsecs < NS_PER_S else None
+
+
+def _string(text: str) -> bytes:
+    data = text.encode("utf-8", "surrogateescape")
+    return _COUNT.pack(len(data)) + data
+
+
+class _Reader:
+    """Reads fields in order; once one does not fit, all after it are zero and `is_spent` is false."""
+
+    def __init__(self, payload: bytes, position: int = 0) -> None:
+        self._payload = payload
+        self._position = position
+
+    @property
+    def left_bytes(self) -> int:
+        return max(len(self._payload) - self._position, 0)
+
+    @property
+    def is_spent(self) -> bool:
+        """Whether every byte was read, none twice and none missing."""
+        return self._position == len(self._payload)
+
+    def number(self, form: struct.Struct) -> int:
+        if self.left_bytes < form.size:
+            return self._fail()
+        value: int = form.unpack_from(self._payload, self._position)[0]
+        self._position += form.size
+        return value
+
+    def array(self, code: str) -> tuple[Any, ...]:
+        count = self.number(_COUNT)
+        if count * 4 > self.left_bytes:
+            self._fail()
+            return ()
+        values = struct.unpack_from(f"<{count}{code}", self._payload, self._position)
+        self._position += count * 4
+        return values
+
+    def text(self, max_bytes: int, errors: str = "strict") -> str:
+        size = self.number(_COUNT)
+        if size > min(max_bytes, self.left_bytes):
+            self._fail()
+            return ""
+        data = self._payload[self._position : self._position + size]
+        self._position += size
+        try:
+            return data.decode("utf-8", errors)
+        except UnicodeDecodeError:
+            self._fail()
+            return ""
+
+    def _fail(self) -> int:
+        self._position = len(self._payload) + 1
+        return 0

@@ -12,7 +12,8 @@
     11       empty: stop sending, I am going away                  host to device
     100 ..   user topics                                           both
 
-Directions are the device's: 2 and 4 announce the half the device publishes on, 3 and 5 the half it listens to.
+Directions are the device's: 2 and 4 announce the half the device publishes on, 3 and 5 the half it listens
+to.
 """
 
 from __future__ import annotations

@@ -1,0 +1,132 @@
+"""From a byte stream to frames: keeps what is unfinished, and does not let it swallow what follows.
+
+States and what moves between them:
+
+    EMPTY    nothing kept               -- bytes end within a frame -->     WAITING
+    WAITING  a frame has begun          -- its last byte arrives -->        EMPTY or WAITING (for the next)
+             (or its first bytes)       -- time to look, frames inside -->  EMPTY or WAITING (it was noise)
+                                        -- time to look, none inside -->    WAITING, looking half as often
+
+A header in noise may claim 65535 bytes. When is it time to look inside for frames that it swallows? For a
+frame whose topic and length are known to be possible, when its bytes have stalled; for any other, soon after
+it began, even while bytes flow. Looking destroys nothing: without a complete frame inside there is nothing
+to gain by giving up, and a slow network may yet bring the rest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from rostether.rosserial.events import FrameDiscarded
+from rostether.rosserial.frame import FORMS, MAX_PAYLOAD_BYTES, Header, read_header
+from rostether.rosserial.frame_scan import FrameScanner, Scan
+
+FIRST_LOOK_S = 0.1
+"""Longer than pauses inside a frame on a working line (USB polls, operating system), mostly below 20 ms."""
+
+MAX_LOOK_S = 1.0
+"""Looks get rarer, so that hostile input costs little; this bounds how late a swallowed frame is found."""
+
+
+@dataclass(slots=True)
+class Frames:
+    """The payloads of the frames of one topic id in one chunk, in order."""
+
+    topic_id: int
+    payloads: list[bytes]
+
+
+Decoded: TypeAlias = Frames | FrameDiscarded
+
+
+class FrameDecoder:
+    """Cuts one direction of a line into frames of one protocol version; linear in what it is fed.
+
+    `limits` maps the topic ids that make sense to their largest payload; it may change at any time. Frames
+    outside it are delivered all the same, it only tells which unfinished frame deserves patience.
+    """
+
+    def __init__(
+        self,
+        version: int = 2,
+        *,
+        max_payload_bytes: int = MAX_PAYLOAD_BYTES,
+        limits: Mapping[int, int] | None = None,
+    ) -> None:
+        self._version = version
+        self._header_bytes = FORMS[version].header_bytes
+        self._scanner = FrameScanner(version, max_payload_bytes)
+        self._limits = {} if limits is None else limits
+        self._pending = bytearray()
+        self._needed_bytes = 0
+        self._look_after_s = FIRST_LOOK_S
+        self._look_at_s: float | None = None
+
+    @property
+    def version(self) -> int:
+        """The protocol version it reads."""
+        return self._version
+
+    @property
+    def pending_bytes(self) -> int:
+        """How many bytes of an unfinished frame are kept."""
+        return len(self._pending)
+
+    @property
+    def pending_header(self) -> Header | None:
+        """The header of the unfinished frame, None while there is none."""
+        if len(self._pending) < self._header_bytes:
+            return None
+        return read_header(self._version, bytes(self._pending[: self._header_bytes]))
+
+    def feed(self, data: bytes | bytearray | memoryview, now_s: float) -> list[Decoded]:
+        """Take a chunk, cut anywhere; return what it completes. Frames of one topic id come as one group.
+
+        Groups stand in the order of their first frame, discarded bytes in stream order behind them.
+        """
+        pending = self._pending
+        if not pending:
+            buffer = bytes(data)
+            return self._accept(buffer, self._scanner.scan(buffer), now_s)
+        pending += data
+        if len(pending) < self._needed_bytes:
+            self._plan_look(now_s)
+            return []
+        buffer = bytes(pending)
+        return self._accept(buffer, self._scanner.scan(buffer), now_s)
+
+    def get_timer(self) -> float | None:
+        """Return when to call `handle_timer`."""
+        return self._look_at_s
+
+    def handle_timer(self, now_s: float) -> list[Decoded]:
+        """Look inside an unfinished frame that is due; return what it swallowed, if anything."""
+        if self._look_at_s is None or now_s < self._look_at_s:
+            return []
+        self._look_at_s = None
+        buffer = bytes(self._pending)
+        scan = self._scanner.scan(buffer, give_up_first=True)
+        if any(topic_id in self._limits for topic_id in scan.groups) or (scan.groups and not self._limits):
+            return self._accept(buffer, scan, now_s)
+        self._look_after_s = min(2 * self._look_after_s, MAX_LOOK_S)
+        return []
+
+    def _accept(self, buffer: bytes, scan: Scan, now_s: float) -> list[Decoded]:
+        self._pending = bytearray(buffer[scan.rest :])
+        self._needed_bytes = scan.needed_bytes
+        self._look_after_s = FIRST_LOOK_S
+        self._look_at_s = None
+        if self._pending:
+            self._plan_look(now_s)
+        decoded: list[Decoded] = [Frames(topic_id, payloads) for topic_id, payloads in scan.groups.items()]
+        decoded += scan.discarded
+        return decoded
+
+    def _plan_look(self, now_s: float) -> None:
+        header = self.pending_header
+        if header is None:
+            return
+        if self._look_at_s is None or header.size <= self._limits.get(header.topic_id, -1):
+            self._look_at_s = now_s + self._look_after_s

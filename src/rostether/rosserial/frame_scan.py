@@ -1,0 +1,204 @@
+"""One pass over one buffer: which frames are in it, what else, and where an unfinished frame begins.
+
+Frames that follow each other under the same header (same topic, same length) are the common case, so one
+header is judged once and `struct.iter_unpack` cuts the whole run at C speed. A header seen before costs one
+dictionary lookup.
+
+What is no frame is reported in stretches: one begins where a check fails and goes on to the next place where
+a frame may begin, so every byte of the buffer is in exactly one frame, one stretch or the unfinished rest.
+After a failed check the search goes on at the byte after the sync, because noise may hold a valid header.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from struct import Struct
+from typing import NamedTuple
+
+from rostether.rosserial.checksum import RunningSums, summer_for
+from rostether.rosserial.events import DiscardReason, FrameDiscarded
+from rostether.rosserial.frame import FORMS, SYNC, read_header
+
+MAX_STRETCHES = 64
+"""Stretches reported apart between two good frames; in worse noise the rest joins the last one."""
+
+MAX_KNOWN_HEADERS = 1024
+"""A few dozen topics times the lengths their strings take; beyond it the memory starts anew."""
+
+_SYNC = bytes((SYNC,))
+_JOINABLE = (DiscardReason.NOISE, DiscardReason.VERSION)
+
+
+class _Known(NamedTuple):
+    """A header found sound, with all that is needed to cut and check frames that carry it."""
+
+    topic_id: int
+    stride: int
+    layout: Struct
+    summer: Callable[[bytes], int]
+    target: int
+
+
+@dataclass(slots=True)
+class Scan:
+    """What one buffer held; from `rest` on an unfinished frame, which takes `needed_bytes` in all."""
+
+    groups: dict[int, list[bytes]] = field(default_factory=dict)
+    discarded: list[FrameDiscarded] = field(default_factory=list)
+    rest: int = 0
+    needed_bytes: int = 0
+
+
+class FrameScanner:
+    """Finds the frames of one protocol version, remembering headers from buffer to buffer."""
+
+    def __init__(self, version: int, max_payload_bytes: int) -> None:
+        self._version = version
+        self._version_byte, self._header_bytes, self._overhead_bytes = FORMS[version]
+        self._start = bytes((SYNC, self._version_byte))
+        self._max_payload_bytes = max_payload_bytes
+        self._known: dict[bytes, _Known] = {}
+
+    def scan(self, buffer: bytes, *, give_up_first: bool = False) -> Scan:
+        """Cut a buffer that begins where a frame may begin. `give_up_first`: no longer wait for that one."""
+        result = Scan()
+        groups = result.groups
+        known_headers = self._known
+        header_bytes = self._header_bytes
+        view = memoryview(buffer)
+        total = len(buffer)
+        position = 0
+        waste = _Waste(buffer, result.discarded)
+        sums: RunningSums | None = None
+        summed_in_vain = 0
+        if give_up_first:
+            waste.begin(0, DiscardReason.UNFINISHED)
+            position = _find(buffer, _SYNC, 1)
+        header = buffer[position : position + header_bytes]
+        while header:
+            known = known_headers.get(header)
+            if known is None:
+                verdict = self._judge(header)
+                if verdict is None:
+                    result.needed_bytes = header_bytes
+                    break
+                if isinstance(verdict, DiscardReason):
+                    waste.begin(position, verdict)
+                    wanted = self._start if verdict is DiscardReason.VERSION else _SYNC
+                    position = _find(buffer, wanted, position + 1)
+                    header = buffer[position : position + header_bytes]
+                    continue
+                known = verdict
+            topic_id, stride, layout, summer, target = known
+            end = position + stride
+            if end > total:
+                result.needed_bytes = stride
+                break
+            following = buffer[end : end + header_bytes]
+            if sums is not None:
+                sound = sums.one_plus_sum(position + header_bytes, end) & 0xFF == target
+                good = [buffer[position + header_bytes : end - 1]] if sound else []
+            elif following == header:
+                good = []
+                run = view[position : total - (total - position) % stride]
+                for head, payload, check in layout.iter_unpack(run):
+                    if head != header or (summer(payload) + check) & 0xFF != target:
+                        break
+                    good.append(payload)
+                end = position + len(good) * stride
+                following = buffer[end : end + header_bytes]
+            else:
+                payload = buffer[position + header_bytes : end - 1]
+                good = [payload] if (summer(payload) + buffer[end - 1]) & 0xFF == target else []
+            if good:
+                if waste.is_open:
+                    waste.end(position)
+                if topic_id in groups:
+                    groups[topic_id] += good
+                else:
+                    groups[topic_id] = good
+                position = end
+                header = following
+                continue
+            waste.begin(position, DiscardReason.PAYLOAD_CHECKSUM)
+            summed_in_vain += stride
+            if summed_in_vain > 2 * total and sums is None:
+                sums = RunningSums(buffer)
+            position = _find(buffer, _SYNC, position + 1)
+            header = buffer[position : position + header_bytes]
+        waste.end(position)
+        result.rest = position
+        return result
+
+    def _judge(self, header: bytes) -> _Known | DiscardReason | None:
+        """Judge a header not seen before; None for what may be one, but is cut short by the buffer's end."""
+        if header[0] != SYNC:
+            return DiscardReason.NOISE
+        size = len(header)
+        if size > 1 and header[1] != self._version_byte:
+            return DiscardReason.VERSION
+        if self._version == 2 and size >= 5:  # the length check stands before the topic id
+            if (header[2] + header[3] + header[4]) & 0xFF != 0xFF:
+                return DiscardReason.LENGTH_CHECKSUM
+            if header[2] | header[3] << 8 > self._max_payload_bytes:
+                return DiscardReason.TOO_LONG
+        if size < self._header_bytes:
+            return None
+        fields = read_header(self._version, header)
+        if fields is None:
+            return DiscardReason.LENGTH_CHECKSUM
+        if fields.size > self._max_payload_bytes:
+            return DiscardReason.TOO_LONG
+        if len(self._known) >= MAX_KNOWN_HEADERS:
+            self._known.clear()
+        known = self._known[header] = _Known(
+            fields.topic_id,
+            fields.size + self._overhead_bytes,
+            Struct(f"{self._header_bytes}s{fields.size}sB"),
+            summer_for(fields.size),
+            -fields.base & 0xFF,
+        )
+        return known
+
+
+class _Waste:
+    """Collects the stretches between frames."""
+
+    def __init__(self, buffer: bytes, discarded: list[FrameDiscarded]) -> None:
+        self.is_open = False
+        self._buffer = buffer
+        self._discarded = discarded
+        self._start = 0
+        self._reason = DiscardReason.NOISE
+        self._count = 0
+
+    def begin(self, position: int, reason: DiscardReason) -> None:
+        """Begin a stretch here, ending the one before, unless they belong together."""
+        if self.is_open:
+            if self._count >= MAX_STRETCHES or (reason is self._reason and reason in _JOINABLE):
+                return
+            self._close(position)
+        self.is_open = True
+        self._start = position
+        self._reason = reason
+
+    def end(self, position: int) -> None:
+        """A frame begins here, or the unfinished rest."""
+        if self.is_open:
+            self._close(position)
+        self._count = 0
+
+    def _close(self, position: int) -> None:
+        self._discarded.append(FrameDiscarded(self._reason, self._buffer[self._start : position]))
+        self.is_open = False
+        self._count += 1
+
+
+def _find(buffer: bytes, wanted: bytes, position: int) -> int:
+    """Return where the wanted bytes, or at the very end the first of them, come next; else the end."""
+    found = buffer.find(wanted, position)
+    if found >= 0:
+        return found
+    total = len(buffer)
+    return total - 1 if position < total and buffer[-1] == wanted[0] else total
