@@ -1,0 +1,36 @@
+"""A board's presence in the graph: its node, its endpoints, its lines. It outlives single connections."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from rostether.bridge.endpoint_factory import EndpointFactory
+from rostether.bridge.endpoints import EndpointTable
+from rostether.bridge.reporter import Notices, Reporter
+from rostether.bridge.settings import DEFAULT_SETTINGS, BridgeSettings
+from rostether.graph.ports import Graph
+from rostether.serde.store import TypeStore
+
+
+class BoardNode:
+    """One board's node in the graph."""
+
+    def __init__(
+        self,
+        graph: Graph,
+        store: TypeStore,
+        reporter: Reporter,
+        clock: Callable[[], float],
+        settings: BridgeSettings = DEFAULT_SETTINGS,
+    ) -> None:
+        self.graph = graph
+        self.settings = settings
+        self.notices = Notices(reporter, graph.node_name, clock)
+        self.notices.to_graph = graph.log
+        self.endpoints = EndpointTable(EndpointFactory(graph, store, self.notices, settings), self.notices)
+
+    async def close(self) -> None:
+        """Leave the graph with all endpoints. Idempotent."""
+        self.notices.to_graph = None
+        await self.endpoints.close()
+        await self.graph.close()

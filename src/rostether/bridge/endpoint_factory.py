@@ -1,0 +1,73 @@
+"""From what a board announces to the endpoint that serves it, or the one line that says why there is none."""
+
+from __future__ import annotations
+
+from rostether.bridge.publisher_endpoint import PublisherEndpoint
+from rostether.bridge.reporter import Notices
+from rostether.bridge.service_client_endpoint import ServiceClientEndpoint
+from rostether.bridge.service_server_endpoint import ServiceServerEndpoint
+from rostether.bridge.settings import BridgeSettings
+from rostether.bridge.subscriber_endpoint import SubscriberEndpoint
+from rostether.errors import TypeMismatchError
+from rostether.graph.ports import Graph
+from rostether.rosserial.events import ServiceAnnounced, ServiceRole, TopicAnnounced, TopicRole
+from rostether.serde.store import TypeStore
+
+
+class EndpointFactory:
+    """Makes the endpoints of one board's node."""
+
+    def __init__(self, graph: Graph, store: TypeStore, notices: Notices, settings: BridgeSettings) -> None:
+        self._graph = graph
+        self._store = store
+        self._notices = notices
+        self._settings = settings
+
+    def topic(self, event: TopicAnnounced) -> PublisherEndpoint | SubscriberEndpoint:
+        """Make a topic's endpoint. Raises DefinitionError, TypeMismatchError, InvalidNameError."""
+        info = event.info
+        self._graph.resolve(info.topic_name)
+        message_type = self._store.registry.message_type(info.message_type)
+        if info.md5sum != message_type.md5sum:
+            raise TypeMismatchError(_explain_md5(info.message_type, info.md5sum, message_type.md5sum))
+        layout = self._store.layout(info.message_type)
+        if event.role is TopicRole.PUBLISHER:
+            return PublisherEndpoint(info, message_type, layout, self._graph, self._notices, self._settings)
+        return SubscriberEndpoint(info, message_type, layout, self._graph, self._notices)
+
+    def service(self, event: ServiceAnnounced) -> ServiceServerEndpoint | ServiceClientEndpoint:
+        """Make a service's endpoint. Raises DefinitionError, TypeMismatchError, InvalidNameError."""
+        self._graph.resolve(event.name)
+        service_type = self._store.registry.service_type(event.type)
+        for half, ours in ((event.request, service_type.request), (event.response, service_type.response)):
+            if half.md5sum != ours.md5sum:
+                raise TypeMismatchError(_explain_md5(ours.name, half.md5sum, ours.md5sum))
+        request_layout = self._store.layout(service_type.request.name)
+        response_layout = self._store.layout(service_type.response.name)
+        if event.role is ServiceRole.SERVER:
+            return ServiceServerEndpoint(
+                event,
+                service_type,
+                request_layout,
+                response_layout,
+                self._graph,
+                self._notices,
+                self._settings,
+            )
+        return ServiceClientEndpoint(
+            event,
+            service_type,
+            request_layout,
+            response_layout,
+            self._store.codec(service_type.response.name).encode({}),
+            self._graph,
+            self._notices,
+            self._settings,
+        )
+
+
+def _explain_md5(type_name: str, of_board: str, ours: str) -> str:
+    return (
+        f"the board was built with another definition of {type_name}: its md5sum is {of_board}, ours is "
+        f"{ours}; build the sketch with our definition, or give the sketch's with --msg-path DIR"
+    )

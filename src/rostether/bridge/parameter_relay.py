@@ -1,0 +1,152 @@
+"""A board's questions for parameters, answered in their order and always: the sketch waits for each."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from collections import deque
+from collections.abc import Callable, Sequence
+from typing import NamedTuple, Protocol
+
+from rostether.bridge.reporter import Notices
+from rostether.bridge.settings import BridgeSettings
+from rostether.errors import GraphError, InvalidNameError, LocalProtocolError, UnknownNameError
+from rostether.graph.ports import Graph, Level, ParamValue
+
+# A board waits for each answer before it asks again; more than a few waiting questions are damage.
+MAX_WAITING = 16
+# How soon a master that did not answer is asked again within the board's patience.
+RETRY_S = 0.1
+
+_FLOAT32_MAX = 3.4028234663852886e38
+_INT32_MIN, _INT32_MAX = -(2**31), 2**31 - 1
+
+
+class ParameterAnswerer(Protocol):
+    """The link's half of answering."""
+
+    def answer_parameter(
+        self, ints: Sequence[int] = (), floats: Sequence[float] = (), strings: Sequence[str] = ()
+    ) -> None:
+        """Answer the board. Raises LocalProtocolError if the answer does not fit the board's buffer."""
+
+
+class Answer(NamedTuple):
+    """A parameter as the wire has it; all empty says that there is none."""
+
+    ints: tuple[int, ...] = ()
+    floats: tuple[float, ...] = ()
+    strings: tuple[str, ...] = ()
+
+
+def to_answer(value: ParamValue) -> Answer | None:
+    """Return what a board can be told of a value, None if nothing: mappings, mixed lists, huge integers."""
+    items = value if isinstance(value, list) else [value]
+    if all(isinstance(item, int) for item in items):
+        ints = tuple(int(item) for item in items if isinstance(item, int))
+        return Answer(ints=ints) if all(_INT32_MIN <= item <= _INT32_MAX for item in ints) else None
+    if all(isinstance(item, int | float) and not isinstance(item, bool) for item in items):
+        floats = tuple(float(item) for item in items if isinstance(item, int | float))
+        return Answer(floats=floats) if all(map(_fits_float32, floats)) else None
+    if all(isinstance(item, str) for item in items):
+        return Answer(strings=tuple(item for item in items if isinstance(item, str)))
+    return None
+
+
+class ParameterRelay:
+    """Answers the parameter requests of one session; `on_answered` sends what the link has ready."""
+
+    def __init__(
+        self,
+        link: ParameterAnswerer,
+        graph: Graph,
+        notices: Notices,
+        settings: BridgeSettings,
+        on_answered: Callable[[], None],
+    ) -> None:
+        self._link = link
+        self._graph = graph
+        self._notices = notices
+        self._settings = settings
+        self._names: deque[str] = deque()
+        self._working: asyncio.Task[None] | None = None
+        self._on_answered = on_answered
+
+    def ask(self, name: str) -> None:
+        """Take a question from the board."""
+        if len(self._names) >= MAX_WAITING:
+            self._notices.episode(
+                "parameters", Level.WARN, f"too many parameter requests at once; {name} gets no answer"
+            )
+            return
+        self._names.append(name)
+        if self._working is None:
+            self._working = asyncio.get_running_loop().create_task(self._work())
+
+    def close(self) -> None:
+        """The board is gone; nobody waits any more."""
+        self._names.clear()
+        if self._working is not None:
+            self._working.cancel()
+            self._working = None
+
+    async def _work(self) -> None:
+        while self._names:
+            name = self._names[0]
+            answer = await self._find(name)
+            self._names.popleft()
+            try:
+                self._link.answer_parameter(*answer)
+            except LocalProtocolError as error:
+                self._report(name, f"{error}; the board gets an empty answer")
+                self._link.answer_parameter()
+            self._on_answered()
+        self._working = None
+
+    async def _find(self, name: str) -> Answer:
+        timeout_s = self._settings.parameter_timeout_s
+        failure = f"no answer from the master within {timeout_s:g} s"
+        try:
+            async with asyncio.timeout(timeout_s):
+                while True:
+                    try:
+                        value = await self._graph.get_param(name)
+                        break
+                    except UnknownNameError:
+                        self._report(name, "it is not set")
+                        return Answer()
+                    except InvalidNameError as error:
+                        self._report(name, str(error))
+                        return Answer()
+                    except GraphError as error:
+                        failure = str(error)
+                        await asyncio.sleep(RETRY_S)
+        except TimeoutError:
+            self._report(name, failure)
+            return Answer()
+        answer = to_answer(value)
+        if answer is None:
+            self._report(
+                name,
+                "a board understands a 32-bit integer, a float, a string, a bool or a list of one of them, "
+                f"this is {_describe(value)}",
+            )
+            return Answer()
+        return answer
+
+    def _report(self, name: str, reason: str) -> None:
+        self._notices.episode(
+            f"parameter {name[:80]}", Level.WARN, f"parameter {name}, which the board asked for: {reason}"
+        )
+
+
+def _fits_float32(value: float) -> bool:
+    return abs(value) <= _FLOAT32_MAX or not math.isfinite(value)
+
+
+def _describe(value: ParamValue) -> str:
+    if isinstance(value, dict):
+        return "a mapping"
+    if isinstance(value, list):
+        return "a list of something else or of several kinds"
+    return "a number beyond that" if isinstance(value, int | float) else "binary data"

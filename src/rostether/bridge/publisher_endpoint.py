@@ -1,0 +1,159 @@
+"""A topic that the board publishes: checked against its type's layout, then handed to the graph as it is."""
+
+from __future__ import annotations
+
+import asyncio
+from functools import partial
+
+from rostether.bridge.board_line import BoardLine
+from rostether.bridge.reporter import Notices
+from rostether.bridge.settings import BridgeSettings
+from rostether.graph.ports import Graph, Level, Publisher
+from rostether.msgdef.interface import MessageType
+from rostether.rosserial.packets import TopicInfo
+from rostether.serde.layout import Layout
+
+# What may come in before the topic is advertised: a master answers in milliseconds, a flood fills this in 20.
+HELD_BYTES = 256 * 1024
+# Each held message costs this much beside its payload.
+MESSAGE_OVERHEAD_BYTES = 64
+# How long a flood waits for a topic to be advertised before its oldest messages go.
+SETUP_PAUSE_S = 1.0
+
+
+class PublisherEndpoint:
+    """One topic id on which the board sends."""
+
+    def __init__(
+        self,
+        info: TopicInfo,
+        message_type: MessageType,
+        layout: Layout,
+        graph: Graph,
+        notices: Notices,
+        settings: BridgeSettings,
+    ) -> None:
+        self.info = info
+        self.message_count = 0
+        self.misfit_count = 0
+        self.dropped_count = 0
+        self._type = message_type
+        self._layout = layout
+        self._accepts_all = layout.accepts_all
+        self._graph = graph
+        self._notices = notices
+        self._settings = settings
+        self._line: BoardLine | None = None
+        self._publisher: Publisher | None = None
+        self._opened = asyncio.Event()
+        self._held: list[bytes] = []
+        self._held_bytes = 0
+        self._lost_count = 0
+
+    @property
+    def slow_count(self) -> int:
+        """How many messages slow subscribers have lost."""
+        return self._publisher.dropped_count if self._publisher is not None else 0
+
+    def attach(self, line: BoardLine, info: TopicInfo) -> None:
+        """Take the messages of a connection."""
+        self.detach()
+        self.info = info
+        self._line = line
+        line.receivers[info.topic_id] = self.receive
+
+    def detach(self) -> None:
+        """Let go of the connection."""
+        if self._line is not None:
+            if self._line.receivers.get(self.info.topic_id) == self.receive:
+                del self._line.receivers[self.info.topic_id]
+            self._line = None
+
+    async def open(self) -> None:
+        """Advertise, then publish what came meanwhile. Raises GraphError, InvalidNameError."""
+        publisher = await self._graph.advertise(self.info.topic_name, self._type)
+        held, self._held, self._held_bytes = self._held, [], 0
+        self._publisher = publisher
+        self._opened.set()
+        if held:
+            self._publish(publisher, held)
+
+    async def close(self) -> None:
+        """Unadvertise."""
+        if self._publisher is not None:
+            await self._publisher.close()
+
+    def receive(self, payloads: list[bytes]) -> None:
+        """Take messages from the board."""
+        if not self._accepts_all(payloads):
+            payloads = self._drop_misfits(payloads)
+            if not payloads:
+                return
+        self.message_count += len(payloads)
+        if self._publisher is None:
+            self._hold(payloads)
+        else:
+            self._publish(self._publisher, payloads)
+
+    def _publish(self, publisher: Publisher, payloads: list[bytes]) -> None:
+        if not publisher.publish_raw(payloads) and self._line is not None:
+            self._line.congested(partial(publisher.drained, self._settings.drain_pause_s))
+        if publisher.dropped_count != self._lost_count:
+            self._report_slow(publisher)
+
+    def _report_slow(self, publisher: Publisher) -> None:
+        lost = publisher.dropped_count - self._lost_count
+        self._lost_count = publisher.dropped_count
+        self._notices.episode(
+            f"slow {self.info.topic_name}",
+            Level.WARN,
+            f"a subscriber of {self.info.topic_name} takes messages more slowly than the board sends them: "
+            "it loses the oldest ones",
+            count=lost,
+        )
+
+    def _drop_misfits(self, payloads: list[bytes]) -> list[bytes]:
+        accepts = self._layout.accepts
+        fitting = [payload for payload in payloads if accepts(payload)]
+        count = len(payloads) - len(fitting)
+        self.misfit_count += count
+        first = next(payload for payload in payloads if not accepts(payload))
+        self._notices.episode(
+            f"misfit {self.info.topic_name}",
+            Level.WARN,
+            lambda: (
+                f"dropped a message of {self.info.topic_name} that came damaged or from another definition: "
+                f"{self._layout.explain(first)}"
+            ),
+            count=count,
+        )
+        return fitting
+
+    def _hold(self, payloads: list[bytes]) -> None:
+        self._held += payloads
+        self._held_bytes += sum(map(len, payloads)) + MESSAGE_OVERHEAD_BYTES * len(payloads)
+        if self._held_bytes <= HELD_BYTES:
+            return
+        if self._line is None or not self._line.congested(self._wait_opened):
+            self._drop_held()
+
+    async def _wait_opened(self) -> None:
+        try:
+            async with asyncio.timeout(SETUP_PAUSE_S):
+                await self._opened.wait()
+        except TimeoutError:
+            self._drop_held()
+
+    def _drop_held(self) -> None:
+        dropped = 0
+        while self._held_bytes > HELD_BYTES:
+            self._held_bytes -= len(self._held[dropped]) + MESSAGE_OVERHEAD_BYTES
+            dropped += 1
+        del self._held[:dropped]
+        self.dropped_count += dropped
+        self._notices.episode(
+            f"held {self.info.topic_name}",
+            Level.WARN,
+            f"{self.info.topic_name} is not advertised yet: its oldest messages are lost",
+            count=dropped,
+        )

@@ -1,0 +1,81 @@
+"""What the bridge tells people: lines, and one line an episode for what could repeat without end."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Callable
+from typing import Protocol, TypeAlias
+
+from rostether.graph.ports import Level
+
+# A fault that has not shown for this long is over: its next appearance is news again.
+EPISODE_QUIET_S = 10.0
+# Kinds carry names that a peer chose; forgetting the oldest keeps a hostile one from filling memory.
+MAX_KINDS = 256
+# A line on a terminal; a board's own log text may be longer and goes whole to the graph.
+MAX_LINE_CHARS = 500
+
+LineText: TypeAlias = str | Callable[[], str]
+
+
+class Reporter(Protocol):
+    """Takes the lines that the bridge has for people; a command line prints them."""
+
+    def line(self, level: Level, text: str, *, node: str = "") -> None:
+        """Show one line; `node` is the board's node name, empty for the bridge itself."""
+
+
+class SilentReporter:
+    """Shows nothing."""
+
+    def line(self, level: Level, text: str, *, node: str = "") -> None:
+        """Drop the line."""
+
+
+def printable(text: str) -> str:
+    """Return the text as one line that cannot steer a terminal, cut at 500 characters."""
+    text = text.rstrip("\r\n")
+    if not text.isprintable():
+        text = "".join(char if char.isprintable() else repr(char)[1:-1] for char in text[:MAX_LINE_CHARS])
+    return text if len(text) <= MAX_LINE_CHARS else f"{text[: MAX_LINE_CHARS - 3]}..."
+
+
+class Notices:
+    """The lines of one board: to the reporter, and to the graph's log once the board has a node there."""
+
+    def __init__(self, reporter: Reporter, node: str, clock: Callable[[], float]) -> None:
+        self.node = node
+        self.to_graph: Callable[[Level, str], None] | None = None
+        self._reporter = reporter
+        self._clock = clock
+        self._episodes: OrderedDict[str, list[float]] = OrderedDict()
+
+    def say(self, level: Level, text: str) -> None:
+        """Report a line."""
+        self._reporter.line(level, printable(text), node=self.node)
+        if self.to_graph is not None:
+            self.to_graph(level, text)
+
+    def show(self, level: Level, text: str) -> None:
+        """Report a line to people only."""
+        self._reporter.line(level, printable(text), node=self.node)
+
+    def episode(self, kind: str, level: Level, text: LineText, *, count: int = 1) -> None:
+        """Report a line when `kind` begins, and nothing more of it until it was quiet for 10 s."""
+        now_s = self._clock()
+        state = self._episodes.get(kind)
+        if state is not None and now_s - state[0] < EPISODE_QUIET_S:
+            state[0] = now_s
+            state[1] += count
+            return
+        unsaid = int(state[1]) if state is not None else 0
+        self._episodes[kind] = [now_s, 0.0]
+        self._episodes.move_to_end(kind)
+        if len(self._episodes) > MAX_KINDS:
+            self._episodes.popitem(last=False)
+        said = text if isinstance(text, str) else text()
+        self.say(level, f"{said} (and {unsaid} more the last time)" if unsaid else said)
+
+    def end_episode(self, kind: str) -> None:
+        """Let the next appearance of `kind` be news."""
+        self._episodes.pop(kind, None)

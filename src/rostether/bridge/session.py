@@ -1,0 +1,303 @@
+"""One connection to a board: bytes to events, events to endpoints and graph, and everything back.
+
+    transport ── data_received ──> HostLink ── events ──> endpoints ──> graph
+    transport <── Outbox.flush <── HostLink, endpoints <── graph
+
+The payload's way is one call a chunk and topic: nothing here is done for each message.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from typing import Any
+
+from rostether.bridge.board_node import BoardNode
+from rostether.bridge.lane import Lane
+from rostether.bridge.log_relay import relay_log
+from rostether.bridge.outbox import Outbox
+from rostether.bridge.parameter_relay import ParameterRelay
+from rostether.bridge.sync_report import SyncReport
+from rostether.errors import TransportError
+from rostether.graph.ports import Level
+from rostether.rosserial.events import (
+    DeviceReset,
+    DeviceSilent,
+    FrameDiscarded,
+    HostEvent,
+    LogReceived,
+    MessagesReceived,
+    NegotiationSettled,
+    ParameterRequested,
+    ProtocolDetected,
+    ServiceAnnounced,
+    ServiceRole,
+    ServiceWithdrawn,
+    TimeRequested,
+    TopicAnnounced,
+    TopicRole,
+    TopicWithdrawn,
+    UnknownTopicId,
+)
+from rostether.rosserial.host_link import HostLink, HostLinkConfig
+from rostether.transports.transport import Transport
+
+
+class Session:
+    """One connection of one board, from `start` until the transport ends or `stop`.
+
+    It is the transport's receiver, and its endpoints' `BoardLine`. `baud` is the speed of a serial line.
+    """
+
+    def __init__(
+        self,
+        transport: Transport,
+        node: BoardNode,
+        *,
+        baud: int | None = None,
+        link_config: HostLinkConfig | None = None,
+    ) -> None:
+        self.node = node
+        self.transport = transport
+        self.link = HostLink(link_config)
+        self.receivers: dict[int, Callable[[list[bytes]], None]] = {}
+        self.unbridged_count = 0
+        self._loop = asyncio.get_running_loop()
+        self.heard_at_s = self._loop.time()
+        self._notices = node.notices
+        # A link that pauses us needs no model of its speed.
+        pace = None if transport.can_pause else baud
+        self.outbox = Outbox(
+            transport,
+            self.link,
+            self._loop,
+            on_dropped=self._report_dropped,
+            settings=node.settings,
+            baud=pace,
+        )
+        self._parameters = ParameterRelay(
+            self.link, node.graph, node.notices, node.settings, self.outbox.flush
+        )
+        self._sync = SyncReport(node.notices, baud)
+        self._timer: asyncio.TimerHandle | None = None
+        self._timer_due_s = 0.0
+        self._waits: list[Callable[[], Awaitable[object]]] = []
+        self._draining: asyncio.Task[None] | None = None
+        self._noted_sizes: set[TopicRole] = set()
+        self._was_reset = False
+        self._ended: asyncio.Future[TransportError | None] = self._loop.create_future()
+        self._handlers: dict[type[Any], Callable[[Any], None]] = {
+            TopicAnnounced: self._topic_announced,
+            TopicWithdrawn: self._withdrawn,
+            ServiceAnnounced: self._service_announced,
+            ServiceWithdrawn: self._withdrawn,
+            NegotiationSettled: self._settled,
+            TimeRequested: self._time_requested,
+            LogReceived: self._log_received,
+            ParameterRequested: self._parameter_requested,
+            FrameDiscarded: self._sync.discarded,
+            UnknownTopicId: self._unknown_id,
+            DeviceReset: self._device_reset,
+            DeviceSilent: self._device_silent,
+            ProtocolDetected: self._protocol_detected,
+        }
+
+    @property
+    def is_connected(self) -> bool:
+        """Whether the transport still stands."""
+        return not self._ended.done()
+
+    def start(self) -> None:
+        """Ask the board for its topics and begin to carry messages."""
+        self.link.start(self._loop.time())
+        self.transport.start(self)
+        self._after_link()
+
+    async def wait_ended(self) -> TransportError | None:
+        """Wait until the connection is over; return why, None if it was our own wish."""
+        return await asyncio.shield(self._ended)
+
+    async def stop(self) -> None:
+        """Tell the board to stop sending, then hang up."""
+        if self.is_connected:
+            self.link.stop()
+            self.outbox.flush()
+        self.transport.close()
+        await self.transport.wait_closed()
+        self._end(None)
+
+    def abandon(self) -> None:
+        """Give the board up without a word: it has come back another way."""
+        self.transport.close()
+        self._end(None)
+
+    def data_received(self, data: bytes) -> None:
+        """Take a chunk from the transport."""
+        if self._ended.done():
+            return
+        now_s = self.heard_at_s = self._loop.time()
+        try:
+            for event in self.link.receive_data(data, now_s):
+                if type(event) is MessagesReceived:
+                    receive = self.receivers.get(event.topic_id)
+                    if receive is not None:
+                        receive(event.payloads)
+                    else:
+                        self.unbridged_count += len(event.payloads)
+                else:
+                    self._handlers[type(event)](event)
+            self._after_link()
+        except Exception as error:  # noqa: BLE001 - whatever one board brings about ends with its session
+            self._fail(error)
+
+    def connection_lost(self, error: TransportError | None) -> None:
+        """Learn from the transport that it ended."""
+        self._end(error)
+
+    def pause_writing(self) -> None:
+        """Learn from the transport that it has enough."""
+        self.outbox.pause_writing()
+
+    def resume_writing(self) -> None:
+        """Learn from the transport that it takes more."""
+        self.outbox.resume_writing()
+
+    def congested(self, wait: Callable[[], Awaitable[object]]) -> bool:
+        """Read nothing from the board until `wait()` ends; False, and nothing awaited, if it cannot pause."""
+        if not self.transport.can_pause or self._ended.done():
+            return False
+        self._waits.append(wait)
+        if self._draining is None:
+            self.transport.pause_reading()
+            self._draining = self._loop.create_task(self._drain())
+        return True
+
+    def call_started(self) -> None:
+        """Tell that the board itself waits for a response."""
+        self.link.service_call_started(self._loop.time())
+
+    def call_finished(self) -> None:
+        """Tell that the response is on its way or given up."""
+        self.link.service_call_finished(self._loop.time())
+        self._after_link()
+
+    async def _drain(self) -> None:
+        try:
+            while self._waits:
+                waits, self._waits = self._waits, []
+                await asyncio.gather(*(wait() for wait in waits))
+        finally:
+            self._draining = None
+            self.transport.resume_reading()
+
+    def _after_link(self) -> None:
+        """Send what the link has ready and keep its time."""
+        self.outbox.flush()
+        due_s = self.link.get_timer()
+        if due_s is None:
+            return
+        # A timer that is set too early costs one look; setting it anew for each chunk would cost more.
+        if self._timer is None or due_s < self._timer_due_s:
+            if self._timer is not None:
+                self._timer.cancel()
+            self._timer_due_s = due_s
+            self._timer = self._loop.call_at(due_s, self._handle_timer)
+
+    def _handle_timer(self) -> None:
+        self._timer = None
+        try:
+            for event in self.link.handle_timer(self._loop.time()):
+                self._handle(event)
+            self._after_link()
+        except Exception as error:  # noqa: BLE001 - as in data_received
+            self._fail(error)
+
+    def _handle(self, event: HostEvent) -> None:
+        if isinstance(event, MessagesReceived):
+            receive = self.receivers.get(event.topic_id)
+            if receive is not None:
+                receive(event.payloads)
+        else:
+            self._handlers[type(event)](event)
+
+    def _topic_announced(self, event: TopicAnnounced) -> None:
+        info = event.info
+        if event.role not in self._noted_sizes:
+            self._noted_sizes.add(event.role)
+            what = "publish" if event.role is TopicRole.PUBLISHER else "subscribe"
+            self._notices.say(Level.INFO, f"Note: {what} buffer size is {info.buffer_size} bytes")
+        if self.node.endpoints.announce_topic(event, self):
+            what = event.role.value
+            self._notices.say(Level.INFO, f"Setup {what} on {info.topic_name} [{info.message_type}]")
+
+    def _service_announced(self, event: ServiceAnnounced) -> None:
+        if self.node.endpoints.announce_service(event, self):
+            what = "server" if event.role is ServiceRole.SERVER else "client"
+            self._notices.say(Level.INFO, f"Setup service {what} on {event.name} [{event.type}]")
+
+    def _withdrawn(self, event: TopicWithdrawn | ServiceWithdrawn) -> None:
+        self.node.endpoints.withdraw(event)
+
+    def _settled(self, _event: NegotiationSettled) -> None:
+        self.node.endpoints.settle()
+        if self._was_reset:
+            self._was_reset = False
+            self.node.endpoints.renew_latched()
+
+    def _time_requested(self, _event: TimeRequested) -> None:
+        self.link.answer_time(self.node.graph.now(), self._loop.time())
+        self.node.endpoints.board_is_past_calls()
+        self._sync.alive()
+
+    def _log_received(self, event: LogReceived) -> None:
+        relay_log(event.level, event.text, self._notices)
+
+    def _parameter_requested(self, event: ParameterRequested) -> None:
+        self._parameters.ask(event.name)
+
+    def _unknown_id(self, event: UnknownTopicId) -> None:
+        self._notices.episode(
+            "unknown id",
+            Level.WARN,
+            f"messages on topic id {event.topic_id}, which was not announced: asking the board again",
+            count=event.count,
+        )
+
+    def _device_reset(self, _event: DeviceReset) -> None:
+        self._was_reset = True
+        self._notices.episode("reset", Level.INFO, "the board was reset: asking for its topics")
+
+    def _device_silent(self, event: DeviceSilent) -> None:
+        self._sync.silent(event)
+
+    def _protocol_detected(self, event: ProtocolDetected) -> None:
+        self._sync.alive()
+        if event.version == 1:
+            self._notices.say(Level.INFO, "the board speaks protocol version 1 (ROS Groovy or earlier)")
+
+    def _report_dropped(self, lane: Lane, count: int) -> None:
+        self._notices.episode(
+            f"overflow {lane.topic}",
+            Level.WARN,
+            f"{lane.topic} brings more than the board takes: its oldest messages are lost",
+            count=count,
+        )
+
+    def _fail(self, error: Exception) -> None:
+        self._notices.say(
+            Level.ERROR,
+            f"the session broke down ({type(error).__name__}: {error}) and starts again; please report it",
+        )
+        self.transport.close()
+
+    def _end(self, error: TransportError | None) -> None:
+        if self._ended.done():
+            return
+        self._ended.set_result(error)
+        if self._timer is not None:
+            self._timer.cancel()
+        if self._draining is not None:
+            self._draining.cancel()
+        self._parameters.close()
+        self.outbox.close()
+        self.node.endpoints.detach_all()

@@ -1,0 +1,33 @@
+"""The limits of the bridge that a user may want to set, with the reason for each default."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class BridgeSettings:
+    """Times in seconds.
+
+    `grace_s`: how long a lost board's node and topics stay in the graph. A reset, a USB re-enumeration or a
+    Wi-Fi re-association is over within 5 s, and subscribers then never notice it.
+    `service_timeout_s`: how long a caller waits for a board's service. A board that is busy for 11 s thinks
+    its host gone, so no working service takes longer than 10 s.
+    `client_call_timeout_s`: how long a board's own call may take in the graph. The board gets no time answer
+    meanwhile, and unconfigures itself without one after 11 s.
+    `queued_calls`: how many callers may wait for one board's service before the next is refused at once.
+    `parameter_timeout_s`: boards wait 1 s for a parameter unless the sketch says otherwise.
+    `drain_pause_s`: how long a slow subscriber may pause a board that can be paused.
+    `stall_s`: how long a board may take no byte before its subscriptions no longer wait for it.
+    """
+
+    grace_s: float = 5.0
+    service_timeout_s: float = 10.0
+    client_call_timeout_s: float = 8.0
+    queued_calls: int = 32
+    parameter_timeout_s: float = 0.8
+    drain_pause_s: float = 0.1
+    stall_s: float = 1.0
+
+
+DEFAULT_SETTINGS = BridgeSettings()

@@ -1,0 +1,193 @@
+"""Keeps every link address served: opens, listens, opens again, and ends it all in order.
+
+address ── open, or listen ──> transport ── identity ──> board (joins the graph) ──> session ──┐
+   ^                                                                                          │
+   └──────────── wait, then open again <── the board's node stays for the grace period <──────┘
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable, Mapping, Sequence
+from typing import Protocol
+
+from rostether.bridge.board_node import BoardNode
+from rostether.bridge.board_registry import Board, BoardRegistry
+from rostether.bridge.diagnostics import BoardView, view_board
+from rostether.bridge.identity import node_base_name
+from rostether.bridge.link_keeper import LinkKeeper
+from rostether.bridge.reporter import Reporter, SilentReporter
+from rostether.bridge.session import Session
+from rostether.bridge.settings import DEFAULT_SETTINGS, BridgeSettings
+from rostether.errors import MasterUnreachableError, RostetherError, TransportError
+from rostether.graph.ports import Graph, JoinGraph, Level
+from rostether.names.graph_name import join as join_names
+from rostether.serde.store import TypeStore
+from rostether.transports.address import Address, SerialAddress, TcpAddress, UdpAddress, XbeeAddress
+from rostether.transports.backoff import Backoff
+from rostether.transports.opening import listen, open_transport
+from rostether.transports.transport import Listener, Transport
+
+# A master that is away is asked this seldom at most; people start it and expect the boards within seconds.
+MAX_JOIN_WAIT_S = 2.0
+# Telling the boards to stop: what a hung board has not taken by then stays unsaid.
+STOP_LIMIT_S = 1.0
+
+
+class OpenTransport(Protocol):
+    """Opens one link; `transports.opening.open_transport` is the real one."""
+
+    def __call__(self, address: Address) -> Awaitable[Transport]:
+        """Open. Raises TransportError."""
+
+
+class Listen(Protocol):
+    """Listens for links; `transports.opening.listen` is the real one."""
+
+    def __call__(self, address: Address, on_transport: Callable[[Transport], None]) -> Awaitable[Listener]:
+        """Listen. Raises TransportOpenError."""
+
+
+class Supervisor:
+    """Serves boards at many addresses at once; each board is a node of its own, made by `join`.
+
+    With `ns_per_board` a board's topics go into a namespace of its name, unless its address has `ns=`.
+    """
+
+    def __init__(
+        self,
+        join: JoinGraph,
+        store: TypeStore,
+        *,
+        reporter: Reporter | None = None,
+        settings: BridgeSettings = DEFAULT_SETTINGS,
+        ns_per_board: bool = False,
+        remappings: Mapping[str, str] | None = None,
+        open_transport: OpenTransport = open_transport,
+        listen: Listen = listen,
+    ) -> None:
+        self._join = join
+        self._store = store
+        self._reporter = reporter if reporter is not None else SilentReporter()
+        self._settings = settings
+        self._ns_per_board = ns_per_board
+        self._remappings = remappings
+        self._open_transport = open_transport
+        self._listen = listen
+        self._clock = asyncio.get_running_loop().time
+        self._boards = BoardRegistry(settings.grace_s, self._clock)
+        self._listeners: list[Listener] = []
+        self._tasks: set[asyncio.Task[None]] = set()
+        self._is_closing = False
+
+    @property
+    def listening_on(self) -> list[str]:
+        """Where boards can connect, with the ports that were really bound."""
+        return [listener.address for listener in self._listeners]
+
+    def boards(self) -> list[BoardView]:
+        """Return how each board is doing, sorted by name."""
+        return sorted(
+            (view_board(board.node, board.session) for board in self._boards if board.node is not None),
+            key=lambda view: view.node,
+        )
+
+    async def start(self, addresses: Sequence[Address]) -> None:
+        """Begin to serve; links that are not there yet are waited for. Raises TransportOpenError, ConfigError
+        for an address that cannot be listened on."""
+        for address in addresses:
+            if address.listens:
+                await self._start_listening(address)
+            else:
+                keeper = LinkKeeper(address, self._open_transport, self._serve, self._reporter)
+                self._run(keeper.run())
+
+    async def close(self) -> None:
+        """Tell every board to stop and leave the graph, in two seconds at most. Idempotent."""
+        self._is_closing = True
+        stops = [
+            asyncio.ensure_future(board.session.stop()) for board in self._boards if board.session is not None
+        ]
+        if stops:
+            _, late = await asyncio.wait(stops, timeout=STOP_LIMIT_S)
+            for stop in late:
+                stop.cancel()
+        for task in self._tasks:
+            task.cancel()
+        if self._tasks:
+            await asyncio.wait(list(self._tasks))
+        await asyncio.gather(self._boards.close(), *(listener.close() for listener in self._listeners))
+
+    async def _start_listening(self, address: Address) -> None:
+        def on_transport(transport: Transport) -> None:
+            if self._is_closing:
+                transport.close()
+                return
+            self._run(self._serve_peer(address, transport))
+
+        listener = await self._listen(address, on_transport)
+        self._listeners.append(listener)
+        self._reporter.line(Level.INFO, f"Waiting for boards on {listener.address}")
+
+    async def _serve_peer(self, address: Address, transport: Transport) -> None:
+        self._reporter.line(Level.INFO, f"Connection from {transport.peer}")
+        error = await self._serve(address, transport, None)
+        self._reporter.line(Level.INFO, str(error) if error is not None else f"{transport.peer} is closed")
+
+    async def _serve(
+        self, address: Address, transport: Transport, serial_number: str | None
+    ) -> TransportError | None:
+        """Serve one connection until it ends; returns why."""
+        base_name = node_base_name(address, transport.peer, serial_number)
+        networked = isinstance(address, TcpAddress | UdpAddress) and address.listens
+        board = self._boards.claim(base_name, replaces_silent=networked and not _is_loopback(transport.peer))
+        session: Session | None = None
+        try:
+            if board.node is None:
+                board.node = await self._make_node(address, board)
+            baud = address.baud if isinstance(address, SerialAddress | XbeeAddress) else None
+            session = board.session = Session(transport, board.node, baud=baud)
+            session.start()
+            return await session.wait_ended()
+        finally:
+            transport.close()
+            self._boards.lose(board, session)
+
+    async def _make_node(self, address: Address, board: Board) -> BoardNode:
+        namespace = address.ns or ("/" + board.name if self._ns_per_board else "/")
+        namespace = namespace if namespace.startswith("/") else "/" + namespace
+        node_name = join_names((address.ns and namespace) or "/", board.name)
+        graph = await self._join_graph(node_name, namespace)
+        return BoardNode(graph, self._store, self._reporter, self._clock, self._settings)
+
+    async def _join_graph(self, node_name: str, namespace: str) -> Graph:
+        backoff = Backoff(first_s=0.2, limit_s=MAX_JOIN_WAIT_S)
+        told = False
+        while True:
+            try:
+                return await self._join(node_name, namespace=namespace, remappings=self._remappings)
+            except MasterUnreachableError as error:
+                if not told:
+                    self._reporter.line(Level.WARN, f"{error}; waiting for it", node=node_name)
+                told = True
+                await asyncio.sleep(backoff.next_delay_s())
+
+    def _run(self, work: Awaitable[object]) -> None:
+        task = asyncio.get_running_loop().create_task(self._guard(work))
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+    async def _guard(self, work: Awaitable[object]) -> None:
+        try:
+            await work
+        except RostetherError as error:
+            self._reporter.line(Level.ERROR, str(error))
+        except Exception as error:  # noqa: BLE001 - one link's failure stays with that link
+            self._reporter.line(
+                Level.ERROR, f"a link broke down: {type(error).__name__}: {error}; please report it"
+            )
+
+
+def _is_loopback(peer: str) -> bool:
+    place = peer.partition(" ")[2]
+    return place.startswith(("127.", "[::1]"))
