@@ -8,16 +8,13 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Mapping, Sequence
-from typing import Any, Final
+from typing import Any
 
 from rostether.errors import SerializationError
 from rostether.rostime import Duration, Time
 from rostether.serde.encoder_source import ENCODE_ERRORS, FLAGS, to_bytes
 from rostether.serde.type_tree import Array, Node, Number, Stamp, Struct, Text
-from rostether.serde.values import Message, MessageClasses, unknown_field
-
-_MAX_SHOWN: Final = 40
-"""How many characters of a wrong value an error repeats; it stays one line."""
+from rostether.serde.values import Message, MessageClasses, show, unknown_field
 
 
 class Conform:
@@ -44,9 +41,7 @@ class Conform:
                 setattr(message, member.name, self._node(member.node, rest.pop(member.name), field))
         if rest:
             known = [member.name for member in tree.members]
-            raise unknown_field(
-                f"{self._tree.name}.{path}" if path else tree.name, _show(next(iter(rest))), known
-            )
+            raise unknown_field(f"{self._tree.name}.{path}" if path else tree.name, next(iter(rest)), known)
         return message
 
     def _from_message(self, tree: Struct, value: Message, path: str) -> Message:
@@ -73,7 +68,7 @@ class Conform:
         try:
             if node.code == "?":
                 return bool(FLAGS[value])
-            struct.pack(node.code, value)
+            struct.pack(f"<{node.code}", value)
         except ENCODE_ERRORS:
             raise self._wants(path, _number_text(node), value) from None
         return float(value) if node.code in "fd" else int(value)
@@ -93,12 +88,12 @@ class Conform:
         if isinstance(value, Mapping):
             unknown = [key for key in value if key not in ("secs", "nsecs")]
             if unknown:
-                raise unknown_field(f"{self._tree.name}.{path}", _show(unknown[0]), ["secs", "nsecs"])
+                raise unknown_field(f"{self._tree.name}.{path}", unknown[0], ["secs", "nsecs"])
             secs, nsecs = value.get("secs", 0), value.get("nsecs", 0)
         else:
             secs, nsecs = getattr(value, "secs", None), getattr(value, "nsecs", None)
         try:
-            struct.pack(node.code, secs, nsecs)
+            struct.pack(f"<{node.code}", secs, nsecs)
         except ENCODE_ERRORS:
             kind = "uint32" if node.name == "time" else "int32"
             raise self._wants(path, f"a {node.name} (secs and nsecs, each {kind})", value) from None
@@ -128,7 +123,7 @@ class Conform:
 
     def _wants(self, path: str, wanted: str, got: object, *, quote: bool = True) -> SerializationError:
         subject = f"field '{path}' of {self._tree.name}" if path else self._tree.name
-        return SerializationError(f"{subject} wants {wanted}, got {_show(got) if quote else got}")
+        return SerializationError(f"{subject} wants {wanted}, got {show(got) if quote else got}")
 
 
 def _is_list(value: object) -> bool:
@@ -146,8 +141,3 @@ def _number_text(node: Number) -> str:
     bits = 8 * node.fixed_size_bytes
     low, high = (-(1 << bits - 1), (1 << bits - 1) - 1) if node.code.islower() else (0, (1 << bits) - 1)
     return f"{article} {node.name} ({low} to {high})"
-
-
-def _show(value: object) -> str:
-    text = repr(value)
-    return text if len(text) <= _MAX_SHOWN else f"{text[: _MAX_SHOWN - 3]}..."

@@ -29,7 +29,7 @@ from rostether.serde.values import Message, MessageClasses
 Decode = Callable[[bytes], Message]
 
 _MAX_VARIABLES: Final = 512
-"""How many variables a function grows to by nested structs inline; further ones become functions of their own.
+"""How many variables a function grows to by nested structs inline; further ones become functions.
 Otherwise a type holding a type twice, which holds one twice ..., would double the source at each level."""
 
 _MAX_UNROLLED_LENGTH: Final = 64

@@ -24,7 +24,7 @@ from rostether.serde.values import Message, MessageClasses
 Encode = Callable[[Message], bytes]
 
 _MAX_FIELDS: Final = 512
-"""How many fields a function grows to by nested structs inline; further ones become functions of their own.
+"""How many fields a function grows to by nested structs inline; further ones become functions.
 Otherwise a type holding a type twice, which holds one twice ..., would double the source at each level."""
 
 ENCODE_ERRORS: Final = (struct.error, AttributeError, KeyError, OverflowError, TypeError, ValueError)

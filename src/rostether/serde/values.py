@@ -16,6 +16,7 @@ from rostether.rostime import Duration, Time
 from rostether.serde.type_tree import Array, Node, Number, Stamp, Struct
 
 _NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+_MAX_SHOWN: Final = 40
 
 
 class Message:
@@ -114,7 +115,13 @@ class MessageClasses:
         return lambda: [element] * length
 
 
-def unknown_field(type_name: str, field: str, known: list[str]) -> SerializationError:
+def unknown_field(type_name: str, field: object, known: list[str]) -> SerializationError:
     """Return the error for a field that a type does not have."""
     has = f"it has {', '.join(known)}" if known else "it has no fields"
-    return SerializationError(f"{type_name} has no field {field!r}; {has}")
+    return SerializationError(f"{type_name} has no field {show(field)}; {has}")
+
+
+def show(value: object) -> str:
+    """Return a value as an error repeats it: short, so that the error stays one line."""
+    text = repr(value)
+    return text if len(text) <= _MAX_SHOWN else f"{text[: _MAX_SHOWN - 3]}..."
