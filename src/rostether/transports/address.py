@@ -1,0 +1,283 @@
+"""Link addresses as people type them: which wire, where, and its options.
+
+    /dev/ttyACM0    /dev/ttyUSB0?baud=115200&reset=no    COM3    serial:/tmp/tty
+    tcp://:11411    tcp://0.0.0.0:11411?allow=192.168.1.0/24    tcp://robot.local:11411?connect=yes
+    udp://:11411    udp://192.168.1.7:11411?connect=yes&bind=11411
+    pty:/tmp/board  xbee:/dev/ttyUSB0?baud=57600&peers=1,2
+
+An empty host is loopback. Every address takes `name=` and `ns=`, the board's node name and namespace.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from rostether.errors import ConfigError
+
+DEFAULT_BAUD = 57600  # what the established device library opens its port with
+DEFAULT_PORT = 11411  # where established boards connect to
+LOOPBACK = "127.0.0.1"
+
+# Faster UARTs do not exist on USB bridges; the bound catches a slipped digit.
+MAX_BAUD = 20_000_000
+# 16-bit addresses; 0xffff is the broadcast address and 0xfffe means "use the 64-bit address".
+MAX_XBEE_ADDRESS = 0xFFFD
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Named:
+    name: str | None = None
+    ns: str | None = None
+
+    @property
+    def listens(self) -> bool:
+        """Whether one address brings many devices (see `opening.listen`)."""
+        return False
+
+
+@dataclass(frozen=True, slots=True)
+class SerialAddress(_Named):
+    """A serial port or a pseudo-terminal's slave; `reset=False` leaves DTR and RTS alone."""
+
+    path: str
+    baud: int = DEFAULT_BAUD
+    reset: bool = True
+
+    def __str__(self) -> str:
+        return self.path
+
+
+@dataclass(frozen=True, slots=True)
+class TcpAddress(_Named):
+    """A TCP port to listen on, or with `connect` one to connect to; `allow` are networks, empty is all."""
+
+    host: str
+    port: int
+    connect: bool = False
+    allow: tuple[str, ...] = ()
+
+    @property
+    def listens(self) -> bool:
+        """Whether one address brings many devices (see `opening.listen`)."""
+        return not self.connect
+
+    def __str__(self) -> str:
+        return f"tcp://{show_endpoint(self.host, self.port)}"
+
+
+@dataclass(frozen=True, slots=True)
+class UdpAddress(_Named):
+    """A UDP port to listen on, or with `connect` one peer; `bind` is then our own port, 0 is any."""
+
+    host: str
+    port: int
+    connect: bool = False
+    bind: int = 0
+    allow: tuple[str, ...] = ()
+
+    @property
+    def listens(self) -> bool:
+        """Whether one address brings many devices (see `opening.listen`)."""
+        return not self.connect
+
+    def __str__(self) -> str:
+        return f"udp://{show_endpoint(self.host, self.port)}"
+
+
+@dataclass(frozen=True, slots=True)
+class PtyAddress(_Named):
+    """A pseudo-terminal to make, linked at `link`."""
+
+    link: str
+
+    def __str__(self) -> str:
+        return f"pty:{self.link}"
+
+
+@dataclass(frozen=True, slots=True)
+class XbeeAddress(_Named):
+    """An XBee coordinator's serial port; `peers` are 16-bit addresses known to be there before they speak."""
+
+    path: str
+    baud: int = DEFAULT_BAUD
+    peers: tuple[int, ...] = ()
+
+    @property
+    def listens(self) -> bool:
+        """Whether one address brings many devices (see `opening.listen`)."""
+        return True
+
+    def __str__(self) -> str:
+        return f"xbee:{self.path}"
+
+
+Address: TypeAlias = SerialAddress | TcpAddress | UdpAddress | PtyAddress | XbeeAddress
+
+_COMMON_OPTIONS = ("name", "ns")
+_KNOWN_OPTIONS = {
+    "serial": ("baud", "reset"),
+    "tcp": ("connect", "allow"),
+    "udp": ("connect", "bind", "allow"),
+    "pty": (),
+    "xbee": ("baud", "peers"),
+}
+_SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):(.*)", re.DOTALL)
+_WINDOWS_PORT = re.compile(r"(?:\\\\\.\\)?COM[0-9]+", re.IGNORECASE)
+_YES = ("yes", "true", "on", "1")
+_NO = ("no", "false", "off", "0")
+
+
+def show_endpoint(host: str, port: int) -> str:
+    """Write a host and port for people, IPv6 hosts in brackets."""
+    return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
+
+
+def parse_address(text: str) -> Address:
+    """Read a link address. Raises ConfigError naming what is wrong and what is known."""
+    place, _, query = text.strip().partition("?")
+    scheme, place = _split_scheme(text, place)
+    options = _parse_options(text, scheme, query)
+    name, ns = options.pop("name", None), options.pop("ns", None)
+    reader = _Options(text, options)
+    match scheme:
+        case "serial":
+            path, reset = _require_path(text, place), reader.flag("reset", default=True)
+            return SerialAddress(path, reader.baud(), reset, name=name, ns=ns)
+        case "tcp":
+            host, port = _parse_endpoint(text, place)
+            return TcpAddress(host, port, reader.flag("connect"), reader.networks(), name=name, ns=ns)
+        case "udp":
+            host, port = _parse_endpoint(text, place)
+            connect, bind = reader.flag("connect"), reader.port("bind")
+            return UdpAddress(host, port, connect, bind, reader.networks(), name=name, ns=ns)
+        case "pty":
+            return PtyAddress(_require_path(text, place), name=name, ns=ns)
+        case _:
+            path, peers = _require_path(text, place), reader.xbee_peers()
+            return XbeeAddress(path, reader.baud(), peers, name=name, ns=ns)
+
+
+@dataclass(frozen=True, slots=True)
+class _Options:
+    address: str
+    values: dict[str, str]
+
+    def flag(self, key: str, *, default: bool = False) -> bool:
+        value = self.values.get(key)
+        if value is None:
+            return default
+        if value.lower() not in (*_YES, *_NO):
+            raise ConfigError(f"{key}={value} in link address {self.address!r}: write {key}=yes or {key}=no")
+        return value.lower() in _YES
+
+    def baud(self) -> int:
+        return self._number("baud", DEFAULT_BAUD, 1, MAX_BAUD)
+
+    def port(self, key: str) -> int:
+        return self._number(key, 0, 0, 65535)
+
+    def networks(self) -> tuple[str, ...]:
+        value = self.values.get("allow")
+        if value is None:
+            return ()
+        from ipaddress import ip_network  # only who limits a listener pays for the import
+
+        networks = tuple(value.split(","))
+        for network in networks:
+            try:
+                ip_network(network, strict=False)
+            except ValueError:
+                raise ConfigError(
+                    f"allow={value} in link address {self.address!r}: {network!r} is no network; "
+                    "write for instance allow=192.168.1.0/24,10.0.0.7"
+                ) from None
+        return networks
+
+    def xbee_peers(self) -> tuple[int, ...]:
+        value = self.values.get("peers")
+        if value is None:
+            return ()
+        try:
+            peers = tuple(int(peer, 0) for peer in value.split(","))
+        except ValueError:
+            peers = (-1,)
+        if not all(0 <= peer <= MAX_XBEE_ADDRESS for peer in peers):
+            raise ConfigError(
+                f"peers={value} in link address {self.address!r}: "
+                "write 16-bit addresses separated by commas, for instance peers=1,0x2a"
+            )
+        return peers
+
+    def _number(self, key: str, default: int, lowest: int, highest: int) -> int:
+        value = self.values.get(key)
+        if value is None:
+            return default
+        if not (value.isascii() and value.isdigit() and lowest <= int(value) <= highest):
+            raise ConfigError(
+                f"{key}={value} in link address {self.address!r}: write a number from {lowest} to {highest}"
+            )
+        return int(value)
+
+
+def _split_scheme(text: str, place: str) -> tuple[str, str]:
+    if match := _SCHEME.fullmatch(place):
+        scheme = match[1].lower()
+        if scheme not in _KNOWN_OPTIONS:
+            raise ConfigError(
+                f"unknown kind of link {scheme!r} in address {text!r}; known are a serial port's path, "
+                f"{', '.join(f'{known}:' for known in _KNOWN_OPTIONS)}"
+            )
+        return scheme, match[2]
+    if "/" in place or _WINDOWS_PORT.fullmatch(place):
+        return "serial", place
+    if not place:
+        raise ConfigError("empty link address; write for instance /dev/ttyACM0 or tcp://:11411")
+    raise ConfigError(f"no link address: {text!r}; a serial port is written with its path, /dev/{place}")
+
+
+def _parse_options(text: str, scheme: str, query: str) -> dict[str, str]:
+    known = (*_KNOWN_OPTIONS[scheme], *_COMMON_OPTIONS)
+    options: dict[str, str] = {}
+    for part in query.split("&") if query else ():
+        key, equals, value = part.partition("=")
+        if key not in known:
+            raise ConfigError(
+                f"unknown option {key!r} in link address {text!r}; known are {', '.join(known)}"
+            )
+        if not equals or not value:
+            raise ConfigError(f"option {key!r} in link address {text!r} has no value; write {key}=VALUE")
+        if key in options:
+            raise ConfigError(f"option {key!r} stands twice in link address {text!r}; keep one")
+        options[key] = value
+    return options
+
+
+def _require_path(text: str, place: str) -> str:
+    path = place.removeprefix("//") if place.startswith("///") else place
+    if not path:
+        raise ConfigError(
+            f"link address {text!r} names no path; write one such as /dev/ttyACM0 or pty:/tmp/board"
+        )
+    return path
+
+
+def _parse_endpoint(text: str, place: str) -> tuple[str, int]:
+    endpoint = place.removeprefix("//").rstrip("/")
+    if endpoint.startswith("["):
+        host, bracket, rest = endpoint[1:].partition("]")
+        if not bracket or (rest and not rest.startswith(":")):
+            raise ConfigError(f"malformed IPv6 address in link address {text!r}; write [::1]:{DEFAULT_PORT}")
+        port_text = rest[1:]
+    else:
+        host, _, port_text = endpoint.partition(":")
+    if not port_text:
+        port_text = str(DEFAULT_PORT)
+    if not (port_text.isascii() and port_text.isdigit() and int(port_text) <= 65535):
+        raise ConfigError(
+            f"{port_text!r} in link address {text!r} is no port; write HOST:PORT with a number up to 65535"
+        )
+    if "/" in host or any(character.isspace() for character in host):
+        raise ConfigError(f"host {host!r} in link address {text!r} is no host name; write HOST:PORT")
+    return host or LOOPBACK, int(port_text)

@@ -1,0 +1,174 @@
+"""Two transports joined in memory, for tests and for boards that live in this process.
+
+What one side writes the other receives at the event loop's next turn. A manipulator sees every chunk on
+its way and returns what arrives: the same, less, other bytes, or nothing; so wires become lossy.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from collections.abc import Callable
+from enum import Enum
+from typing import TypeAlias
+
+from rostether.errors import TransportClosedError, TransportError
+from rostether.transports.transport import Receiver
+
+# The same marks as asyncio's sockets have, so that what works here works there.
+HIGH_WATER_BYTES = 64 * 1024
+LOW_WATER_BYTES = 16 * 1024
+
+
+class Direction(Enum):
+    """Which way a chunk travels between the two transports of a pair."""
+
+    FIRST_TO_SECOND = 1
+    SECOND_TO_FIRST = 2
+
+
+Manipulator: TypeAlias = Callable[[bytes, Direction], bytes]
+
+
+def memory_pair(
+    manipulator: Manipulator | None = None,
+    *,
+    can_pause: bool = True,
+    names: tuple[str, str] = ("first", "second"),
+) -> tuple[MemoryTransport, MemoryTransport]:
+    """Make two joined transports; with `can_pause=False` a paused reader loses what exceeds 64 KiB."""
+    first = MemoryTransport(f"memory {names[1]}", Direction.FIRST_TO_SECOND, manipulator, can_pause=can_pause)
+    second = MemoryTransport(
+        f"memory {names[0]}", Direction.SECOND_TO_FIRST, manipulator, can_pause=can_pause
+    )
+    first.join(second)
+    second.join(first)
+    return first, second
+
+
+class MemoryTransport:
+    """One end of a pair; made by `memory_pair`."""
+
+    def __init__(
+        self, peer: str, direction: Direction, manipulator: Manipulator | None, *, can_pause: bool
+    ) -> None:
+        self._peer = peer
+        self._direction = direction
+        self._manipulator = manipulator
+        self._can_pause = can_pause
+        self._other = self
+        self._receiver: Receiver | None = None
+        self._arrived: deque[bytes] = deque()
+        self._arrived_bytes = 0
+        self._delivery_scheduled = False
+        self._paused = False
+        self._writing_paused = False
+        self._ended = False
+        self._error: TransportError | None = None
+        self._loss_reported = False
+        self._end_event = asyncio.Event()
+
+    def join(self, other: MemoryTransport) -> None:
+        """Name the other end."""
+        self._other = other
+
+    @property
+    def peer(self) -> str:
+        """Who is on the other side, for people."""
+        return self._peer
+
+    @property
+    def can_pause(self) -> bool:
+        """Whether pause_reading slows the sender down."""
+        return self._can_pause
+
+    @property
+    def write_buffer_bytes(self) -> int:
+        """How many written bytes the other end has not taken yet."""
+        return 0 if self._ended else self._other._arrived_bytes
+
+    def start(self, receiver: Receiver) -> None:
+        """Begin to deliver; called once. Nothing received before it is lost."""
+        self._receiver = receiver
+        if self._writing_paused:
+            receiver.pause_writing()
+        self._schedule()
+
+    def write(self, data: bytes | bytearray | memoryview) -> None:
+        """Queue bytes. Never blocks; after the pipe ended it does nothing."""
+        if self._ended or not data:
+            return
+        chunk = bytes(data)
+        if self._manipulator is not None:
+            chunk = self._manipulator(chunk, self._direction)
+        if chunk:
+            self._other._arrive(chunk)
+        if self._can_pause and not self._writing_paused and self.write_buffer_bytes > HIGH_WATER_BYTES:
+            self._writing_paused = True
+            if self._receiver is not None:
+                self._receiver.pause_writing()
+
+    def pause_reading(self) -> None:
+        """Deliver nothing until resume_reading. Idempotent."""
+        self._paused = True
+
+    def resume_reading(self) -> None:
+        """Deliver again. Idempotent."""
+        self._paused = False
+        self._schedule()
+
+    def close(self) -> None:
+        """End the pipe; the other end still receives what was written. Idempotent."""
+        if self._ended:
+            return
+        self._arrived.clear()
+        self._arrived_bytes = 0
+        self._end(None)
+        self._other._end(TransportClosedError(f"{self._other._peer} ended the connection; connect again"))
+
+    async def wait_closed(self) -> None:
+        """Wait until the pipe has ended."""
+        await self._end_event.wait()
+
+    def _arrive(self, chunk: bytes) -> None:
+        if self._ended:
+            return
+        if not self._can_pause and self._arrived_bytes + len(chunk) > HIGH_WATER_BYTES:
+            return
+        self._arrived.append(chunk)
+        self._arrived_bytes += len(chunk)
+        self._schedule()
+
+    def _end(self, error: TransportError | None) -> None:
+        if not self._ended:
+            self._ended = True
+            self._error = error
+            self._end_event.set()
+            self._schedule()
+
+    def _schedule(self) -> None:
+        if self._delivery_scheduled or self._receiver is None or (self._paused and not self._ended):
+            return
+        if self._arrived or (self._ended and not self._loss_reported):
+            self._delivery_scheduled = True
+            asyncio.get_running_loop().call_soon(self._deliver)
+
+    def _deliver(self) -> None:
+        self._delivery_scheduled = False
+        receiver = self._receiver
+        if receiver is None:
+            return
+        while self._arrived and (not self._paused or self._ended):
+            chunk = self._arrived.popleft()
+            self._arrived_bytes -= len(chunk)
+            receiver.data_received(chunk)
+        self._other._drained()
+        if self._ended and not self._arrived and not self._loss_reported:
+            self._loss_reported = True
+            receiver.connection_lost(self._error)
+
+    def _drained(self) -> None:
+        if self._writing_paused and self.write_buffer_bytes <= LOW_WATER_BYTES:
+            self._writing_paused = False
+            if self._receiver is not None and not self._ended:
+                self._receiver.resume_writing()

@@ -1,0 +1,66 @@
+"""From a link address to open transports; each kind of wire is imported when it is first needed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from rostether.errors import ConfigError
+from rostether.transports.address import (
+    Address,
+    PtyAddress,
+    SerialAddress,
+    TcpAddress,
+    UdpAddress,
+    XbeeAddress,
+    parse_address,
+)
+from rostether.transports.transport import Listener, Transport
+
+
+async def open_transport(address: Address | str) -> Transport:
+    """Open one link. Raises ConfigError, TransportOpenError, TransportTimeoutError."""
+    if isinstance(address, str):
+        address = parse_address(address)
+    match address:
+        case SerialAddress():
+            from rostether.transports.serial import open_serial
+
+            return await open_serial(address)
+        case PtyAddress():
+            from rostether.transports.pty import open_pty
+
+            return open_pty(address)
+        case TcpAddress(connect=True):
+            from rostether.transports.tcp import connect_tcp
+
+            return await connect_tcp(address)
+        case UdpAddress(connect=True):
+            from rostether.transports.udp import connect_udp
+
+            return await connect_udp(address)
+        case _:
+            raise ConfigError(
+                f"{address} brings many devices; it is listened on, or add ?connect=yes for one"
+            )
+
+
+async def listen(address: Address | str, on_transport: Callable[[Transport], None]) -> Listener:
+    """Listen where `address.listens`, calling back with each new link. Raises as `open_transport`."""
+    if isinstance(address, str):
+        address = parse_address(address)
+    match address:
+        case TcpAddress(connect=False):
+            from rostether.transports.tcp import TcpListener
+
+            return await TcpListener.start(address, on_transport)
+        case UdpAddress(connect=False):
+            from rostether.transports.udp import UdpListener
+
+            return await UdpListener.start(address, on_transport)
+        case XbeeAddress():
+            from rostether.transports.serial import open_serial
+            from rostether.transports.xbee import XbeeListener
+
+            return await XbeeListener.start(address, on_transport, open_serial=open_serial)
+        case _:
+            raise ConfigError(f"{address} is one device; it is opened, nothing comes to listen for")

@@ -1,0 +1,225 @@
+"""Many peers behind one medium (a UDP socket, a radio), each as a transport of its own."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Hashable
+from typing import Generic, TypeVar
+
+from rostether.errors import TransportClosedError, TransportError
+from rostether.transports.refusals import RefusalLog
+from rostether.transports.transport import Receiver, Transport
+
+PeerKey = TypeVar("PeerKey", bound=Hashable)
+
+# A sender's address is easily forged, and each new one becomes a session: this bounds what that costs.
+MAX_PEERS = 64
+# A healthy board speaks every 2.5 s; one that was silent for so long frees its place.
+IDLE_LIMIT_S = 30.0
+# What a paused or not yet started receiver may miss before bytes are lost: this medium cannot be slowed down.
+_HELD_LIMIT_BYTES = 64 * 1024
+
+
+class PeerTransport(Generic[PeerKey]):
+    """One peer of a shared medium as a `Transport`; made by a `PeerTable`."""
+
+    def __init__(self, table: PeerTable[PeerKey], key: PeerKey, peer: str, *, expires: bool) -> None:
+        self.key = key
+        self.expires = expires
+        self.heard_at_s = table.now_s()
+        self._table = table
+        self._peer = peer
+        self._receiver: Receiver | None = None
+        self._held = bytearray()
+        self._paused = False
+        self._lost = False
+        self._error: TransportError | None = None
+        self._ended = asyncio.get_running_loop().create_future()
+
+    @property
+    def peer(self) -> str:
+        """Who is on the other side, for people."""
+        return self._peer
+
+    @property
+    def can_pause(self) -> bool:
+        """Whether pause_reading slows the sender down: never here."""
+        return False
+
+    @property
+    def write_buffer_bytes(self) -> int:
+        """How many written bytes have not left yet, over all peers of the medium."""
+        return 0 if self._lost else self._table.write_buffer_bytes()
+
+    def start(self, receiver: Receiver) -> None:
+        """Begin to deliver; called once. Nothing received before it is lost."""
+        self._receiver = receiver
+        if self._held or self._lost:
+            asyncio.get_running_loop().call_soon(self._catch_up)
+
+    def write(self, data: bytes | bytearray | memoryview) -> None:
+        """Send bytes. Never blocks; after the pipe ended it does nothing."""
+        if not self._lost:
+            self._table.send(self.key, data)
+
+    def pause_reading(self) -> None:
+        """Deliver nothing until resume_reading; what exceeds 64 KiB meanwhile is lost. Idempotent."""
+        self._paused = True
+
+    def resume_reading(self) -> None:
+        """Deliver again. Idempotent."""
+        self._paused = False
+        if self._held:
+            asyncio.get_running_loop().call_soon(self._catch_up)
+
+    def close(self) -> None:
+        """End the pipe. Idempotent."""
+        self.end(None)
+
+    async def wait_closed(self) -> None:
+        """Wait until the pipe has ended."""
+        await asyncio.shield(self._ended)
+
+    def deliver(self, data: bytes) -> None:
+        """Take what the medium received from this peer."""
+        self.heard_at_s = self._table.now_s()
+        if self._receiver is not None and not self._paused and not self._held:
+            self._receiver.data_received(data)
+        elif len(self._held) + len(data) <= _HELD_LIMIT_BYTES:
+            self._held += data
+
+    def pause_writing(self) -> None:
+        """Pass on that the medium's write buffer is full."""
+        if self._receiver is not None and not self._lost:
+            self._receiver.pause_writing()
+
+    def resume_writing(self) -> None:
+        """Pass on that the medium's write buffer has drained."""
+        if self._receiver is not None and not self._lost:
+            self._receiver.resume_writing()
+
+    def end(self, error: TransportError | None) -> None:
+        """End the pipe for a reason; None is our own wish. Idempotent."""
+        if self._lost:
+            return
+        self._lost = True
+        self._error = error
+        if error is None:
+            self._held.clear()
+        self._table.forget(self)
+        if not self._ended.done():
+            self._ended.set_result(None)
+        if self._receiver is not None:
+            asyncio.get_running_loop().call_soon(self._catch_up)
+
+    def _catch_up(self) -> None:
+        receiver = self._receiver
+        if receiver is None:
+            return
+        if self._held and (self._lost or not self._paused):
+            data = bytes(self._held)
+            self._held.clear()
+            receiver.data_received(data)
+        if self._lost:
+            self._receiver = None
+            receiver.connection_lost(self._error)
+
+
+class PeerTable(Generic[PeerKey]):
+    """The peers of one medium: bounded in number, and those that fell silent expire."""
+
+    def __init__(
+        self,
+        medium: str,
+        on_transport: Callable[[Transport], None],
+        *,
+        send: Callable[[PeerKey, bytes | bytearray | memoryview], None],
+        show: Callable[[PeerKey], str],
+        write_buffer_bytes: Callable[[], int],
+        max_peers: int = MAX_PEERS,
+        idle_limit_s: float = IDLE_LIMIT_S,
+        clock: Callable[[], float] | None = None,
+        on_forget: Callable[[], None] | None = None,
+    ) -> None:
+        self.send = send
+        self.write_buffer_bytes = write_buffer_bytes
+        self.now_s = clock if clock is not None else asyncio.get_running_loop().time
+        self.refusals = RefusalLog(medium, self.now_s)
+        self._on_transport = on_transport
+        self._on_forget = on_forget
+        self._show = show
+        self._max_peers = max_peers
+        self._idle_limit_s = idle_limit_s
+        self._peers: dict[PeerKey, PeerTransport[PeerKey]] = {}
+        self._sweep_timer: asyncio.TimerHandle | None = None
+        self._writing_paused = False
+
+    def __len__(self) -> int:
+        return len(self._peers)
+
+    def receive(self, key: PeerKey, data: bytes) -> None:
+        """Deliver to the peer's transport, made when it is new; beyond the limit new peers are refused."""
+        peer = self._peers.get(key)
+        if peer is None:
+            if len(self._peers) >= self._max_peers:
+                self.expire(self.now_s())
+            if len(self._peers) >= self._max_peers:
+                self.refusals.refuse(self._show(key), f"{self._max_peers} boards are connected already")
+                return
+            peer = self.add(key)
+        peer.deliver(data)
+
+    def add(self, key: PeerKey, *, expires: bool = True) -> PeerTransport[PeerKey]:
+        """Make a peer's transport and announce it; one that is known beforehand need not expire."""
+        peer = PeerTransport(self, key, self._show(key), expires=expires)
+        self._peers[key] = peer
+        if expires and self._sweep_timer is None:
+            self._schedule_sweep()
+        self._on_transport(peer)
+        if self._writing_paused:
+            peer.pause_writing()
+        return peer
+
+    def forget(self, peer: PeerTransport[PeerKey]) -> None:
+        """Drop a peer that ended; it becomes a new one when it speaks again."""
+        if self._peers.get(peer.key) is peer:
+            del self._peers[peer.key]
+            if self._on_forget is not None:
+                self._on_forget()
+
+    def expire(self, now_s: float) -> None:
+        """End every peer that was silent for too long."""
+        for peer in list(self._peers.values()):
+            if peer.expires and now_s - peer.heard_at_s >= self._idle_limit_s:
+                silence = f"{peer.peer} was silent for {self._idle_limit_s:g} s"
+                peer.end(TransportClosedError(f"{silence}; check its power and its network"))
+
+    def pause_writing(self) -> None:
+        """Tell every peer that the medium's write buffer is full."""
+        self._writing_paused = True
+        for peer in list(self._peers.values()):
+            peer.pause_writing()
+
+    def resume_writing(self) -> None:
+        """Tell every peer that the medium's write buffer has drained."""
+        self._writing_paused = False
+        for peer in list(self._peers.values()):
+            peer.resume_writing()
+
+    def end_all(self, error: TransportError | None) -> None:
+        """End every peer."""
+        if self._sweep_timer is not None:
+            self._sweep_timer.cancel()
+            self._sweep_timer = None
+        for peer in list(self._peers.values()):
+            peer.end(error)
+
+    def _schedule_sweep(self) -> None:
+        # A quarter of the limit: a place is freed at most that much late.
+        self._sweep_timer = asyncio.get_running_loop().call_later(self._idle_limit_s / 4, self._sweep)
+
+    def _sweep(self) -> None:
+        self._sweep_timer = None
+        self.expire(self.now_s())
+        if any(peer.expires for peer in self._peers.values()):
+            self._schedule_sweep()

@@ -1,0 +1,292 @@
+"""A pseudo-terminal of our own, linked at a path where a simulated board opens it like a serial port.
+
+Programs on the other side come and go while the terminal stays. While nobody has it open Linux reports a
+hang-up on our side without end, so we then leave the event loop alone and look for the next opener twenty
+times a second; what is written meanwhile has no reader and is dropped, so that the next one starts clean.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import select
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+from rostether.errors import ConfigError, TransportOpenError
+from rostether.transports.address import PtyAddress
+from rostether.transports.pty_link import check_link, place_link, remove_link
+from rostether.transports.sockets import explain_reason
+from rostether.transports.stream import FLUSH_LIMIT_S
+from rostether.transports.transport import Receiver
+
+# A person does not notice it, and it costs less than 0.1 % of a CPU.
+_OPENER_POLL_S = 0.05
+# The kernel drops what is unread when our side closes, and moves bytes to the reader in steps: it has read
+# all when twice in a row nothing was waiting.
+_UNREAD_POLL_S = 0.01
+_UNREAD_LOOKS = 2
+# Linux hands out at most 4 KiB or a flip buffer of 16 KiB at once; larger buffers only cost.
+_READ_BYTES = 16 * 1024
+# The same marks as asyncio's sockets.
+_HIGH_WATER_BYTES = 64 * 1024
+_LOW_WATER_BYTES = 16 * 1024
+
+
+def open_pty(address: PtyAddress) -> PtyTransport:
+    """Make a pseudo-terminal and link it. Raises TransportOpenError, ConfigError on Windows."""
+    if sys.platform == "win32":
+        raise ConfigError(f"{address} needs pseudo-terminals, which Windows lacks; use tcp://:11411 there")
+    link = Path(address.link)
+    check_link(link)
+    try:
+        master, slave = os.openpty()
+    except OSError as error:
+        raise TransportOpenError(
+            f"cannot make a pseudo-terminal: {explain_reason(error)}; close programs that use many of them"
+        ) from error
+    try:
+        terminal = os.ttyname(slave)
+        _set_raw(slave)
+        os.set_blocking(master, False)
+        place_link(link, terminal)
+    except OSError as error:
+        os.close(master)
+        raise TransportOpenError(
+            f"cannot link a pseudo-terminal at {link}: {explain_reason(error)}; choose another path"
+        ) from error
+    finally:
+        os.close(slave)
+    return PtyTransport(master, terminal, link)
+
+
+class PtyTransport:
+    """Our side of a pseudo-terminal; made by `open_pty`."""
+
+    def __init__(self, master: int, terminal: str, link: Path) -> None:
+        self._loop = asyncio.get_running_loop()
+        self._master = master
+        self._terminal = terminal
+        self._link = link
+        self._receiver: Receiver | None = None
+        self._reading_wanted = True
+        self._reading = False
+        self._opened = False
+        self._timer: asyncio.TimerHandle | None = None
+        self._poll = select.poll()
+        self._poll.register(master, select.POLLIN)
+        self._unsent = bytearray()
+        self._writing_paused = False
+        self._closing = False
+        self._ended = asyncio.Event()
+        self._flush_limit: asyncio.TimerHandle | None = None
+        self._look_for_opener()
+
+    @property
+    def peer(self) -> str:
+        """Who is on the other side, for people."""
+        return f"pty {self._link}"
+
+    @property
+    def can_pause(self) -> bool:
+        """Whether pause_reading slows the sender down: a full terminal blocks its writer."""
+        return True
+
+    @property
+    def write_buffer_bytes(self) -> int:
+        """How many written bytes have not left yet."""
+        return len(self._unsent)
+
+    @property
+    def terminal(self) -> str:
+        """The path of the terminal that the link points to."""
+        return self._terminal
+
+    def start(self, receiver: Receiver) -> None:
+        """Begin to deliver; called once. Nothing received before it is lost."""
+        self._receiver = receiver
+        if self._ended.is_set():
+            self._loop.call_soon(receiver.connection_lost, None)
+            return
+        if self._writing_paused:
+            receiver.pause_writing()
+        self._apply_reading()
+
+    def write(self, data: bytes | bytearray | memoryview) -> None:
+        """Queue bytes. Never blocks; while nobody has the terminal open it does nothing."""
+        if self._closing or not self._opened:
+            return
+        if not self._unsent:
+            sent = self._send(data)
+            if sent == len(data) or not self._opened:
+                return
+            data = memoryview(data)[sent:]
+            self._loop.add_writer(self._master, self._write_ready)
+        self._unsent += data
+        if not self._writing_paused and len(self._unsent) > _HIGH_WATER_BYTES:
+            self._writing_paused = True
+            if self._receiver is not None:
+                self._receiver.pause_writing()
+
+    def pause_reading(self) -> None:
+        """Deliver nothing until resume_reading. Idempotent."""
+        self._reading_wanted = False
+        self._apply_reading()
+
+    def resume_reading(self) -> None:
+        """Deliver again. Idempotent."""
+        self._reading_wanted = True
+        self._apply_reading()
+
+    def close(self) -> None:
+        """Flush what is queued, for at most a second, then end the pipe and remove the link. Idempotent."""
+        if self._closing:
+            return
+        self._closing = True
+        self._apply_reading()
+        if not self._opened:
+            self._end()
+            return
+        self._flush_limit = self._loop.call_later(FLUSH_LIMIT_S, self._end)
+        if not self._unsent:
+            self._end_when_read()
+
+    async def wait_closed(self) -> None:
+        """Wait until the pipe has ended."""
+        await self._ended.wait()
+
+    def _apply_reading(self) -> None:
+        wanted = self._reading_wanted and self._opened and self._receiver is not None and not self._closing
+        if wanted and not self._reading:
+            self._loop.add_reader(self._master, self._read_ready)
+        elif self._reading and not wanted:
+            self._loop.remove_reader(self._master)
+        self._reading = wanted
+
+    def _read_ready(self) -> None:
+        try:
+            data = os.read(self._master, _READ_BYTES)
+        except (BlockingIOError, InterruptedError):
+            return
+        except OSError:
+            data = b""
+        if data and self._receiver is not None:
+            self._receiver.data_received(data)
+        elif not data:
+            self._hung_up()
+
+    def _write_ready(self) -> None:
+        sent = self._send(self._unsent)
+        if not self._opened:
+            return
+        if not sent and self._is_hung_up():
+            self._hung_up()
+            return
+        del self._unsent[:sent]
+        if not self._unsent:
+            self._loop.remove_writer(self._master)
+            if self._closing:
+                self._end_when_read()
+                return
+        self._resume_writing()
+
+    def _send(self, data: bytes | bytearray | memoryview) -> int:
+        try:
+            return os.write(self._master, data)
+        except (BlockingIOError, InterruptedError):
+            return 0
+        except OSError:
+            self._hung_up()
+            return 0
+
+    def _resume_writing(self) -> None:
+        if self._writing_paused and len(self._unsent) <= _LOW_WATER_BYTES:
+            self._writing_paused = False
+            if self._receiver is not None and not self._closing:
+                self._receiver.resume_writing()
+
+    def _hung_up(self) -> None:
+        """Forget the program that closed the terminal, with all that it did not read."""
+        if not self._opened:
+            return
+        self._opened = False
+        if self._unsent:
+            self._loop.remove_writer(self._master)
+            self._unsent.clear()
+        self._apply_reading()
+        if self._closing:
+            self._end()
+            return
+        self._resume_writing()
+        _discard_unread(self._terminal)
+        self._look_for_opener()
+
+    def _look_for_opener(self) -> None:
+        # Bytes to read mean that somebody was here between two looks, perhaps with last words.
+        self._opened = not self._is_hung_up() or self._has_input()
+        if self._opened:
+            self._timer = None
+            self._apply_reading()
+        else:
+            self._timer = self._loop.call_later(_OPENER_POLL_S, self._look_for_opener)
+
+    def _is_hung_up(self) -> bool:
+        return any(event & select.POLLHUP for _, event in self._poll.poll(0))
+
+    def _has_input(self) -> bool:
+        return any(event & select.POLLIN for _, event in self._poll.poll(0))
+
+    def _end_when_read(self, looks_left: int = _UNREAD_LOOKS) -> None:
+        looks_left = _UNREAD_LOOKS if _count_unread(self._terminal) else looks_left - 1
+        if looks_left:
+            self._timer = self._loop.call_later(_UNREAD_POLL_S, self._end_when_read, looks_left)
+        else:
+            self._end()
+
+    def _end(self) -> None:
+        if self._ended.is_set():
+            return
+        self._ended.set()
+        for timer in (self._timer, self._flush_limit):
+            if timer is not None:
+                timer.cancel()
+        if self._unsent:
+            self._loop.remove_writer(self._master)
+            self._unsent.clear()
+        os.close(self._master)
+        remove_link(self._link, self._terminal)
+        if self._receiver is not None:
+            self._loop.call_soon(self._receiver.connection_lost, None)
+
+
+def _set_raw(slave: int) -> None:
+    import tty  # Windows has none
+
+    tty.setraw(slave)
+
+
+@contextlib.contextmanager
+def _slave(terminal: str) -> Iterator[int]:
+    slave = os.open(terminal, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+    try:
+        yield slave
+    finally:
+        os.close(slave)
+
+
+def _discard_unread(terminal: str) -> None:
+    import termios
+
+    with contextlib.suppress(OSError, termios.error), _slave(terminal) as slave:
+        termios.tcflush(slave, termios.TCIFLUSH)
+
+
+def _count_unread(terminal: str) -> int:
+    import fcntl
+    import termios
+
+    with contextlib.suppress(OSError), _slave(terminal) as slave:
+        return int.from_bytes(fcntl.ioctl(slave, termios.FIONREAD, bytes(4)), sys.byteorder)
+    return 0

@@ -1,0 +1,38 @@
+"""The link that gives a pseudo-terminal a lasting name."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from pathlib import Path
+
+from rostether.errors import TransportOpenError
+from rostether.transports.serial_errors import is_pseudo_terminal
+
+
+def check_link(link: Path) -> None:
+    """Refuse to put the link where something of the user's stands. Raises TransportOpenError."""
+    if link.is_symlink():
+        if link.exists() and not is_pseudo_terminal(str(link)):
+            raise TransportOpenError(f"{link} is a link to something else; choose another path for pty:")
+    elif link.exists():
+        raise TransportOpenError(f"{link} exists already; remove it or choose another path for pty:")
+
+
+def place_link(link: Path, terminal: str) -> None:
+    """Link atomically, so that a program which waits for the path never finds half a link."""
+    fresh = link.with_name(f".{link.name}.{os.getpid()}")
+    fresh.unlink(missing_ok=True)
+    fresh.symlink_to(terminal)
+    try:
+        fresh.replace(link)
+    except OSError:
+        fresh.unlink(missing_ok=True)
+        raise
+
+
+def remove_link(link: Path, terminal: str) -> None:
+    """Remove the link unless it leads to another terminal by now."""
+    with contextlib.suppress(OSError):
+        if str(link.readlink()) == terminal:
+            link.unlink()

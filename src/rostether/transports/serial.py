@@ -1,0 +1,163 @@
+"""Serial ports through serialx: opening, the data path, and the list of what is plugged in.
+
+Importing this module costs 50 ms, so only `opening` and the command line import it, when they need it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from dataclasses import dataclass
+from typing import cast
+
+import serialx
+
+from rostether.errors import TransportClosedError, TransportError
+from rostether.transports.address import SerialAddress
+from rostether.transports.serial_errors import explain_open_error, is_pseudo_terminal
+from rostether.transports.sockets import explain_reason
+from rostether.transports.stream import FLUSH_LIMIT_S, READ_CHUNK_BYTES, StreamTransport
+
+# A pseudo-terminal has no line speed, and some systems refuse to set odd ones on it.
+_PTY_BAUD = 115200
+# How often close() looks whether the port's own output buffer has emptied.
+_FLUSH_POLL_S = 0.02
+
+
+@dataclass(frozen=True, slots=True)
+class SerialPort:
+    """One serial port of this machine; USB fields are None where the port is not on USB."""
+
+    path: str
+    description: str
+    by_id: str | None = None
+    usb_vendor_id: int | None = None
+    usb_product_id: int | None = None
+    serial_number: str | None = None
+    manufacturer: str | None = None
+
+
+def list_ports() -> list[SerialPort]:
+    """Return the serial ports that are there now, sorted by path."""
+    ports = [
+        SerialPort(
+            path=info.resolved_device,
+            description=_describe(info),
+            by_id=info.device if info.device != info.resolved_device else None,
+            usb_vendor_id=info.vid,
+            usb_product_id=info.pid,
+            serial_number=info.serial_number,
+            manufacturer=info.manufacturer,
+        )
+        for info in serialx.list_serial_ports()
+    ]
+    return sorted(ports, key=lambda port: port.path)
+
+
+async def open_serial(address: SerialAddress, *, flow_control: bool = False) -> SerialTransport:
+    """Open a port exclusively. Raises TransportOpenError saying what to do.
+
+    Linux asserts DTR whenever a port is opened; with `reset=False` it stays asserted at close, so that from
+    the second opening on nothing changes on the line and the board keeps running.
+    """
+    is_pty = is_pseudo_terminal(address.path)
+    transport = SerialTransport(address.path, is_pty=is_pty)
+    loop = asyncio.get_running_loop()
+    on_open = serialx.PinState.HIGH if address.reset else serialx.PinState.UNDEFINED
+    on_close = serialx.PinState.LOW if address.reset else serialx.PinState.UNDEFINED
+    try:
+        await serialx.create_serial_connection(
+            loop,
+            lambda: transport,
+            address.path,
+            baudrate=_PTY_BAUD if is_pty else address.baud,
+            rtscts=flow_control and not is_pty,
+            close_timeout=FLUSH_LIMIT_S,
+            dtr_on_open=on_open,
+            rts_on_open=on_open,
+            dtr_on_close=on_close,
+            rts_on_close=on_close,
+        )
+    except (OSError, serialx.SerialException, ValueError) as error:
+        raise explain_open_error(address, error, list_ports) from error
+    return transport
+
+
+class SerialTransport(StreamTransport, asyncio.Protocol):
+    """An open serial port or pseudo-terminal; made by `open_serial`."""
+
+    def __init__(self, path: str, *, is_pty: bool) -> None:
+        super().__init__(path, can_pause=is_pty)
+        self._drain_timer: asyncio.TimerHandle | None = None
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Take the asyncio side; reading waits for `start`."""
+        # serialx asks the kernel for 256 KiB each time and pays 30 us for that buffer, but a terminal never
+        # has so much.
+        if hasattr(transport, "max_size"):
+            transport.max_size = READ_CHUNK_BYTES
+        super().connection_made(transport)
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Pass on the end of the port, once."""
+        if self._drain_timer is not None:
+            self._drain_timer.cancel()
+        super().connection_lost(exc)
+
+    def data_received(self, data: bytes) -> None:
+        """Deliver what was read."""
+        if self._receiver is not None:
+            self._receiver.data_received(data)
+
+    def write(self, data: bytes | bytearray | memoryview) -> None:
+        """Queue bytes. Never blocks; after the pipe ended it does nothing."""
+        # Unplugged between two wake-ups: serialx says so here, and once more through connection_lost.
+        with contextlib.suppress(OSError, RuntimeError):
+            super().write(data)
+
+    def abort(self) -> None:
+        """End the pipe at once; what is queued is lost. Idempotent."""
+        port = self._port()
+        if port is not None:
+            with contextlib.suppress(OSError):
+                port.reset_write_buffer()
+        super().abort()
+
+    def _end_wire(self, wire: asyncio.Transport) -> None:
+        wire.pause_reading()
+        self._close_when_drained(wire)
+
+    def _close_when_drained(self, wire: asyncio.Transport) -> None:
+        # The kernel's close waits up to 30 s for a board that takes nothing, so it is called when the bytes
+        # have left; `abort` drops them when the limit is over.
+        if wire.get_write_buffer_size() or self._unsent_bytes():
+            loop = asyncio.get_running_loop()
+            self._drain_timer = loop.call_later(_FLUSH_POLL_S, self._close_when_drained, wire)
+        else:
+            wire.close()
+
+    def _unsent_bytes(self) -> int:
+        port = self._port()
+        try:
+            return port.num_unwritten_bytes() if port is not None else 0
+        except OSError:
+            return 0
+
+    def _port(self) -> serialx.BaseSerial | None:
+        """Return the port unless it is being closed: its descriptor may be another file's by then."""
+        if self._wire is None or self._lost or self._wire.is_closing():
+            return None
+        return cast("serialx.BaseSerialTransport", self._wire).serial
+
+    def _explain_loss(self, exc: Exception | None) -> TransportError:
+        reason = f" ({explain_reason(exc)})" if exc is not None else ""
+        return TransportClosedError(f"{self._peer} is gone{reason}; plug the board in again")
+
+
+def _describe(info: serialx.SerialPortInfo) -> str:
+    product = info.product or ""
+    if info.manufacturer and not product.startswith(info.manufacturer):
+        product = f"{info.manufacturer} {product}".strip()
+    if info.interface_description and info.interface_description not in product:
+        product = f"{product} ({info.interface_description})".strip()
+    return product or "serial port"

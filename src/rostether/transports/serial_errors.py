@@ -1,0 +1,118 @@
+"""Why a serial port cannot be opened, in words that say what to do."""
+
+from __future__ import annotations
+
+import errno
+import os
+import re
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Protocol
+
+from rostether.errors import ConfigError, RostetherError, TransportOpenError
+from rostether.transports.address import SerialAddress
+
+# What is told of the ports that are there: more do not fit a line.
+_LISTED_PORTS = 6
+_PTY_NAME = re.compile(r"/dev/pts/[0-9]+|/dev/tty[p-za-e][0-9a-f]|/dev/ttys[0-9]{3,}")
+
+
+class _Port(Protocol):
+    @property
+    def path(self) -> str: ...
+
+    @property
+    def description(self) -> str: ...
+
+
+def is_pseudo_terminal(path: str) -> bool:
+    """Tell whether a path is a pseudo-terminal's slave, perhaps through links."""
+    return _PTY_NAME.fullmatch(os.path.realpath(path)) is not None
+
+
+def explain_open_error(
+    address: SerialAddress, error: Exception, list_ports: Callable[[], Sequence[_Port]]
+) -> RostetherError:
+    """Return the error to raise for a port that did not open."""
+    path = address.path
+    code = error.errno if isinstance(error, OSError) else None
+    if isinstance(error, PermissionError) and sys.platform == "win32":
+        code = errno.EBUSY  # Windows says "access denied" of a port that is open elsewhere
+    if isinstance(error, FileNotFoundError):
+        return TransportOpenError(f"no serial port {path}; {_say_what_is_there(list_ports)}")
+    if code == errno.EBUSY:
+        return TransportOpenError(
+            f"{path} is in use by {find_holder(path) or 'another program'}; close that program"
+        )
+    if isinstance(error, PermissionError):
+        return TransportOpenError(_explain_permission(path))
+    if isinstance(error, OSError) and code in (errno.ENOTTY, errno.EISDIR):
+        return TransportOpenError(f"{path} is not a serial port; {_say_what_is_there(list_ports)}")
+    if isinstance(error, OSError) and code in (errno.ENXIO, errno.ENODEV, errno.EIO):
+        return TransportOpenError(f"no device answers behind {path}; {_say_what_is_there(list_ports)}")
+    if isinstance(error, OSError) and code != errno.EINVAL:
+        return TransportOpenError(
+            f"cannot open {path}: {error.strerror or error}; unplug it and plug it in again"
+        )
+    return ConfigError(
+        f"{path} does not support {address.baud} baud ({error}); choose another with ?baud=57600"
+    )
+
+
+def find_holder(path: str) -> str | None:
+    """Name the process that has a port open, where the system lets us see it: `screen (pid 4711)`."""
+    target = os.path.realpath(path)
+    own = os.getpid()
+    try:
+        pids = [int(entry.name) for entry in Path("/proc").iterdir() if entry.name.isdigit()]
+    except OSError:
+        return None
+    for pid in sorted(pids):
+        if pid != own and _has_open(pid, target):
+            try:
+                name = Path(f"/proc/{pid}/comm").read_text(encoding="utf-8", errors="replace").strip()
+            except OSError:
+                continue
+            return f"{name} (pid {pid})"
+    return "this program" if _has_open(own, target) else None
+
+
+def _has_open(pid: int, target: str) -> bool:
+    try:
+        with os.scandir(f"/proc/{pid}/fd") as entries:
+            return any(_link_target(entry.path) == target for entry in entries)
+    except OSError:
+        return False  # ended meanwhile, or another user's
+
+
+def _link_target(path: str) -> str:
+    try:
+        return os.readlink(path)  # noqa: PTH115 - a hundred thousand Paths would take seconds
+    except OSError:
+        return ""
+
+
+def _explain_permission(path: str) -> str:
+    group = "dialout"
+    try:
+        import grp
+
+        group = grp.getgrgid(Path(path).stat().st_gid).gr_name
+    except (ImportError, OSError, KeyError):
+        pass
+    if group == "root":
+        return f"no permission to open {path}, which only root may use; type sudo chmod a+rw {path}"
+    return (
+        f"no permission to open {path}, it belongs to group {group}; "
+        f"type sudo usermod -aG {group} $USER, then log out and in again"
+    )
+
+
+def _say_what_is_there(list_ports: Callable[[], Sequence[_Port]]) -> str:
+    ports = list_ports()
+    if not ports:
+        return "no serial port is plugged in"
+    shown = ", ".join(f"{port.path} ({port.description})" for port in ports[:_LISTED_PORTS])
+    more = f" and {len(ports) - _LISTED_PORTS} more" if len(ports) > _LISTED_PORTS else ""
+    return f"there is {shown}{more}"

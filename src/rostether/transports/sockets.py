@@ -1,0 +1,78 @@
+"""What TCP and UDP share: socket options, and why a socket could not be had, in words."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import socket
+
+from rostether.errors import TransportOpenError
+from rostether.transports.address import LOOPBACK, show_endpoint
+
+# A name server that does not answer within this time will not.
+RESOLVE_LIMIT_S = 5.0
+# A board whose power went says nothing: probe after 5 s of silence, give up 3 probes of 2 s later.
+_KEEPALIVE_IDLE_S = 5
+_KEEPALIVE_INTERVAL_S = 2
+_KEEPALIVE_PROBES = 3
+# The same for a board that vanished while we were writing to it.
+_UNACKNOWLEDGED_LIMIT_MS = 11_000
+
+# By name, because every system lacks one or the other; macOS calls TCP_KEEPIDLE TCP_KEEPALIVE.
+_STREAM_OPTIONS = (
+    (socket.IPPROTO_TCP, "TCP_NODELAY", 1),
+    (socket.SOL_SOCKET, "SO_KEEPALIVE", 1),
+    (socket.IPPROTO_TCP, "TCP_KEEPIDLE", _KEEPALIVE_IDLE_S),
+    (socket.IPPROTO_TCP, "TCP_KEEPALIVE", _KEEPALIVE_IDLE_S),
+    (socket.IPPROTO_TCP, "TCP_KEEPINTVL", _KEEPALIVE_INTERVAL_S),
+    (socket.IPPROTO_TCP, "TCP_KEEPCNT", _KEEPALIVE_PROBES),
+    (socket.IPPROTO_TCP, "TCP_USER_TIMEOUT", _UNACKNOWLEDGED_LIMIT_MS),
+)
+
+
+def tune_stream(sock: socket.socket) -> None:
+    """Send at once, and notice a peer that vanished without a word within about eleven seconds."""
+    for level, name, value in _STREAM_OPTIONS:
+        option = getattr(socket, name, None)
+        if option is not None:
+            with contextlib.suppress(OSError):
+                sock.setsockopt(level, option, value)
+
+
+def explain_bind_error(scheme: str, host: str, port: int, error: OSError) -> TransportOpenError:
+    """Say why we cannot listen there and what to type instead."""
+    shown_host = "" if host == LOOPBACK else host
+    if error.errno == errno.EADDRINUSE:
+        return TransportOpenError(
+            f"port {port} is already in use on {host}; stop the program that listens there "
+            f"or choose another port with {scheme}://{shown_host}:PORT"
+        )
+    if error.errno == errno.EADDRNOTAVAIL:
+        return TransportOpenError(
+            f"{host} is no address of this machine; write {scheme}://0.0.0.0:{port} to listen on all it has"
+        )
+    if error.errno == errno.EACCES:
+        return TransportOpenError(
+            f"port {port} is reserved for the system; choose one above 1023 with {scheme}://{shown_host}:PORT"
+        )
+    return TransportOpenError(
+        f"cannot listen on {show_endpoint(host, port)}: {explain_reason(error)}; check the host"
+    )
+
+
+def explain_connect_error(place: str, error: OSError) -> TransportOpenError:
+    """Say why a peer cannot be reached."""
+    if isinstance(error, ConnectionRefusedError):
+        return TransportOpenError(f"nothing listens on {place}; start it there or correct the port")
+    if isinstance(error, socket.gaierror):
+        return TransportOpenError(f"the host of {place} is not known; check its name or write its address")
+    return TransportOpenError(
+        f"cannot reach {place}: {explain_reason(error)}; check the address and the network"
+    )
+
+
+def explain_reason(error: Exception) -> str:
+    """Return the shortest words an error has for itself."""
+    if isinstance(error, OSError) and error.strerror:
+        return error.strerror
+    return str(error) or type(error).__name__

@@ -1,0 +1,149 @@
+"""The transport port over an asyncio byte stream, shared by TCP and serial ports."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import cast
+
+from rostether.errors import TransportClosedError, TransportError
+from rostether.transports.sockets import explain_reason
+from rostether.transports.transport import Receiver
+
+# A board that does not read must not hold up our own end: what has not left by then is lost.
+FLUSH_LIMIT_S = 1.0
+# About 900 frames of 64 bytes: enough that the cost of a wake-up vanishes, little enough that the chunk of
+# one flooding board is worked off in a few milliseconds and others get their turn.
+READ_CHUNK_BYTES = 64 * 1024
+
+
+class StreamTransport(asyncio.BaseProtocol):
+    """One open byte stream as a `Transport`; made by the rooms beside it, never directly."""
+
+    def __init__(self, peer: str, *, can_pause: bool) -> None:
+        self._peer = peer
+        self._can_pause = can_pause
+        self._wire: asyncio.Transport | None = None
+        self._receiver: Receiver | None = None
+        self._reading_wanted = True
+        self._writing_paused = False
+        self._closing = False
+        self._lost = False
+        self._error: TransportError | None = None
+        self._flush_limit: asyncio.TimerHandle | None = None
+        self._ended = asyncio.get_running_loop().create_future()
+
+    @property
+    def peer(self) -> str:
+        """Who is on the other side, for people."""
+        return self._peer
+
+    @property
+    def can_pause(self) -> bool:
+        """Whether pause_reading slows the sender down."""
+        return self._can_pause
+
+    @property
+    def write_buffer_bytes(self) -> int:
+        """How many written bytes have not left yet."""
+        if self._wire is None or self._lost:
+            return 0
+        return self._wire.get_write_buffer_size()
+
+    def start(self, receiver: Receiver) -> None:
+        """Begin to deliver; called once. Nothing received before it is lost."""
+        self._receiver = receiver
+        if self._lost:
+            asyncio.get_running_loop().call_soon(receiver.connection_lost, self._error)
+            return
+        if self._writing_paused:
+            receiver.pause_writing()
+        self._apply_reading()
+
+    def write(self, data: bytes | bytearray | memoryview) -> None:
+        """Queue bytes. Never blocks; after the pipe ended it does nothing."""
+        if self._closing or self._lost or self._wire is None:
+            return
+        self._wire.write(data)
+
+    def pause_reading(self) -> None:
+        """Deliver nothing until resume_reading. Idempotent."""
+        self._reading_wanted = False
+        self._apply_reading()
+
+    def resume_reading(self) -> None:
+        """Deliver again. Idempotent."""
+        self._reading_wanted = True
+        self._apply_reading()
+
+    def close(self) -> None:
+        """Flush what is queued, for at most a second, then end the pipe. Idempotent."""
+        if self._closing:
+            return
+        self._closing = True
+        if self._wire is not None and not self._lost:
+            if self._flush_limit is None:
+                self._flush_limit = asyncio.get_running_loop().call_later(FLUSH_LIMIT_S, self.abort)
+            self._end_wire(self._wire)
+
+    def abort(self) -> None:
+        """End the pipe at once; what is queued is lost. Idempotent."""
+        self._closing = True
+        if self._wire is not None and not self._lost:
+            self._wire.abort()
+
+    async def wait_closed(self) -> None:
+        """Wait until the pipe has ended."""
+        await asyncio.shield(self._ended)
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Take the asyncio side; reading waits for `start`."""
+        self._wire = cast(asyncio.Transport, transport)
+        self._wire.pause_reading()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Pass on the end of the stream, once."""
+        if self._lost:
+            return
+        self._lost = True
+        if self._flush_limit is not None:
+            self._flush_limit.cancel()
+        if not self._closing:
+            self._error = self._explain_loss(exc)
+        if not self._ended.done():
+            self._ended.set_result(None)
+        if self._receiver is not None:
+            self._receiver.connection_lost(self._error)
+
+    def eof_received(self) -> bool:
+        """Answer the peer's hang-up with our own; who hangs up while we write may never read again."""
+        if self._flush_limit is None and self._wire is not None:
+            self._flush_limit = asyncio.get_running_loop().call_later(FLUSH_LIMIT_S, self._wire.abort)
+        return False
+
+    def pause_writing(self) -> None:
+        """Pass on that the write buffer is full."""
+        self._writing_paused = True
+        if self._receiver is not None:
+            self._receiver.pause_writing()
+
+    def resume_writing(self) -> None:
+        """Pass on that the write buffer has drained."""
+        self._writing_paused = False
+        if self._receiver is not None:
+            self._receiver.resume_writing()
+
+    def _end_wire(self, wire: asyncio.Transport) -> None:
+        wire.close()
+
+    def _explain_loss(self, exc: Exception | None) -> TransportError:
+        reason = f" ({explain_reason(exc)})" if exc is not None else ""
+        return TransportClosedError(f"{self._peer} ended the connection{reason}; it may connect again")
+
+    def _apply_reading(self) -> None:
+        wire = self._wire
+        if wire is None or self._receiver is None or self._closing or self._lost:
+            return
+        if self._reading_wanted:
+            wire.resume_reading()
+        else:
+            wire.pause_reading()

@@ -1,0 +1,189 @@
+"""TCP: a listener that boards connect to, and a client that connects to one peer."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import Counter
+from collections.abc import Callable
+
+from rostether.errors import TransportTimeoutError
+from rostether.transports.address import TcpAddress, show_endpoint
+from rostether.transports.allow_list import AllowList
+from rostether.transports.refusals import RefusalLog
+from rostether.transports.sockets import explain_bind_error, explain_connect_error, tune_stream
+from rostether.transports.stream import READ_CHUNK_BYTES, StreamTransport
+from rostether.transports.transport import Transport
+
+# Each connection is a session with its buffers: a scanner must not exhaust our memory, 32 boards are the aim.
+MAX_CONNECTIONS = 128
+# One host may run many simulated boards, but must leave room for the boards of others.
+MAX_CONNECTIONS_PER_HOST = 64
+# Connects that the kernel holds while we are busy: all boards of a machine come at once after a restart.
+_BACKLOG = 64
+# A board on Wi-Fi answers within a second or is not there.
+CONNECT_LIMIT_S = 5.0
+
+
+class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
+    """One TCP connection."""
+
+    def __init__(self, peer: str = "", *, on_lost: Callable[[TcpTransport], None] | None = None) -> None:
+        super().__init__(peer, can_pause=True)
+        self._buffer = memoryview(bytearray(READ_CHUNK_BYTES))
+        self._on_lost = on_lost
+        self.host = ""
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Take the asyncio side and set the socket's options."""
+        super().connection_made(transport)
+        tune_stream(transport.get_extra_info("socket"))
+        peer_name = transport.get_extra_info("peername")
+        if peer_name:
+            self.host = peer_name[0]
+            self._peer = f"tcp {show_endpoint(*peer_name[:2])}"
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Pass on the end of the stream, once."""
+        if self._on_lost is not None:
+            self._on_lost(self)
+        super().connection_lost(exc)
+
+    def get_buffer(self, sizehint: int) -> memoryview:
+        """Lend the read buffer."""
+        return self._buffer
+
+    def buffer_updated(self, nbytes: int) -> None:
+        """Deliver what was read."""
+        if self._receiver is not None:
+            self._receiver.data_received(bytes(self._buffer[:nbytes]))
+
+
+class TcpListener:
+    """Listens for boards and makes a transport of each; made by `start`."""
+
+    def __init__(
+        self,
+        on_transport: Callable[[Transport], None],
+        allow: AllowList,
+        max_connections: int,
+        max_connections_per_host: int,
+    ) -> None:
+        self._on_transport = on_transport
+        self._allow = allow
+        self._max_connections = max_connections
+        self._max_connections_per_host = max_connections_per_host
+        self._transports: set[TcpTransport] = set()
+        self._per_host: Counter[str] = Counter()
+        self._server: asyncio.Server | None = None
+        self._address = ""
+        self._refusals = RefusalLog("tcp listener", asyncio.get_running_loop().time)
+
+    @classmethod
+    async def start(
+        cls,
+        address: TcpAddress,
+        on_transport: Callable[[Transport], None],
+        *,
+        max_connections: int = MAX_CONNECTIONS,
+        max_connections_per_host: int = MAX_CONNECTIONS_PER_HOST,
+    ) -> TcpListener:
+        """Listen. Raises TransportOpenError when the port is taken or the host is not ours."""
+        listener = cls(on_transport, AllowList(address.allow), max_connections, max_connections_per_host)
+        loop = asyncio.get_running_loop()
+        try:
+            listener._server = await loop.create_server(
+                listener._make_protocol, address.host, address.port, backlog=_BACKLOG
+            )
+        except OSError as error:
+            raise explain_bind_error("tcp", address.host, address.port, error) from error
+        host, port = listener._server.sockets[0].getsockname()[:2]
+        listener._address = f"tcp://{show_endpoint(host, port)}"
+        listener._refusals = RefusalLog(listener._address, loop.time)
+        return listener
+
+    @property
+    def address(self) -> str:
+        """Where it listens, with the port that was really bound."""
+        return self._address
+
+    @property
+    def connection_count(self) -> int:
+        """How many boards are connected now."""
+        return len(self._transports)
+
+    @property
+    def refused_count(self) -> int:
+        """How many connections were refused so far."""
+        return self._refusals.count
+
+    async def close(self) -> None:
+        """Stop listening and end all its transports. Idempotent."""
+        if self._server is None:
+            return
+        server, self._server = self._server, None
+        server.close()
+        ending = list(self._transports)
+        for transport in ending:
+            transport.close()
+        for transport in ending:
+            await transport.wait_closed()
+        await server.wait_closed()
+
+    def _make_protocol(self) -> _AcceptedTransport:
+        return _AcceptedTransport(self)
+
+    def _accepted(self, transport: TcpTransport) -> None:
+        reason = self._refusal_reason(transport.host)
+        if reason is not None:
+            self._refusals.refuse(transport.peer, reason)
+            transport.abort()
+            return
+        self._transports.add(transport)
+        self._per_host[transport.host] += 1
+        self._on_transport(transport)
+
+    def _refusal_reason(self, host: str) -> str | None:
+        if self._server is None:
+            return "it is closing"
+        if not self._allow.allows(host):
+            return "its address is not among allow="
+        if len(self._transports) >= self._max_connections:
+            return f"{self._max_connections} boards are connected already"
+        if self._per_host[host] >= self._max_connections_per_host:
+            return f"{host} has {self._max_connections_per_host} connections already"
+        return None
+
+    def _forget(self, transport: TcpTransport) -> None:
+        if transport in self._transports:
+            self._transports.remove(transport)
+            self._per_host[transport.host] -= 1
+            if not self._per_host[transport.host]:
+                del self._per_host[transport.host]
+
+
+class _AcceptedTransport(TcpTransport):
+    def __init__(self, listener: TcpListener) -> None:
+        super().__init__(on_lost=listener._forget)
+        self._listener = listener
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        super().connection_made(transport)
+        self._listener._accepted(self)
+
+
+async def connect_tcp(address: TcpAddress, *, limit_s: float = CONNECT_LIMIT_S) -> TcpTransport:
+    """Connect to a peer. Raises TransportOpenError or TransportTimeoutError."""
+    place = show_endpoint(address.host, address.port)
+    loop = asyncio.get_running_loop()
+    try:
+        async with asyncio.timeout(limit_s):
+            _, transport = await loop.create_connection(
+                lambda: TcpTransport(f"tcp {place}"), address.host, address.port
+            )
+    except TimeoutError as error:
+        raise TransportTimeoutError(
+            f"{place} does not answer within {limit_s:g} s; check its address and that it is on this network"
+        ) from error
+    except OSError as error:
+        raise explain_connect_error(place, error) from error
+    return transport

@@ -1,0 +1,213 @@
+"""UDP: one transport for each peer address behind one socket, or a socket connected to one peer.
+
+A datagram is a piece of the byte stream, cut anywhere. A session writes whole frames, so what fits one
+datagram leaves as one; more is cut at the datagram's limit without regard to frames, because the reader
+joins datagrams again anyway, and a lost one costs the frames it touched, found by their checksums.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import socket
+from collections.abc import Callable, Iterator
+from typing import Any, Protocol, TypeAlias, cast
+
+from rostether.errors import TransportTimeoutError
+from rostether.transports.address import UdpAddress, show_endpoint
+from rostether.transports.allow_list import AllowList
+from rostether.transports.peers import IDLE_LIMIT_S, MAX_PEERS, PeerTable, PeerTransport
+from rostether.transports.sockets import RESOLVE_LIMIT_S, explain_bind_error, explain_connect_error
+from rostether.transports.transport import Transport
+
+# Ethernet's 1500 less IPv6 and UDP headers (48) and what tunnels take: a datagram is never fragmented.
+MAX_DATAGRAM_BYTES = 1400
+# What a burst of all boards brings while we work off one chunk; the default holds 200 small datagrams.
+_RECEIVE_BUFFER_BYTES = 1024 * 1024
+# A network that takes nothing must not fill our memory; a datagram may be lost anywhere, so why not here.
+_SEND_LIMIT_BYTES = 1024 * 1024
+
+_Peer: TypeAlias = tuple[Any, ...]  # (host, port) of IPv4, (host, port, flow, scope) of IPv6
+
+
+def split_datagrams(data: bytes | bytearray | memoryview) -> Iterator[bytes]:
+    """Cut bytes into datagrams of at most MAX_DATAGRAM_BYTES, as few as possible."""
+    for start in range(0, len(data), MAX_DATAGRAM_BYTES):
+        yield bytes(data[start : start + MAX_DATAGRAM_BYTES])
+
+
+class _DatagramWire(Protocol):
+    """What asyncio's datagram transports have, and its stubs half know."""
+
+    def sendto(self, data: bytes, addr: _Peer | None = None) -> None: ...
+
+    def get_write_buffer_size(self) -> int: ...
+
+    def is_closing(self) -> bool: ...
+
+    def close(self) -> None: ...
+
+
+class _DatagramSocket(asyncio.DatagramProtocol):
+    """A UDP socket and the table of its peers."""
+
+    def __init__(self) -> None:
+        self.peers: PeerTable[_Peer]
+        self._wire: _DatagramWire | None = None
+        self._closed = asyncio.get_running_loop().create_future()
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        self._wire = cast(_DatagramWire, transport)
+        with contextlib.suppress(OSError):  # the system's own limit may be lower
+            transport.get_extra_info("socket").setsockopt(
+                socket.SOL_SOCKET, socket.SO_RCVBUF, _RECEIVE_BUFFER_BYTES
+            )
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        if not self._closed.done():
+            self._closed.set_result(None)
+
+    def error_received(self, exc: Exception) -> None:
+        """Ignore "port unreachable": a board that reboots sends it, and is back a moment later."""
+
+    def pause_writing(self) -> None:
+        self.peers.pause_writing()
+
+    def resume_writing(self) -> None:
+        self.peers.resume_writing()
+
+    def send(self, peer: _Peer | None, data: bytes | bytearray | memoryview) -> None:
+        if self._wire is None or self._wire.is_closing():
+            return
+        for datagram in split_datagrams(data):
+            if self._wire.get_write_buffer_size() < _SEND_LIMIT_BYTES:
+                self._wire.sendto(datagram, peer)
+
+    def write_buffer_bytes(self) -> int:
+        return self._wire.get_write_buffer_size() if self._wire is not None else 0
+
+    def close_wire(self) -> None:
+        if self._wire is not None:
+            self._wire.close()
+
+
+class UdpListener(_DatagramSocket):
+    """Receives from boards and makes a transport of each peer address; made by `start`."""
+
+    def __init__(
+        self,
+        on_transport: Callable[[Transport], None],
+        allow: AllowList,
+        max_peers: int,
+        idle_limit_s: float,
+        clock: Callable[[], float] | None,
+    ) -> None:
+        super().__init__()
+        self._allow = allow
+        self._address = ""
+        self.peers = PeerTable(
+            "udp listener",
+            on_transport,
+            send=self.send,
+            show=_show_peer,
+            write_buffer_bytes=self.write_buffer_bytes,
+            max_peers=max_peers,
+            idle_limit_s=idle_limit_s,
+            clock=clock,
+        )
+
+    @classmethod
+    async def start(
+        cls,
+        address: UdpAddress,
+        on_transport: Callable[[Transport], None],
+        *,
+        max_peers: int = MAX_PEERS,
+        idle_limit_s: float = IDLE_LIMIT_S,
+        clock: Callable[[], float] | None = None,
+    ) -> UdpListener:
+        """Listen. Raises TransportOpenError when the port is taken or the host is not ours."""
+        listener = cls(on_transport, AllowList(address.allow), max_peers, idle_limit_s, clock)
+        loop = asyncio.get_running_loop()
+        try:
+            await loop.create_datagram_endpoint(lambda: listener, local_addr=(address.host, address.port))
+        except OSError as error:
+            raise explain_bind_error("udp", address.host, address.port, error) from error
+        return listener
+
+    @property
+    def address(self) -> str:
+        """Where it listens, with the port that was really bound."""
+        return self._address
+
+    async def close(self) -> None:
+        """Stop listening and end all its transports. Idempotent."""
+        self.peers.end_all(None)
+        self.close_wire()
+        await asyncio.shield(self._closed)
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Take the bound socket."""
+        super().connection_made(transport)
+        self._address = f"udp://{show_endpoint(*transport.get_extra_info('sockname')[:2])}"
+
+    def datagram_received(self, data: bytes, addr: _Peer) -> None:
+        """Deliver a datagram to its peer's transport."""
+        if self._allow.allows(addr[0]):
+            self.peers.receive(addr, data)
+        else:
+            self.peers.refusals.refuse(_show_peer(addr), "its address is not among allow=")
+
+
+class _UdpClient(_DatagramSocket):
+    """A socket connected to one peer; the peer's transport owns it."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.peers = PeerTable(
+            "udp client",
+            lambda _transport: None,
+            send=self._send_connected,
+            show=_show_peer,
+            write_buffer_bytes=self.write_buffer_bytes,
+            on_forget=self.close_wire,
+        )
+        self.only_peer: PeerTransport[_Peer] | None = None
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        super().connection_made(transport)
+        self.only_peer = self.peers.add(transport.get_extra_info("peername"), expires=False)
+
+    def datagram_received(self, data: bytes, addr: _Peer) -> None:
+        if self.only_peer is not None:
+            self.only_peer.deliver(data)
+
+    def _send_connected(self, _peer: _Peer, data: bytes | bytearray | memoryview) -> None:
+        self.send(None, data)
+
+
+async def connect_udp(address: UdpAddress) -> Transport:
+    """Make a socket that speaks with one peer only. Raises TransportOpenError, TransportTimeoutError."""
+    loop = asyncio.get_running_loop()
+    any_host = "::" if ":" in address.host else "0.0.0.0"  # noqa: S104 - connected: it hears its peer alone
+    local = (any_host, address.bind) if address.bind else None
+    place = show_endpoint(address.host, address.port)
+    try:
+        async with asyncio.timeout(RESOLVE_LIMIT_S):
+            _, client = await loop.create_datagram_endpoint(
+                _UdpClient, local_addr=local, remote_addr=(address.host, address.port)
+            )
+    except TimeoutError as error:
+        raise TransportTimeoutError(
+            f"the name of {place} is not found within {RESOLVE_LIMIT_S:g} s; write its numeric address"
+        ) from error
+    except OSError as error:
+        if address.bind and error.errno is not None and not isinstance(error, socket.gaierror):
+            raise explain_bind_error("udp", any_host, address.bind, error) from error
+        raise explain_connect_error(place, error) from error
+    assert client.only_peer is not None
+    return client.only_peer
+
+
+def _show_peer(peer: _Peer) -> str:
+    return f"udp {show_endpoint(peer[0], peer[1])}"

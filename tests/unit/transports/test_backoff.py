@@ -1,0 +1,42 @@
+from __future__ import annotations
+
+import random
+
+import pytest
+
+from rostether.transports.backoff import Backoff
+
+
+def test_double_up_to_the_limit() -> None:
+    backoff = Backoff(first_s=0.1, limit_s=1.0, jitter=0.0)
+    assert [backoff.next_delay_s() for _ in range(6)] == pytest.approx([0.1, 0.2, 0.4, 0.8, 1.0, 1.0])
+
+
+def test_begin_again_after_success() -> None:
+    backoff = Backoff(first_s=0.1, jitter=0.0)
+    backoff.next_delay_s()
+    backoff.next_delay_s()
+    backoff.reset()
+    assert backoff.next_delay_s() == pytest.approx(0.1)
+
+
+def test_jitter_only_shortens_and_follows_the_seed() -> None:
+    delays = [
+        [backoff.next_delay_s() for _ in range(50)]
+        for backoff in (Backoff(first_s=1.0, limit_s=1.0, jitter=0.5, rng=random.Random(7)) for _ in range(2))
+    ]
+    assert delays[0] == delays[1]
+    assert all(0.5 <= delay <= 1.0 for delay in delays[0])
+    assert len(set(delays[0])) > 40
+
+
+def test_two_backoffs_do_not_march_in_step() -> None:
+    assert (
+        Backoff(first_s=1.0, limit_s=9.0).next_delay_s() != Backoff(first_s=1.0, limit_s=9.0).next_delay_s()
+    )
+
+
+@pytest.mark.parametrize("wrong", [{"first_s": 0.0}, {"limit_s": 0.01}, {"factor": 0.5}, {"jitter": 1.0}])
+def test_refuse_nonsense(wrong: dict[str, float]) -> None:
+    with pytest.raises(ValueError, match="back-off"):
+        Backoff(**wrong)  # type: ignore[arg-type]
