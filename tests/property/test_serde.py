@@ -1,0 +1,59 @@
+"""Every bundled type: what is encoded decodes to itself, and its layout accepts that and nothing near it."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from property.message_strategies import messages
+from rostether.errors import SerializationError
+from rostether.msgdef.registry import Registry
+from rostether.serde.store import TypeStore
+
+STORE = TypeStore(Registry())
+SERVICE_HALVES = [
+    f"{service}{half}" for service in STORE.registry.services() for half in ("Request", "Response")
+]
+TYPES = STORE.registry.messages() + SERVICE_HALVES
+QUICK = settings(
+    max_examples=8, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large]
+)
+
+
+@pytest.mark.parametrize("name", TYPES)
+@settings(
+    max_examples=8, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large]
+)
+@given(data=st.data())
+def test_decoding_undoes_encoding(name: str, data: st.DataObject) -> None:
+    codec = STORE.codec(name)
+    message = data.draw(messages(codec))
+    payload = codec.encode(message)
+    assert codec.decode(payload) == message
+    assert codec.encode(codec.decode(payload)) == payload
+    assert codec.layout.accepts(payload)
+    assert codec.layout.fixed_size_bytes in (None, len(payload))
+    extended = payload + data.draw(st.binary(min_size=1, max_size=9))
+    cut = payload[: data.draw(st.integers(0, max(len(payload) - 1, 0)))]
+    assert not codec.layout.accepts(extended)
+    assert codec.layout.accepts(cut) is (cut == payload)
+    assert codec.layout.accepts_all([payload, extended]) is False
+    with pytest.raises(SerializationError):
+        codec.decode(extended)
+
+
+@settings(max_examples=60, deadline=None)
+@given(payload=st.binary(max_size=120) | st.lists(st.integers(0, 3), max_size=120).map(bytes))
+def test_garbage_is_accepted_exactly_if_it_decodes(payload: bytes) -> None:
+    for name in TYPES:
+        codec = STORE.codec(name)
+        accepted = codec.layout.accepts(payload)
+        assert codec.layout.accepts_all([payload]) is accepted
+        try:
+            codec.decode(payload)
+        except SerializationError as error:
+            assert not accepted
+            assert str(error) == codec.layout.explain(payload)
+        else:
+            assert accepted
