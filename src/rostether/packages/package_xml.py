@@ -97,13 +97,11 @@ class _Reader:
             raise ConfigError(
                 f"{self._file}:{error.lineno}: not XML ({expat.ErrorString(error.code)})"
             ) from error
-        if not self.texts.get(""):
-            raise ConfigError(f"{self._file}: the outermost element is not <package>")
 
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
         if len(self._path) >= _MAX_DEPTH:
             raise ConfigError(f"{self._file}: elements nest deeper than {_MAX_DEPTH}")
-        if not self._path and tag not in ("package", "stack"):
+        if not self._path and tag != "package":
             raise ConfigError(f"{self._file}: the outermost element is <{tag}>, not <package>")
         if len(self._path) == 1 and tag == "depend" and "package" in attributes:
             self.dependencies.append((tag, attributes["package"]))
@@ -111,14 +109,15 @@ class _Reader:
         self._text.append([])
 
     def _characters(self, text: str) -> None:
-        for pieces in self._text[-1:] if len(self._text) <= 2 else self._text[1:]:
+        # A description holds mark-up, so a text also counts for the elements around it.
+        for pieces in self._text[1:]:
             pieces.append(text)
 
     def _end(self, tag: str) -> None:
         text = " ".join("".join(self._text.pop()).split())
         path = "/".join(self._path[1:])
         self._path.pop()
-        self.texts.setdefault(path, []).append(text or tag if not path else text)
+        self.texts.setdefault(path, []).append(text)
         if path in _DEPENDENCIES and text:
             self.dependencies.append((path, text))
 
