@@ -14,6 +14,7 @@ from pathlib import Path
 
 from rostether.errors import DefinitionError
 from rostether.msgdef.parse_msg import MAX_TEXT_CHARACTERS
+from rostether.packages.package_xml import is_package_name
 from rostether.packages.search_path import Folder, package_name, walk
 
 BUNDLED_FOLDER = Path(__file__).with_name("share")
@@ -30,6 +31,11 @@ class Kind(StrEnum):
 
 
 _KIND_FOLDERS = frozenset(Kind)
+
+
+def is_type_name(name: str) -> bool:
+    """Tell whether a message, service or action may be called so, without its package."""
+    return _TYPE_NAME.fullmatch(name) is not None
 
 
 class PackageFiles:
@@ -71,7 +77,7 @@ class PackageFiles:
 
     def _add(self, folder: Path, file: str) -> None:
         name, _, suffix = file.rpartition(".")
-        if suffix in _KIND_FOLDERS and _TYPE_NAME.fullmatch(name) and self._files is not None:
+        if suffix in _KIND_FOLDERS and is_type_name(name) and self._files is not None:
             self._files[Kind(suffix)].setdefault(name, folder / file)
 
 
@@ -157,11 +163,9 @@ def _add_loose(found: dict[str, PackageFiles], folder: Folder) -> None:
     owner = folder.path
     if owner.name in _KIND_FOLDERS:
         owner = owner.parent
-    name: str | None = owner.name
-    if owner != folder.path and (package := _package_at(owner)):
-        # --msg-path was given the msg folder of a real package.
-        name = package
-    if name and _TYPE_NAME.fullmatch(name):
+    # --msg-path may have been given the msg folder of a real package.
+    name = (_package_at(owner) if owner != folder.path else None) or owner.name
+    if is_package_name(name):
         found.setdefault(name, PackageFiles()).add_loose(folder.path, folder.files)
 
 

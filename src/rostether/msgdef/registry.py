@@ -14,6 +14,7 @@ from rostether.msgdef.definition_files import (
     bundled_names,
     bundled_packages,
     find_definitions,
+    is_type_name,
     read_definition,
 )
 from rostether.msgdef.full_text import message_full_text, split_full_text
@@ -24,9 +25,11 @@ from rostether.msgdef.parse_msg import parse_message
 from rostether.msgdef.parse_srv import parse_service
 from rostether.msgdef.spec import MessageSpec, ServiceSpec
 from rostether.msgdef.unknown_type import explain_unknown
+from rostether.packages.package_xml import is_package_name
 from rostether.packages.search_path import ros_package_path
 
 MAX_LEARNED_TYPES = 4096  # peers' definitions must not fill memory; a large system has some hundred types
+MAX_NAME_CHARACTERS = 256  # boards announce names; those in use are below 60
 
 
 class Registry:
@@ -170,8 +173,8 @@ class Registry:
         )
 
     def _split(self, kind: Kind, name: str) -> tuple[str, str]:
-        package, slash, short_name = name.partition("/")
-        if not slash or not (package.isascii() and short_name.isidentifier() and short_name.isascii()):
+        package, _, short_name = name.partition("/")
+        if len(name) > MAX_NAME_CHARACTERS or not (is_package_name(package) and is_type_name(short_name)):
             example = "std_srvs/SetBool" if kind is Kind.SERVICE else "std_msgs/String"
             raise UnknownTypeError(f"{name[:80]!r} is not a type name; write package/Name, as {example}")
         return package, short_name

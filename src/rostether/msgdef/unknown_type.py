@@ -35,12 +35,13 @@ def explain_unknown(known: KnownNames, kind: Kind, package: str, short_name: str
         candidates, others, noun, other_noun = others, candidates, other_noun, noun
     if wanted in others:
         return f"{wanted} is a {other_noun}, not a {noun}"
-    meant = _did_you_mean(wanted, candidates)
+    short_names = [each.partition("/")[2] for each in candidates]
+    meant = _did_you_mean(short_name, short_names, prefix=f"{package}/")
     return f"package {package!r} has no {noun} {short_name!r}; {meant}if a newer one has it, {HOW_TO_GIVE}"
 
 
-def _did_you_mean(name: str, candidates: list[str]) -> str:
+def _did_you_mean(name: str, candidates: list[str], *, prefix: str = "") -> str:
     import difflib
 
     close = difflib.get_close_matches(name, candidates, n=1)
-    return f"did you mean {close[0]}? Otherwise, " if close else ""
+    return f"did you mean {prefix}{close[0]}? Otherwise, " if close else ""

@@ -80,7 +80,7 @@ def test_what_is_no_package_xml_is_refused_in_one_line(data: bytes, reason: str)
 
 
 def test_the_line_of_a_mistake_is_named() -> None:
-    with pytest.raises(ConfigError, match="package.xml:3:"):
+    with pytest.raises(ConfigError, match=r"package\.xml:3:"):
         parse_package_xml(b"<package>\n<name>a</name>\n<oops></package>")
 
 

@@ -1,0 +1,55 @@
+from __future__ import annotations
+
+import pytest
+
+from rostether.errors import DefinitionError
+from rostether.msgdef.parse_srv import parse_service
+from rostether.msgdef.spec import ServiceSpec
+
+
+def parse(text: str) -> ServiceSpec:
+    return parse_service(text, package="my_srvs", name="Foo", file="Foo.srv")
+
+
+def names(text: str) -> tuple[list[str], list[str]]:
+    spec = parse(text)
+    return [field.name for field in spec.request.fields], [field.name for field in spec.response.fields]
+
+
+def test_both_halves_are_messages() -> None:
+    spec = parse("bool data # on\n---\nbool success\nstring message\n")
+    assert spec.full_name == "my_srvs/Foo"
+    assert spec.request.full_name == "my_srvs/FooRequest"
+    assert spec.response.full_name == "my_srvs/FooResponse"
+    assert spec.request.text == "bool data # on\n"
+    assert spec.response.text == "bool success\nstring message\n\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("---", ([], [])),
+        ("", ([], [])),
+        ("int8 a", (["a"], [])),
+        ("---\nint8 b", ([], ["b"])),
+        ("int8 a\n--- the answer\nint8 b", (["a"], ["b"])),
+        ("int8 a\n---\nint8 b\n---\nint8 c", (["a"], ["b", "c"])),
+        ("int8 same\n---\nint8 same", (["same"], ["same"])),
+    ],
+)
+def test_the_mark_divides(text: str, expected: tuple[list[str], list[str]]) -> None:
+    assert names(text) == expected
+
+
+def test_types_of_the_same_package_are_found_in_both_halves() -> None:
+    spec = parse("Bar a\n---\nHeader b")
+    assert spec.request.fields[0].type.base == "my_srvs/Bar"
+    assert spec.response.fields[0].type.base == "std_msgs/Header"
+
+
+@pytest.mark.parametrize(
+    ("text", "line"), [("oops\n---\n", 1), ("int8 a\n---\nint8 b\noops", 4), ("---\noops", 2)]
+)
+def test_mistakes_have_their_line_in_the_file(text: str, line: int) -> None:
+    with pytest.raises(DefinitionError, match=f"Foo.srv:{line}:1:"):
+        parse(text)

@@ -1,0 +1,55 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rostether.errors import UnknownTypeError
+from rostether.msgdef.registry import Registry
+
+HOW = "give its folder with --msg-path DIR or put it on ROS_PACKAGE_PATH"
+
+
+def text_for_message(name: str, *paths: Path) -> str:
+    with pytest.raises(UnknownTypeError) as raised:
+        Registry(paths).message(name)
+    return str(raised.value)
+
+
+def test_a_missing_package_is_named_with_what_to_do() -> None:
+    assert text_for_message("mearm_model/ServoAngles") == (
+        f"no package 'mearm_model' is known for mearm_model/ServoAngles; {HOW}"
+    )
+
+
+def test_a_misspelt_package_is_corrected() -> None:
+    assert "did you mean geometry_msgs?" in text_for_message("geometry_msg/Twist")
+
+
+def test_a_misspelt_message_is_corrected() -> None:
+    text = text_for_message("std_msgs/Strin")
+    assert text.startswith("package 'std_msgs' has no message 'Strin'; did you mean std_msgs/String?")
+    assert text.endswith(HOW)
+
+
+def test_a_message_without_a_neighbour() -> None:
+    assert text_for_message("std_msgs/Xyzzy") == (
+        f"package 'std_msgs' has no message 'Xyzzy'; if a newer one has it, {HOW}"
+    )
+
+
+def test_the_other_kind_is_recognised() -> None:
+    assert text_for_message("std_srvs/SetBool") == "std_srvs/SetBool is a service, not a message"
+    with pytest.raises(UnknownTypeError, match="std_msgs/String is a message, not a service"):
+        Registry().service("std_msgs/String")
+
+
+def test_services_are_corrected_too() -> None:
+    with pytest.raises(UnknownTypeError, match="has no service 'SetBol'; did you mean std_srvs/SetBool"):
+        Registry().service("std_srvs/SetBol")
+
+
+def test_the_users_packages_count(tmp_path: Path) -> None:
+    (tmp_path / "my_msgs").mkdir()
+    (tmp_path / "my_msgs" / "Wheel.msg").write_text("int8 x")
+    assert "did you mean my_msgs/Wheel?" in text_for_message("my_msgs/Weel", tmp_path)
