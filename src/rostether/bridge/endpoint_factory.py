@@ -13,6 +13,9 @@ from rostether.graph.ports import Graph
 from rostether.rosserial.events import ServiceAnnounced, ServiceRole, TopicAnnounced, TopicRole
 from rostether.serde.store import TypeStore
 
+# The search for the difference takes some 30 ms: a board that reconnects must not cost it again.
+MAX_MISMATCHES = 64
+
 
 class EndpointFactory:
     """Makes the endpoints of one board's node."""
@@ -22,14 +25,14 @@ class EndpointFactory:
         self._store = store
         self._notices = notices
         self._settings = settings
+        self._mismatches: dict[tuple[str, str], str] = {}
 
     def topic(self, event: TopicAnnounced) -> PublisherEndpoint | SubscriberEndpoint:
         """Make a topic's endpoint. Raises DefinitionError, TypeMismatchError, InvalidNameError."""
         info = event.info
         self._graph.resolve(info.topic_name)
         message_type = self._store.registry.message_type(info.message_type)
-        if info.md5sum != message_type.md5sum:
-            raise TypeMismatchError(_explain_md5(info.message_type, info.md5sum, message_type.md5sum))
+        self._check_md5sum(info.message_type, info.md5sum, message_type.md5sum)
         layout = self._store.layout(info.message_type)
         if event.role is TopicRole.PUBLISHER:
             return PublisherEndpoint(info, message_type, layout, self._graph, self._notices, self._settings)
@@ -40,8 +43,7 @@ class EndpointFactory:
         self._graph.resolve(event.name)
         service_type = self._store.registry.service_type(event.type)
         for half, ours in ((event.request, service_type.request), (event.response, service_type.response)):
-            if half.md5sum != ours.md5sum:
-                raise TypeMismatchError(_explain_md5(ours.name, half.md5sum, ours.md5sum))
+            self._check_md5sum(ours.name, half.md5sum, ours.md5sum)
         request_layout = self._store.layout(service_type.request.name)
         response_layout = self._store.layout(service_type.response.name)
         if event.role is ServiceRole.SERVER:
@@ -65,9 +67,14 @@ class EndpointFactory:
             self._settings,
         )
 
+    def _check_md5sum(self, type_name: str, announced: str, ours: str) -> None:
+        if announced == ours:
+            return
+        asked = (type_name, announced)
+        if asked not in self._mismatches:
+            from rostether.msgdef.mismatch import explain_mismatch  # only who meets one pays for it
 
-def _explain_md5(type_name: str, of_board: str, ours: str) -> str:
-    return (
-        f"the board was built with another definition of {type_name}: its md5sum is {of_board}, ours is "
-        f"{ours}; build the sketch with our definition, or give the sketch's with --msg-path DIR"
-    )
+            if len(self._mismatches) >= MAX_MISMATCHES:
+                self._mismatches.clear()
+            self._mismatches[asked] = explain_mismatch(self._store.registry, type_name, announced)
+        raise TypeMismatchError(self._mismatches[asked])

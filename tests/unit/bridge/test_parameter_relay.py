@@ -1,0 +1,168 @@
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Sequence
+from typing import cast
+
+import pytest
+
+from rostether.bridge.parameter_relay import MAX_WAITING, Answer, ParameterRelay, to_answer
+from rostether.bridge.settings import BridgeSettings
+from rostether.errors import LocalProtocolError, MasterUnreachableError
+from rostether.graph.ports import Graph, ParamValue
+from unit.bridge.doubles import until
+from unit.bridge.nodes import World
+
+
+class Answers:
+    """The link's half: keeps what the board would get."""
+
+    def __init__(self) -> None:
+        self.given: list[Answer] = []
+        self.sent = 0
+        self.limit = 100
+
+    def answer_parameter(
+        self, ints: Sequence[int] = (), floats: Sequence[float] = (), strings: Sequence[str] = ()
+    ) -> None:
+        if len(ints) > self.limit:
+            raise LocalProtocolError("412 bytes do not fit the board's buffer of 280")
+        self.given.append(Answer(tuple(ints), tuple(floats), tuple(strings)))
+
+    def send(self) -> None:
+        self.sent += 1
+
+
+class BrokenGraph:
+    """A graph whose master is away for the first calls."""
+
+    def __init__(self, failures: int, value: ParamValue = 7) -> None:
+        self.failures = failures
+        self.value = value
+
+    async def get_param(self, name: str) -> ParamValue:
+        if self.failures:
+            self.failures -= 1
+            raise MasterUnreachableError("no master answers")
+        return self.value
+
+
+def relay(world: World, answers: Answers, graph: object = None, timeout_s: float = 0.8) -> ParameterRelay:
+    return ParameterRelay(
+        answers,
+        cast(Graph, graph) if graph is not None else world.board,
+        world.notices,
+        BridgeSettings(parameter_timeout_s=timeout_s),
+        answers.send,
+    )
+
+
+@pytest.fixture
+async def world() -> World:
+    return await World().open()
+
+
+@pytest.mark.parametrize(
+    ("value", "answer"),
+    [
+        (42, Answer(ints=(42,))),
+        (-(2**31), Answer(ints=(-(2**31),))),
+        (True, Answer(ints=(1,))),
+        ([True, False], Answer(ints=(1, 0))),
+        (2.5, Answer(floats=(2.5,))),
+        (float("inf"), Answer(floats=(float("inf"),))),
+        ([1, 2.5], Answer(floats=(1.0, 2.5))),
+        ("left arm", Answer(strings=("left arm",))),
+        ("", Answer(strings=("",))),
+        (["a", "b"], Answer(strings=("a", "b"))),
+        ([1, 2, 3], Answer(ints=(1, 2, 3))),
+        ([], Answer()),
+        (2**31, None),
+        (1e300, None),
+        ({"p": 1.0}, None),
+        ([1, "a"], None),
+        ([True, 2.5], None),
+        ([[1], [2]], None),
+        (b"binary", None),
+    ],
+)
+def test_what_a_board_is_told_of_a_value(value: ParamValue, answer: Answer | None) -> None:
+    assert to_answer(value) == answer
+
+
+async def test_questions_are_answered_in_their_order(world: World) -> None:
+    for number in range(5):
+        await world.peer.set_param(f"/p{number}", number)
+    answers = Answers()
+    asking = relay(world, answers)
+    for number in range(5):
+        asking.ask(f"p{number}")
+    await until(lambda: len(answers.given) == 5, "five answers")
+    assert answers.given == [Answer(ints=(number,)) for number in range(5)]
+    assert answers.sent == 5
+
+
+async def test_a_private_name_is_the_boards_own(world: World) -> None:
+    await world.peer.set_param("/board/gain", 2.5)
+    answers = Answers()
+    relay(world, answers).ask("~gain")
+    await until(lambda: answers.given, "the answer")
+    assert answers.given == [Answer(floats=(2.5,))]
+
+
+@pytest.mark.parametrize("name", ["missing", "no spaces", "tree", ""])
+async def test_what_cannot_be_told_is_answered_with_nothing_and_one_line(world: World, name: str) -> None:
+    await world.peer.set_param("/tree", {"a": 1})
+    answers = Answers()
+    asking = relay(world, answers)
+    for _ in range(3):
+        asking.ask(name)
+    await until(lambda: len(answers.given) == 3, "the answers")
+    assert answers.given == [Answer()] * 3
+    assert len(world.reporter.texts) == 1
+
+
+async def test_a_master_that_was_away_for_a_moment_is_asked_again(world: World) -> None:
+    answers = Answers()
+    relay(world, answers, BrokenGraph(2)).ask("gain")
+    await until(lambda: answers.given, "the answer")
+    assert answers.given == [Answer(ints=(7,))]
+    assert world.reporter.texts == []
+
+
+async def test_a_master_that_stays_away_costs_the_board_less_than_its_patience(world: World) -> None:
+    answers = Answers()
+    relay(world, answers, BrokenGraph(1000), timeout_s=0.15).ask("gain")
+    await until(lambda: answers.given, "the answer")
+    assert answers.given == [Answer()]
+    assert "no master answers" in world.reporter.texts[0]
+
+
+async def test_an_answer_too_large_for_the_board_is_replaced(world: World) -> None:
+    await world.peer.set_param("/list", list(range(101)))
+    answers = Answers()
+    relay(world, answers).ask("list")
+    await until(lambda: answers.given, "the answer")
+    assert answers.given == [Answer()]
+    assert "buffer of 280" in world.reporter.texts[0]
+
+
+async def test_a_flood_of_questions_is_bounded(world: World) -> None:
+    answers = Answers()
+    asking = relay(world, answers)
+    for _ in range(1000):
+        asking.ask("missing")
+    await until(lambda: len(answers.given) == MAX_WAITING, "the answers")
+    await asyncio.sleep(0)
+    assert len(answers.given) == MAX_WAITING
+
+
+async def test_a_lost_board_is_told_nothing(world: World) -> None:
+    answers = Answers()
+    asking = relay(world, answers, BrokenGraph(1000))
+    asking.ask("gain")
+    await asyncio.sleep(0)
+    asking.close()
+    asking.close()
+    await asyncio.sleep(0)
+    assert answers.given == []

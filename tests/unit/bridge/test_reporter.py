@@ -1,0 +1,106 @@
+from __future__ import annotations
+
+import pytest
+
+from rostether.bridge.reporter import (
+    EPISODE_QUIET_S,
+    MAX_KINDS,
+    MAX_LINE_CHARS,
+    Notices,
+    SilentReporter,
+    printable,
+)
+from rostether.graph.ports import Level
+from unit.bridge.doubles import RecordingReporter
+
+
+class Clock:
+    def __init__(self) -> None:
+        self.now_s = 0.0
+
+    def __call__(self) -> float:
+        return self.now_s
+
+
+@pytest.fixture
+def clock() -> Clock:
+    return Clock()
+
+
+@pytest.fixture
+def reporter() -> RecordingReporter:
+    return RecordingReporter()
+
+
+@pytest.fixture
+def notices(reporter: RecordingReporter, clock: Clock) -> Notices:
+    return Notices(reporter, "/board", clock)
+
+
+def test_a_line_names_its_node_and_goes_to_the_graph(notices: Notices, reporter: RecordingReporter) -> None:
+    logged: list[tuple[Level, str]] = []
+    notices.to_graph = lambda level, text: logged.append((level, text))
+    notices.say(Level.INFO, "Setup publisher on chatter [std_msgs/String]")
+    assert reporter.lines == [(Level.INFO, "Setup publisher on chatter [std_msgs/String]", "/board")]
+    assert logged == [(Level.INFO, "Setup publisher on chatter [std_msgs/String]")]
+
+
+def test_an_episode_is_one_line(notices: Notices, reporter: RecordingReporter, clock: Clock) -> None:
+    for _ in range(1000):
+        clock.now_s += EPISODE_QUIET_S / 2
+        notices.episode("misfit", Level.WARN, "damaged")
+    assert reporter.texts == ["damaged"]
+
+
+def test_a_new_episode_tells_what_the_last_one_left_unsaid(
+    notices: Notices, reporter: RecordingReporter, clock: Clock
+) -> None:
+    notices.episode("misfit", Level.WARN, "damaged")
+    notices.episode("misfit", Level.WARN, "damaged", count=41)
+    clock.now_s = EPISODE_QUIET_S + 1
+    notices.episode("misfit", Level.WARN, "damaged")
+    assert reporter.texts == ["damaged", "damaged (and 41 more the last time)"]
+
+
+def test_an_ended_episode_is_news_again(notices: Notices, reporter: RecordingReporter) -> None:
+    notices.episode("silent", Level.WARN, "silent")
+    notices.end_episode("silent")
+    notices.episode("silent", Level.WARN, "silent")
+    assert reporter.texts == ["silent", "silent"]
+
+
+def test_a_text_is_made_only_when_it_is_said(notices: Notices) -> None:
+    made: list[int] = []
+
+    def make() -> str:
+        made.append(1)
+        return "text"
+
+    notices.episode("kind", Level.WARN, make)
+    notices.episode("kind", Level.WARN, make)
+    assert made == [1]
+
+
+def test_kinds_are_bounded(notices: Notices, reporter: RecordingReporter) -> None:
+    for number in range(MAX_KINDS + 1):
+        notices.episode(f"kind {number}", Level.WARN, "text")
+    notices.episode("kind 0", Level.WARN, "forgotten, so said again")
+    assert reporter.texts[-1] == "forgotten, so said again"
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("plain\r\n", "plain"),
+        ("\x1b[2Jgone", "\\x1b[2Jgone"),
+        ("two\nlines", "two\\nlines"),
+        ("grün", "grün"),
+        ("x" * 600, "x" * (MAX_LINE_CHARS - 3) + "..."),
+    ],
+)
+def test_a_peers_text_cannot_steer_a_terminal(text: str, shown: str) -> None:
+    assert printable(text) == shown
+
+
+def test_silence() -> None:
+    SilentReporter().line(Level.FATAL, "nothing shows")
