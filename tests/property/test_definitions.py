@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import string
 
-from hypothesis import assume, given, settings
+from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from rostether.errors import ConfigError, DefinitionError, InvalidNameError
@@ -21,6 +21,9 @@ from rostether.names.graph_name import is_legal_name, join, namespace_of
 from rostether.names.remap import parse_arguments
 from rostether.names.resolve import resolve_name
 from rostether.packages.package_xml import parse_package_xml
+
+# A busy machine makes single examples slow; that is no failure.
+unhurried = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 BUNDLED = Registry()
 BUNDLED_NAMES = BUNDLED.messages()
@@ -75,6 +78,7 @@ def resolved(type_text: str) -> str:
     return f"p/{type_text}" if type_text.startswith("Header[") else type_text
 
 
+@unhurried
 @given(definitions())
 def test_every_legal_text_gives_its_fields(drawn: tuple[str, list[tuple[str, str]]]) -> None:
     text, declared = drawn
@@ -84,6 +88,7 @@ def test_every_legal_text_gives_its_fields(drawn: tuple[str, list[tuple[str, str
     ]
 
 
+@unhurried
 @given(definitions())
 def test_prose_and_blanks_do_not_change_the_md5sum(drawn: tuple[str, list[tuple[str, str]]]) -> None:
     text, declared = drawn
@@ -94,6 +99,7 @@ def test_prose_and_blanks_do_not_change_the_md5sum(drawn: tuple[str, list[tuple[
     assert message_md5sum(spec, BUNDLED.message) == message_md5sum(parse("\n".join(bare)), BUNDLED.message)
 
 
+@unhurried
 @given(definitions())
 def test_a_full_text_can_be_learned_back(drawn: tuple[str, list[tuple[str, str]]]) -> None:
     text, declared = drawn
@@ -108,6 +114,7 @@ def test_a_full_text_can_be_learned_back(drawn: tuple[str, list[tuple[str, str]]
     assert learned.message_type("p/N").definition == definition
 
 
+@unhurried
 @given(st.lists(line_like, max_size=8).map("\n".join))
 def test_garbage_is_refused_with_its_place_or_read(text: str) -> None:
     for read in (
@@ -122,6 +129,7 @@ def test_garbage_is_refused_with_its_place_or_read(text: str) -> None:
             assert error.file
 
 
+@unhurried
 @given(st.text(max_size=200))
 def test_a_string_constant_keeps_everything_after_the_sign(value: str) -> None:
     assume("\n" not in value)
@@ -129,6 +137,7 @@ def test_a_string_constant_keeps_everything_after_the_sign(value: str) -> None:
     assert constant.value == value.strip()
 
 
+@unhurried
 @given(
     st.text(max_size=20), st.lists(st.one_of(st.text(max_size=20), st.sampled_from([SEPARATOR, "MSG: a/B"])))
 )
@@ -142,12 +151,13 @@ def test_garbage_from_a_peer_is_refused_or_learned_whole(name: str, lines: list[
         assert name in registry.messages()
 
 
+@unhurried
 @given(st.text(max_size=300))
 def test_splitting_a_full_text_raises_nothing_else(definition: str) -> None:
     assert split_full_text("p/N", definition)["p/N"] is not None
 
 
-@settings(max_examples=15, deadline=None)
+@unhurried
 @given(st.sampled_from(BUNDLED_NAMES), st.data())
 def test_a_dropped_field_is_always_found(name: str, data: st.DataObject) -> None:
     spec = BUNDLED.message(name)
@@ -163,6 +173,7 @@ def test_a_dropped_field_is_always_found(name: str, data: st.DataObject) -> None
 names = st.text("ab1_/~", max_size=8)
 
 
+@unhurried
 @given(names, names)
 def test_resolved_names_are_global_legal_and_stay(name: str, namespace: str) -> None:
     try:
@@ -177,6 +188,7 @@ def test_resolved_names_are_global_legal_and_stay(name: str, namespace: str) -> 
     assert namespace_of(join(full_name, "x")) == full_name
 
 
+@unhurried
 @given(
     st.lists(st.one_of(st.text(max_size=20), st.sampled_from(["a:=b", "_p:=[", "_p:=1", "__name:=x", "--y"])))
 )
@@ -189,6 +201,7 @@ def test_arguments_raise_nothing_but_config_errors(argv: list[str]) -> None:
     assert set(parsed.rest) <= set(argv)
 
 
+@unhurried
 @given(
     st.one_of(
         st.binary(max_size=200),
