@@ -37,6 +37,8 @@ class MemoryGraph:
         # Everything that ends with the node.
         self._handles: dict[_Closable, None] = {}
         self._is_closed = False
+        self._closed = asyncio.Event()
+        self._reason = ""
         self._log_sequence = 0
         self._rosout = self._add_publisher(ROSOUT, LOG_TYPE, latch=True)
 
@@ -188,12 +190,19 @@ class MemoryGraph:
         finally:
             self._network.unwatch_changes(event)
 
-    async def close(self) -> None:
+    async def close(self, reason: str = "closed") -> None:
         """Leave the graph. Idempotent."""
         if not self._is_closed:
             self._is_closed = True
+            self._reason = reason
             await asyncio.gather(*(handle.close() for handle in list(self._handles)))
             self._network.leave(self)
+            self._closed.set()
+
+    async def wait_closed(self) -> str:
+        """Wait until the node has left; returns the reason."""
+        await self._closed.wait()
+        return self._reason
 
     def _add_publisher(
         self, topic: str, message_type: MessageType, *, latch: bool, queue_bytes: int | None = None

@@ -41,7 +41,7 @@ class MemoryNetwork:
         """Join as `node_name`; a node that has the name leaves. Raises InvalidNameError."""
         full_name = validate_name(join(namespace, node_name))
         if before := self.nodes.get(full_name):
-            await before.close()
+            await before.close("new node registered with same name")
         graph = MemoryGraph(self, full_name, namespace, remappings or {})
         self.nodes[full_name] = graph
         self.notify()

@@ -18,9 +18,7 @@ from typing import Protocol, TypeAlias
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.rostime import Time
 
-ParamValue: TypeAlias = (
-    bool | int | float | str | bytes | list["ParamValue"] | dict[str, "ParamValue"] | None
-)
+ParamValue: TypeAlias = bool | int | float | str | bytes | list["ParamValue"] | dict[str, "ParamValue"] | None
 OnMessages: TypeAlias = Callable[[Sequence[bytes]], None]
 ServiceHandler: TypeAlias = Callable[[bytes], Awaitable[bytes]]
 
@@ -147,7 +145,11 @@ class Graph(Protocol):
     async def advertise(
         self, topic: str, message_type: MessageType, *, latch: bool = False, queue_bytes: int | None = None
     ) -> Publisher:
-        """Advertise a topic. `queue_bytes` bounds what waits for each slow subscriber (None: default)."""
+        """Advertise a topic. `queue_bytes` bounds what waits for each slow subscriber (None: default).
+
+        A second handle on a topic of this node shares the first one's queues and subscribers; it raises
+        TypeMismatchError when its type is another one.
+        """
 
     async def subscribe(
         self,
@@ -168,7 +170,10 @@ class Graph(Protocol):
     async def call_service(
         self, service: str, service_type: ServiceType, request: bytes, *, timeout_s: float | None = None
     ) -> bytes:
-        """Call a service. Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError."""
+        """Call a service; without a time limit it waits as long as the server lives.
+
+        Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError, TypeMismatchError.
+        """
 
     async def get_param(self, name: str) -> ParamValue:
         """Return a parameter's value. Raises UnknownNameError."""
@@ -183,7 +188,7 @@ class Graph(Protocol):
         """Tell whether a parameter is set."""
 
     async def search_param(self, name: str) -> str | None:
-        """Find the nearest parameter of that name, upward from the node's namespace."""
+        """Find the nearest parameter of that name, upward from the node itself."""
 
     async def list_params(self) -> list[str]:
         """Return the full names of all parameters, sorted."""
@@ -205,6 +210,12 @@ class Graph(Protocol):
 
     async def close(self) -> None:
         """Leave the graph: everything advertised, subscribed or watched ends. Idempotent."""
+
+    async def wait_closed(self) -> str:
+        """Wait until the node has left, by `close` or because it was told to; returns the reason.
+
+        A ROS 1 node is told to by `rosnode kill`, and when another node takes its name.
+        """
 
 
 class JoinGraph(Protocol):

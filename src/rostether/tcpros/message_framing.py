@@ -39,19 +39,19 @@ def encode_messages(payloads: Sequence[bytes]) -> bytes:
     return b"".join(parts)
 
 
-def measure_oldest(data: bytes, start: int, excess_bytes: int) -> tuple[int, int]:
-    """Walk whole messages from `start` of an encoded batch until `excess_bytes` are passed.
+def measure_oldest(data: bytes, excess_bytes: int) -> tuple[int, int]:
+    """Walk whole messages of an encoded batch until `excess_bytes` are passed.
 
     Returns how many bytes and how many messages that is; it stops before the last message of the batch.
     """
-    position, count, end = start, 0, len(data)
-    while position - start < excess_bytes:
+    position, count, end = 0, 0, len(data)
+    while position < excess_bytes:
         following = position + 4 + _unpack_length(data, position)[0]
         if following >= end:
             break
         position = following
         count += 1
-    return position - start, count
+    return position, count
 
 
 class MessageDecoder:

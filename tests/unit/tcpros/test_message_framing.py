@@ -76,9 +76,8 @@ def test_a_huge_length_takes_no_memory() -> None:
 
 def test_the_oldest_messages_are_measured_whole() -> None:
     wire = encode_messages([b"aa", b"bbbb", b"", b"c"])
-    assert measure_oldest(wire, 0, 1) == (6, 1)
-    assert measure_oldest(wire, 0, 6) == (6, 1)
-    assert measure_oldest(wire, 0, 7) == (14, 2)
-    assert measure_oldest(wire, 6, 9) == (12, 2)
+    assert measure_oldest(wire, 1) == (6, 1)
+    assert measure_oldest(wire, 6) == (6, 1)
+    assert measure_oldest(wire, 7) == (14, 2)
     # The newest one stays, whatever is asked for.
-    assert measure_oldest(wire, 0, 1000) == (18, 3)
+    assert measure_oldest(wire, 1000) == (18, 3)

@@ -1,0 +1,41 @@
+"""ROS time: the wall clock, or what /clock says where the parameter /use_sim_time is set."""
+
+from __future__ import annotations
+
+import struct
+import time
+from collections.abc import Callable, Sequence
+
+from rostether.msgdef.interface import MessageType
+from rostether.rostime import Time
+
+CLOCK_TOPIC = "/clock"
+CLOCK_TYPE = MessageType("rosgraph_msgs/Clock", "a9c97c1d230cfc112e270351a944ee47", "time clock\n")
+USE_SIM_TIME = "/use_sim_time"
+
+_CLOCK = struct.Struct("<II")
+
+
+def _wall_time() -> Time:
+    return Time.from_ns(time.time_ns())
+
+
+class Clock:
+    """Tells ROS time; `is_simulated` is decided once, when the node joins, as in rospy and roscpp."""
+
+    def __init__(self, wall_time: Callable[[], Time] = _wall_time) -> None:
+        self._wall_time = wall_time
+        self._simulated: Time | None = None
+
+    def simulate(self) -> None:
+        """Take the time from `take_messages` from now on; it is zero before the first."""
+        self._simulated = Time()
+
+    def now(self) -> Time:
+        """Return the time."""
+        return self._wall_time() if self._simulated is None else self._simulated
+
+    def take_messages(self, payloads: Sequence[bytes]) -> None:
+        """Take serialized rosgraph_msgs/Clock messages; a malformed one is ignored."""
+        if len(payloads[-1]) == _CLOCK.size:
+            self._simulated = Time(*_CLOCK.unpack(payloads[-1]))

@@ -1,0 +1,69 @@
+"""The whole graph as the master tells it, now and at each change.
+
+A ROS 1 master has no subscription to changes: it is asked again and again.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import AsyncIterator
+
+from rostether.errors import MasterUnreachableError
+from rostether.graph.ports import ServiceInfo, Snapshot, TopicInfo
+from rostether.msgdef.interface import ANY_TYPE
+from rostether.ros1.node.master_client import MasterClient
+
+POLL_INTERVAL_S = 1.0
+"""People who watch a graph do not notice less; two small calls a second do not load a master."""
+
+_log = logging.getLogger("rostether.ros1")
+
+
+async def take_snapshot(master: MasterClient) -> Snapshot:
+    """Ask the master for everything. Raises MasterUnreachableError, GraphError."""
+    (publishers, subscribers, services), types = await asyncio.gather(
+        master.system_state(), master.topic_types()
+    )
+    nodes: set[str] = set()
+    for table in (publishers, subscribers, services):
+        nodes.update(*table.values())
+    return Snapshot(
+        nodes=tuple(sorted(nodes)),
+        topics={
+            name: TopicInfo(
+                name,
+                types.get(name, ANY_TYPE),
+                tuple(sorted(publishers.get(name, ()))),
+                tuple(sorted(subscribers.get(name, ()))),
+            )
+            for name in sorted(publishers.keys() | subscribers.keys())
+        },
+        services={
+            name: ServiceInfo(name, tuple(sorted(providers))) for name, providers in sorted(services.items())
+        },
+    )
+
+
+async def watch_changes(
+    master: MasterClient, closed: asyncio.Event, interval_s: float = POLL_INTERVAL_S
+) -> AsyncIterator[Snapshot]:
+    """Yield a snapshot now and one after each change, until `closed` is set.
+
+    A master that is away changes nothing; only the first snapshot raises MasterUnreachableError.
+    """
+    latest = await take_snapshot(master)
+    yield latest
+    while not closed.is_set():
+        try:
+            async with asyncio.timeout(interval_s):
+                await closed.wait()
+        except TimeoutError:
+            try:
+                snapshot = await take_snapshot(master)
+            except MasterUnreachableError as error:
+                _log.debug("%s", error)
+                continue
+            if snapshot != latest:
+                latest = snapshot
+                yield latest

@@ -1,0 +1,254 @@
+"""A node of a ROS 1 graph: the graph port over a master, XML-RPC and TCPROS."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import AsyncIterator, Callable, Mapping
+
+from rostether.errors import GraphError, UnknownNameError
+from rostether.graph.ports import Level, OnMessages, ParamValue, ServiceHandler, Snapshot
+from rostether.msgdef.interface import MessageType, ServiceType
+from rostether.names.graph_name import join, validate_name
+from rostether.names.resolve import resolve_name, resolve_remappings
+from rostether.ros1.environment import RosEnvironment
+from rostether.ros1.node.clock import CLOCK_TOPIC, CLOCK_TYPE, USE_SIM_TIME, Clock
+from rostether.ros1.node.endpoints import Endpoints
+from rostether.ros1.node.graph_view import take_snapshot, watch_changes
+from rostether.ros1.node.master_client import MasterClient
+from rostether.ros1.node.parameters import ParameterWatch
+from rostether.ros1.node.publication import Publisher
+from rostether.ros1.node.registrations import DEFAULT_CHECK_INTERVAL_S
+from rostether.ros1.node.rosout import RosoutLog
+from rostether.ros1.node.service_client import ServiceClient
+from rostether.ros1.node.service_server import ServiceServer
+from rostether.ros1.node.subscription import Subscription
+from rostether.rostime import Time
+
+_log = logging.getLogger("rostether.ros1")
+
+_LOGGING_LEVELS = {
+    Level.DEBUG: logging.DEBUG,
+    Level.INFO: logging.INFO,
+    Level.WARN: logging.WARNING,
+    Level.ERROR: logging.ERROR,
+    Level.FATAL: logging.CRITICAL,
+}
+
+
+async def join_ros1(
+    node_name: str,
+    *,
+    master_uri: str = "",
+    environment: RosEnvironment | None = None,
+    namespace: str = "/",
+    remappings: Mapping[str, str] | None = None,
+    check_interval_s: float = DEFAULT_CHECK_INTERVAL_S,
+) -> Ros1Graph:
+    """Join the graph of a master as `node_name`; a node that has the name is told to leave, by the master.
+
+    `master_uri` wins over the environment's, which is read from os.environ by default. Every
+    `check_interval_s` the master is asked whether it still knows us.
+    Raises MasterUnreachableError, InvalidNameError, ConfigError, GraphError.
+    """
+    environment = environment or RosEnvironment.read()
+    full_name = validate_name(join(namespace, node_name))
+    master = MasterClient(master_uri or environment.master_uri, full_name)
+    graph = Ros1Graph(master, environment, namespace, remappings or {})
+    try:
+        await graph._open(check_interval_s)
+    except BaseException:
+        await graph.close()
+        raise
+    return graph
+
+
+class Ros1Graph:
+    """A `graph.ports.Graph`; made by `join_ros1`."""
+
+    def __init__(
+        self,
+        master: MasterClient,
+        environment: RosEnvironment,
+        namespace: str,
+        remappings: Mapping[str, str],
+    ) -> None:
+        self.node_name = master.caller_id
+        self._namespace = namespace
+        self._remappings = resolve_remappings(remappings, namespace=namespace, node_name=self.node_name)
+        self._master = master
+        self._clock = Clock()
+        self._endpoints = Endpoints(master, environment, report=self._report, on_shutdown=self._leave)
+        self._rosout = RosoutLog(
+            self.node_name,
+            now=self._clock.now,
+            published_topics=lambda: [each.topic for each in self._endpoints.publications],
+        )
+        self._closing: asyncio.Task[None] | None = None
+        self._closed = asyncio.Event()
+        self._reason = ""
+
+    @property
+    def node_uri(self) -> str:
+        """The URI of this node's slave API."""
+        return self._endpoints.node_uri
+
+    @property
+    def master_uri(self) -> str:
+        """The URI of the master."""
+        return self._master.uri
+
+    def resolve(self, name: str) -> str:
+        """Return the fully qualified, remapped form of a name. Raises InvalidNameError."""
+        return resolve_name(
+            name, namespace=self._namespace, node_name=self.node_name, remappings=self._remappings
+        )
+
+    async def advertise(
+        self, topic: str, message_type: MessageType, *, latch: bool = False, queue_bytes: int | None = None
+    ) -> Publisher:
+        """Advertise a topic. `queue_bytes` bounds what waits for each slow subscriber (None: default)."""
+        self._check_open()
+        return await self._endpoints.advertise(
+            self.resolve(topic), message_type, latch=latch, queue_bytes=queue_bytes
+        )
+
+    async def subscribe(
+        self,
+        topic: str,
+        message_type: MessageType,
+        on_messages: OnMessages,
+        *,
+        on_connection: Callable[[Mapping[str, str]], None] | None = None,
+        tcp_nodelay: bool = True,
+    ) -> Subscription:
+        """Subscribe. `ANY_MESSAGE` takes every type; `on_connection` gets each publisher's header fields."""
+        self._check_open()
+        return await self._endpoints.subscribe(
+            self.resolve(topic),
+            message_type,
+            on_messages,
+            on_connection=on_connection,
+            tcp_nodelay=tcp_nodelay,
+        )
+
+    async def advertise_service(
+        self, service: str, service_type: ServiceType, handler: ServiceHandler
+    ) -> ServiceServer:
+        """Offer a service. A handler that raises RostetherError fails the call with that error's text."""
+        self._check_open()
+        return await self._endpoints.advertise_service(self.resolve(service), service_type, handler)
+
+    def service_client(
+        self, service: str, service_type: ServiceType, *, persistent: bool = False
+    ) -> ServiceClient:
+        """Return a client for many calls; a persistent one keeps its connection. Close it at the end."""
+        return ServiceClient(self.resolve(service), service_type, self._master, persistent=persistent)
+
+    async def call_service(
+        self, service: str, service_type: ServiceType, request: bytes, *, timeout_s: float | None = None
+    ) -> bytes:
+        """Call a service.
+
+        Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError, TypeMismatchError.
+        """
+        self._check_open()
+        return await self.service_client(service, service_type).call(request, timeout_s=timeout_s)
+
+    async def get_param(self, name: str) -> ParamValue:
+        """Return a parameter's value. Raises UnknownNameError."""
+        return await self._master.get_param(self.resolve(name))
+
+    async def set_param(self, name: str, value: ParamValue) -> None:
+        """Set a parameter; a mapping replaces the whole tree below it."""
+        await self._master.set_param(self.resolve(name), value)
+
+    async def delete_param(self, name: str) -> None:
+        """Delete a parameter. Raises UnknownNameError."""
+        await self._master.delete_param(self.resolve(name))
+
+    async def has_param(self, name: str) -> bool:
+        """Tell whether a parameter is set."""
+        return await self._master.has_param(self.resolve(name))
+
+    async def search_param(self, name: str) -> str | None:
+        """Find the nearest parameter of that name, upward from the node itself."""
+        if name.startswith("~"):
+            return self.resolve(name) if await self.has_param(name) else None
+        return await self._master.search_param(name)
+
+    async def list_params(self) -> list[str]:
+        """Return the full names of all parameters, sorted."""
+        return sorted(await self._master.param_names())
+
+    async def watch_param(self, name: str, on_change: Callable[[ParamValue], None]) -> ParameterWatch:
+        """Call back with the value now and after every change; None means it is unset."""
+        self._check_open()
+        return await self._endpoints.watches.add(self.resolve(name), on_change)
+
+    def log(self, level: Level, text: str) -> None:
+        """Publish a log message on /rosout under this node's name."""
+        self._rosout.log(level, text)
+
+    def now(self) -> Time:
+        """Return ROS time: the wall clock, or /clock under use_sim_time (zero before its first message)."""
+        return self._clock.now()
+
+    async def snapshot(self) -> Snapshot:
+        """Return the whole graph as it stands. Raises MasterUnreachableError."""
+        return await take_snapshot(self._master)
+
+    def changes(self) -> AsyncIterator[Snapshot]:
+        """Yield a snapshot now and one after each change, within about a second of it."""
+        return watch_changes(self._master, self._closed)
+
+    async def close(self) -> None:
+        """Leave the graph: everything advertised, subscribed or watched ends. Idempotent."""
+        self._close_soon("closed")
+        assert self._closing is not None
+        await asyncio.shield(self._closing)
+
+    async def wait_closed(self) -> str:
+        """Wait until the node has left, by `close` or because it was told to; returns the reason."""
+        await self._closed.wait()
+        return self._reason
+
+    async def _open(self, check_interval_s: float) -> None:
+        await self._endpoints.open()
+        is_simulated = await self._is_time_simulated()
+        await self._endpoints.add_publication(self._rosout.publication)
+        if is_simulated:
+            self._clock.simulate()
+            await self._endpoints.subscribe(CLOCK_TOPIC, CLOCK_TYPE, self._clock.take_messages)
+        self._endpoints.start_watch(check_interval_s)
+
+    async def _is_time_simulated(self) -> bool:
+        try:
+            return bool(await self._master.get_param(USE_SIM_TIME))
+        except UnknownNameError:
+            return False
+
+    def _report(self, level: Level, text: str) -> None:
+        _log.log(_LOGGING_LEVELS[level], "%s: %s", self.node_name, text)
+        self.log(level, text)
+
+    def _leave(self, reason: str) -> None:
+        if self._closing is None:
+            self._report(Level.WARN, f"leaving the graph: {reason}")
+            self._close_soon(reason)
+
+    def _close_soon(self, reason: str) -> None:
+        if self._closing is None:
+            self._reason = reason
+            self._closing = asyncio.ensure_future(self._close())
+
+    async def _close(self) -> None:
+        try:
+            await self._endpoints.close()
+            await self._master.close()
+        finally:
+            self._closed.set()
+
+    def _check_open(self) -> None:
+        if self._closing is not None:
+            raise GraphError(f"node {self.node_name} has left the graph: join again")

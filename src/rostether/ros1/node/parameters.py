@@ -1,0 +1,123 @@
+"""Watching parameters: the master tells us of changes at, above and below the names we subscribed to."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Callable
+
+from rostether.errors import GraphError, UnknownNameError
+from rostether.graph.callbacks import call_contained
+from rostether.graph.ports import ParamValue
+from rostether.ros1.node.master_client import MasterClient
+from rostether.xmlrpc.values import XmlRpcValue
+
+_log = logging.getLogger("rostether.ros1")
+
+
+class ParameterWatches:
+    """All watches of one node."""
+
+    def __init__(self, master: MasterClient, node_uri: str) -> None:
+        self._master = master
+        self._node_uri = node_uri
+        self._watches: dict[str, list[ParameterWatch]] = {}
+        self._fetches: set[asyncio.Task[None]] = set()
+
+    async def add(self, name: str, on_change: Callable[[ParamValue], None]) -> ParameterWatch:
+        """Call back with the value now and after every change."""
+        watch = ParameterWatch(self, name, on_change)
+        self._watches.setdefault(name, []).append(watch)
+        try:
+            watch.tell(_unset_as_none(await self._master.subscribe_param(name, self._node_uri)))
+        except GraphError:
+            self._forget(watch)
+            raise
+        return watch
+
+    def update(self, key: str, value: XmlRpcValue) -> bool:
+        """Take a change from the master; False when nobody here watches the name."""
+        key = "/" + key.strip("/")
+        if key in self._watches:
+            for watch in list(self._watches[key]):
+                watch.tell(_unset_as_none(value))
+            return True
+        # A change below a tree that is watched: only the master can tell what the whole tree is now.
+        trees = [name for name in self._watches if key.startswith(name.rstrip("/") + "/")]
+        for name in trees:
+            task = asyncio.ensure_future(self._fetch(name))
+            self._fetches.add(task)
+            task.add_done_callback(self._fetches.discard)
+        return bool(trees)
+
+    async def subscribe_again(self) -> None:
+        """Register all watches with a master that has forgotten them."""
+        for name, watches in list(self._watches.items()):
+            value = _unset_as_none(await self._master.subscribe_param(name, self._node_uri))
+            for watch in list(watches):
+                watch.tell(value, only_if_changed=True)
+
+    async def remove(self, watch: ParameterWatch) -> None:
+        """End a watch."""
+        if self._forget(watch):
+            try:
+                await self._master.unsubscribe_param(watch.name, self._node_uri)
+            except GraphError as error:
+                _log.debug("cannot unsubscribe from %s: %s", watch.name, error)
+
+    async def close(self) -> None:
+        """End all watches. Idempotent."""
+        for task in self._fetches:
+            task.cancel()
+        watches = [watch for named in self._watches.values() for watch in named]
+        await asyncio.gather(*(watch.close() for watch in watches))
+
+    def _forget(self, watch: ParameterWatch) -> bool:
+        """Drop a watch; True when it was the last one of its name."""
+        watches = self._watches.get(watch.name, [])
+        if watch not in watches:
+            return False
+        watches.remove(watch)
+        if watches:
+            return False
+        del self._watches[watch.name]
+        return True
+
+    async def _fetch(self, name: str) -> None:
+        try:
+            value = await self._master.get_param(name)
+        except UnknownNameError:
+            value = None
+        except GraphError as error:
+            _log.debug("cannot read %s after a change below it: %s", name, error)
+            return
+        for watch in list(self._watches.get(name, ())):
+            watch.tell(value)
+
+
+class ParameterWatch:
+    """A `graph.ports.Watch`."""
+
+    def __init__(self, watches: ParameterWatches, name: str, on_change: Callable[[ParamValue], None]) -> None:
+        self.name = name
+        self._watches = watches
+        self._on_change = on_change
+        self._latest: ParamValue = None
+        self._is_closed = False
+
+    def tell(self, value: ParamValue, *, only_if_changed: bool = False) -> None:
+        """Hand a value on."""
+        if not self._is_closed and not (only_if_changed and value == self._latest):
+            self._latest = value
+            call_contained(f"on_change of parameter {self.name}", self._on_change, value)
+
+    async def close(self) -> None:
+        """Stop watching. Idempotent."""
+        if not self._is_closed:
+            self._is_closed = True
+            await self._watches.remove(self)
+
+
+def _unset_as_none(value: XmlRpcValue) -> ParamValue:
+    # Masters say "unset" with an empty dict.
+    return None if value == {} else value

@@ -1,0 +1,145 @@
+"""One topic this node publishes: its connections, its latched message, and the handles on it."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable, Mapping, Sequence
+
+from rostether.errors import TypeMismatchError
+from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES, PublicationFlow
+from rostether.graph.ports import Level
+from rostether.msgdef.interface import MessageType
+from rostether.ros1.node.subscriber_connection import SubscriberConnection
+from rostether.tcpros.handshake import agree, check_subscriber, publisher_fields
+from rostether.tcpros.header import encode_header
+from rostether.tcpros.message_framing import encode_messages
+
+Report = Callable[[Level, str], None]
+
+
+class Publication:
+    """Sends every batch, encoded once, to all subscribers; each has its own queue."""
+
+    def __init__(
+        self,
+        topic: str,
+        message_type: MessageType,
+        *,
+        node_name: str,
+        report: Report,
+        latch: bool = False,
+        queue_bytes: int | None = None,
+    ) -> None:
+        self.topic = topic
+        self.type = message_type
+        self.dropped_count = 0
+        self.byte_count = 0
+        self.connections: list[SubscriberConnection] = []
+        self.handle_count = 0
+        self._node_name = node_name
+        self._report = report
+        self._is_latching = latch
+        self._queue_bytes = DEFAULT_QUEUE_BYTES if queue_bytes is None else queue_bytes
+        self._flow = PublicationFlow()
+        self._latched: bytes | None = None
+
+    def share(self, message_type: MessageType, *, latch: bool) -> None:
+        """Let one more handle publish here. Raises TypeMismatchError when it has another type."""
+        if not agree(message_type.md5sum, self.type.md5sum):
+            raise TypeMismatchError(
+                f"this node publishes {self.topic} as {self.type.name} already, not as {message_type.name}: "
+                "choose another topic"
+            )
+        self._is_latching = self._is_latching or latch
+
+    def publish(self, payloads: Sequence[bytes]) -> bool:
+        """Send or queue a batch; False when a subscriber is behind, see `Publisher.publish_raw`."""
+        if not payloads:
+            return self._flow.is_open
+        if self.connections:
+            data = encode_messages(payloads)
+            count = len(payloads)
+            self.byte_count += len(data)
+            for connection in self.connections:
+                self.dropped_count += connection.send(data, count)
+        if self._is_latching:
+            self._latched = payloads[-1]
+        return self._flow.is_open
+
+    async def drained(self, timeout_s: float) -> None:
+        """Wait until no subscriber is above its high-water mark."""
+        await self._flow.drained(timeout_s)
+
+    def accept(self, fields: Mapping[str, str], transport: asyncio.Transport) -> SubscriberConnection:
+        """Make a connection of a subscriber's header, and answer it. Raises TypeMismatchError."""
+        check_subscriber(fields, self.topic, self.type)
+        answer = publisher_fields(self.topic, self.type, caller_id=self._node_name, latch=self._is_latching)
+        latched = b"" if self._latched is None else encode_messages([self._latched])
+        connection = SubscriberConnection(
+            transport,
+            fields,
+            self._flow,
+            topic=self.topic,
+            greeting=encode_header(answer) + latched,
+            queue_bytes=self._queue_bytes,
+            on_drop=self._tell_drop,
+            on_lost=self.connections.remove,
+        )
+        self.connections.append(connection)
+        return connection
+
+    async def close(self) -> None:
+        """End all connections, after what is queued has left."""
+        await asyncio.gather(*(connection.close() for connection in self.connections))
+
+    def _tell_drop(self, connection: SubscriberConnection) -> None:
+        self._report(
+            Level.WARN,
+            f"{connection.record.peer} is too slow for {self.topic} and loses its oldest messages: "
+            f"{self._queue_bytes} bytes wait for it",
+        )
+
+
+class Publisher:
+    """A `graph.ports.Publisher`: one handle on a publication."""
+
+    def __init__(self, publication: Publication, on_close: Callable[[Publication], Awaitable[None]]) -> None:
+        self._publication = publication
+        self._on_close = on_close
+        self._is_closed = False
+        publication.handle_count += 1
+
+    @property
+    def topic(self) -> str:
+        """The resolved topic name."""
+        return self._publication.topic
+
+    @property
+    def type(self) -> MessageType:
+        """The advertised type."""
+        return self._publication.type
+
+    @property
+    def subscriber_count(self) -> int:
+        """How many subscribers are connected now."""
+        return len(self._publication.connections)
+
+    @property
+    def dropped_count(self) -> int:
+        """How many messages slow subscribers have lost so far, summed over them."""
+        return self._publication.dropped_count
+
+    def publish_raw(self, payloads: Sequence[bytes]) -> bool:
+        """Queue the payloads for every subscriber; False asks the caller to await `drained`."""
+        return self._is_closed or self._publication.publish(payloads)
+
+    async def drained(self, timeout_s: float) -> None:
+        """Wait until no subscriber is above its high-water mark; who is not by then counts as slow."""
+        await self._publication.drained(timeout_s)
+
+    async def close(self) -> None:
+        """Unadvertise, with the last handle. Idempotent."""
+        if not self._is_closed:
+            self._is_closed = True
+            self._publication.handle_count -= 1
+            await self._on_close(self._publication)

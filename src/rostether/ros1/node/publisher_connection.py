@@ -1,0 +1,158 @@
+"""One publisher we listen to: found through its slave API, read as long as it stays registered."""
+
+from __future__ import annotations
+
+import asyncio
+import functools
+import logging
+from collections.abc import Callable, Sequence
+
+from rostether.errors import ConfigError, GraphError, ProtocolError, TransportError, TypeMismatchError
+from rostether.ros1.tcpros_connection import ConnectionRecord, connect
+from rostether.ros1.xmlrpc_client import XmlRpcClient
+from rostether.tcpros.message_framing import MessageDecoder
+
+FIRST_RETRY_S = 0.1
+"""A publisher that restarts its server, or whose registration overtook it, is there again at once."""
+
+MAX_RETRY_S = 5.0
+"""One that is registered but gone costs a refused connection each time, and nobody likes to wait longer."""
+
+_log = logging.getLogger("rostether.ros1")
+
+
+class PublisherConnection(asyncio.Protocol):
+    """Cuts what a publisher sends into messages and hands them on, a chunk at a time."""
+
+    def __init__(
+        self,
+        transport: asyncio.Transport,
+        record: ConnectionRecord,
+        on_messages: Callable[[Sequence[bytes]], None],
+    ) -> None:
+        self.record = record
+        self.lost = asyncio.Event()
+        self._transport = transport
+        self._decoder = MessageDecoder()
+        self._on_messages = on_messages
+        self._is_paused = False
+        self._held: list[bytes] = []
+
+    def data_received(self, data: bytes) -> None:
+        """Hand on what is complete."""
+        if self._is_paused:
+            # What was read before the pause took hold, such as a message right behind the header.
+            self._held.append(data)
+            return
+        record = self.record
+        record.byte_count += len(data)
+        try:
+            payloads = self._decoder.feed(data)
+        except ProtocolError as error:
+            _log.warning("%s from %s: %s; reconnecting", record.topic, record.peer, error)
+            self._transport.abort()
+            return
+        if payloads:
+            record.message_count += len(payloads)
+            self._on_messages(payloads)
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Wake who waits."""
+        self.lost.set()
+
+    def pause(self) -> None:
+        """Read no more. Idempotent."""
+        if not self._is_paused:
+            self._is_paused = True
+            if not self._transport.is_closing():
+                self._transport.pause_reading()
+
+    def resume(self) -> None:
+        """Read again. Idempotent."""
+        if self._is_paused:
+            self._is_paused = False
+            held = b"".join(self._held)
+            self._held.clear()
+            if held:
+                self.data_received(held)
+            if not self._transport.is_closing():
+                self._transport.resume_reading()
+
+    def abort(self) -> None:
+        """Hang up at once."""
+        self._transport.abort()
+
+
+class PublisherLink:
+    """Keeps one publisher connected: asks it where to connect, and again when the connection breaks.
+
+    `accept` makes the connection of its header, as in `HandshakeProtocol`. A type that does not match is
+    told once through `on_mismatch`, and not tried again: a publisher that changes its type registers anew.
+    """
+
+    def __init__(
+        self,
+        uri: str,
+        *,
+        caller_id: str,
+        request: dict[str, str],
+        accept: Callable[[str, dict[str, str], asyncio.Transport], PublisherConnection],
+        on_mismatch: Callable[[TypeMismatchError], None],
+    ) -> None:
+        self.uri = uri
+        self.connection: PublisherConnection | None = None
+        self._caller_id = caller_id
+        self._request = request
+        self._accept = accept
+        self._on_mismatch = on_mismatch
+        self._task = asyncio.ensure_future(self._run())
+
+    async def close(self) -> None:
+        """Hang up, and stay so; nothing is handed on afterwards."""
+        self._task.cancel()
+        await asyncio.wait((self._task,))
+
+    async def _run(self) -> None:
+        retry_s = FIRST_RETRY_S
+        loop = asyncio.get_running_loop()
+        while True:
+            try:
+                self.connection = await self._connect()
+                began_s = loop.time()
+                await self.connection.lost.wait()
+                if loop.time() - began_s > MAX_RETRY_S:
+                    retry_s = FIRST_RETRY_S
+            except TypeMismatchError as error:
+                self._on_mismatch(error)
+                return
+            except (GraphError, TransportError, ProtocolError, ConfigError) as error:
+                _log.debug("%s at %s: %s", self._request["topic"], self.uri, error)
+            finally:
+                if self.connection is not None:
+                    self.connection.abort()
+                    self.connection = None
+            await asyncio.sleep(retry_s)
+            retry_s = min(2 * retry_s, MAX_RETRY_S)
+
+    async def _connect(self) -> PublisherConnection:
+        client = XmlRpcClient(self.uri, peer="the publisher")
+        try:
+            topic = self._request["topic"]
+            code, text, answer = await client.call_status(
+                "requestTopic", self._caller_id, topic, [["TCPROS"]]
+            )
+        finally:
+            await client.close()
+        if code != 1:
+            raise GraphError(f"the publisher refused: {text}")
+        match answer:
+            case ["TCPROS", str(host), int(port), *_]:
+                connection = await connect(
+                    host,
+                    port,
+                    self._request,
+                    functools.partial(self._accept, self.uri),
+                )
+                assert isinstance(connection, PublisherConnection)
+                return connection
+        raise GraphError(f"the publisher offers no TCPROS: {answer!r:.100}")

@@ -1,0 +1,158 @@
+"""The Slave API: what the master and other nodes may ask a node.
+
+Every method returns `[code, status message, value]`: 1 is success, 0 failure, -1 the caller's error.
+Source: https://wiki.ros.org/ROS/Slave_API
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable
+from typing import Protocol
+
+from rostether.ros1.node.publication import Publication
+from rostether.ros1.node.subscription import Subscription
+from rostether.ros1.tcpros_connection import ConnectionRecord
+from rostether.ros1.xmlrpc_server import Dispatch
+from rostether.xmlrpc.values import MAX_INT, XmlRpcValue
+
+Answer = list[XmlRpcValue]
+
+
+class SlaveNode(Protocol):
+    """What the API needs of its node."""
+
+    @property
+    def node_name(self) -> str:
+        """Its name."""
+
+    @property
+    def node_uri(self) -> str:
+        """The URI of its XML-RPC server."""
+
+    @property
+    def master_uri(self) -> str:
+        """The URI of its master."""
+
+    @property
+    def tcpros_address(self) -> tuple[str, int]:
+        """Host and port for TCPROS connections to it."""
+
+    @property
+    def publications(self) -> Iterable[Publication]:
+        """What it publishes."""
+
+    @property
+    def subscriptions(self) -> Iterable[Subscription]:
+        """What it subscribes to."""
+
+    def take_publishers(self, topic: str, uris: list[str]) -> None:
+        """Take the master's list of a topic's publishers."""
+
+    def take_param(self, name: str, value: XmlRpcValue) -> bool:
+        """Take a parameter's new value; False when it is not watched."""
+
+    def shut_down(self, reason: str) -> None:
+        """Leave the graph soon."""
+
+
+def slave_dispatch(node: SlaveNode) -> Dispatch:
+    """Return the methods of a node's XML-RPC server."""
+    api = _SlaveApi(node)
+    methods: tuple[Callable[..., Answer], ...] = (
+        api.getBusStats,
+        api.getBusInfo,
+        api.getMasterUri,
+        api.getUri,
+        api.getName,
+        api.getPid,
+        api.getPublications,
+        api.getSubscriptions,
+        api.paramUpdate,
+        api.publisherUpdate,
+        api.requestTopic,
+        api.shutdown,
+    )
+    return {method.__name__: method for method in methods}
+
+
+class _SlaveApi:
+    # Method names are those of the wire.
+    # ruff: noqa: N802
+    def __init__(self, node: SlaveNode) -> None:
+        self._node = node
+
+    def getBusStats(self, _caller_id: str) -> Answer:
+        publications: list[XmlRpcValue] = [
+            [
+                each.topic,
+                min(each.byte_count, MAX_INT),
+                [[*_counters(c.record), True] for c in each.connections],
+            ]
+            for each in self._node.publications
+        ]
+        # -1: we do not estimate what a publisher has dropped.
+        subscriptions: list[XmlRpcValue] = [
+            [each.topic, [[*_counters(c.record), -1, True] for c in each.connections]]
+            for each in self._node.subscriptions
+        ]
+        return [1, "", [publications, subscriptions, []]]
+
+    def getBusInfo(self, _caller_id: str) -> Answer:
+        records = [c.record for each in self._node.publications for c in each.connections]
+        records += [c.record for each in self._node.subscriptions for c in each.connections]
+        return [
+            1,
+            "bus info",
+            [[r.id, r.peer, r.direction, "TCPROS", r.topic, True, r.description] for r in records],
+        ]
+
+    def getMasterUri(self, _caller_id: str) -> Answer:
+        return [1, self._node.master_uri, self._node.master_uri]
+
+    def getUri(self, _caller_id: str) -> Answer:
+        return [1, "", self._node.node_uri]
+
+    def getName(self, _caller_id: str) -> Answer:
+        return [1, "", self._node.node_name]
+
+    def getPid(self, _caller_id: str) -> Answer:
+        return [1, "", os.getpid()]
+
+    def getPublications(self, _caller_id: str) -> Answer:
+        return [1, "publications", [[each.topic, each.type.name] for each in self._node.publications]]
+
+    def getSubscriptions(self, _caller_id: str) -> Answer:
+        types = {each.topic: each.type.name for each in self._node.subscriptions}
+        return [1, "subscriptions", [[topic, name] for topic, name in types.items()]]
+
+    def paramUpdate(self, _caller_id: str, key: str, value: XmlRpcValue) -> Answer:
+        if not isinstance(key, str):
+            return [-1, "parameter_key must be a string", 0]
+        return [1, "", 0] if self._node.take_param(key, value) else [-1, "not subscribed", 0]
+
+    def publisherUpdate(self, _caller_id: str, topic: str, publishers: XmlRpcValue) -> Answer:
+        if not isinstance(topic, str) or not isinstance(publishers, list):
+            return [-1, "topic must be a string and publishers a list", 0]
+        self._node.take_publishers(topic, [uri for uri in publishers if isinstance(uri, str)])
+        return [1, "", 0]
+
+    def requestTopic(self, _caller_id: str, topic: str, protocols: XmlRpcValue) -> Answer:
+        if topic not in (each.topic for each in self._node.publications):
+            return [-1, f"Not a publisher of [{topic}]", []]
+        if not isinstance(protocols, list) or not all(isinstance(each, list) and each for each in protocols):
+            return [-1, "protocols must be a list of lists that begin with a protocol's name", []]
+        if any(each[0] == "TCPROS" for each in protocols if isinstance(each, list)):
+            host, port = self._node.tcpros_address
+            return [1, f"ready on {host}:{port}", ["TCPROS", host, port]]
+        return [0, "no supported protocol implementations: this node speaks TCPROS", []]
+
+    def shutdown(self, caller_id: str, message: str = "") -> Answer:
+        self._node.shut_down(
+            f"{caller_id} asked for shutdown: {message}" if message else "asked to shut down"
+        )
+        return [1, "shutdown", 0]
+
+
+def _counters(record: ConnectionRecord) -> list[XmlRpcValue]:
+    return [record.id, min(record.byte_count, MAX_INT), min(record.message_count, MAX_INT)]

@@ -1,0 +1,143 @@
+"""One subscriber of ours: the queue that keeps a slow one from slowing or stopping anybody else."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from collections.abc import Callable, Mapping
+
+from rostether.graph.flow_control import HIGH_WATER_BYTES, PublicationFlow, SubscriberFlow
+from rostether.ros1.tcpros_connection import CLOSE_GRACE_S, ConnectionRecord, limit_unsent
+from rostether.tcpros.message_framing import measure_oldest
+
+_WRITE_BYTES = 256 << 10
+"""How much of a queue is joined for one write: more would only wait in the transport, undroppable."""
+
+
+class SubscriberConnection(asyncio.Protocol):
+    """Sends encoded batches; what the socket does not take waits here, bounded, oldest message dropped first.
+
+    `greeting` goes first: our header, and the latched message if there is one. `on_drop` is called once when
+    it begins to lose messages, `on_lost` when the connection ends.
+    """
+
+    def __init__(
+        self,
+        transport: asyncio.Transport,
+        fields: Mapping[str, str],
+        flow: PublicationFlow,
+        *,
+        topic: str,
+        greeting: bytes,
+        queue_bytes: int,
+        on_drop: Callable[[SubscriberConnection], None],
+        on_lost: Callable[[SubscriberConnection], None],
+    ) -> None:
+        self.record = ConnectionRecord(
+            transport, peer=fields.get("callerid", "unknown"), topic=topic, direction="o"
+        )
+        self.dropped_count = 0
+        self._transport = transport
+        self._greeting = greeting
+        self._limit_bytes = queue_bytes
+        self._flow = SubscriberFlow(flow, min(HIGH_WATER_BYTES, queue_bytes // 2))
+        self._queue: deque[tuple[bytes, int]] = deque()
+        self._queued_bytes = 0
+        self._takes_more = True
+        self._is_losing = False
+        self._on_drop = on_drop
+        self._on_lost = on_lost
+        self._lost = asyncio.Event()
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Begin to send."""
+        limit_unsent(self._transport)
+        self._transport.write(self._greeting)
+        self._greeting = b""
+
+    def send(self, data: bytes, count: int) -> int:
+        """Send a batch of `count` messages; returns how many older ones had to go for it."""
+        self.record.byte_count += len(data)
+        self.record.message_count += count
+        if self._takes_more:
+            self._transport.write(data)
+            return 0
+        self._queue.append((data, count))
+        self._queued_bytes += len(data)
+        dropped = self._drop_oldest() if self._queued_bytes > self._limit_bytes else 0
+        self._note_backlog()
+        return dropped
+
+    async def close(self) -> None:
+        """Send what is queued, for at most CLOSE_GRACE_S, then end the connection."""
+        self._transport.write(b"".join([data for data, _ in self._queue]))
+        self._clear()
+        self._transport.close()
+        try:
+            async with asyncio.timeout(CLOSE_GRACE_S):
+                await self._lost.wait()
+        except TimeoutError:
+            self._transport.abort()
+            await self._lost.wait()
+
+    def data_received(self, data: bytes) -> None:
+        """Ignore what a subscriber says; the protocol has nothing for it to say."""
+
+    def pause_writing(self) -> None:
+        """Queue from now on: the socket is full."""
+        self._takes_more = False
+        self._note_backlog()
+
+    def resume_writing(self) -> None:
+        """Write the queue, oldest first, until the socket is full again."""
+        self._takes_more = True
+        while self._queue and self._takes_more:
+            parts = []
+            size_bytes = 0
+            while self._queue and size_bytes < _WRITE_BYTES:
+                data, _ = self._queue.popleft()
+                parts.append(data)
+                size_bytes += len(data)
+            self._queued_bytes -= size_bytes
+            self._transport.write(parts[0] if len(parts) == 1 else b"".join(parts))
+        if not self._queue:
+            self._is_losing = False
+        self._note_backlog()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Forget it."""
+        self._clear()
+        self._flow.end()
+        self._lost.set()
+        self._on_lost(self)
+
+    def _clear(self) -> None:
+        self._queue.clear()
+        self._queued_bytes = 0
+
+    def _note_backlog(self) -> None:
+        self._flow.note_backlog(self._queued_bytes + self._transport.get_write_buffer_size())
+
+    def _drop_oldest(self) -> int:
+        """Make the queue fit its limit again, or leave the newest message alone in it."""
+        dropped = 0
+        excess_bytes = self._queued_bytes - self._limit_bytes
+        while excess_bytes > 0:
+            data, count = self._queue[0]
+            is_last = len(self._queue) == 1
+            if is_last or len(data) > excess_bytes:
+                cut_bytes, cut_count = measure_oldest(data, excess_bytes)
+                if cut_bytes >= excess_bytes or is_last:
+                    self._queue[0] = (data[cut_bytes:], count - cut_count)
+                    self._queued_bytes -= cut_bytes
+                    dropped += cut_count
+                    break
+            self._queue.popleft()
+            self._queued_bytes -= len(data)
+            excess_bytes -= len(data)
+            dropped += count
+        self.dropped_count += dropped
+        if dropped and not self._is_losing:
+            self._is_losing = True
+            self._on_drop(self)
+        return dropped

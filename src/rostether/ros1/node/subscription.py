@@ -1,0 +1,121 @@
+"""One subscription of this node: a link to each publisher of its topic."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable, Mapping, Sequence
+
+from rostether.errors import TypeMismatchError
+from rostether.graph.callbacks import call_contained
+from rostether.graph.ports import Level, OnMessages
+from rostether.msgdef.interface import MessageType
+from rostether.ros1.node.publisher_connection import PublisherConnection, PublisherLink
+from rostether.ros1.tcpros_connection import ConnectionRecord
+from rostether.tcpros.handshake import check_publisher, subscriber_fields
+
+
+class Subscription:
+    """A `graph.ports.Subscriber`.
+
+    Each has connections of its own, even where one node subscribes twice to a topic: so each can pause, and
+    each new one gets the latched message.
+    """
+
+    def __init__(
+        self,
+        topic: str,
+        message_type: MessageType,
+        on_messages: OnMessages,
+        *,
+        node_name: str,
+        report: Callable[[Level, str], None],
+        on_connection: Callable[[Mapping[str, str]], None] | None,
+        on_close: Callable[[Subscription], Awaitable[None]],
+        tcp_nodelay: bool,
+    ) -> None:
+        self.topic = topic
+        self.type = message_type
+        self._node_name = node_name
+        self._report = report
+        self._on_messages = on_messages
+        self._on_connection = on_connection
+        self._on_close = on_close
+        self._links: dict[str, PublisherLink] = {}
+        self._closing_links: set[asyncio.Task[None]] = set()
+        self._request = subscriber_fields(topic, message_type, caller_id=node_name, tcp_nodelay=tcp_nodelay)
+        self._what = f"on_messages of {topic}"
+        self._is_paused = False
+        self._is_closed = False
+
+    @property
+    def connections(self) -> list[PublisherConnection]:
+        """The connections that stand now."""
+        return [link.connection for link in self._links.values() if link.connection is not None]
+
+    @property
+    def publisher_count(self) -> int:
+        """How many publishers are connected now."""
+        return len(self.connections)
+
+    def set_publishers(self, uris: Sequence[str]) -> None:
+        """Connect to new publishers, and hang up on those that are gone."""
+        for uri in self._links.keys() - set(uris):
+            task = asyncio.ensure_future(self._links.pop(uri).close())
+            self._closing_links.add(task)
+            task.add_done_callback(self._closing_links.discard)
+        self.add_publishers(uris)
+
+    def add_publishers(self, uris: Sequence[str]) -> None:
+        """Connect to new publishers.
+
+        What the answer to a registration leaves out is not gone: it may be older than the last update, or
+        from a master that has just restarted and knows few of us.
+        """
+        for uri in uris:
+            if uri not in self._links and not self._is_closed:
+                self._links[uri] = PublisherLink(
+                    uri,
+                    caller_id=self._node_name,
+                    request=self._request,
+                    accept=self._accept,
+                    on_mismatch=self._tell_mismatch,
+                )
+
+    def pause(self) -> None:
+        """Stop reading from publishers, so that they queue on their side."""
+        self._is_paused = True
+        for connection in self.connections:
+            connection.pause()
+
+    def resume(self) -> None:
+        """Read again."""
+        self._is_paused = False
+        for connection in self.connections:
+            connection.resume()
+
+    async def close(self) -> None:
+        """Unsubscribe. Idempotent; no callback runs after it returns."""
+        if self._is_closed:
+            return
+        self._is_closed = True
+        links = list(self._links.values())
+        self._links.clear()
+        await asyncio.gather(*self._closing_links, *(link.close() for link in links))
+        await self._on_close(self)
+
+    def _accept(self, uri: str, fields: dict[str, str], transport: asyncio.Transport) -> PublisherConnection:
+        check_publisher(fields, self.topic, self.type)
+        record = ConnectionRecord(transport, peer=uri, topic=self.topic, direction="i")
+        connection = PublisherConnection(transport, record, self._take)
+        if self._is_paused:
+            connection.pause()
+        if self._on_connection is not None:
+            call_contained(f"on_connection of {self.topic}", self._on_connection, fields)
+        return connection
+
+    def _take(self, payloads: Sequence[bytes]) -> None:
+        if not self._is_closed:
+            call_contained(self._what, self._on_messages, payloads)
+
+    def _tell_mismatch(self, error: TypeMismatchError) -> None:
+        self._report(Level.WARN, f"cannot subscribe to {self.topic}: {error}")

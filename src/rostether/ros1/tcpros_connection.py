@@ -1,0 +1,168 @@
+"""What all TCPROS connections share: the exchange of headers, socket options and counters."""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+import socket
+from collections.abc import Callable, Mapping
+from typing import TypeAlias
+
+from rostether.errors import RemoteProtocolError, RostetherError, TransportOpenError, TransportTimeoutError
+from rostether.ros1.environment import connect_host
+from rostether.tcpros.header import HeaderDecoder, encode_header
+
+HANDSHAKE_TIMEOUT_S = 10.0
+"""A healthy peer answers in milliseconds; over a bad radio link TCP repeats a lost packet within 3 s."""
+
+UNSENT_BYTES = 128 << 10
+"""What the kernel may hold unsent for one subscriber: 10 ms of a flood. More would hide from us that it is
+behind, and could not be dropped."""
+
+CLOSE_GRACE_S = 1.0
+"""A peer that reads takes what is left within milliseconds; one that does not is not waited for."""
+
+_KEEPALIVE = (("TCP_KEEPIDLE", 60), ("TCP_KEEPINTVL", 10), ("TCP_KEEPCNT", 9))
+"""As rospy and roscpp set them: a peer that vanished without a word is noticed after 2.5 minutes."""
+
+_next_id = itertools.count(1)
+
+Accept: TypeAlias = Callable[[dict[str, str], asyncio.Transport], asyncio.Protocol]
+
+
+class HandshakeProtocol(asyncio.Protocol):
+    """Reads the first header of a connection, then hands the transport to the protocol `accept` returns.
+
+    `accept` runs at once, so that no byte of the peer is lost, and leaves writing to its successor's
+    `connection_made`. What it raises ends the connection and is `outcome`'s exception; the successor is its
+    result. An incoming connection's peer is told the error first.
+    """
+
+    def __init__(self, accept: Accept, *, request: Mapping[str, str] | None = None) -> None:
+        self._accept = accept
+        self._request = request
+        self._decoder = HeaderDecoder()
+        loop = asyncio.get_running_loop()
+        self.outcome: asyncio.Future[asyncio.Protocol] = loop.create_future()
+        self._transport: asyncio.Transport | None = None
+        self._timeout = loop.call_later(
+            HANDSHAKE_TIMEOUT_S,
+            self._fail,
+            TransportTimeoutError(f"no connection header within {HANDSHAKE_TIMEOUT_S:g} s"),
+        )
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Send our header first if it was us who connected."""
+        assert isinstance(transport, asyncio.Transport)
+        self._transport = transport
+        set_keepalive(transport)
+        if self._request is not None:
+            transport.write(encode_header(self._request))
+
+    def data_received(self, data: bytes) -> None:
+        """Collect the header."""
+        assert self._transport is not None
+        if self.outcome.done():
+            return
+        try:
+            fields = self._decoder.feed(data)
+            if fields is None:
+                return
+            successor = self._accept(fields, self._transport)
+        except RostetherError as error:
+            if self._request is None:
+                self._transport.write(encode_header({"error": str(error)}))
+            self._fail(error)
+            return
+        self._timeout.cancel()
+        self._transport.set_protocol(successor)
+        successor.connection_made(self._transport)
+        self.outcome.set_result(successor)
+        if self._decoder.rest:
+            successor.data_received(self._decoder.rest)
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """The peer hung up before its header was complete."""
+        self._fail(exc or RemoteProtocolError("the peer hung up before its connection header was complete"))
+
+    def abort(self) -> None:
+        """Give up."""
+        self._fail(RemoteProtocolError("connection given up"))
+
+    def _fail(self, error: Exception) -> None:
+        self._timeout.cancel()
+        if not self.outcome.done():
+            self.outcome.set_exception(error)
+            # Incoming connections have nobody who waits for it.
+            self.outcome.exception()
+        if self._transport is not None:
+            self._transport.close()
+
+
+async def connect(host: str, port: int, request: Mapping[str, str], accept: Accept) -> asyncio.Protocol:
+    """Connect, exchange headers and return the protocol `accept` made.
+
+    Raises TransportOpenError, TransportTimeoutError, RemoteProtocolError and what `accept` raises.
+    """
+    loop = asyncio.get_running_loop()
+    handshake: HandshakeProtocol | None = None
+    try:
+        async with asyncio.timeout(HANDSHAKE_TIMEOUT_S):
+            _, handshake = await loop.create_connection(
+                lambda: HandshakeProtocol(accept, request=request), connect_host(host), port
+            )
+            return await handshake.outcome
+    except TimeoutError:
+        raise TransportTimeoutError(f"{host}:{port} gave no answer for {HANDSHAKE_TIMEOUT_S:g} s") from None
+    except (OSError, UnicodeError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise TransportOpenError(f"{host}:{port} cannot be reached ({reason})") from error
+    finally:
+        if handshake is not None and not handshake.outcome.done():
+            handshake.abort()
+
+
+class ConnectionRecord:
+    """What getBusInfo and getBusStats tell of one connection; `direction` is `i` or `o`."""
+
+    def __init__(self, transport: asyncio.Transport, *, peer: str, topic: str, direction: str) -> None:
+        self.id = next(_next_id)
+        self.peer = peer
+        self.topic = topic
+        self.direction = direction
+        self.byte_count = 0
+        self.message_count = 0
+        self._transport = transport
+
+    @property
+    def description(self) -> str:
+        """The text rosnode takes apart to show a connection."""
+        local = self._transport.get_extra_info("sockname") or ("?", 0)
+        remote = self._transport.get_extra_info("peername") or ("?", 0)
+        opened: socket.socket | None = self._transport.get_extra_info("socket")
+        number = -1 if opened is None else opened.fileno()
+        return f"TCPROS connection on port {local[1]} to [{remote[0]}:{remote[1]} on socket {number}]"
+
+
+def set_keepalive(transport: asyncio.Transport) -> None:
+    """Have the kernel notice a peer that vanished. TCP_NODELAY is asyncio's default, for all our sockets:
+
+    Nagle's algorithm would hold a message back for up to 40 ms, and we write whole batches anyway.
+    """
+    opened = transport.get_extra_info("socket")
+    if opened is None:
+        return
+    opened.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+    for name, value in _KEEPALIVE:
+        if option := getattr(socket, name, None):
+            opened.setsockopt(socket.IPPROTO_TCP, option, value)
+
+
+def limit_unsent(transport: asyncio.Transport) -> None:
+    """Keep what waits for a slow peer with us, where it can be counted and dropped."""
+    opened = transport.get_extra_info("socket")
+    option = getattr(socket, "TCP_NOTSENT_LOWAT", None)
+    if opened is not None and option is not None:
+        opened.setsockopt(socket.IPPROTO_TCP, option, UNSENT_BYTES)
+    # The transport's own buffer cannot be dropped either: it may hold the rest of one write, no more.
+    transport.set_write_buffer_limits(high=0)
