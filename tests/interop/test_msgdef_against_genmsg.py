@@ -135,8 +135,11 @@ string E=a=b=c\nstring F=#\nstring G='x'""",
     "DashedLines": "---\nint32 a\n",
     "FormFeed": "int32 a\x0c\nint32 b\n",
 }
-# genmsg refuses these; reading them anyway harms nobody.
-WE_ALSO_READ = {"TabSeparated": "int32\ta\nint32\tA=1\nstring\tS=x\n"}
+# genmsg refuses the first and calls the constant 'string S' in the second; reading them as meant harms nobody.
+WE_ALSO_READ = {
+    "TabSeparated": "int32\ta\nint32\tA=1\nstring\tS=x\n",
+    "IndentedString": "int32 a\n  string S=x\n",
+}
 # genmsg reads these, but makes names of them that no language compiles.
 WE_REFUSE = {
     "ConstantNameBlank": "int32 A B=1\n",
@@ -298,7 +301,10 @@ def test_texts_read_although_genmsg_refuses_them_and_the_reverse(tmp_path: Path)
     differences, _ = compare_odd_texts(tmp_path, {**WE_ALSO_READ, **WE_REFUSE})
     assert len(differences) == len(WE_ALSO_READ) + len(WE_REFUSE), "\n".join(differences)
     registry = Registry([tmp_path])
-    assert [field.name for field in registry.message("odd/TabSeparated").fields] == ["a"]
+    for name in WE_ALSO_READ:
+        spec = registry.message(f"odd/{name}")
+        assert [field.name for field in spec.fields] == ["a"]
+        assert ("S", "x") in [(constant.name, constant.value) for constant in spec.constants]
     for name in WE_REFUSE:
         with pytest.raises(DefinitionError):
             registry.message(f"odd/{name}")

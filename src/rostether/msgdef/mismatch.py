@@ -7,10 +7,11 @@ without Header), then the same in the messages below ours, then two changes at o
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+import functools
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations, islice
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from rostether.errors import DefinitionError
 from rostether.msgdef.definition_files import earlier_files, read_definition
@@ -20,9 +21,9 @@ from rostether.msgdef.md5sum import declarations_text, digest, message_md5sum
 from rostether.msgdef.parse_msg import parse_message
 from rostether.msgdef.primitives import PRIMITIVE_TYPES
 from rostether.msgdef.resolve_types import dependencies
-from rostether.msgdef.spec import Field, FieldType, MessageSpec
+from rostether.msgdef.spec import Constant, Field, FieldType, MessageSpec
 
-MAX_CANDIDATES = 3_000  # some 10 us each, and all boards wait for it: one line may take 30 ms, once
+MAX_CANDIDATES = 3_000  # some 10 us each, and every board waits meanwhile: 30 ms for a line, once
 MAX_KNOWN_TYPES = 2_000  # types of the user's packages to compare with; each is read from disk
 
 # Types that one takes for another: other widths, other signs, the old names of bytes.
@@ -91,15 +92,42 @@ def guess_definition(types: Types, name: str, md5sum: str) -> MessageSpec | None
     """
     ours = types.message(name)
     below = dependencies(ours, types.message)
-    sums = {each: types.message_type(each).md5sum for each in (_HEADER.type.base, name)}
-    sums.update({each.full_name: types.message_type(each.full_name).md5sum for each in below})
-    for candidate in islice(_candidates(ours, below), MAX_CANDIDATES):
-        found = digest(declarations_text(candidate.constants, candidate.fields, sums))
-        if candidate.full_name != name:
-            found = _md5sum_over(ours, below, sums, candidate.full_name, found)
+    sums = {each.full_name: types.message_type(each.full_name).md5sum for each in below}
+    sums[_HEADER.type.base] = types.message_type(_HEADER.type.base).md5sum
+    for text, version, affected in islice(_candidates(ours, below, sums), MAX_CANDIDATES):
+        found = digest(text)
+        if affected:
+            known = {**sums, version.spec.full_name: found}
+            for spec in affected:
+                found = known[spec.full_name] = digest(declarations_text(spec.constants, spec.fields, known))
         if found == md5sum:
-            return candidate
+            return version.as_spec()
     return None
+
+
+class _Version(NamedTuple):
+    """A definition as lines of the text that is hashed, each with what it declares: quick to change."""
+
+    spec: MessageSpec
+    constants: tuple[tuple[str, Constant], ...]
+    fields: tuple[tuple[str, Field], ...]
+
+    @classmethod
+    def of(cls, spec: MessageSpec, sums: Mapping[str, str]) -> _Version:
+        """Take a definition as it is."""
+        constants = tuple((declarations_text([each], (), sums), each) for each in spec.constants)
+        fields = tuple((declarations_text((), [each], sums), each) for each in spec.fields)
+        return cls(spec, constants, fields)
+
+    def text(self) -> str:
+        return "\n".join([line for line, _ in self.constants] + [line for line, _ in self.fields])
+
+    def as_spec(self) -> MessageSpec:
+        return replace(
+            self.spec,
+            constants=tuple(constant for _, constant in self.constants),
+            fields=tuple(field for _, field in self.fields),
+        )
 
 
 def _earlier(spec: MessageSpec) -> Iterator[tuple[str, MessageSpec]]:
@@ -108,71 +136,88 @@ def _earlier(spec: MessageSpec) -> Iterator[tuple[str, MessageSpec]]:
         yield version, parse_message(text, package=spec.package, name=spec.name, file=str(file))
 
 
-def _candidates(ours: MessageSpec, below: Iterable[MessageSpec]) -> Iterator[MessageSpec]:
-    yield from _changed(ours)
+def _candidates(
+    ours: MessageSpec, below: Sequence[MessageSpec], sums: Mapping[str, str]
+) -> Iterator[tuple[str, _Version, Sequence[MessageSpec]]]:
+    """Yield each candidate's text, the candidate, and the messages that hold it, inmost first."""
+    version = _Version.of(ours, sums)
+    ordered = _bottom_up(ours, below)
+    header = (declarations_text((), [_HEADER], sums), _HEADER)
+    for once in _changed(version, header):
+        yield once.text(), once, ()
     for nested in below:
-        yield from _changed(nested)
+        affected = _holders(nested, ordered)
+        for once in _changed(_Version.of(nested, sums), header):
+            yield once.text(), once, affected
     # Fields that a later version added in several places are what two changes mostly are.
-    for two in combinations(range(len(ours.fields)), 2):
-        yield replace(ours, fields=tuple(f for index, f in enumerate(ours.fields) if index not in two))
-    for once in _changed(ours):
-        yield from _changed(once)
+    for two in combinations(range(len(version.fields)), 2):
+        kept = tuple(each for index, each in enumerate(version.fields) if index not in two)
+        twice = version._replace(fields=kept)
+        yield twice.text(), twice, ()
+    for once in _changed(version, header):
+        for twice in _changed(once, header):
+            yield twice.text(), twice, ()
 
 
-def _changed(spec: MessageSpec) -> Iterator[MessageSpec]:
+def _changed(version: _Version, header: tuple[str, Field]) -> Iterator[_Version]:
     """Yield the definitions that are one likely edit away."""
-    fields, constants = spec.fields, spec.constants
+    spec, constants, fields = version
     if constants:
-        yield replace(spec, constants=())
-    for start in range(len(fields)):
-        for end in range(start + 1, len(fields) + 1):
-            yield replace(spec, fields=fields[:start] + fields[end:])
-    for start in range(len(constants)):
-        for end in range(start + 1, len(constants) + 1):
-            yield replace(spec, constants=constants[:start] + constants[end:])
-    if _HEADER not in fields:
-        yield replace(spec, fields=(_HEADER, *fields))
-    for index, field in enumerate(fields):
+        yield _Version(spec, (), fields)
+    for start, end in combinations(range(len(fields) + 1), 2):
+        yield _Version(spec, constants, fields[:start] + fields[end:])
+    for start, end in combinations(range(len(constants) + 1), 2):
+        yield _Version(spec, constants[:start] + constants[end:], fields)
+    if header not in fields:
+        yield _Version(spec, constants, (header, *fields))
+    for index, (_, field) in enumerate(fields):
         for type_ in _other_types(field.type):
-            changed = Field(type_, field.name)
-            yield replace(spec, fields=(*fields[:index], changed, *fields[index + 1 :]))
-    for index, constant in enumerate(constants):
-        for type_ in _other_types(FieldType(constant.type)):
-            if not type_.is_array:
-                other = replace(constant, type=type_.base)
-                yield replace(spec, constants=(*constants[:index], other, *constants[index + 1 :]))
+            entry = (f"{type_} {field.name}", Field(type_, field.name))
+            yield _Version(spec, constants, (*fields[:index], entry, *fields[index + 1 :]))
+    for index, (_, constant) in enumerate(constants):
+        for other in _other_bases(constant.type):
+            changed = (f"{other} {constant.name}={constant.text}", replace(constant, type=other))
+            yield _Version(spec, (*constants[:index], changed, *constants[index + 1 :]), fields)
     for index in range(len(fields) - 1):
         swapped = (*fields[:index], fields[index + 1], fields[index], *fields[index + 2 :])
-        yield replace(spec, fields=swapped)
+        yield _Version(spec, constants, swapped)
 
 
 def _other_types(type_: FieldType) -> Iterator[FieldType]:
-    for group in _ALTERNATIVES:
-        if type_.base in group:
-            for other in group:
-                if other != type_.base:
-                    yield replace(type_, base=other)
+    for other in _other_bases(type_.base):
+        yield replace(type_, base=other)
     if type_.base in PRIMITIVE_TYPES:
-        if not type_.is_array:
-            yield FieldType(type_.base, is_array=True)
-        elif type_.length is None:
-            yield FieldType(type_.base)
-        else:
-            yield FieldType(type_.base, is_array=True)
+        # One value for many, many for one, any number for a fixed number.
+        yield FieldType(type_.base, is_array=not type_.is_array or type_.length is not None)
 
 
-def _md5sum_over(
-    ours: MessageSpec, below: Iterable[MessageSpec], sums: Mapping[str, str], changed: str, md5sum: str
-) -> str:
-    """Return the md5sum of `ours` if the message `changed` had another one."""
+@functools.cache
+def _other_bases(base: str) -> tuple[str, ...]:
+    return tuple(other for group in _ALTERNATIVES if base in group for other in group if other != base)
+
+
+def _bottom_up(ours: MessageSpec, below: Sequence[MessageSpec]) -> list[MessageSpec]:
+    """Return all of them in such an order that each comes after those that it holds."""
     specs = {each.full_name: each for each in below}
-    known = {changed: md5sum}
+    ordered: dict[str, MessageSpec] = {}
 
-    def sum_of(spec: MessageSpec) -> str:
-        bases = {field.type.base for field in spec.fields} - PRIMITIVE_TYPES
-        for base in bases:
-            if base not in known:
-                known[base] = sum_of(specs[base])
-        return digest(declarations_text(spec.constants, spec.fields, {**sums, **known}))
+    def visit(spec: MessageSpec) -> None:
+        for field in spec.fields:
+            base = field.type.base
+            if base in specs and base not in ordered:
+                visit(specs[base])
+        ordered[spec.full_name] = spec
 
-    return sum_of(ours)
+    visit(ours)
+    return list(ordered.values())
+
+
+def _holders(nested: MessageSpec, ordered: Sequence[MessageSpec]) -> list[MessageSpec]:
+    """Return those that hold `nested`, directly or not, in the given order."""
+    changed = {nested.full_name}
+    holders: list[MessageSpec] = []
+    for spec in ordered:
+        if any(field.type.base in changed for field in spec.fields):
+            changed.add(spec.full_name)
+            holders.append(spec)
+    return holders
