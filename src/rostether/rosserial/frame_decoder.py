@@ -15,7 +15,7 @@ to gain by giving up, and a slow network may yet bring the rest.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -25,6 +25,9 @@ from rostether.rosserial.frame_scan import FrameScanner, Scan
 
 FIRST_LOOK_S = 0.1
 """Longer than pauses inside a frame on a working line (USB polls, operating system), mostly below 20 ms."""
+
+RECEIVING_S = 0.05
+"""A frame that has had no byte for this long is not just coming in."""
 
 MAX_LOOK_S = 1.0
 """Looks get rarer, so that hostile input costs little; this bounds how late a swallowed frame is found."""
@@ -61,6 +64,7 @@ class FrameDecoder:
         self._limits = {} if limits is None else limits
         self._pending = bytearray()
         self._needed_bytes = 0
+        self._fed_s = 0.0
         self._look_after_s = FIRST_LOOK_S
         self._look_at_s: float | None = None
 
@@ -81,11 +85,17 @@ class FrameDecoder:
             return None
         return read_header(self._version, bytes(self._pending[: self._header_bytes]))
 
+    def is_receiving(self, topic_ids: Container[int], now_s: float) -> bool:
+        """Whether a frame of one of these ids is just coming in."""
+        header = self.pending_header
+        return header is not None and header.topic_id in topic_ids and now_s < self._fed_s + RECEIVING_S
+
     def feed(self, data: bytes | bytearray | memoryview, now_s: float) -> list[Decoded]:
         """Take a chunk, cut anywhere; return what it completes. Frames of one topic id come as one group.
 
         Groups stand in the order of their first frame, discarded bytes in stream order behind them.
         """
+        self._fed_s = now_s
         pending = self._pending
         if not pending:
             buffer = bytes(data)

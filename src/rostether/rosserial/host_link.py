@@ -1,40 +1,60 @@
-"""The host's end of a rosserial line (signatures; the machinery follows)."""
+"""The host's end of a rosserial line: what a device says becomes events, what it needs to hear becomes bytes.
+
+The link itself has no states of its own; it joins machines that have:
+
+    ProtocolDetector, FrameDecoder   bytes to frames
+    Negotiation                      when to ask for topics, when to believe they are all known
+    Presence                         whether the device is there and still knows us
+    TopicTable                       what it announced
+    HostOutput                       what goes to it, and what must wait
+
+A device is never sent a payload larger than the buffer it announced, nor an id it did not announce since its
+last reset: either can crash the established library.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
-from rostether.rosserial.events import DiscardReason, HostEvent
+from rostether.rosserial import topic_id as ids
+from rostether.rosserial.events import (
+    DeviceReset,
+    DeviceSilent,
+    DiscardReason,
+    FrameDiscarded,
+    HostEvent,
+    LogReceived,
+    MessagesReceived,
+    NegotiationSettled,
+    ParameterRequested,
+    ProtocolDetected,
+    TimeRequested,
+    UnknownTopicId,
+)
+from rostether.rosserial.frame import MAX_PAYLOAD_BYTES
+from rostether.rosserial.frame_decoder import Decoded, FrameDecoder, Frames
+from rostether.rosserial.host_output import HostOutput
+from rostether.rosserial.link_statistics import LinkStatistics
+from rostether.rosserial.negotiation import Negotiation
+from rostether.rosserial.packets import TIME_BYTES, Log, ParameterRequest, ParameterResponse, TopicInfo
+from rostether.rosserial.presence import Presence, Verdict
+from rostether.rosserial.protocol_detector import ProtocolDetector
+from rostether.rosserial.topic_table import TopicTable
+from rostether.rosserial.unknown_ids import UnknownIds
 from rostether.rostime import Time
+
+_DAMAGE = frozenset({DiscardReason.LENGTH_CHECKSUM, DiscardReason.PAYLOAD_CHECKSUM, DiscardReason.PACKET})
 
 
 @dataclass(frozen=True, slots=True)
 class HostLinkConfig:
-    """Limits and times of a host link; the defaults suit every board known."""
+    """Limits of a host link; the defaults suit every board known."""
 
-    max_payload_bytes: int = 65535
-    max_endpoints: int = 512
-
-
-@dataclass(slots=True)
-class LinkStatistics:
-    """Counters of one link since it started."""
-
-    frames_received: int = 0
-    bytes_received: int = 0
-    frames_sent: int = 0
-    bytes_sent: int = 0
-    messages_received: dict[int, int] = field(default_factory=dict)
-    messages_sent: dict[int, int] = field(default_factory=dict)
-    discarded: dict[DiscardReason, int] = field(default_factory=dict)
-    discarded_bytes: int = 0
-    topic_requests: int = 0
-    negotiations: int = 0
-    resets: int = 0
-    time_requests: int = 0
-    time_answers: int = 0
-    last_round_trip_s: float | None = None
+    max_payload_bytes: int = MAX_PAYLOAD_BYTES
+    """All that a frame can say: Linux devices send images in one frame."""
+    max_endpoints: int = 256
+    """The established library has at most 50; each costs a registration on the ROS side."""
 
 
 class HostLink:
@@ -45,67 +65,249 @@ class HostLink:
 
     def __init__(self, config: HostLinkConfig | None = None) -> None:
         self.statistics = LinkStatistics()
+        self._config = config or HostLinkConfig()
+        self._version: int | None = None
+        self._table = TopicTable(self._config.max_endpoints)
+        self._output = HostOutput(self._table, self.statistics)
+        self._line: ProtocolDetector | FrameDecoder = self._listen()
+        self._negotiation = Negotiation()
+        self._presence = Presence()
+        self._unknown_ids = UnknownIds()
+        self._is_stopped = False
+        self._on_control: dict[int, Callable[[bytes], HostEvent | None]] = {
+            ids.LOG: self._on_log,
+            ids.PARAMETER: self._on_parameter_request,
+        }
 
     @property
     def version(self) -> int | None:
         """The protocol version the device speaks, None until known."""
-        raise NotImplementedError
+        return self._version
 
     @property
     def is_settled(self) -> bool:
         """Whether the set of endpoints is taken to be complete."""
-        raise NotImplementedError
+        return self._negotiation.is_settled
 
     def start(self, now_s: float) -> None:
         """Begin: the first topic request is ready to be sent."""
-        raise NotImplementedError
+        self._negotiation.ask(now_s)
+        self._pump(now_s)
 
     def receive_data(self, data: bytes | bytearray | memoryview, now_s: float) -> list[HostEvent]:
-        """Take a chunk from the device, cut anywhere. Never raises for what a device sends."""
-        raise NotImplementedError
+        """Take a chunk from the device, cut anywhere. Never raises for what a device sends.
+
+        Announcements and other control packets of a chunk are reported before its messages.
+        """
+        if self._is_stopped:
+            return []
+        self.statistics.bytes_received += len(data)
+        events = self._take(self._line.feed(data, now_s), now_s)
+        self._pump(now_s)
+        return events
 
     def get_timer(self) -> float | None:
         """Return when `handle_timer` wants to be called, on the clock of `now_s`."""
-        raise NotImplementedError
+        if self._is_stopped:
+            return None
+        timers = (
+            self._line.get_timer(),
+            self._negotiation.get_timer(),
+            self._presence.get_timer(probes=self.is_settled),
+            self._output.get_timer(),
+        )
+        return min((timer for timer in timers if timer is not None), default=None)
 
     def handle_timer(self, now_s: float) -> list[HostEvent]:
         """Do what is due by `now_s`; harmless when called early."""
-        raise NotImplementedError
+        if self._is_stopped:
+            return []
+        events = self._take(self._line.handle_timer(now_s), now_s)
+        is_flowing = self._line.is_receiving(ids.ANNOUNCEMENTS, now_s)
+        if self._negotiation.handle_timer(now_s, is_flowing=is_flowing):
+            self._settle(now_s, events)
+        self._judge(self._presence.handle_timer(now_s, probes=self.is_settled), now_s, events)
+        self._pump(now_s)
+        return events
 
     def data_to_send(self) -> bytes:
         """Take the control frames that are waiting to be sent."""
-        raise NotImplementedError
+        return self._output.take()
 
     def can_send(self, topic_id: int) -> bool:
-        """Whether the device listens on this id now: announced, and announced again since its last reset."""
-        raise NotImplementedError
+        """Whether the device listens on this id now: announced, and again since its last reset."""
+        return topic_id in self._table.send_limits
 
     def encode_message(self, topic_id: int, payload: bytes) -> bytes:
-        """Return the frame to send. Raises LocalProtocolError if `can_send` is false or the payload does not fit."""
-        raise NotImplementedError
+        """Return the frame to send. Raises LocalProtocolError if `can_send` is false or it does not fit."""
+        return self._output.messages(topic_id, (payload,))
 
     def encode_messages(self, topic_id: int, payloads: Sequence[bytes]) -> bytes:
         """Return the frames of several payloads, joined; all or nothing. Raises as encode_message."""
-        raise NotImplementedError
+        return self._output.messages(topic_id, payloads)
 
     def answer_time(self, time: Time, now_s: float) -> None:
-        """Answer TimeRequested with what time it is at `now_s`; held back while a call of the board is in flight."""
-        raise NotImplementedError
+        """Answer TimeRequested with what time it is at `now_s`; held back during a call of the board."""
+        self._output.time(time, now_s)
 
     def answer_parameter(
         self, ints: Sequence[int] = (), floats: Sequence[float] = (), strings: Sequence[str] = ()
     ) -> None:
-        """Answer ParameterRequested. Raises LocalProtocolError if the answer does not fit the device's buffer."""
-        raise NotImplementedError
+        """Answer ParameterRequested. Raises LocalProtocolError if it does not fit the device's buffer."""
+        self._output.parameter(ParameterResponse(tuple(ints), tuple(floats), tuple(strings)))
 
     def service_call_started(self, now_s: float) -> None:
         """Tell that the board itself waits for a service response: time answers are held back."""
-        raise NotImplementedError
+        self._output.call_started()
 
     def service_call_finished(self, now_s: float) -> None:
         """Tell that the response was sent or given up; call it after encode_message of the response."""
-        raise NotImplementedError
+        self._output.call_finished(now_s)
 
     def stop(self) -> None:
-        """Queue the frame that tells the device to stop sending."""
-        raise NotImplementedError
+        """Queue the frame that tells the device to stop sending; from now on the link does nothing."""
+        self._is_stopped = True
+        self._output.stop()
+
+    def _listen(self) -> ProtocolDetector:
+        return ProtocolDetector(
+            max_payload_bytes=self._config.max_payload_bytes, limits=self._table.payload_limits
+        )
+
+    def _take(self, decoded: list[Decoded], now_s: float) -> list[HostEvent]:
+        """Turn what the line brought into events."""
+        events: list[HostEvent] = []
+        if isinstance(self._line, ProtocolDetector) and self._line.decoder is not None:
+            self._line = self._line.decoder
+            self._learn_version(self._line.version, now_s, events)
+        messages: list[Frames] = []
+        for item in decoded:
+            if isinstance(item, FrameDiscarded):
+                self._discard(item, events)
+                continue
+            self.statistics.frames_received += len(item.payloads)
+            self._presence.heard(now_s)
+            if item.topic_id >= ids.FIRST_USER_ID:
+                messages.append(item)
+            else:
+                self._take_control(item, now_s, events)
+        for item in messages:
+            self._take_messages(item, now_s, events)
+        return events
+
+    def _take_messages(self, frames: Frames, now_s: float, events: list[HostEvent]) -> None:
+        topic_id, payloads = frames.topic_id, frames.payloads
+        if topic_id in self._table.senders:
+            self._presence.message(now_s)
+            self.statistics.count_received(topic_id, len(payloads))
+            events.append(MessagesReceived(topic_id, payloads))
+            return
+        self.statistics.unannounced_messages += len(payloads)
+        if self.is_settled:
+            events.append(UnknownTopicId(topic_id, len(payloads)))
+            if self._unknown_ids.should_ask(topic_id, now_s):
+                self._negotiation.ask(now_s, is_lossy=True)
+
+    def _take_control(self, frames: Frames, now_s: float, events: list[HostEvent]) -> None:
+        topic_id = frames.topic_id
+        if topic_id == ids.TIME:
+            self._on_time_requests(frames.payloads, now_s, events)
+            return
+        for payload in frames.payloads:
+            if topic_id in ids.ANNOUNCEMENTS:
+                self._on_announcement(topic_id, payload, now_s, events)
+            elif topic_id in self._on_control:
+                event = self._on_control[topic_id](payload)
+                if event is None:
+                    self._discard(FrameDiscarded(DiscardReason.PACKET, payload), events)
+                else:
+                    events.append(event)
+            else:
+                self._discard(FrameDiscarded(DiscardReason.UNEXPECTED, payload), events)
+
+    def _on_announcement(self, kind: int, payload: bytes, now_s: float, events: list[HostEvent]) -> None:
+        info = TopicInfo.decode(payload)
+        if info is None:
+            self._discard(FrameDiscarded(DiscardReason.PACKET, payload), events)
+            return
+        changes = self._table.announce(kind, info)
+        if changes is None:
+            self._discard(FrameDiscarded(DiscardReason.TOO_MANY, payload), events)
+            return
+        events += changes
+        self._unknown_ids.forget(info.topic_id)
+        self._presence.answered(now_s)
+        self._negotiation.announced(kind, info, now_s)
+
+    def _on_time_requests(self, payloads: list[bytes], now_s: float, events: list[HostEvent]) -> None:
+        for payload in payloads:
+            if len(payload) != TIME_BYTES:
+                self._discard(FrameDiscarded(DiscardReason.PACKET, payload), events)
+                continue
+            self.statistics.time_requests += 1
+            events.append(TimeRequested())
+            if self._negotiation.expects_answer(now_s):
+                self._presence.answered(now_s)
+                self._negotiation.answered(now_s)
+            else:
+                self._judge(self._presence.time_request(now_s), now_s, events)
+
+    def _on_log(self, payload: bytes) -> HostEvent | None:
+        log = Log.decode(payload)
+        return log and LogReceived(log.level, log.text)
+
+    def _on_parameter_request(self, payload: bytes) -> HostEvent | None:
+        request = ParameterRequest.decode(payload)
+        return request and ParameterRequested(request.name)
+
+    def _discard(self, what: FrameDiscarded, events: list[HostEvent]) -> None:
+        self.statistics.count_discarded(what.reason, len(what.data))
+        if what.reason in _DAMAGE:
+            self._negotiation.note_damage()
+        events.append(what)
+
+    def _learn_version(self, version: int, now_s: float, events: list[HostEvent]) -> None:
+        if version != self._version:
+            self._version = self._output.version = version
+            events.append(ProtocolDetected(version))
+        self._negotiation.set_version(version, now_s)
+
+    def _settle(self, now_s: float, events: list[HostEvent]) -> None:
+        negotiation = self._negotiation
+        changes = self._table.withdraw_all_but(negotiation.heard)
+        events += changes
+        self._presence.sign(now_s)
+        if negotiation.round_trip_s is not None:
+            self.statistics.count_round_trip(negotiation.round_trip_s)
+        if changes or negotiation.requests:
+            self.statistics.negotiations += 1
+            events.append(
+                NegotiationSettled(
+                    self._table.topic_count,
+                    self._table.service_count,
+                    negotiation.rounds,
+                    now_s - negotiation.began_s,
+                )
+            )
+
+    def _judge(self, verdict: Verdict | None, now_s: float, events: list[HostEvent]) -> None:
+        if verdict is Verdict.PROBE:
+            self._output.probe()
+        elif verdict is Verdict.RESET:
+            self.statistics.resets += 1
+            self._table.distrust()
+            self._output.device_reset()
+            self._negotiation.ask(now_s)
+            events.append(DeviceReset())
+        elif verdict is Verdict.SILENT:
+            self.statistics.silences += 1
+            self._line = self._listen()
+            self._negotiation.ask(now_s)
+            self._negotiation.set_version(None, now_s)
+            events.append(DeviceSilent(now_s - self._presence.heard_s))
+
+    def _pump(self, now_s: float) -> None:
+        version = self._negotiation.take_request()
+        if version is not None:
+            self._output.topic_request(version, now_s, is_guess=self._negotiation.version is None)
+        self._output.pump(now_s)

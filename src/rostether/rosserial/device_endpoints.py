@@ -1,0 +1,104 @@
+"""What a device declares: numbered as the established library numbers, announced in its order.
+
+Subscribers count from 100, publishers from 100 + the number of subscribers there is room for. A service
+takes a place of each: it publishes on one half and listens on the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from rostether.errors import LocalProtocolError
+from rostether.rosserial import topic_id as ids
+from rostether.rosserial.packets import TopicInfo
+
+
+class ServiceIds(NamedTuple):
+    """The two topic ids of one service."""
+
+    request_id: int
+    response_id: int
+
+
+class DeviceEndpoints:
+    """Declared endpoints by direction; buffer sizes in bytes are announced with each."""
+
+    def __init__(
+        self, *, max_publishers: int, max_subscribers: int, input_buffer_bytes: int, output_buffer_bytes: int
+    ) -> None:
+        self._max_publishers = max_publishers
+        self._max_subscribers = max_subscribers
+        self._input_buffer_bytes = input_buffer_bytes
+        self._output_buffer_bytes = output_buffer_bytes
+        self._senders: dict[int, tuple[int, TopicInfo]] = {}
+        self._listeners: dict[int, tuple[int, TopicInfo]] = {}
+
+    def add_publisher(self, topic: str, message_type: str, md5sum: str) -> int:
+        """Declare a topic the device sends on; return its id."""
+        return self._add_sender(ids.PUBLISHER, topic, message_type, md5sum)
+
+    def add_subscriber(self, topic: str, message_type: str, md5sum: str) -> int:
+        """Declare a topic the device receives; return its id."""
+        return self._add_listener(ids.SUBSCRIBER, topic, message_type, md5sum)
+
+    def add_service_server(
+        self, service: str, service_type: str, request_md5sum: str, response_md5sum: str
+    ) -> ServiceIds:
+        """Declare a service the device serves."""
+        self._demand_room_for_both()
+        response_id = self._add_sender(ids.SERVICE_SERVER_RESPONSE, service, service_type, response_md5sum)
+        request_id = self._add_listener(ids.SERVICE_SERVER_REQUEST, service, service_type, request_md5sum)
+        return ServiceIds(request_id, response_id)
+
+    def add_service_client(
+        self, service: str, service_type: str, request_md5sum: str, response_md5sum: str
+    ) -> ServiceIds:
+        """Declare a service the device calls."""
+        self._demand_room_for_both()
+        request_id = self._add_sender(ids.SERVICE_CLIENT_REQUEST, service, service_type, request_md5sum)
+        response_id = self._add_listener(ids.SERVICE_CLIENT_RESPONSE, service, service_type, response_md5sum)
+        return ServiceIds(request_id, response_id)
+
+    def is_sender(self, topic_id: int) -> bool:
+        """Whether the device sends on this id."""
+        return topic_id in self._senders
+
+    def is_listener(self, topic_id: int) -> bool:
+        """Whether the device receives on this id."""
+        return topic_id in self._listeners
+
+    def announcements(self) -> Iterator[tuple[int, TopicInfo]]:
+        """Yield (reserved id to announce on, what), publishers first."""
+        yield from self._senders.values()
+        yield from self._listeners.values()
+
+    def _add_sender(self, kind: int, name: str, message_type: str, md5sum: str) -> int:
+        if len(self._senders) >= self._max_publishers:
+            raise LocalProtocolError(
+                f"no room for {name}: all {self._max_publishers} publishers are declared"
+            )
+        topic_id = ids.FIRST_USER_ID + self._max_subscribers + len(self._senders)
+        info = _checked(TopicInfo(topic_id, name, message_type, md5sum, self._output_buffer_bytes))
+        self._senders[topic_id] = kind, info
+        return topic_id
+
+    def _add_listener(self, kind: int, name: str, message_type: str, md5sum: str) -> int:
+        if len(self._listeners) >= self._max_subscribers:
+            raise LocalProtocolError(
+                f"no room for {name}: all {self._max_subscribers} subscribers are declared"
+            )
+        topic_id = ids.FIRST_USER_ID + len(self._listeners)
+        info = _checked(TopicInfo(topic_id, name, message_type, md5sum, self._input_buffer_bytes))
+        self._listeners[topic_id] = kind, info
+        return topic_id
+
+    def _demand_room_for_both(self) -> None:
+        if len(self._senders) >= self._max_publishers or len(self._listeners) >= self._max_subscribers:
+            raise LocalProtocolError("no room for a service: it takes one publisher and one subscriber")
+
+
+def _checked(info: TopicInfo) -> TopicInfo:
+    if TopicInfo.decode(info.encode()) != info:
+        raise LocalProtocolError(f"no host believes {info}; give a legal name, package/Type and its md5sum")
+    return info

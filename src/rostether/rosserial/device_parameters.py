@@ -1,0 +1,54 @@
+"""A device's parameter requests: answers carry no name, so one at a time is on the wire."""
+
+from __future__ import annotations
+
+from collections import deque
+
+from rostether.errors import LocalProtocolError
+from rostether.rosserial.packets import ParameterRequest
+
+MAX_REQUESTS = 16
+"""Requests waiting for their turn; a sketch makes one at a time."""
+
+
+class ParameterQueue:
+    """Requests in order; the first is on the wire."""
+
+    def __init__(self) -> None:
+        self._requests: deque[tuple[str, float]] = deque()
+        self._due_s: float | None = None
+
+    def add(self, name: str, timeout_s: float, now_s: float) -> str | None:
+        """Queue a request; return the name to send now, None if it must wait its turn.
+
+        Raises LocalProtocolError for a name that cannot be asked for, or when too many requests wait.
+        """
+        if ParameterRequest.decode(ParameterRequest(name).encode()) is None:
+            raise LocalProtocolError(f"no parameter can be named {name!r}; use at most 255 printable bytes")
+        if len(self._requests) >= MAX_REQUESTS:
+            raise LocalProtocolError("too many parameter requests wait; wait for an answer first")
+        self._requests.append((name, timeout_s))
+        return self.following(now_s) if len(self._requests) == 1 else None
+
+    def following(self, now_s: float) -> str | None:
+        """Return the name to send now that the one before is done with."""
+        self._due_s = None
+        if not self._requests:
+            return None
+        name, timeout_s = self._requests[0]
+        self._due_s = now_s + timeout_s
+        return name
+
+    def answered(self) -> str | None:
+        """Take an answer; return whose it is, None if nothing was asked."""
+        return self._requests.popleft()[0] if self._requests else None
+
+    def timed_out(self, now_s: float) -> str | None:
+        """Return the name that was not answered in time, if there is one."""
+        if self._due_s is None or now_s < self._due_s:
+            return None
+        return self._requests.popleft()[0]
+
+    def get_timer(self) -> float | None:
+        """Return when to call `timed_out`."""
+        return self._due_s

@@ -1,0 +1,149 @@
+"""What goes to a device: never what does not fit or was not announced, nothing that disturbs it at work."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rostether.errors import LocalProtocolError
+from rostether.rosserial import topic_id as ids
+from rostether.rosserial.frame import encode_frame, encode_frames
+from rostether.rosserial.link_statistics import LinkStatistics
+from rostether.rosserial.packets import ParameterResponse, encode_time
+from rostether.rosserial.time_sync import AnswerGate
+from rostether.rosserial.topic_table import TopicTable
+from rostether.rostime import Time
+
+PROBE = b"\xff\x00"
+"""A frame with a wrong version byte: an unconfigured board asks for the time, a configured one ignores it."""
+
+OTHER_VERSION_GUARD = b"\x00"
+"""Around a version 1 request while the version is not known: the last `ff` of a request would merge with the
+next one in a sketch that reads both at once, however far apart they were sent."""
+
+DEFAULT_INPUT_BUFFER_BYTES = 280
+"""For a device without endpoints: the established library's buffers on an ATmega328P, the smallest in use."""
+
+MAX_WAITING_BYTES = 1 << 16
+"""Frames nobody takes: a few hundred bytes a minute are normal, so this is a driver that has stopped."""
+
+
+class HostOutput:
+    """Queue of control frames, and encoder of messages."""
+
+    def __init__(self, table: TopicTable, statistics: LinkStatistics) -> None:
+        self.version: int | None = None
+        self._table = table
+        self._statistics = statistics
+        self._gate = AnswerGate()
+        self._time: tuple[Time, float] | None = None
+        self._request: tuple[int, bool] | None = None
+        self._waiting: list[bytes] = []
+        self._waiting_bytes = 0
+
+    def take(self) -> bytes:
+        """Return the control frames that may go now."""
+        data = b"".join(self._waiting)
+        self._waiting.clear()
+        self._waiting_bytes = 0
+        self._statistics.bytes_sent += len(data)
+        return data
+
+    def messages(self, topic_id: int, payloads: Sequence[bytes]) -> bytes:
+        """Return the frames of messages; raises LocalProtocolError if one may not be sent or does not fit."""
+        limit = self._table.send_limits.get(topic_id)
+        if limit is None:
+            raise LocalProtocolError(
+                f"the device does not listen on topic id {topic_id} now; wait until it has announced it"
+            )
+        largest = max(map(len, payloads), default=0)
+        if largest > limit:
+            raise LocalProtocolError(
+                f"a message of {largest} bytes does not fit the device's buffer of {limit} bytes on topic id"
+                f" {topic_id}; send smaller messages or build the sketch with a larger buffer"
+            )
+        data = encode_frames(topic_id, payloads, self.version or 2)
+        self._statistics.count_sent(topic_id, len(payloads), len(data))
+        return data
+
+    def parameter(self, response: ParameterResponse) -> None:
+        """Queue the answer to a parameter request; raises LocalProtocolError if it does not fit."""
+        payload = response.encode()
+        limit = self._table.input_buffer_bytes
+        limit = DEFAULT_INPUT_BUFFER_BYTES if limit is None else limit
+        if len(payload) > limit:
+            raise LocalProtocolError(
+                f"the parameter takes {len(payload)} bytes, but the device's buffer has {limit};"
+                " answer with empty lists instead, so that the sketch does not hang"
+            )
+        self._queue_frame(ids.PARAMETER, payload)
+
+    def time(self, time: Time, now_s: float) -> None:
+        """Queue a time answer, or hold it back."""
+        self._time = time, now_s
+        self.pump(now_s)
+
+    def topic_request(self, version: int, now_s: float, *, is_guess: bool) -> None:
+        """Queue a topic request, or hold it back. `is_guess`: the device may speak the other version."""
+        self._request = version, is_guess
+        self.pump(now_s)
+
+    def probe(self) -> None:
+        """Queue a probe; there is none in version 1, whose devices answer no wrong version byte."""
+        if self.version == 2:
+            self._statistics.probes += 1
+            self._queue(PROBE)
+
+    def stop(self) -> None:
+        """Queue the stop frame, and nothing else."""
+        self._waiting.clear()
+        self._time = self._request = None
+        self._gate.release()
+        self._queue_frame(ids.TX_STOP, b"")
+
+    def call_started(self) -> None:
+        """Hold back what ends the device's wait for a service response."""
+        self._gate.call_started()
+
+    def call_finished(self, now_s: float) -> None:
+        """Let go what was held back for this call."""
+        self._gate.call_finished()
+        self.pump(now_s)
+
+    def device_reset(self) -> None:
+        """Forget the calls that the device can no longer be waiting for."""
+        self._gate.forget_calls()
+
+    def get_timer(self) -> float | None:
+        """Return when to call `pump`."""
+        return self._gate.get_timer()
+
+    def pump(self, now_s: float) -> None:
+        """Queue what was held back, if it may go now."""
+        if self._time is None and self._request is None:
+            return
+        if self._gate.is_closed(now_s):
+            self._gate.hold(now_s)
+            return
+        self._gate.release()
+        if self._request is not None:
+            version, is_guess = self._request
+            self._request = None
+            self._statistics.topic_requests += 1
+            guard = OTHER_VERSION_GUARD if is_guess and version == 1 else b""
+            self._queue(guard + encode_frame(ids.TOPIC_REQUEST, b"", version) + guard)
+        if self._time is not None:
+            time, stamped_s = self._time
+            self._time = None
+            self._statistics.time_answers += 1
+            late_ns = round((now_s - stamped_s) * 1e9)
+            self._queue_frame(ids.TIME, encode_time(Time.from_ns(time.to_ns() + late_ns)))
+
+    def _queue_frame(self, topic_id: int, payload: bytes) -> None:
+        self._queue(encode_frame(topic_id, payload, self.version or 2))
+
+    def _queue(self, data: bytes) -> None:
+        self._statistics.frames_sent += data != PROBE
+        self._waiting.append(data)
+        self._waiting_bytes += len(data)
+        while self._waiting_bytes > MAX_WAITING_BYTES:
+            self._waiting_bytes -= len(self._waiting.pop(0))

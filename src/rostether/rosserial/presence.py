@@ -1,0 +1,160 @@
+"""Whether the device is there and still knows us; asks by probes that a healthy board does not answer.
+
+A board that has been reset is silent on user ids while we go on talking to it. A frame begun with a wrong
+version byte (`ff 00`) makes an unconfigured board ask for the time; a configured one ignores it and asks
+only every 2.5 s.
+
+    state     input      next      verdict
+    ABSENT    SIGN       PRESENT             a sign of a configured board: a message, an announcement
+    ABSENT    EARLY      PRESENT             a time request sooner than a configured board sends one
+    ABSENT    ON_TIME    PRESENT             a time request when one is due
+    PRESENT   EARLY      DOUBTED   PROBE
+    PRESENT   QUIET      DOUBTED   PROBE     no sign for a while
+    DOUBTED   SIGN       PRESENT
+    DOUBTED   QUIET      DOUBTED   PROBE
+    DOUBTED   EARLY      PRESENT   RESET     it answered the probe
+    DOUBTED   ON_TIME    ACCUSED   PROBE     an answer, or just the time request that was due?
+    ACCUSED   SIGN       PRESENT
+    ACCUSED   QUIET      PRESENT             no answer to the second probe: it is configured
+    ACCUSED   EARLY      PRESENT   RESET     two time requests in a row
+    ACCUSED   ON_TIME    ACCUSED   PROBE
+    any       SILENCE    ABSENT    SILENT    not even a time request
+"""
+
+from __future__ import annotations
+
+from enum import Enum, auto
+
+PROBE_AFTER_S = 1.0
+"""A reset is found this long after the last message, so that messages flow again well within two seconds."""
+
+SECOND_PROBE_S = 0.5
+"""How long the answer to a second probe may take; sketches spin more often than twice a second."""
+
+EARLY_S = 2.0
+"""A configured board asks for the time every 2.5 s; half a second for the jitter of networks."""
+
+SILENT_AFTER_S = 3.5
+"""A healthy board may be silent for 3 s: it asks for the time every 2.5 s, and sketches sleep."""
+
+MAX_QUARANTINE_S = 60.0
+"""A device that answers probes though configured looks reset each time; it is believed ever more rarely."""
+
+
+class State(Enum):
+    """What is known about the device."""
+
+    ABSENT = auto()
+    PRESENT = auto()
+    DOUBTED = auto()
+    ACCUSED = auto()
+
+
+class Input(Enum):
+    """What can be noticed."""
+
+    SIGN = auto()
+    EARLY = auto()
+    ON_TIME = auto()
+    QUIET = auto()
+    SILENCE = auto()
+
+
+class Verdict(Enum):
+    """What to do: send a probe, take the device for reset, or for gone."""
+
+    PROBE = auto()
+    RESET = auto()
+    SILENT = auto()
+
+
+TRANSITIONS: dict[tuple[State, Input], tuple[State, Verdict | None]] = {
+    (State.ABSENT, Input.SIGN): (State.PRESENT, None),
+    (State.ABSENT, Input.EARLY): (State.PRESENT, None),
+    (State.ABSENT, Input.ON_TIME): (State.PRESENT, None),
+    (State.PRESENT, Input.EARLY): (State.DOUBTED, Verdict.PROBE),
+    (State.PRESENT, Input.QUIET): (State.DOUBTED, Verdict.PROBE),
+    (State.PRESENT, Input.SILENCE): (State.ABSENT, Verdict.SILENT),
+    (State.DOUBTED, Input.SIGN): (State.PRESENT, None),
+    (State.DOUBTED, Input.QUIET): (State.DOUBTED, Verdict.PROBE),
+    (State.DOUBTED, Input.EARLY): (State.PRESENT, Verdict.RESET),
+    (State.DOUBTED, Input.ON_TIME): (State.ACCUSED, Verdict.PROBE),
+    (State.DOUBTED, Input.SILENCE): (State.ABSENT, Verdict.SILENT),
+    (State.ACCUSED, Input.SIGN): (State.PRESENT, None),
+    (State.ACCUSED, Input.QUIET): (State.PRESENT, None),
+    (State.ACCUSED, Input.EARLY): (State.PRESENT, Verdict.RESET),
+    (State.ACCUSED, Input.ON_TIME): (State.ACCUSED, Verdict.PROBE),
+    (State.ACCUSED, Input.SILENCE): (State.ABSENT, Verdict.SILENT),
+}
+"""Every other pair changes nothing."""
+
+
+class Presence:
+    """Follows one device; told what came and when."""
+
+    def __init__(self) -> None:
+        self.state = State.ABSENT
+        self.heard_s = 0.0
+        self._changed_s = 0.0
+        self._time_request_s = float("-inf")
+        self._alarms = 0
+        self._quarantine_until_s = float("-inf")
+
+    def heard(self, now_s: float) -> None:
+        """Take any valid frame."""
+        self.heard_s = now_s
+
+    def message(self, now_s: float) -> None:
+        """Take a message on an announced id: only a configured board sends one."""
+        self._alarms = 0
+        self.sign(now_s)
+
+    def sign(self, now_s: float) -> None:
+        """Take another sign of a configured board."""
+        self.heard_s = now_s
+        self._step(Input.SIGN, now_s)
+        self._changed_s = now_s
+
+    def answered(self, now_s: float) -> None:
+        """Take the time request that answers a topic request."""
+        self._time_request_s = now_s
+        self.sign(now_s)
+
+    def time_request(self, now_s: float) -> Verdict | None:
+        """Take a time request that answers no topic request."""
+        self.heard_s = now_s
+        is_early = now_s - self._time_request_s < EARLY_S
+        self._time_request_s = now_s
+        if now_s < self._quarantine_until_s:
+            self.sign(now_s)
+            return None
+        verdict = self._step(Input.EARLY if is_early else Input.ON_TIME, now_s)
+        if verdict is Verdict.RESET:
+            self._quarantine_until_s = now_s + min(2.0**self._alarms - 1, MAX_QUARANTINE_S)
+            self._alarms = min(self._alarms + 1, 16)
+        return verdict
+
+    def get_timer(self, *, probes: bool) -> float | None:
+        """Return when to call `handle_timer`. `probes`: whether probing makes sense now."""
+        if self.state is State.ABSENT:
+            return None
+        silent_s = self.heard_s + SILENT_AFTER_S
+        return min(silent_s, self._quiet_s()) if probes else silent_s
+
+    def handle_timer(self, now_s: float, *, probes: bool) -> Verdict | None:
+        """Do what is due."""
+        if self.state is State.ABSENT:
+            return None
+        if now_s >= self.heard_s + SILENT_AFTER_S:
+            return self._step(Input.SILENCE, now_s)
+        if probes and now_s >= self._quiet_s():
+            return self._step(Input.QUIET, now_s)
+        return None
+
+    def _quiet_s(self) -> float:
+        return self._changed_s + (SECOND_PROBE_S if self.state is State.ACCUSED else PROBE_AFTER_S)
+
+    def _step(self, what: Input, now_s: float) -> Verdict | None:
+        self.state, verdict = TRANSITIONS.get((self.state, what), (self.state, None))
+        self._changed_s = now_s
+        return verdict

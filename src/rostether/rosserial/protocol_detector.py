@@ -1,0 +1,89 @@
+"""Which protocol version a device speaks, found in its first frames.
+
+Both versions are read at once until one of them yields a frame that can be believed: version 2 checks the
+header on its own, so any of its frames will do; version 1 does not, so only a control packet that has its
+exact layout counts. What one version takes for noise may be the other's frame, so noise is reported once
+that is settled, or when it has waited long enough.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Container, Mapping
+
+from rostether.rosserial import topic_id as ids
+from rostether.rosserial.events import FrameDiscarded
+from rostether.rosserial.frame_decoder import Decoded, FrameDecoder, Frames
+from rostether.rosserial.packets import TIME_BYTES, Log, ParameterRequest, TopicInfo
+
+HOLD_NOISE_S = 0.25
+"""An announcement takes 0.1 s at 9600 baud; text that a board prints is shown after this delay at most."""
+
+MAX_HELD = 256
+"""Stretches of noise held back; more of them do not wait."""
+
+
+class ProtocolDetector:
+    """Stands in for a FrameDecoder until `decoder` is known."""
+
+    def __init__(self, *, max_payload_bytes: int, limits: Mapping[int, int]) -> None:
+        self.decoder: FrameDecoder | None = None
+        self._candidates = {
+            version: FrameDecoder(version, max_payload_bytes=max_payload_bytes, limits=limits)
+            for version in (2, 1)
+        }
+        self._held: dict[int, list[Decoded]] = {version: [] for version in self._candidates}
+        self._release_s: float | None = None
+
+    def is_receiving(self, topic_ids: Container[int], now_s: float) -> bool:
+        """Whether a frame of one of these ids is just coming in: not known while the version is not."""
+        return False
+
+    def feed(self, data: bytes | bytearray | memoryview, now_s: float) -> list[Decoded]:
+        """Take a chunk; return nothing until a version is found or noise has waited long enough."""
+        return self._sift(
+            {version: reader.feed(data, now_s) for version, reader in self._candidates.items()}, now_s
+        )
+
+    def get_timer(self) -> float | None:
+        """Return when to call `handle_timer`."""
+        timers = [reader.get_timer() for reader in self._candidates.values()]
+        return min((timer for timer in (*timers, self._release_s) if timer is not None), default=None)
+
+    def handle_timer(self, now_s: float) -> list[Decoded]:
+        """Look inside unfinished frames, and let noise go that has waited long enough."""
+        decoded = self._sift(
+            {version: reader.handle_timer(now_s) for version, reader in self._candidates.items()}, now_s
+        )
+        if self._release_s is not None and now_s >= self._release_s:
+            decoded += self._release()
+        return decoded
+
+    def _sift(self, found: dict[int, list[Decoded]], now_s: float) -> list[Decoded]:
+        for version, decoded in found.items():
+            if any(isinstance(item, Frames) and _is_believable(version, item) for item in decoded):
+                self.decoder = self._candidates[version]
+                self._release_s = None
+                return self._held[version] + decoded
+            self._held[version] += [item for item in decoded if isinstance(item, FrameDiscarded)]
+        if self._release_s is None and any(self._held.values()):
+            self._release_s = now_s + HOLD_NOISE_S
+        return self._release() if len(self._held[2]) > MAX_HELD or len(self._held[1]) > MAX_HELD else []
+
+    def _release(self) -> list[Decoded]:
+        released = self._held[2]
+        self._held = {version: [] for version in self._candidates}
+        self._release_s = None
+        return released
+
+
+def _is_believable(version: int, frames: Frames) -> bool:
+    payload = frames.payloads[0]
+    if frames.topic_id in ids.ANNOUNCEMENTS:
+        return TopicInfo.decode(payload) is not None
+    if frames.topic_id == ids.TIME:
+        return len(payload) == TIME_BYTES
+    if frames.topic_id == ids.LOG:
+        return Log.decode(payload) is not None
+    if frames.topic_id == ids.PARAMETER:
+        return ParameterRequest.decode(payload) is not None
+    return version == 2 and frames.topic_id >= ids.FIRST_USER_ID

@@ -1,0 +1,82 @@
+"""Time on both ends of the line: the device's estimate of the host's clock, and when the host may answer.
+
+The established device library sets its clock to the host's stamp plus the whole round trip, although the
+stamp was made about half way; `DeviceClock` adds half. And while it waits for a service response, a time
+answer ends that wait with an empty result; `AnswerGate` tells the host to hold answers back, for a bounded
+time.
+"""
+
+from __future__ import annotations
+
+from rostether.rostime import Time
+
+REQUEST_PERIOD_S = 2.5
+"""How often a configured device asks for the time (established library: 5 s / 2)."""
+
+SYNC_LOST_S = 11.0
+"""Without an answer for this long a device takes itself for unconfigured (established library: 5 * 2.2 s)."""
+
+HOLD_LIMIT_S = 5.0
+"""With 2.5 s between requests, a held answer comes 7.5 s after the last: well before the board gives up."""
+
+
+class DeviceClock:
+    """A device's clock: time since boot until the host answers, then the host's time."""
+
+    def __init__(self, boot_s: float) -> None:
+        self._offset_ns = -round(boot_s * 1e9)
+        self._requested_s: float | None = None
+
+    def requested(self, now_s: float) -> None:
+        """Note that the time was asked for now; an earlier request is taken to be lost."""
+        self._requested_s = now_s
+
+    def answered(self, time: Time, now_s: float) -> float:
+        """Set the clock by the host's stamp; return the round trip, 0 if nothing had been asked."""
+        round_trip_s = 0.0 if self._requested_s is None else max(now_s - self._requested_s, 0.0)
+        self._requested_s = None
+        self._offset_ns = time.to_ns() + round(round_trip_s / 2 * 1e9) - round(now_s * 1e9)
+        return round_trip_s
+
+    def time(self, now_s: float) -> Time:
+        """Return the time, `now_s` on the clock used throughout."""
+        return Time.from_ns(round(now_s * 1e9) + self._offset_ns)
+
+
+class AnswerGate:
+    """Closed while the device's own service call is in flight and something has not waited too long."""
+
+    def __init__(self) -> None:
+        self._calls = 0
+        self._held_since_s: float | None = None
+
+    def call_started(self) -> None:
+        """Note one more call in flight."""
+        self._calls += 1
+
+    def call_finished(self) -> None:
+        """Note that a call was answered or given up."""
+        self._calls = max(self._calls - 1, 0)
+
+    def forget_calls(self) -> None:
+        """Note that the device has been reset: it waits for nothing any more."""
+        self._calls = 0
+
+    def is_closed(self, now_s: float) -> bool:
+        """Whether what wants through must wait."""
+        if self._calls == 0:
+            return False
+        return self._held_since_s is None or now_s < self._held_since_s + HOLD_LIMIT_S
+
+    def hold(self, now_s: float) -> None:
+        """Note that something waits from now on; what waits already counts."""
+        if self._held_since_s is None:
+            self._held_since_s = now_s
+
+    def release(self) -> None:
+        """Note that nothing waits any more."""
+        self._held_since_s = None
+
+    def get_timer(self) -> float | None:
+        """Return when what waits may go at the latest."""
+        return None if self._held_since_s is None else self._held_since_s + HOLD_LIMIT_S

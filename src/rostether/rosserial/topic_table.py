@@ -1,0 +1,182 @@
+"""What a device has announced: its endpoints by direction and id, and the services their halves make."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from rostether.rosserial import topic_id as ids
+from rostether.rosserial.events import (
+    HostEvent,
+    ServiceAnnounced,
+    ServiceRole,
+    ServiceWithdrawn,
+    TopicAnnounced,
+    TopicRole,
+    TopicWithdrawn,
+)
+from rostether.rosserial.packets import TopicInfo
+
+CONTROL_LIMITS = {
+    **dict.fromkeys(ids.ANNOUNCEMENTS, 800),  # three strings of at most 255 bytes, and 18 bytes
+    ids.PARAMETER: 260,
+    ids.LOG: 1024,  # a line longer than a board's buffer is not a log line
+    ids.TIME: 8,
+}
+"""The largest payload that makes sense from a device on each reserved id."""
+
+_ROLES = {ids.PUBLISHER: TopicRole.PUBLISHER, ids.SUBSCRIBER: TopicRole.SUBSCRIBER}
+_SERVICES = {
+    ServiceRole.SERVER: (ids.SERVICE_SERVER_REQUEST, ids.SERVICE_SERVER_RESPONSE),
+    ServiceRole.CLIENT: (ids.SERVICE_CLIENT_REQUEST, ids.SERVICE_CLIENT_RESPONSE),
+}
+
+
+class EndpointKey(NamedTuple):
+    """Which endpoint: a device may use one id for sending and for listening, they are two endpoints."""
+
+    sends: bool
+    topic_id: int
+
+
+@dataclass(slots=True)
+class _Endpoint:
+    kind: int
+    info: TopicInfo
+    is_current: bool = True
+
+
+def key_of(kind: int, info: TopicInfo) -> EndpointKey:
+    """Return the key of an endpoint announced on reserved id `kind`."""
+    return EndpointKey(kind in ids.DEVICE_SENDS_ON, info.topic_id)
+
+
+class TopicTable:
+    """Endpoints of one device; says what each announcement changed, as events."""
+
+    def __init__(self, max_endpoints: int) -> None:
+        self._max_endpoints = max_endpoints
+        self._endpoints: dict[EndpointKey, _Endpoint] = {}
+        self._services: dict[tuple[ServiceRole, int, int], ServiceAnnounced] = {}
+        self.payload_limits = dict(CONTROL_LIMITS)
+        """By id: the largest payload that the device may send on it."""
+        self.send_limits: dict[int, int] = {}
+        """By id: the largest payload that may be sent to the device now, where one may be."""
+        self.senders: set[int] = set()
+        """Ids that the device sends on."""
+
+    def __len__(self) -> int:
+        return len(self._endpoints)
+
+    def keys(self) -> frozenset[EndpointKey]:
+        """Return the keys of all endpoints."""
+        return frozenset(self._endpoints)
+
+    def info(self, key: EndpointKey) -> TopicInfo | None:
+        """Return what was announced, None for an unknown endpoint."""
+        endpoint = self._endpoints.get(key)
+        return endpoint.info if endpoint else None
+
+    @property
+    def topic_count(self) -> int:
+        """How many endpoints are topics, not halves of a service."""
+        return sum(endpoint.kind in _ROLES for endpoint in self._endpoints.values())
+
+    @property
+    def service_count(self) -> int:
+        """How many services have both halves."""
+        return len(self._services)
+
+    @property
+    def has_half_service(self) -> bool:
+        """Whether a service lacks its other half."""
+        return self.topic_count + 2 * self.service_count != len(self._endpoints)
+
+    @property
+    def input_buffer_bytes(self) -> int | None:
+        """The device's input buffer as far as it is known: no frame to it may carry more payload.
+
+        Publishers announce the output buffer instead; every known device without subscribers has both alike.
+        """
+        by_direction = {
+            sends: [entry.info.buffer_size for key, entry in self._endpoints.items() if key.sends is sends]
+            for sends in (False, True)
+        }
+        sizes = by_direction[False] or by_direction[True]
+        return min(sizes) if sizes else None
+
+    def announce(self, kind: int, info: TopicInfo) -> list[HostEvent] | None:
+        """Take an announcement on reserved id `kind`; None if there are too many endpoints already."""
+        key = key_of(kind, info)
+        known = self._endpoints.get(key)
+        if known is None and len(self._endpoints) >= self._max_endpoints:
+            return None
+        events: list[HostEvent] = []
+        if known is not None and (known.kind, known.info) == (kind, info):
+            known.is_current = True
+        else:
+            if known is not None:
+                events += self._remove(key)
+            self._endpoints[key] = _Endpoint(kind, info)
+            if kind in _ROLES:
+                events.append(TopicAnnounced(_ROLES[kind], info))
+            events += self._pair_services()
+        self._set_limits()
+        return events
+
+    def withdraw_all_but(self, keys: Iterable[EndpointKey]) -> list[HostEvent]:
+        """Remove every other endpoint."""
+        events: list[HostEvent] = []
+        for key in sorted(self.keys() - set(keys)):
+            events += self._remove(key)
+        events += self._pair_services()
+        self._set_limits()
+        return events
+
+    def distrust(self) -> None:
+        """Send nothing to any endpoint until it is announced again: the device has been reset."""
+        for endpoint in self._endpoints.values():
+            endpoint.is_current = False
+        self._set_limits()
+
+    def _remove(self, key: EndpointKey) -> list[HostEvent]:
+        endpoint = self._endpoints.pop(key)
+        if endpoint.kind in _ROLES:
+            return [TopicWithdrawn(_ROLES[endpoint.kind], endpoint.info)]
+        return []
+
+    def _set_limits(self) -> None:
+        self.payload_limits.clear()
+        self.payload_limits.update(CONTROL_LIMITS)
+        self.send_limits.clear()
+        self.senders.clear()
+        for key, endpoint in self._endpoints.items():
+            if key.sends:
+                self.senders.add(key.topic_id)
+                self.payload_limits[key.topic_id] = endpoint.info.buffer_size
+            elif endpoint.is_current:
+                self.send_limits[key.topic_id] = endpoint.info.buffer_size
+
+    def _pair_services(self) -> list[HostEvent]:
+        """Pair halves of one role, name and type in the order of their ids; report what changed."""
+        pairs: dict[tuple[ServiceRole, int, int], ServiceAnnounced] = {}
+        for role, kinds in _SERVICES.items():
+            halves: dict[tuple[str, str], tuple[list[TopicInfo], list[TopicInfo]]] = {}
+            for _, endpoint in sorted(self._endpoints.items()):
+                if endpoint.kind in kinds:
+                    service = endpoint.info.topic_name, endpoint.info.message_type
+                    halves.setdefault(service, ([], []))[kinds.index(endpoint.kind)].append(endpoint.info)
+            for (name, service_type), (requests, responses) in halves.items():
+                if len(requests) == len(responses):
+                    for request, response in zip(requests, responses, strict=True):
+                        pairs[role, request.topic_id, response.topic_id] = ServiceAnnounced(
+                            role, name, service_type, request, response
+                        )
+        events: list[HostEvent] = []
+        for key, gone in self._services.items():
+            if pairs.get(key) != gone:
+                events.append(ServiceWithdrawn(gone.role, gone.name, gone.type, gone.request, gone.response))
+        events += [pair for key, pair in pairs.items() if self._services.get(key) != pair]
+        self._services = pairs
+        return events
