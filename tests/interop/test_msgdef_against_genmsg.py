@@ -135,7 +135,7 @@ string E=a=b=c\nstring F=#\nstring G='x'""",
     "DashedLines": "---\nint32 a\n",
     "FormFeed": "int32 a\x0c\nint32 b\n",
 }
-# genmsg refuses the first and calls the constant of the second 'string S'; reading them as meant does no harm.
+# genmsg refuses the first and calls the constant of the second 'string S'; reading them as meant is harmless.
 WE_ALSO_READ = {
     "TabSeparated": "int32\ta\nint32\tA=1\nstring\tS=x\n",
     "IndentedString": "int32 a\n  string S=x\n",
