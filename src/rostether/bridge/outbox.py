@@ -136,15 +136,13 @@ class Outbox:
         lane.set_source(None)
 
     def flush(self) -> None:
-        """Write what is due: control traffic, answers, then topics as far as the link takes them."""
+        """Write what is due: answers, control traffic, then topics as far as the link takes them."""
         self._scheduled = False
-        pieces: list[bytes] = []
+        # Answers first: the link may have held control traffic back until the answer was made.
+        pieces, self._answers = self._answers, []
         control = self._link.data_to_send()
         if control:
             pieces.append(control)
-        if self._answers:
-            pieces += self._answers
-            self._answers.clear()
         if self._blocked:
             if pieces and self._transport.write_buffer_bytes < MAX_UNSENT_BYTES:
                 self._write(pieces)

@@ -42,6 +42,9 @@ from rostether.rosserial.events import (
 from rostether.rosserial.host_link import HostLink, HostLinkConfig
 from rostether.transports.transport import Transport
 
+# A board that our opening of its port has reset is through its boot loader by then, and was asked often.
+NO_ANSWER_S = 5.0
+
 
 class Session:
     """One connection of one board, from `start` until the transport ends or `stop`.
@@ -79,6 +82,7 @@ class Session:
             self.link, node.graph, node.notices, node.settings, self.outbox.flush
         )
         self._sync = SyncReport(node.notices, baud)
+        self._no_answer: asyncio.TimerHandle | None = None
         self._timer: asyncio.TimerHandle | None = None
         self._timer_due_s = 0.0
         self._waits: list[Callable[[], Awaitable[object]]] = []
@@ -111,6 +115,7 @@ class Session:
         """Ask the board for its topics and begin to carry messages."""
         self.link.start(self._loop.time())
         self.transport.start(self)
+        self._no_answer = self._loop.call_later(NO_ANSWER_S, self._check_answer)
         self._after_link()
 
     async def wait_ended(self) -> TransportError | None:
@@ -220,6 +225,10 @@ class Session:
         else:
             self._handlers[type(event)](event)
 
+    def _check_answer(self) -> None:
+        if self.link.version is None:
+            self._sync.silent(DeviceSilent(NO_ANSWER_S))
+
     def _topic_announced(self, event: TopicAnnounced) -> None:
         info = event.info
         if event.role not in self._noted_sizes:
@@ -294,8 +303,9 @@ class Session:
         if self._ended.done():
             return
         self._ended.set_result(error)
-        if self._timer is not None:
-            self._timer.cancel()
+        for timer in (self._timer, self._no_answer):
+            if timer is not None:
+                timer.cancel()
         if self._draining is not None:
             self._draining.cancel()
         self._parameters.close()

@@ -49,13 +49,13 @@ def test_one_write_a_turn() -> None:
     assert len(bench.transport.writes) == 1
 
 
-def test_control_traffic_and_answers_go_first() -> None:
+def test_answers_and_control_traffic_go_first() -> None:
     bench = Bench()
     bench.outbox.put(Lane(101, "a"), [b"1"])
     bench.outbox.answer(110, b"response")
     bench.link.control.append(b"time;")
     bench.loop.turn()
-    assert bench.transport.writes == [b"time;110:response;101:1;"]
+    assert bench.transport.writes == [b"110:response;time;101:1;"]
 
 
 def test_topics_take_turns() -> None:
