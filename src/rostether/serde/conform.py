@@ -14,7 +14,7 @@ from rostether.errors import SerializationError
 from rostether.rostime import Duration, Time
 from rostether.serde.encoder_source import ENCODE_ERRORS, FLAGS, to_bytes
 from rostether.serde.type_tree import Array, Node, Number, Stamp, Struct, Text
-from rostether.serde.values import Message, MessageClasses, show, unknown_field
+from rostether.serde.values import Message, MessageClasses, does_not_fit, unknown_field
 
 
 class Conform:
@@ -122,8 +122,7 @@ class Conform:
             ) from None
 
     def _wants(self, path: str, wanted: str, got: object, *, quote: bool = True) -> SerializationError:
-        subject = f"field '{path}' of {self._tree.name}" if path else self._tree.name
-        return SerializationError(f"{subject} wants {wanted}, got {show(got) if quote else got}")
+        return does_not_fit(self._tree.name, path, wanted, got, quote=quote)
 
 
 def _is_list(value: object) -> bool:

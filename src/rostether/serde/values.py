@@ -118,10 +118,18 @@ class MessageClasses:
 def unknown_field(type_name: str, field: object, known: list[str]) -> SerializationError:
     """Return the error for a field that a type does not have."""
     has = f"it has {', '.join(known)}" if known else "it has no fields"
-    return SerializationError(f"{type_name} has no field {show(field)}; {has}")
+    return SerializationError(f"{type_name} has no field {_show(field)}; {has}")
 
 
-def show(value: object) -> str:
+def does_not_fit(
+    type_name: str, path: str, wanted: str, got: object, *, quote: bool = True
+) -> SerializationError:
+    """Return the error for a value that does not fit a field, or the whole type where the path is empty."""
+    subject = f"field '{path}' of {type_name}" if path else type_name
+    return SerializationError(f"{subject} wants {wanted}, got {_show(got) if quote else got}")
+
+
+def _show(value: object) -> str:
     """Return a value as an error repeats it: short, so that the error stays one line."""
     text = repr(value)
     return text if len(text) <= _MAX_SHOWN else f"{text[: _MAX_SHOWN - 3]}..."

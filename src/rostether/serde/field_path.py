@@ -1,0 +1,95 @@
+"""Paths to fields within messages: what follows the topic in `rostopic echo /scan/ranges[3]`.
+
+pose/position/x     ranges[3]     ranges[-1]     ranges[::10]     transforms[:]/header/frame_id
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rostether.errors import ConfigError, SerializationError
+from rostether.msgdef.spec import FieldType
+from rostether.serde.codec import Codec
+from rostether.serde.type_tree import Array, Member, Struct
+
+_MAX_SLICE_PARTS = 3
+
+
+class FieldPath:
+    """A path that is known to exist in a message type; `type` is that of its last field."""
+
+    def __init__(self, codec: Codec, text: str) -> None:
+        """Read a path; further slashes do not matter. Raises ConfigError if the type has no such field."""
+        parts = [part for part in text.split("/") if part] or [""]
+        self.text = "/".join(parts)
+        self._steps: list[tuple[str, int | slice | None]] = []
+        tree: Struct | None = codec.tree
+        within = codec.type_name
+        for place, part in enumerate(parts, 1):
+            name, bracket, rest = part.partition("[")
+            if tree is None:
+                raise ConfigError(f"{within} has no fields, so {self.text!r} cannot go on with {part!r}")
+            member = _member(tree, name)
+            index = _read_index(part, rest) if bracket else None
+            self.type: FieldType = member.type
+            self._steps.append((name, index))
+            tree = _inside(member, index, last=place == len(parts))
+            within = f"field {part!r}"
+
+    def read(self, message: Any) -> Any:
+        """Return what the path selects, bytes as a list. Raises SerializationError for a missing element."""
+        return self._read(message, 0)
+
+    def _read(self, value: Any, start: int) -> Any:
+        for place, (name, index) in enumerate(self._steps[start:], start + 1):
+            value = getattr(value, name)
+            if isinstance(value, bytes):
+                value = list(value)
+            if isinstance(index, slice):
+                return [self._read(each, place) for each in value[index]]
+            if index is not None:
+                try:
+                    value = value[index]
+                except IndexError:
+                    raise SerializationError(
+                        f"{self.text!r} selects element {index} of {name!r}, which has {len(value)}"
+                    ) from None
+        return value
+
+
+def _member(tree: Struct, name: str) -> Member:
+    for member in tree.members:
+        if member.name == name:
+            return member
+    known = ", ".join(member.name for member in tree.members) or "no fields"
+    raise ConfigError(f"{tree.name} has no field {name!r}; it has {known}")
+
+
+def _inside(member: Member, index: int | slice | None, *, last: bool) -> Struct | None:
+    """Return the struct that the next part of the path is a field of, if there is one."""
+    node = member.node
+    if not isinstance(node, Array):
+        if index is not None:
+            raise ConfigError(f"field {member.name!r} is a {member.type}, not an array; leave out the [ ]")
+        return node if isinstance(node, Struct) else None
+    if index is None and not last:
+        raise ConfigError(f"field {member.name!r} is an array; select elements, as {member.name}[0]")
+    return node.element if isinstance(node.element, Struct) else None
+
+
+def _read_index(part: str, rest: str) -> int | slice:
+    """Read `3]` or `1:10:2]`."""
+    texts = rest.removesuffix("]").split(":")
+    try:
+        if not rest.endswith("]") or len(texts) > _MAX_SLICE_PARTS:
+            raise ValueError(part)
+        if len(texts) == 1:
+            return int(texts[0])
+        chosen = slice(*(int(text) if text else None for text in texts))
+        if chosen.step == 0:
+            raise ValueError(part)
+    except ValueError:
+        raise ConfigError(
+            f"{part!r} selects no elements; write {part.partition('[')[0]}[3] or [2:10:2]"
+        ) from None
+    return chosen

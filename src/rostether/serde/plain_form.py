@@ -1,0 +1,43 @@
+"""Messages as values that JSON can hold, for `--json` and the web page.
+
+uint8[] and char[] become lists of integers, times and durations `{"secs": ..., "nsecs": ...}`. JSON has no
+NaN or infinity: they become the strings "NaN", "Infinity" and "-Infinity" (as in protobuf's JSON), which
+`yaml_form` reads back. Bytes that are not UTF-8 become U+FFFD.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from rostether.rostime import Duration, Time
+from rostether.serde.values import Message
+
+
+def to_plain(message: Message) -> dict[str, Any]:
+    """Return a message as dicts, lists, strings, numbers and bools, fields in the order of the definition."""
+    return {name: plain_value(getattr(message, name)) for name, _ in message._fields}
+
+
+def plain_value(value: Any) -> Any:
+    """Return one field's value, or what a field path selected, in the same form."""
+    if isinstance(value, Message):
+        return to_plain(value)
+    if isinstance(value, Time | Duration):
+        return {"secs": value.secs, "nsecs": value.nsecs}
+    if isinstance(value, bytes):
+        return list(value)
+    if isinstance(value, str):
+        return clean_text(value)
+    if isinstance(value, list | tuple):
+        return [plain_value(each) for each in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return "NaN" if math.isnan(value) else "Infinity" if value > 0 else "-Infinity"
+    return value
+
+
+def clean_text(text: str) -> str:
+    """Return a decoded string with its bytes that are not UTF-8 replaced by U+FFFD."""
+    if text.isascii():
+        return text
+    return text.encode("utf-8", "surrogateescape").decode("utf-8", "replace")

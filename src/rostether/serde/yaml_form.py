@@ -1,0 +1,176 @@
+"""Messages as people type them: the YAML arguments of `rostopic pub` and `rosservice call`.
+
+One argument that is a mapping names fields, the rest are zero; otherwise each argument is the value of one
+field, in order, and none may be missing. Within, a list in place of a message gives all its fields.
+
+    "{linear: {x: 0.2}}"     "data: hi"     1     "[0.2, 0, 0]" "[0, 0, 1]"     auto "[1, 2]" (a Header, ...)
+
+A time may be `now`, a mapping, `[secs, nsecs]` or a whole number of nanoseconds, a header `auto` (stamped
+now), a uint8[] a list, a text or `!!binary`. Beyond genpy: floats may be written as `echo` prints them
+(`nan`, `inf`) and as `1e-3`, an empty value stands for zero, and nanoseconds are exact.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, Final
+
+from rostether.errors import SerializationError
+from rostether.rostime import Duration, Time
+from rostether.serde.codec import Codec
+from rostether.serde.type_tree import Array, Node, Number, Stamp, Struct, Text
+from rostether.serde.values import Message, does_not_fit
+
+_FLOAT_TEXT: Final = re.compile(r"[-+]?(nan|inf|infinity|\d+(\.\d*)?e[-+]?\d+|\.\d+e[-+]?\d+)", re.IGNORECASE)
+_HEADER: Final = "std_msgs/Header"
+
+
+def parse_values(codec: Codec, arguments: str | Sequence[str], *, now: Callable[[], Time]) -> Message:
+    """Return the message that arguments, or one YAML text, describe. Raises SerializationError."""
+    return fill_message(codec, load_arguments(arguments), now=now)
+
+
+def parse_documents(codec: Codec, text: str, *, now: Callable[[], Time]) -> Iterator[Message]:
+    """Yield the message of each YAML document (`---` between them), empty ones left out."""
+    for document in _load(text, many=True):
+        if document is not None:
+            yield fill_message(codec, document if isinstance(document, list) else [document], now=now)
+
+
+def load_arguments(arguments: str | Sequence[str]) -> list[Any]:
+    """Return the YAML value of each argument. Raises SerializationError with the place of a mistake."""
+    texts = [arguments] if isinstance(arguments, str) else arguments
+    return [_load_one(text) for text in texts]
+
+
+def fill_message(codec: Codec, values: list[Any], *, now: Callable[[], Time]) -> Message:
+    """Return the message that loaded arguments describe; each `now` and `auto` asks the clock anew."""
+    tree = codec.tree
+    value: Any = values
+    if len(values) == 1 and isinstance(values[0], dict):
+        value = values[0]
+    elif values == [None] and not tree.members:
+        value = {}
+    return codec.conform(_Form(codec.type_name, now).fields(tree, value, ""))
+
+
+class _Form:
+    """Turns YAML values into what `Codec.conform` takes."""
+
+    def __init__(self, type_name: str, now: Callable[[], Time]) -> None:
+        self._type_name = type_name
+        self._now = now
+
+    def fields(self, tree: Struct, value: Any, path: str) -> dict[str, Any]:
+        """Return the fields of a struct given as a mapping, or as a list of all their values."""
+        nodes = {member.name: member.node for member in tree.members}
+        if isinstance(value, list):
+            if len(value) != len(nodes):
+                names = f" ({', '.join(nodes)})" if nodes else ""
+                values = "value" if len(nodes) == 1 else "values"
+                wanted = f"{len(nodes)} {values}{names}, or a mapping"
+                raise self._wants(path, wanted, f"{len(value)}", quote=False)
+            value = dict(zip(nodes, value, strict=True))
+        if not isinstance(value, dict):
+            raise self._wants(path, f"a {tree.name}, as {{field: value}}", value)
+        prefix = f"{path}." if path else ""
+        return {
+            name: self._value(nodes[name], each, f"{prefix}{name}") if name in nodes else each
+            for name, each in value.items()
+        }
+
+    def _value(self, node: Node, value: Any, path: str) -> Any:
+        if isinstance(node, Struct):
+            return self._struct(node, value, path)
+        if isinstance(node, Array):
+            return self._array(node, value, path)
+        if isinstance(node, Stamp):
+            return self._stamp(node, value, path)
+        if isinstance(node, Text):
+            return self._text(value, path)
+        return self._number(node, value)
+
+    def _struct(self, tree: Struct, value: Any, path: str) -> dict[str, Any]:
+        if value is None or value == "":
+            return {}
+        if value == "auto" and tree.name == _HEADER:
+            return {"stamp": self._now()}
+        return self.fields(tree, value, path)
+
+    def _array(self, array: Array, value: Any, path: str) -> Any:
+        if value is None:
+            return bytes(array.length or 0) if array.is_bytes else []
+        if array.is_bytes:
+            return value.encode("utf-8", "surrogateescape") if isinstance(value, str) else value
+        if not isinstance(value, list):
+            raise self._wants(path, f"a list ({array.name})", value)
+        return [self._value(array.element, each, f"{path}[{index}]") for index, each in enumerate(value)]
+
+    def _stamp(self, node: Stamp, value: Any, path: str) -> Any:
+        if value == "now" and node.name == "time":
+            return self._now()
+        if isinstance(value, int) and not isinstance(value, bool):
+            if node.name == "duration":
+                return Duration.from_ns(value)
+            return Time(*divmod(value, 10**9))
+        if isinstance(value, list) and len(value) == 2:
+            return dict(zip(("secs", "nsecs"), value, strict=True))
+        if value is None or value == "":
+            return {}
+        if not isinstance(value, dict):
+            now = ", or now" if node.name == "time" else ""
+            forms = f"a {node.name}, as {{secs: 1, nsecs: 5}}, [1, 5], whole nanoseconds{now}"
+            raise self._wants(path, forms, value)
+        return value
+
+    def _text(self, value: Any, path: str) -> Any:
+        if value is None:
+            return ""
+        if isinstance(value, str | bytes):
+            return value
+        raise self._wants(path, "a string (put it in quotes: \"'5'\")", value)
+
+    def _number(self, node: Number, value: Any) -> Any:
+        if node.code in "fd" and isinstance(value, str) and _FLOAT_TEXT.fullmatch(value):
+            return float(value)
+        return value
+
+    def _wants(self, path: str, wanted: str, got: object, *, quote: bool = True) -> SerializationError:
+        return does_not_fit(self._type_name, path, wanted, got, quote=quote)
+
+
+def _load_one(text: str) -> Any:
+    try:
+        return next(_load(text, many=False))
+    except SerializationError:
+        # YAML contains JSON, but for its escapes of characters beyond U+FFFF, which are two surrogates.
+        import json
+
+        try:
+            return json.loads(text)
+        except (ValueError, RecursionError):
+            pass
+        raise
+
+
+def _load(text: str, *, many: bool) -> Iterator[Any]:
+    # Not at import: most commands never read YAML, and it takes 10 ms.
+    import yaml
+
+    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    try:
+        if many:
+            yield from yaml.load_all(text, Loader=loader)
+        else:
+            yield yaml.load(text, Loader=loader)  # noqa: S506
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
+        raise SerializationError(_mistake(text, error)) from None
+
+
+def _mistake(text: str, error: Exception) -> str:
+    shown = repr(text if len(text) <= 60 else f"{text[:57]}...")
+    problem = " ".join(str(getattr(error, "problem", None) or error).split())
+    mark = getattr(error, "problem_mark", None)
+    place = f" at line {mark.line + 1}, column {mark.column + 1}" if mark is not None else ""
+    return f'{shown} is not YAML: {problem}{place}; write, for example, "{{data: 1}}"'
