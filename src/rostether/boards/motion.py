@@ -1,0 +1,108 @@
+"""How the virtual robot moves: a circle on the floor, with a sway, and what its sensors feel of it.
+
+Everything is a function of time alone, so that pose, turn rate and acceleration agree with each other.
+Axes as in REP 103: x forward, y left, z up; metres, radians, seconds.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, pi, sin
+from typing import NamedTuple
+
+GRAVITY = 9.80665
+
+
+class Vector(NamedTuple):
+    """Three components."""
+
+    x: float
+    y: float
+    z: float
+
+
+class Quaternion(NamedTuple):
+    """A rotation, of length one."""
+
+    x: float
+    y: float
+    z: float
+    w: float
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """Where the robot is and how it is turned, in the frame it started from."""
+
+    position: Vector
+    orientation: Quaternion
+
+
+@dataclass(frozen=True, slots=True)
+class Feeling:
+    """What an ideal inertial sensor on the robot measures, in the robot's own axes."""
+
+    turn_rate: Vector
+    acceleration: Vector
+
+
+@dataclass(frozen=True, slots=True)
+class CircleDrive:
+    """Drives a circle once each `lap_s` and rolls and pitches by `sway` radians meanwhile."""
+
+    radius: float = 1.0
+    lap_s: float = 20.0
+    sway: float = 0.05
+    sway_hz: float = 0.5
+
+    def pose(self, time_s: float) -> Pose:
+        """Return the pose at a time."""
+        yaw = self._yaw_rate * time_s
+        roll, pitch = self._sway_at(time_s)[:2]
+        position = Vector(self.radius * sin(yaw), self.radius * (1.0 - cos(yaw)), 0.0)
+        return Pose(position, _quaternion(roll, pitch, yaw))
+
+    def feeling(self, time_s: float) -> Feeling:
+        """Return turn rate and acceleration at a time; gravity is felt as an acceleration upward."""
+        roll, pitch, roll_rate, pitch_rate = self._sway_at(time_s)
+        yaw_rate = self._yaw_rate
+        turn_rate = Vector(
+            roll_rate - yaw_rate * sin(pitch),
+            pitch_rate * cos(roll) + yaw_rate * cos(pitch) * sin(roll),
+            -pitch_rate * sin(roll) + yaw_rate * cos(pitch) * cos(roll),
+        )
+        inward = self.radius * yaw_rate**2
+        acceleration = Vector(
+            -GRAVITY * sin(pitch),
+            inward * cos(roll) + GRAVITY * sin(roll) * cos(pitch),
+            -inward * sin(roll) + GRAVITY * cos(roll) * cos(pitch),
+        )
+        return Feeling(turn_rate, acceleration)
+
+    @property
+    def _yaw_rate(self) -> float:
+        return 2.0 * pi / self.lap_s
+
+    def _sway_at(self, time_s: float) -> tuple[float, float, float, float]:
+        """Return roll, pitch and their rates."""
+        rate = 2.0 * pi * self.sway_hz
+        phase = rate * time_s
+        return (
+            self.sway * sin(phase),
+            self.sway * cos(phase),
+            self.sway * rate * cos(phase),
+            -self.sway * rate * sin(phase),
+        )
+
+
+def _quaternion(roll: float, pitch: float, yaw: float) -> Quaternion:
+    """Return the rotation by yaw about z, then pitch about y, then roll about x."""
+    cos_roll, sin_roll = cos(roll / 2), sin(roll / 2)
+    cos_pitch, sin_pitch = cos(pitch / 2), sin(pitch / 2)
+    cos_yaw, sin_yaw = cos(yaw / 2), sin(yaw / 2)
+    return Quaternion(
+        sin_roll * cos_pitch * cos_yaw - cos_roll * sin_pitch * sin_yaw,
+        cos_roll * sin_pitch * cos_yaw + sin_roll * cos_pitch * sin_yaw,
+        cos_roll * cos_pitch * sin_yaw - sin_roll * sin_pitch * cos_yaw,
+        cos_roll * cos_pitch * cos_yaw + sin_roll * sin_pitch * sin_yaw,
+    )

@@ -1,0 +1,284 @@
+"""The Device: a Python program, on a Raspberry Pi say, that joins ROS the way a microcontroller does."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from rostether.device.endpoints import OnMessage, Publisher, Subscriber
+from rostether.device.line import DeviceLine
+from rostether.device.parameters import DeviceParam, ParameterRequests
+from rostether.device.services import Handler, ServiceClient, ServiceServer
+from rostether.errors import ConfigError, TransportError, TransportTimeoutError
+from rostether.msgdef.registry import Registry
+from rostether.rosserial.device_link import PUBLISHER_OVERHEAD_BYTES, DeviceLink, DeviceLinkConfig
+from rostether.rosserial.events import (
+    DeviceEvent,
+    MessagesReceived,
+    ParameterReceived,
+    ParameterTimedOut,
+    StopReceived,
+    TopicsRequested,
+    Unconfigured,
+)
+from rostether.rosserial.frame import MAX_PAYLOAD_BYTES, encode_frame
+from rostether.rosserial.packets import LogLevel, encode_time
+from rostether.rosserial.topic_id import TIME
+from rostether.rostime import Time
+from rostether.serde.codec import Codec
+from rostether.serde.store import TypeStore
+from rostether.transports.address import Address, TcpAddress, UdpAddress, parse_address
+from rostether.transports.backoff import Backoff
+from rostether.transports.opening import open_transport
+from rostether.transports.transport import Transport
+
+# A program has room where a microcontroller has none: for the largest message that a frame can carry.
+PROGRAM_CONFIG = DeviceLinkConfig(
+    max_subscribers=100,
+    max_publishers=100,
+    input_buffer_bytes=MAX_PAYLOAD_BYTES,
+    output_buffer_bytes=MAX_PAYLOAD_BYTES + PUBLISHER_OVERHEAD_BYTES,
+)
+# Over UDP a host cannot know of us before we speak; words may be lost, so they are said again.
+_GREETING = encode_frame(TIME, encode_time(Time()))
+_GREETING_PERIOD_S = 1.0
+
+_LOG = logging.getLogger(__name__)
+
+
+class Device:
+    """A rosserial device in Python; `async with` opens its line and keeps it open.
+
+    `link` is an address as typed (tcp and udp are connected to), or an open transport, which is not opened
+    again when it ends. Endpoints may be declared before or after the line opens. Raises ConfigError.
+    """
+
+    def __init__(
+        self,
+        link: str | Address | Transport,
+        *,
+        msg_paths: Sequence[Path | str] = (),
+        store: TypeStore | None = None,
+        config: DeviceLinkConfig = PROGRAM_CONFIG,
+        backoff: Backoff | None = None,
+        clock: Callable[[], float] | None = None,
+    ) -> None:
+        self._given: Transport | None = None
+        self._address: Address | None = None
+        if isinstance(link, str):
+            link = parse_address(link)
+        if isinstance(link, TcpAddress | UdpAddress):
+            link = replace(link, connect=True)
+        if isinstance(link, Address):
+            if link.listens:
+                raise ConfigError(f"{link} brings many devices; a device itself opens one line")
+            self._address = link
+        else:
+            self._given = link
+        self._store = store if store is not None else TypeStore(Registry.from_environment(msg_paths))
+        self._backoff = backoff if backoff is not None else Backoff()
+        self._clock = clock if clock is not None else asyncio.get_running_loop().time
+        self._link = DeviceLink(config)
+        self._line = DeviceLine(self._link, self._handle_event, self._handle_loss, self._clock)
+        self._receivers: dict[int, Callable[[list[bytes]], None]] = {}
+        self._servers: list[ServiceServer] = []
+        self._clients: list[ServiceClient] = []
+        self._parameters = ParameterRequests()
+        self._configured = asyncio.Event()
+        self._keeper: asyncio.Task[None] | None = None
+
+    async def __aenter__(self) -> Self:
+        """Open the line, or begin to try. Raises ConfigError."""
+        transport = await self._open()
+        if transport is not None:
+            self._line.attach(transport)
+        self._keeper = asyncio.get_running_loop().create_task(self._keep_open(transport))
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Close the line."""
+        await self.close()
+
+    async def close(self) -> None:
+        """Close the line, and fail what waits for the host. Idempotent."""
+        if self._keeper is not None:
+            self._keeper.cancel()
+            await asyncio.gather(self._keeper, return_exceptions=True)
+        transport = self._line.transport
+        self._line.detach()
+        self._handle_loss()
+        for server in self._servers:
+            server.close()
+        if transport is not None:
+            await transport.wait_closed()
+
+    @property
+    def connected(self) -> bool:
+        """Whether a host has asked for our topics and still answers."""
+        return self._line.transport is not None and self._link.is_configured
+
+    async def wait_connected(self, timeout_s: float | None = None) -> None:
+        """Wait until a host listens. Raises TransportTimeoutError."""
+        try:
+            async with asyncio.timeout(timeout_s):
+                while not self.connected:
+                    self._configured.clear()
+                    await self._configured.wait()
+        except TimeoutError:
+            raise TransportTimeoutError(
+                f"no host asked for our topics within {timeout_s:g} s; start one: rostether serve"
+            ) from None
+
+    async def drained(self) -> None:
+        """Wait until the line takes more: what a program that publishes as fast as it can awaits."""
+        await self._line.wait_writable()
+        await asyncio.sleep(0)
+
+    def publisher(self, topic: str, message_type: str) -> Publisher:
+        """Declare a topic we send on. Raises UnknownTypeError, LocalProtocolError."""
+        codec = self._store.codec(message_type)
+        topic_id = self._link.add_publisher(topic, message_type, self._md5sum(message_type))
+        self._line.flush_soon()
+        return Publisher(topic, topic_id, codec, self._line)
+
+    def subscriber(self, topic: str, message_type: str, callback: OnMessage) -> Subscriber:
+        """Declare a topic we receive. Raises UnknownTypeError, LocalProtocolError."""
+        subscriber = Subscriber(topic, self._store.codec(message_type), callback)
+        topic_id = self._link.add_subscriber(topic, message_type, self._md5sum(message_type))
+        self._receivers[topic_id] = subscriber.receive
+        self._line.flush_soon()
+        return subscriber
+
+    def service_server(self, service: str, service_type: str, handler: Handler) -> ServiceServer:
+        """Offer a service; the handler may be async. Raises UnknownTypeError, LocalProtocolError."""
+        kind = self._store.registry.service_type(service_type)
+        ids = self._link.add_service_server(service, service_type, kind.request.md5sum, kind.response.md5sum)
+        server = ServiceServer(service, ids, self._codecs(service_type), handler, self._line, self.logerror)
+        self._receivers[ids.request_id] = server.receive
+        self._servers.append(server)
+        self._line.flush_soon()
+        return server
+
+    def service_client(self, service: str, service_type: str) -> ServiceClient:
+        """Declare a service we call. Raises UnknownTypeError, LocalProtocolError."""
+        kind = self._store.registry.service_type(service_type)
+        ids = self._link.add_service_client(service, service_type, kind.request.md5sum, kind.response.md5sum)
+        client = ServiceClient(service, ids, self._codecs(service_type), self._line, self.wait_connected)
+        self._receivers[ids.response_id] = client.receive
+        self._clients.append(client)
+        self._line.flush_soon()
+        return client
+
+    async def get_param(self, name: str, timeout_s: float = 2.0) -> DeviceParam:
+        """Return a parameter's value from the host: a number, text, or a list of one kind.
+
+        Raises UnknownNameError when there is none, TransportTimeoutError when no host answers.
+        """
+        try:
+            async with asyncio.timeout(timeout_s):
+                await self.wait_connected()
+                self._link.request_parameter(name, self._clock(), timeout_s=timeout_s)
+                self._line.flush_soon()
+                return await self._parameters.wait(name)
+        except TransportTimeoutError:
+            raise
+        except TimeoutError:
+            raise TransportTimeoutError(
+                f"no host answered for parameter {name} within {timeout_s:g} s; check the line"
+            ) from None
+
+    def log(self, level: LogLevel, text: str) -> None:
+        """Log on the host, where it becomes a line of /rosout; lost while the line is down."""
+        if self._line.transport is not None:
+            self._link.log(level, text)
+            self._line.flush_soon()
+
+    def logdebug(self, text: str) -> None:
+        """Log at level DEBUG."""
+        self.log(LogLevel.DEBUG, text)
+
+    def loginfo(self, text: str) -> None:
+        """Log at level INFO."""
+        self.log(LogLevel.INFO, text)
+
+    def logwarn(self, text: str) -> None:
+        """Log at level WARN."""
+        self.log(LogLevel.WARN, text)
+
+    def logerror(self, text: str) -> None:
+        """Log at level ERROR."""
+        self.log(LogLevel.ERROR, text)
+
+    def logfatal(self, text: str) -> None:
+        """Log at level FATAL."""
+        self.log(LogLevel.FATAL, text)
+
+    def now(self) -> Time:
+        """Return the host's time as we know it; time since we opened the line before it answered."""
+        return self._link.time(self._clock())
+
+    def _md5sum(self, message_type: str) -> str:
+        return self._store.registry.message_type(message_type).md5sum
+
+    def _codecs(self, service_type: str) -> tuple[Codec, Codec]:
+        return self._store.codec(f"{service_type}Request"), self._store.codec(f"{service_type}Response")
+
+    async def _open(self) -> Transport | None:
+        if self._address is None:
+            return self._given
+        try:
+            return await open_transport(self._address)
+        except TransportError as error:
+            _LOG.info("%s; trying again", error)
+            return None
+
+    async def _keep_open(self, transport: Transport | None) -> None:
+        while True:
+            if transport is not None:
+                await self._serve_line(transport)
+            if self._address is None:
+                return
+            await asyncio.sleep(self._backoff.next_delay_s())
+            transport = await self._open()
+            if transport is not None:
+                self._line.attach(transport)
+
+    async def _serve_line(self, transport: Transport) -> None:
+        greets = isinstance(self._address, UdpAddress)
+        while self._line.transport is transport:
+            if greets and not self.connected:
+                transport.write(_GREETING)
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(_GREETING_PERIOD_S if greets else None):
+                    error = await self._line.wait_lost()
+                    _LOG.info("%s", error if error is not None else "the line was closed")
+
+    def _handle_event(self, event: DeviceEvent) -> None:
+        match event:
+            case MessagesReceived(topic_id, payloads):
+                receive = self._receivers.get(topic_id)
+                if receive is not None:
+                    receive(payloads)
+            case TopicsRequested():
+                self._backoff.reset()
+                self._configured.set()
+            case ParameterReceived():
+                self._parameters.answered(event)
+            case ParameterTimedOut():
+                self._parameters.timed_out(event)
+            case Unconfigured() | StopReceived():
+                _LOG.info("the host stopped listening")
+
+    def _handle_loss(self) -> None:
+        reason = "the line to the host was lost; it is opened again"
+        self._parameters.fail_all(reason)
+        for client in self._clients:
+            client.fail(reason)

@@ -1,0 +1,73 @@
+"""The topic handles of a device."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, TypeAlias
+
+from rostether.device.line import DeviceLine
+from rostether.errors import SerializationError
+from rostether.serde.codec import Codec
+from rostether.serde.values import Message
+
+Fields: TypeAlias = Message | Mapping[str, Any]
+OnMessage: TypeAlias = Callable[[Message], None]
+
+_LOG = logging.getLogger(__name__)
+
+
+class Publisher:
+    """Sends messages of one topic to the host; made by `Device.publisher`."""
+
+    def __init__(self, topic: str, topic_id: int, codec: Codec, line: DeviceLine) -> None:
+        self.topic = topic
+        self._topic_id = topic_id
+        self._codec = codec
+        self._line = line
+
+    def publish(self, message: Fields | None = None, /, **fields: Any) -> bool:
+        """Send one message, given whole or by its fields; False when no host listens or the line is full.
+
+        Raises SerializationError naming a field that does not fit, LocalProtocolError beyond the buffer.
+        """
+        return self._line.publish(self._topic_id, [encode(self._codec, message, fields)])
+
+    def publish_many(self, messages: Iterable[Fields]) -> bool:
+        """Send several messages, all or none; cheaper than one by one. Raises as `publish`."""
+        return self._line.publish(self._topic_id, [self._codec.encode(message) for message in messages])
+
+
+class Subscriber:
+    """Receives messages of one topic from the host; made by `Device.subscriber`."""
+
+    def __init__(self, topic: str, codec: Codec, callback: OnMessage) -> None:
+        self.topic = topic
+        self.received_count = 0
+        self.discarded_count = 0
+        self._codec = codec
+        self._callback = callback
+
+    def receive(self, payloads: Iterable[bytes]) -> None:
+        """Decode payloads and call back; what is not of the type is counted and dropped."""
+        for payload in payloads:
+            try:
+                message = self._codec.decode(payload)
+            except SerializationError as error:
+                self.discarded_count += 1
+                _LOG.debug("dropped a message on %s: %s", self.topic, error)
+                continue
+            self.received_count += 1
+            try:
+                self._callback(message)
+            except Exception:  # noqa: BLE001 - the program's own code may raise anything
+                _LOG.exception("the callback of %s failed", self.topic)
+
+
+def encode(codec: Codec, message: Fields | None, fields: Mapping[str, Any]) -> bytes:
+    """Encode a message given whole or by its fields. Raises SerializationError."""
+    if message is None:
+        return codec.encode(fields)
+    if fields:
+        raise SerializationError(f"{codec.type_name} is given whole and by fields; give one of them")
+    return codec.encode(message)

@@ -1,0 +1,142 @@
+"""The service handles of a device.
+
+The wire carries no correlation id: one call at a time is in flight for each service, and an answer belongs
+to the call that waits.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections import deque
+from collections.abc import Awaitable, Callable, Iterable, Mapping
+from typing import Any, TypeAlias, cast
+
+from rostether.device.endpoints import Fields, encode
+from rostether.device.line import DeviceLine
+from rostether.errors import RostetherError, ServiceTimeoutError, ServiceUnavailableError
+from rostether.rosserial.device_endpoints import ServiceIds
+from rostether.serde.codec import Codec
+from rostether.serde.values import Message
+
+Handler: TypeAlias = Callable[[Message], Fields | Awaitable[Fields | None] | None]
+
+# A host waits for each answer before it calls again, so more than a few waiting requests are a fault.
+MAX_WAITING_REQUESTS = 16
+
+_LOG = logging.getLogger(__name__)
+
+
+class ServiceServer:
+    """Answers calls from the host, one after the other; made by `Device.service_server`."""
+
+    def __init__(
+        self,
+        service: str,
+        ids: ServiceIds,
+        codecs: tuple[Codec, Codec],
+        handler: Handler,
+        line: DeviceLine,
+        on_failure: Callable[[str], None],
+    ) -> None:
+        self.service = service
+        self._ids = ids
+        self._request_codec, self._response_codec = codecs
+        self._handler = handler
+        self._line = line
+        self._on_failure = on_failure
+        self._waiting: deque[bytes] = deque(maxlen=MAX_WAITING_REQUESTS)
+        self._task: asyncio.Task[None] | None = None
+
+    def receive(self, payloads: Iterable[bytes]) -> None:
+        """Take requests."""
+        self._waiting.extend(payloads)
+        if self._task is None and self._waiting:
+            self._task = asyncio.get_running_loop().create_task(self._answer_all())
+
+    def close(self) -> None:
+        """Give up requests that are being answered."""
+        self._waiting.clear()
+        if self._task is not None:
+            self._task.cancel()
+
+    async def _answer_all(self) -> None:
+        try:
+            while self._waiting:
+                await self._answer(self._waiting.popleft())
+        finally:
+            self._task = None
+
+    async def _answer(self, payload: bytes) -> None:
+        try:
+            answer = self._handler(self._request_codec.decode(payload))
+            if answer is not None and not isinstance(answer, Message | Mapping):
+                answer = await cast("Awaitable[Fields | None]", answer)
+            response = self._response_codec.encode(answer if answer is not None else {})
+            self._line.publish(self._ids.response_id, [response])
+        except RostetherError as error:
+            self._on_failure(f"service {self.service} failed: {error}")
+        except Exception as error:  # noqa: BLE001 - the program's own code may raise anything
+            # The wire has no word for failure: the host learns of it from the log, who calls by time limit.
+            _LOG.exception("the handler of service %s failed", self.service)
+            self._on_failure(f"service {self.service} failed: {type(error).__name__}: {error}")
+
+
+class ServiceClient:
+    """Calls a service of ROS through the host; made by `Device.service_client`."""
+
+    def __init__(
+        self,
+        service: str,
+        ids: ServiceIds,
+        codecs: tuple[Codec, Codec],
+        line: DeviceLine,
+        wait_connected: Callable[[], Awaitable[None]],
+    ) -> None:
+        self.service = service
+        self._ids = ids
+        self._request_codec, self._response_codec = codecs
+        self._line = line
+        self._wait_connected = wait_connected
+        self._in_flight: asyncio.Future[bytes] | None = None
+        self._turn = asyncio.Lock()
+
+    async def call(
+        self, request: Fields | None = None, /, *, timeout_s: float = 5.0, **fields: Any
+    ) -> Message:
+        """Call and return the response; waits for the host to connect and for calls before this one.
+
+        Raises ServiceTimeoutError, ServiceUnavailableError, SerializationError.
+        """
+        payload = encode(self._request_codec, request, fields)
+        try:
+            async with asyncio.timeout(timeout_s), self._turn:
+                await self._wait_connected()
+                response = await self._exchange(payload)
+        except TimeoutError:
+            raise ServiceTimeoutError(
+                f"service {self.service} did not answer within {timeout_s:g} s; check that its node runs"
+            ) from None
+        return self._response_codec.decode(response)
+
+    def receive(self, payloads: Iterable[bytes]) -> None:
+        """Take an answer; one that comes after its call was given up is dropped."""
+        for payload in payloads:
+            if self._in_flight is not None and not self._in_flight.done():
+                self._in_flight.set_result(payload)
+
+    def fail(self, reason: str) -> None:
+        """End the call in flight: the line was lost."""
+        if self._in_flight is not None and not self._in_flight.done():
+            self._in_flight.set_exception(ServiceUnavailableError(f"service {self.service}: {reason}"))
+
+    async def _exchange(self, payload: bytes) -> bytes:
+        self._in_flight = asyncio.get_running_loop().create_future()
+        try:
+            if not self._line.publish(self._ids.request_id, [payload]):
+                raise ServiceUnavailableError(
+                    f"service {self.service}: the line to the host is full; try again"
+                )
+            return await self._in_flight
+        finally:
+            self._in_flight = None
