@@ -9,9 +9,10 @@ from dataclasses import dataclass
 from rostether.bridge.board_node import BoardNode
 from rostether.bridge.identity import numbered
 from rostether.bridge.session import Session
+from rostether.errors import SessionError
 
 # Leaving the graph must not hang on a master that does not answer.
-NODE_CLOSE_LIMIT_S = 1.0
+NODE_CLOSE_LIMIT_S = 0.8
 # A healthy board speaks every 2.5 s. A connection that was silent for longer, while the same host connects
 # anew, belongs to a board that was switched off without a word.
 HALF_OPEN_S = 3.0
@@ -22,10 +23,10 @@ class Board:
     """One name that is taken: no node while it still joins, no session while the board is lost."""
 
     name: str
-    base_name: str
     node: BoardNode | None = None
     session: Session | None = None
     farewell: asyncio.TimerHandle | None = None
+    leaving: asyncio.Task[None] | None = None
 
 
 class BoardRegistry:
@@ -35,18 +36,31 @@ class BoardRegistry:
         self._grace_s = grace_s
         self._clock = clock
         self._boards: dict[str, Board] = {}
-        self._leaving: set[asyncio.Task[None]] = set()
+        self._dismissed: set[str] = set()
 
     def __iter__(self) -> Iterator[Board]:
-        return iter(self._boards.values())
+        """Yield the boards that have a node now, connected or not."""
+        return iter([board for board in self._boards.values() if board.node is not None])
 
-    def claim(self, base_name: str, *, replaces_silent: bool = False) -> Board:
+    async def claim(self, base_name: str, *, replaces_silent: bool = False) -> Board:
         """Return the board that a new connection is: a lost one that came back, else a new one.
 
         With `replaces_silent` a connection that has fallen silent gives way, since its peer has come anew.
+        Raises SessionError for a name whose node was shut down from outside.
         """
         number = 1
-        while (board := self._boards.get(numbered(base_name, number))) is not None:
+        while True:
+            name = numbered(base_name, number)
+            if name in self._dismissed:
+                raise SessionError(f"node /{name} was shut down from outside; start again to serve its board")
+            board = self._boards.get(name)
+            if board is None:
+                board = self._boards[name] = Board(name)
+                return board
+            if board.leaving is not None:
+                # A graph has no place for two nodes of one name.
+                await asyncio.wait([board.leaving])
+                continue
             if board.farewell is not None:
                 board.farewell.cancel()
                 board.farewell = None
@@ -56,40 +70,40 @@ class BoardRegistry:
                 session.abandon()
                 return board
             number += 1
-        name = numbered(base_name, number)
-        self._boards[name] = Board(name, base_name)
-        return self._boards[name]
 
     def lose(self, board: Board, session: Session | None) -> None:
         """The board's connection ended: keep its node for the grace period."""
-        if board.session is not session:
+        if board.session is not session or board.leaving is not None:
             return
         board.session = None
-        if board.node is None or self._boards.get(board.name) is not board:
+        if board.node is None:
             self._boards.pop(board.name, None)
-            return
-        board.farewell = asyncio.get_running_loop().call_later(self._grace_s, self._leave, board)
+        elif self._boards.get(board.name) is board:
+            board.farewell = asyncio.get_running_loop().call_later(self._grace_s, self._leave, board)
+
+    def dismiss(self, board: Board) -> None:
+        """The board's node was shut down from outside: whoever did it would be fought by serving it again."""
+        self._dismissed.add(board.name)
+        self._leave(board)
 
     async def close(self) -> None:
-        """Take every board out of the graph, in little more than a second."""
+        """Take every board out of the graph, in less than a second."""
         for board in list(self._boards.values()):
             self._leave(board)
-        if self._leaving:
-            await asyncio.wait(list(self._leaving))
+        leaving = [board.leaving for board in self._boards.values() if board.leaving is not None]
+        if leaving:
+            await asyncio.wait(leaving)
 
     def _leave(self, board: Board) -> None:
         if board.farewell is not None:
             board.farewell.cancel()
+            board.farewell = None
         if board.node is None:
             self._boards.pop(board.name, None)
-            return
-        task = asyncio.get_running_loop().create_task(self._close_node(board, board.node))
-        self._leaving.add(task)
-        task.add_done_callback(self._leaving.discard)
+        elif board.leaving is None:
+            board.leaving = asyncio.get_running_loop().create_task(self._close_node(board, board.node))
 
     async def _close_node(self, board: Board, node: BoardNode) -> None:
-        # The name stays taken until the node is gone: a graph has no place for two of one name.
-        board.farewell = None
         try:
             async with asyncio.timeout(NODE_CLOSE_LIMIT_S):
                 await node.close()

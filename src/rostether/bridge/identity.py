@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import re
 
-from rostether.names.graph_name import is_legal_name
 from rostether.transports.address import Address, PtyAddress, SerialAddress
 
 _ILLEGAL = re.compile(r"[^A-Za-z0-9_]+")
@@ -23,7 +22,7 @@ def node_base_name(address: Address, peer: str, serial_number: str | None = None
     `peer` is the transport's, `serial_number` the USB adapter's where there is one.
     """
     if address.name is not None:
-        return address.name.strip("/") if is_legal_name(address.name) else _legal(address.name)
+        return address.name.strip("~/")
     if serial_number:
         return _legal(f"board_{serial_number}")
     if isinstance(address, SerialAddress):

@@ -19,9 +19,10 @@ from rostether.bridge.link_keeper import LinkKeeper
 from rostether.bridge.reporter import Reporter, SilentReporter
 from rostether.bridge.session import Session
 from rostether.bridge.settings import DEFAULT_SETTINGS, BridgeSettings
-from rostether.errors import MasterUnreachableError, RostetherError, TransportError
+from rostether.errors import MasterUnreachableError, RostetherError, SessionError, TransportError
 from rostether.graph.ports import Graph, JoinGraph, Level
 from rostether.names.graph_name import join as join_names
+from rostether.names.graph_name import validate_name
 from rostether.serde.store import TypeStore
 from rostether.transports.address import Address, SerialAddress, TcpAddress, UdpAddress, XbeeAddress
 from rostether.transports.backoff import Backoff
@@ -31,7 +32,7 @@ from rostether.transports.transport import Listener, Transport
 # A master that is away is asked this seldom at most; people start it and expect the boards within seconds.
 MAX_JOIN_WAIT_S = 2.0
 # Telling the boards to stop: what a hung board has not taken by then stays unsaid.
-STOP_LIMIT_S = 1.0
+STOP_LIMIT_S = 0.8
 
 
 class OpenTransport(Protocol):
@@ -79,6 +80,7 @@ class Supervisor:
         self._listeners: list[Listener] = []
         self._tasks: set[asyncio.Task[None]] = set()
         self._is_closing = False
+        self._done = asyncio.Event()
 
     @property
     def listening_on(self) -> list[str]:
@@ -87,20 +89,32 @@ class Supervisor:
 
     def boards(self) -> list[BoardView]:
         """Return how each board is doing, sorted by name."""
-        return sorted(
-            (view_board(board.node, board.session) for board in self._boards if board.node is not None),
-            key=lambda view: view.node,
-        )
+        views = [view_board(board.node, board.session) for board in self._boards if board.node is not None]
+        return sorted(views, key=lambda view: view.node)
 
     async def start(self, addresses: Sequence[Address]) -> None:
-        """Begin to serve; links that are not there yet are waited for. Raises TransportOpenError, ConfigError
-        for an address that cannot be listened on."""
+        """Begin to serve; links that are not there yet are waited for.
+
+        Raises TransportOpenError for an address that cannot be listened on, InvalidNameError for a name= or
+        ns= that is no ROS name.
+        """
+        for address in addresses:
+            for name in (address.name, address.ns):
+                if name is not None:
+                    validate_name(name)
         for address in addresses:
             if address.listens:
                 await self._start_listening(address)
             else:
                 keeper = LinkKeeper(address, self._open_transport, self._serve, self._reporter)
                 self._run(keeper.run())
+
+    async def wait_done(self) -> None:
+        """Wait until nothing is served any more: closed, or every board's node was shut down from outside.
+
+        An address that is listened on always serves.
+        """
+        await self._done.wait()
 
     async def close(self) -> None:
         """Tell every board to stop and leave the graph, in two seconds at most. Idempotent."""
@@ -117,6 +131,7 @@ class Supervisor:
         if self._tasks:
             await asyncio.wait(list(self._tasks))
         await asyncio.gather(self._boards.close(), *(listener.close() for listener in self._listeners))
+        self._done.set()
 
     async def _start_listening(self, address: Address) -> None:
         def on_transport(transport: Transport) -> None:
@@ -137,21 +152,44 @@ class Supervisor:
     async def _serve(
         self, address: Address, transport: Transport, serial_number: str | None
     ) -> TransportError | None:
-        """Serve one connection until it ends; returns why."""
+        """Serve one connection until it ends; returns why. Raises SessionError, InvalidNameError."""
         base_name = node_base_name(address, transport.peer, serial_number)
-        networked = isinstance(address, TcpAddress | UdpAddress) and address.listens
-        board = self._boards.claim(base_name, replaces_silent=networked and not _is_loopback(transport.peer))
+        is_remote = isinstance(address, TcpAddress | UdpAddress) and not _is_loopback(transport.peer)
+        try:
+            board = await self._boards.claim(base_name, replaces_silent=is_remote and address.listens)
+        except SessionError:
+            transport.close()
+            raise
         session: Session | None = None
         try:
             if board.node is None:
                 board.node = await self._make_node(address, board)
+                self._run(self._watch(board, board.node))
             baud = address.baud if isinstance(address, SerialAddress | XbeeAddress) else None
             session = board.session = Session(transport, board.node, baud=baud)
             session.start()
-            return await session.wait_ended()
+            error = await session.wait_ended()
+            if board.leaving is not None:
+                raise SessionError(f"node /{board.name} was shut down from outside")
+            return error
         finally:
             transport.close()
             self._boards.lose(board, session)
+
+    async def _watch(self, board: Board, node: BoardNode) -> None:
+        """Obey when the graph shuts a board's node down."""
+        reason = await node.graph.wait_closed()
+        if board.leaving is not None or self._is_closing:
+            return
+        session = board.session
+        self._boards.dismiss(board)
+        self._reporter.line(
+            Level.ERROR,
+            f"{reason}; its board is served no more until you start again",
+            node=node.graph.node_name,
+        )
+        if session is not None:
+            await session.stop()
 
     async def _make_node(self, address: Address, board: Board) -> BoardNode:
         namespace = address.ns or ("/" + board.name if self._ns_per_board else "/")
@@ -175,11 +213,19 @@ class Supervisor:
     def _run(self, work: Awaitable[object]) -> None:
         task = asyncio.get_running_loop().create_task(self._guard(work))
         self._tasks.add(task)
-        task.add_done_callback(self._tasks.discard)
+        task.add_done_callback(self._ended)
+
+    def _ended(self, task: asyncio.Task[None]) -> None:
+        self._tasks.discard(task)
+        if not self._tasks and not self._listeners:
+            self._done.set()
 
     async def _guard(self, work: Awaitable[object]) -> None:
         try:
             await work
+        except SessionError:
+            # Somebody shut its node down; `_watch` has said so.
+            return
         except RostetherError as error:
             self._reporter.line(Level.ERROR, str(error))
         except Exception as error:  # noqa: BLE001 - one link's failure stays with that link

@@ -1,0 +1,320 @@
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Callable, Mapping
+from pathlib import Path
+
+import pytest
+
+from rostether.bridge.settings import BridgeSettings
+from rostether.bridge.supervisor import Supervisor
+from rostether.errors import InvalidNameError, MasterUnreachableError, TransportOpenError
+from rostether.graph.memory_graph import MemoryGraph
+from rostether.graph.memory_network import MemoryNetwork
+from rostether.graph.ports import Level
+from rostether.rosserial import topic_id as ids
+from rostether.transports.address import Address, parse_address
+from rostether.transports.memory import MemoryTransport, memory_pair
+from rostether.transports.transport import Transport
+from unit.bridge.doubles import RecordingReporter, until
+from unit.bridge.nodes import STORE, text, topic_info
+from unit.bridge.raw_board import RawBoard
+
+CHATTER = (ids.PUBLISHER, topic_info("chatter", topic_id=125))
+PORT = "/dev/null"  # exists everywhere; the test's own `open` answers for it
+
+
+class FakeListener:
+    def __init__(self, address: Address, on_transport: Callable[[Transport], None]) -> None:
+        self.address = str(address)
+        self.on_transport = on_transport
+        self.is_closed = False
+
+    async def close(self) -> None:
+        self.is_closed = True
+
+
+class NamedTransport(MemoryTransport):
+    """A memory transport that claims to come from somewhere."""
+
+    name = "tcp 127.0.0.1:5000"
+
+    @property
+    def peer(self) -> str:
+        return self.name
+
+
+class Site:
+    """A supervisor whose links and listeners are the test's."""
+
+    def __init__(self, settings: BridgeSettings) -> None:
+        self.network = MemoryNetwork()
+        self.reporter = RecordingReporter()
+        self.listeners: list[FakeListener] = []
+        self.boards: list[RawBoard] = []
+        self.announcements = [CHATTER]
+        self.open_errors: list[TransportOpenError] = []
+        self.join_errors: list[Exception] = []
+        self.opened: list[str] = []
+        self.supervisor = Supervisor(
+            self.join,
+            STORE,
+            reporter=self.reporter,
+            settings=settings,
+            open_transport=self.open,
+            listen=self.listen,
+        )
+
+    async def join(
+        self, node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
+    ) -> MemoryGraph:
+        if self.join_errors:
+            raise self.join_errors.pop(0)
+        return await self.network.join(node_name, namespace=namespace, remappings=remappings)
+
+    async def open(self, address: Address) -> Transport:
+        if self.open_errors:
+            raise self.open_errors.pop(0)
+        self.opened.append(str(address))
+        ours, theirs = memory_pair()
+        self.boards.append(RawBoard(theirs, *self.announcements))
+        return ours
+
+    async def listen(self, address: Address, on_transport: Callable[[Transport], None]) -> FakeListener:
+        self.listeners.append(FakeListener(address, on_transport))
+        return self.listeners[-1]
+
+    async def start(self, *addresses: str) -> None:
+        await self.supervisor.start([parse_address(address) for address in addresses])
+
+    def connect(self, peer: str = "tcp 127.0.0.1:5000") -> RawBoard:
+        """A board connects to the first listener."""
+        ours, theirs = memory_pair()
+        named = type("Peer", (NamedTransport,), {"name": peer})
+        ours.__class__ = named
+        board = RawBoard(theirs, *self.announcements)
+        self.boards.append(board)
+        self.listeners[0].on_transport(ours)
+        return board
+
+    def nodes(self) -> set[str]:
+        return set(self.network.nodes)
+
+    def connected(self) -> set[str]:
+        return {view.node for view in self.supervisor.boards() if view.is_connected}
+
+    async def serving(self, *nodes: str) -> None:
+        def all_there() -> bool:
+            views = {view.node: view for view in self.supervisor.boards()}
+            return all(node in views and views[node].is_settled for node in nodes)
+
+        await until(all_there, f"{nodes} to be served")
+
+
+@pytest.fixture
+async def site() -> AsyncIterator[Site]:
+    site = Site(BridgeSettings(grace_s=0.5))
+    yield site
+    await site.supervisor.close()
+
+
+async def test_many_links_are_served_each_as_a_node(site: Site) -> None:
+    await site.start(f"{PORT}?name=left", f"{PORT}?name=right", "tcp://:11411")
+    site.connect("tcp 192.168.1.7:40000")
+    await site.serving("/left", "/right", "/tcp_192_168_1_7")
+    assert set(site.network.snapshot().topics["/chatter"].publishers) == site.nodes()
+
+
+async def test_boards_of_one_name_are_numbered(site: Site) -> None:
+    await site.start("tcp://:11411?name=arm")
+    for _ in range(3):
+        site.connect()
+    await site.serving("/arm", "/arm_2", "/arm_3")
+
+
+async def test_topics_go_into_the_links_namespace(site: Site) -> None:
+    await site.start(f"{PORT}?name=arm&ns=robot1")
+    await site.serving("/robot1/arm")
+    await until(lambda: "/robot1/chatter" in site.network.snapshot().topics, "the topic")
+
+
+async def test_topics_go_into_a_namespace_of_the_board_if_asked() -> None:
+    site = Site(BridgeSettings())
+    site.supervisor = Supervisor(site.join, STORE, ns_per_board=True, open_transport=site.open)
+    await site.start(f"{PORT}?name=arm")
+    await until(lambda: "/arm/chatter" in site.network.snapshot().topics, "the topic")
+    assert site.nodes() == {"/arm"}
+    await site.supervisor.close()
+
+
+async def test_a_port_that_is_not_there_is_waited_for(site: Site, tmp_path: Path) -> None:
+    port = tmp_path / "ttyACM0"
+    await site.start(str(port))
+    await until(lambda: site.reporter.having("is not there"), "the line")
+    assert site.opened == []
+    port.touch()
+    await site.serving("/ttyACM0")
+    assert len(site.reporter.having(str(port))) == 2, site.reporter.texts
+    assert f"Connecting to {port} at 57600 baud" in site.reporter.texts
+
+
+async def test_a_port_that_cannot_be_opened_is_tried_again_in_one_line(site: Site) -> None:
+    site.open_errors = [TransportOpenError("nothing listens on robot:11411") for _ in range(3)]
+    await site.start("tcp://robot:11411?connect=yes&name=arm")
+    await site.serving("/arm")
+    assert len(site.reporter.having("nothing listens")) == 1
+
+
+async def test_a_lost_board_comes_back_to_its_node(site: Site) -> None:
+    await site.start(f"{PORT}?name=arm")
+    await site.serving("/arm")
+    before = site.network.nodes["/arm"]
+    site.boards[0].transport.close()
+    await until(lambda: len(site.boards) == 2, "the second opening")
+    await site.serving("/arm")
+    assert site.network.nodes["/arm"] is before
+    assert site.reporter.having("ended the connection")
+
+
+async def test_a_board_that_stays_away_leaves_the_graph(site: Site) -> None:
+    await site.start("tcp://:11411?name=arm")
+    board = site.connect()
+    await site.serving("/arm")
+    board.transport.close()
+    await until(lambda: not site.connected(), "the loss")
+    assert site.nodes() == {"/arm"}
+    await until(lambda: not site.nodes(), "the node to leave")
+    site.connect()
+    await site.serving("/arm")
+
+
+async def test_a_board_that_switched_off_without_a_word_gets_its_name_back(
+    site: Site, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rostether.bridge.board_registry.HALF_OPEN_S", 0.05)
+    await site.start("tcp://0.0.0.0:11411")
+    site.connect("tcp 192.168.1.7:40000")
+    await site.serving("/tcp_192_168_1_7")
+    await asyncio.sleep(0.06)
+    again = site.connect("tcp 192.168.1.7:40001")
+    await until(lambda: again.received[ids.TOPIC_REQUEST], "the topic request")
+    assert site.nodes() == {"/tcp_192_168_1_7"}
+    assert site.boards[0].is_lost or site.connected() == {"/tcp_192_168_1_7"}
+    heard: list[bytes] = []
+    peer = await site.network.join("/peer")
+    await peer.subscribe("/chatter", STORE.registry.message_type("std_msgs/String"), heard.extend)
+    await site.serving("/tcp_192_168_1_7")
+    again.send(125, text("back"))
+    await until(lambda: heard, "the message")
+
+
+async def test_a_board_that_is_not_silent_keeps_its_name(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
+    await site.start("tcp://0.0.0.0:11411")
+    site.connect("tcp 192.168.1.7:40000")
+    await site.serving("/tcp_192_168_1_7")
+    site.connect("tcp 192.168.1.7:40001")
+    await site.serving("/tcp_192_168_1_7", "/tcp_192_168_1_7_2")
+
+
+async def test_a_master_that_is_away_is_waited_for(site: Site) -> None:
+    site.join_errors = [
+        MasterUnreachableError("no ROS master answers at http://robot:11311") for _ in range(2)
+    ]
+    await site.start(f"{PORT}?name=arm")
+    await site.serving("/arm")
+    assert len(site.reporter.having("no ROS master answers")) == 1
+
+
+async def test_a_defect_in_one_link_stays_there(site: Site) -> None:
+    site.join_errors = [RuntimeError("a defect of ours")]
+    await site.start("tcp://:11411?name=arm")
+    site.connect()
+    await until(lambda: site.reporter.having("a defect of ours"), "the line")
+    site.connect()
+    await site.serving("/arm")
+
+
+async def test_a_node_that_is_shut_down_is_served_no_more(site: Site) -> None:
+    await site.start(f"{PORT}?name=arm")
+    await site.serving("/arm")
+    other = await site.network.join("/arm")
+    await asyncio.wait_for(site.supervisor.wait_done(), 5.0)
+    assert site.network.nodes["/arm"] is other
+    assert site.boards[0].order[-1] == ids.TX_STOP
+    assert len(site.boards) == 1
+    assert [level for level, _, node in site.reporter.lines if node == "/arm"][-1] is Level.ERROR
+
+
+async def test_a_board_of_a_node_that_was_shut_down_is_sent_away(site: Site) -> None:
+    await site.start("tcp://:11411?name=arm")
+    site.connect()
+    await site.serving("/arm")
+    other = await site.network.join("/arm")
+    await until(lambda: site.boards[0].is_lost, "the end of the session")
+    lines = len(site.reporter.lines)
+    again = site.connect()
+    await until(lambda: again.is_lost, "the board to be sent away")
+    assert site.network.nodes["/arm"] is other
+    assert len(site.reporter.lines) <= lines + 1
+
+
+async def test_names_that_are_none_are_refused_at_the_start(site: Site) -> None:
+    with pytest.raises(InvalidNameError):
+        await site.start("tcp://:11411", f"{PORT}?ns=no-dashes")
+    assert site.listeners == []
+
+
+async def test_closing_stops_every_board_and_leaves_nothing(site: Site) -> None:
+    await site.start(f"{PORT}?name=left", f"{PORT}?name=right", "tcp://:11411")
+    site.connect()
+    await site.serving("/left", "/right", "/tcp_127_0_0_1")
+    await asyncio.wait_for(site.supervisor.close(), 2.0)
+    await until(lambda: all(board.is_lost for board in site.boards), "the boards to learn of it")
+    assert all(board.order[-1] == ids.TX_STOP for board in site.boards)
+    assert site.nodes() == set()
+    assert site.listeners[0].is_closed
+    await site.supervisor.wait_done()
+    await site.supervisor.close()
+
+
+async def test_closing_waits_for_no_hanging_graph_and_no_hanging_transport(
+    site: Site, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    await site.start(f"{PORT}?name=arm")
+    await site.serving("/arm")
+
+    async def hang(*_: object) -> None:
+        await asyncio.sleep(60.0)
+
+    monkeypatch.setattr(MemoryGraph, "close", hang)
+    monkeypatch.setattr(MemoryTransport, "wait_closed", hang)
+    loop = asyncio.get_running_loop()
+    before = loop.time()
+    await site.supervisor.close()
+    assert loop.time() - before < 2.5
+
+
+async def test_closing_while_everything_waits(site: Site, tmp_path: Path) -> None:
+    site.join_errors = [MasterUnreachableError("no ROS master answers") for _ in range(1000)]
+    await site.start(str(tmp_path / "never"), f"{PORT}?name=arm")
+    await until(lambda: site.reporter.having("no ROS master answers"), "the line")
+    await asyncio.wait_for(site.supervisor.close(), 1.0)
+    assert site.nodes() == set()
+
+
+async def test_a_view_tells_how_a_board_is_doing(site: Site) -> None:
+    await site.start(f"{PORT}?name=arm")
+    await site.serving("/arm")
+    site.boards[0].send(125, text("a"), b"bad")
+    await until(lambda: site.supervisor.boards()[0].endpoints[0].misfit_count, "the messages")
+    (view,) = site.supervisor.boards()
+    (endpoint,) = view.endpoints
+    assert (endpoint.role, endpoint.name, endpoint.type) == ("publisher", "chatter", "std_msgs/String")
+    assert (endpoint.message_count, endpoint.misfit_count, endpoint.is_attached) == (1, 1, True)
+    assert view.protocol_version == 2
+    assert view.received_bytes > 0
+    assert view.sent_bytes > 0
+    assert view.peer == "memory second"
+    site.boards[0].transport.close()
+    await until(lambda: not site.connected(), "the loss")
+    assert site.supervisor.boards()[0].peer == ""
