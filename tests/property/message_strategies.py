@@ -15,9 +15,9 @@ MAX_ELEMENTS = 3
 """How many elements a variable array has at most: enough for none, one and several."""
 
 
-def messages(codec: Codec) -> st.SearchStrategy[Message]:
+def messages(codec: Codec, texts: st.SearchStrategy[str] | None = None) -> st.SearchStrategy[Message]:
     """Return messages of the codec's type with any values but NaN (which equals nothing)."""
-    return _fields(codec.tree).map(codec.conform)
+    return _fields(codec.tree, raw_texts() if texts is None else texts).map(codec.conform)
 
 
 def raw_texts() -> st.SearchStrategy[str]:
@@ -26,11 +26,11 @@ def raw_texts() -> st.SearchStrategy[str]:
     return raw.map(lambda value: value.decode("utf-8", "surrogateescape"))
 
 
-def _fields(tree: Struct) -> st.SearchStrategy[dict[str, Any]]:
-    return st.fixed_dictionaries({member.name: _values(member.node) for member in tree.members})
+def _fields(tree: Struct, texts: st.SearchStrategy[str]) -> st.SearchStrategy[dict[str, Any]]:
+    return st.fixed_dictionaries({member.name: _values(member.node, texts) for member in tree.members})
 
 
-def _values(node: Node) -> st.SearchStrategy[Any]:
+def _values(node: Node, texts: st.SearchStrategy[str]) -> st.SearchStrategy[Any]:
     if isinstance(node, Number):
         return _numbers(node)
     if isinstance(node, Stamp):
@@ -41,8 +41,8 @@ def _values(node: Node) -> st.SearchStrategy[Any]:
         low, high = (0, MAX_ELEMENTS) if node.length is None else (node.length, node.length)
         if node.is_bytes:
             return st.binary(min_size=low, max_size=max(high, low))
-        return st.lists(_values(node.element), min_size=low, max_size=high)
-    return _fields(node) if isinstance(node, Struct) else raw_texts()
+        return st.lists(_values(node.element, texts), min_size=low, max_size=high)
+    return _fields(node, texts) if isinstance(node, Struct) else texts
 
 
 def _numbers(node: Number) -> st.SearchStrategy[Any]:

@@ -1,0 +1,132 @@
+"""How long one message takes to encode, decode and check, beside rosbags in the same run.
+
+`compare()` returns the rows; python -m benchmarks.serde_codec prints them.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rostether.serde.codec import Codec
+
+ROUND_S = 0.05
+ROUNDS = 5
+BATCH = 100
+MESSAGES: dict[str, dict[str, Any]] = {
+    "std_msgs/String": {"data": "a" * 60},
+    "sensor_msgs/Imu": {"header": {"frame_id": "imu_link"}, "orientation": {"w": 1.0}},
+}
+DECODE_ONE_STRING = {
+    "rostether": (
+        "from rostether.msgdef.registry import Registry\n"
+        "from rostether.serde.store import TypeStore\n"
+        "TypeStore(Registry()).codec('std_msgs/String').decode(bytes(4))"
+    ),
+    "rosbags": (
+        "from rosbags.typesys import Stores, get_typestore\n"
+        "get_typestore(Stores.ROS1_NOETIC).deserialize_ros1(bytes(4), 'std_msgs/msg/String')"
+    ),
+    "python": "",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One operation; `theirs_ns` is None where rosbags has nothing like it."""
+
+    operation: str
+    ours_ns: float
+    theirs_ns: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """A process that decodes one message and ends."""
+
+    library: str
+    duration_s: float
+    resident_mb: float
+
+
+def compare() -> list[Row]:
+    """Measure both libraries, turn by turn."""
+    from rosbags.typesys import Stores, get_typestore
+
+    from rostether.msgdef.registry import Registry
+    from rostether.serde.store import TypeStore
+
+    store, theirs = TypeStore(Registry()), get_typestore(Stores.ROS1_NOETIC)
+    rows: list[Row] = []
+    for name, fields in MESSAGES.items():
+        rows += _compare_type(store.codec(name), fields, theirs)
+    return rows
+
+
+def _compare_type(codec: Codec, fields: dict[str, Any], theirs: Any) -> list[Row]:
+    name, their_name = codec.type_name, codec.type_name.replace("/", "/msg/")
+    message = codec.conform(fields)
+    payload = codec.encode(message)
+    their_message = theirs.deserialize_ros1(payload, their_name)
+    assert bytes(theirs.serialize_ros1(their_message, their_name)) == payload
+    batch = [payload] * BATCH
+    return [
+        Row(
+            f"{name} encode",
+            _best_ns(lambda: codec.encode(message)),
+            _best_ns(lambda: theirs.serialize_ros1(their_message, their_name)),
+        ),
+        Row(
+            f"{name} decode",
+            _best_ns(lambda: codec.decode(payload)),
+            _best_ns(lambda: theirs.deserialize_ros1(payload, their_name)),
+        ),
+        Row(f"{name} check", _best_ns(lambda: codec.layout.accepts_all(batch)) / BATCH, None),
+    ]
+
+
+def starts() -> list[Start]:
+    """Measure what importing each library costs a process, up to its first decoded message."""
+    return [_start(library, code) for library, code in DECODE_ONE_STRING.items()]
+
+
+def _best_ns(call: Callable[[], object]) -> float:
+    """Return the time of one call in the best of some rounds: the others were disturbed."""
+    call()
+    best_s = float("inf")
+    for _ in range(ROUNDS):
+        count, start_s = 0, time.perf_counter()
+        while (elapsed_s := time.perf_counter() - start_s) < ROUND_S:
+            for _ in range(BATCH):
+                call()
+            count += BATCH
+        best_s = min(best_s, elapsed_s / count)
+    return best_s * 1e9
+
+
+def _start(library: str, code: str) -> Start:
+    # ru_maxrss would be this process's own: it outlives the exec.
+    report = "\nprint(next(line for line in open('/proc/self/status') if 'VmRSS' in line).split()[1])"
+    best_s, resident_kb = float("inf"), 0
+    for _ in range(ROUNDS):
+        start_s = time.perf_counter()
+        done = subprocess.run(
+            [sys.executable, "-c", code + report], capture_output=True, text=True, check=True
+        )
+        best_s = min(best_s, time.perf_counter() - start_s)
+        resident_kb = int(done.stdout)
+    return Start(library, best_s, resident_kb / 1024)
+
+
+if __name__ == "__main__":
+    for row in compare():
+        beside = "" if row.theirs_ns is None else f", rosbags {row.theirs_ns:,.0f} ns"
+        ratio = "" if row.theirs_ns is None else f" ({row.theirs_ns / row.ours_ns:.1f} times as long)"
+        print(f"{row.operation}: {row.ours_ns:,.0f} ns{beside}{ratio}")
+    for start in starts():
+        print(f"decode one String, {start.library}: {start.duration_s:.3f} s, {start.resident_mb:.0f} MB")

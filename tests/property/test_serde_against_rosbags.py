@@ -1,0 +1,36 @@
+"""Bytes that we encode mean the same to rosbags, for every bundled type that it has too."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from property.message_strategies import messages
+from rostether.msgdef.registry import Registry
+from rostether.serde.store import TypeStore
+
+rosbags_typesys = pytest.importorskip("rosbags.typesys")
+
+STORE = TypeStore(Registry())
+ROSBAGS: Any = rosbags_typesys.get_typestore(rosbags_typesys.Stores.ROS1_NOETIC)
+TYPES = [name for name in STORE.registry.messages() if name.replace("/", "/msg/") in ROSBAGS.types]
+
+
+def test_most_types_are_compared() -> None:
+    assert len(TYPES) > 120
+
+
+@pytest.mark.parametrize("name", TYPES)
+@settings(
+    max_examples=4, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large]
+)
+@given(data=st.data())
+def test_rosbags_writes_back_the_same_bytes(name: str, data: st.DataObject) -> None:
+    codec = STORE.codec(name)
+    payload = codec.encode(data.draw(messages(codec, texts=st.text(max_size=8))))
+    their_name = name.replace("/", "/msg/")
+    theirs = ROSBAGS.deserialize_ros1(payload, their_name)
+    assert bytes(ROSBAGS.serialize_ros1(theirs, their_name)) == payload
