@@ -1,0 +1,173 @@
+"""Recorded sessions of established boards, replayed: ROS gets exactly the messages that they hold.
+
+What they hold is read here by the words of the wire's description alone, without the rooms under test.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import struct
+from collections import defaultdict
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import pytest
+
+from rostether.bridge.board_node import BoardNode
+from rostether.bridge.session import Session
+from rostether.errors import UnknownTypeError
+from rostether.graph.ports import Level
+from unit.bridge.doubles import FakeTransport
+from unit.bridge.nodes import STORE, World
+from unit.bridge.virtual_time import run
+from vectors.captures import Capture, load, names
+
+ANNOUNCEMENT_IDS = range(6)
+LOG_ID = 7
+LOG_LEVELS = [Level.DEBUG, Level.INFO, Level.WARN, Level.ERROR, Level.FATAL]
+
+
+class Frame(NamedTuple):
+    topic_id: int
+    payload: bytes
+
+
+def frames(data: bytes, version: int) -> Iterator[Frame]:
+    """Yield every valid frame; where none begins, look one byte further."""
+    at = 0
+    while at + 7 < len(data):
+        frame = _frame_at(data, at, version)
+        if frame is None:
+            at += 1
+        else:
+            yield frame
+            at += len(frame.payload) + (8 if version == 2 else 7)
+
+
+def _frame_at(data: bytes, at: int, version: int) -> Frame | None:
+    if version == 2:
+        sync, size, size_check, topic_id = struct.unpack_from("<HHBH", data, at)
+        payload = data[at + 7 : at + 7 + size]
+        end = at + 7 + size
+        sound = sync == 0xFEFF and (sum(struct.pack("<H", size)) + size_check) % 256 == 255
+        summed = struct.pack("<H", topic_id) + payload
+    else:
+        sync, topic_id, size = struct.unpack_from("<HHH", data, at)
+        payload = data[at + 6 : at + 6 + size]
+        end = at + 6 + size
+        sound = sync == 0xFFFF
+        summed = struct.pack("<HH", topic_id, size) + payload
+    if not sound or end >= len(data) or (sum(summed) + data[end]) % 256 != 255:
+        return None
+    return Frame(topic_id, payload)
+
+
+class Held(NamedTuple):
+    """What a capture holds: messages by topic, log lines."""
+
+    messages: dict[str, list[bytes]]
+    logs: list[tuple[Level, str]]
+
+
+def held_by(capture: Capture) -> Held:
+    messages: dict[str, list[bytes]] = defaultdict(list)
+    logs: list[tuple[Level, str]] = []
+    announced: set[int] = set()
+    for frame in frames(b"".join(chunk.data for chunk in capture.of_device()), capture.version):
+        topic = capture.topics.get(frame.topic_id)
+        if frame.topic_id in ANNOUNCEMENT_IDS and len(frame.payload) > 2:
+            announced.add(int.from_bytes(frame.payload[:2], "little"))
+        elif frame.topic_id == LOG_ID:
+            logs.append((LOG_LEVELS[frame.payload[0]], frame.payload[5:].decode()))
+        elif topic is not None and topic.kind == "publisher" and frame.topic_id in announced:
+            messages["/" + topic.name.lstrip("/")].append(frame.payload)
+    return Held(dict(messages), logs)
+
+
+async def replay(capture: Capture) -> tuple[dict[str, list[bytes]], World]:
+    """Give a session what the board sent, at the times it did; return what ROS got."""
+    world = await World().open()
+    heard = {
+        "/" + topic.name.lstrip("/"): await world.listen(topic.name, topic.type)
+        for topic in capture.topics.values()
+        if topic.kind == "publisher"
+    }
+    loop = asyncio.get_running_loop()
+    node = BoardNode(world.board, STORE, world.reporter, loop.time)
+    session = Session(FakeTransport(can_pause=False), node, baud=57600)
+    session.start()
+    began_s = loop.time()
+    for chunk in capture.of_device():
+        await asyncio.sleep(began_s + chunk.time_s - loop.time())
+        session.data_received(chunk.data)
+    await asyncio.sleep(2.0)
+    session.connection_lost(None)
+    await node.close()
+    return {topic: messages for topic, messages in heard.items() if messages}, world
+
+
+@pytest.mark.parametrize("name", names())
+def test_ros_gets_exactly_what_the_capture_holds(name: str) -> None:
+    capture = load(name)
+    held = held_by(capture)
+    published, world = run(replay(capture))
+    assert published == held.messages
+    logs = [(log.level, log.text) for log in world.network.logs]
+    assert [log for log in logs if log in held.logs] == held.logs
+    assert not world.reporter.having("broke down")
+    assert len(world.reporter.lines) < 20 + len(held.logs)
+
+
+@pytest.mark.parametrize("name", names())
+def test_the_capture_holds_something(name: str) -> None:
+    """The reading above is worth something only if it finds what the capture's description promises."""
+    capture = load(name)
+    held = held_by(capture)
+    publishers = {
+        "/" + topic.name.lstrip("/") for topic in capture.topics.values() if topic.kind == "publisher"
+    }
+    assert set(held.messages) == publishers
+
+
+def test_a_topic_of_an_unknown_package_is_named() -> None:
+    capture = load("mearm")
+    with pytest.raises(UnknownTypeError):
+        STORE.layout("mearm_model/ServoAngles")
+    _, world = run(replay(capture))
+    (said,) = world.reporter.having("servo_angles")
+    assert "mearm_model" in said
+    assert "--msg-path" in said
+
+
+def test_a_boards_calls_reach_the_service() -> None:
+    capture = load("serviceclient")
+    calls: list[bytes] = []
+
+    async def replay_with_service() -> None:
+        world = await World().open()
+
+        async def answer(request: bytes) -> bytes:
+            calls.append(request)
+            return struct.pack("<I", 6) + b"answer"
+
+        await world.peer.advertise_service(
+            "/test_srv", STORE.registry.service_type("rosserial_arduino/Test"), answer
+        )
+        loop = asyncio.get_running_loop()
+        node = BoardNode(world.board, STORE, world.reporter, loop.time)
+        transport = FakeTransport()
+        session = Session(transport, node)
+        session.start()
+        for chunk in capture.of_device():
+            await asyncio.sleep(0.01)
+            session.data_received(chunk.data)
+        await asyncio.sleep(1.0)
+        session.connection_lost(None)
+        await node.close()
+        sent = [frame.payload for frame in frames(transport.written, 2) if frame.topic_id == 100]
+        assert sent == [struct.pack("<I", 6) + b"answer"] * len(calls)
+
+    run(replay_with_service())
+    data = b"".join(chunk.data for chunk in capture.of_device())
+    assert calls == [frame.payload for frame in frames(data, 2) if frame.topic_id == 125]
+    assert len(calls) > 50
