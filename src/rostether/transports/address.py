@@ -159,10 +159,10 @@ def parse_address(text: str) -> Address:
             return XbeeAddress(path, reader.baud(), peers, name=name, ns=ns)
 
 
-@dataclass(frozen=True, slots=True)
 class _Options:
-    address: str
-    values: dict[str, str]
+    def __init__(self, address: str, values: dict[str, str]) -> None:
+        self.address = address
+        self.values = values
 
     def flag(self, key: str, *, default: bool = False) -> bool:
         value = self.values.get(key)
