@@ -41,6 +41,9 @@ from rostether.rostime import Time
 PUBLISHER_OVERHEAD_BYTES = 8
 """What must fit the output buffer beside the payload, in both versions (established library)."""
 
+ABANDON_AFTER_S = 0.25
+"""An unfinished frame must not swallow a probe; the established library waits 20 ms, networks need more."""
+
 MAX_WAITING_BYTES = 1 << 20
 """Beyond this nothing more is published until the driver has taken some: a second of a 10 Mbit line."""
 
@@ -93,7 +96,11 @@ class DeviceLink:
     def start(self, now_s: float) -> None:
         """Boot, or boot again: unconfigured, clock at zero, nothing said until asked."""
         self._state = State.UNCONFIGURED
-        self._decoder = FrameDecoder(self._config.version, max_payload_bytes=self._config.input_buffer_bytes)
+        self._decoder = FrameDecoder(
+            self._config.version,
+            max_payload_bytes=self._config.input_buffer_bytes,
+            abandon_after_s=ABANDON_AFTER_S,
+        )
         self._clock = DeviceClock(now_s)
         self._time_due_s = now_s
         self._time_lost_s = now_s

@@ -48,7 +48,8 @@ class FrameDecoder:
     """Cuts one direction of a line into frames of one protocol version; linear in what it is fed.
 
     `limits` maps the topic ids that make sense to their largest payload; it may change at any time. Frames
-    outside it are delivered all the same, it only tells which unfinished frame deserves patience.
+    outside it are delivered all the same, it only tells which unfinished frame deserves patience. After
+    `abandon_after_s` without a byte an unfinished frame is given up, whatever it holds (None: never).
     """
 
     def __init__(
@@ -57,11 +58,13 @@ class FrameDecoder:
         *,
         max_payload_bytes: int = MAX_PAYLOAD_BYTES,
         limits: Mapping[int, int] | None = None,
+        abandon_after_s: float | None = None,
     ) -> None:
         self._version = version
         self._header_bytes = FORMS[version].header_bytes
         self._scanner = FrameScanner(version, max_payload_bytes)
         self._limits = {} if limits is None else limits
+        self._abandon_after_s = abandon_after_s
         self._pending = bytearray()
         self._needed_bytes = 0
         self._fed_s = 0.0
@@ -109,10 +112,16 @@ class FrameDecoder:
 
     def get_timer(self) -> float | None:
         """Return when to call `handle_timer`."""
-        return self._look_at_s
+        abandon_at_s = self._abandon_at_s()
+        if self._look_at_s is None or abandon_at_s is None:
+            return abandon_at_s if self._look_at_s is None else self._look_at_s
+        return min(self._look_at_s, abandon_at_s)
 
     def handle_timer(self, now_s: float) -> list[Decoded]:
         """Look inside an unfinished frame that is due; return what it swallowed, if anything."""
+        abandon_at_s = self._abandon_at_s()
+        if abandon_at_s is not None and now_s >= abandon_at_s:
+            return self.abandon(now_s)
         if self._look_at_s is None or now_s < self._look_at_s:
             return []
         self._look_at_s = None
@@ -122,6 +131,19 @@ class FrameDecoder:
             return self._accept(buffer, scan, now_s)
         self._look_after_s = min(2 * self._look_after_s, MAX_LOOK_S)
         return []
+
+    def abandon(self, now_s: float) -> list[Decoded]:
+        """Wait no longer for the unfinished frame; return what it holds."""
+        decoded: list[Decoded] = []
+        while self._pending:
+            buffer = bytes(self._pending)
+            decoded += self._accept(buffer, self._scanner.scan(buffer, give_up_first=True), now_s)
+        return decoded
+
+    def _abandon_at_s(self) -> float | None:
+        if self._abandon_after_s is None or not self._pending:
+            return None
+        return self._fed_s + self._abandon_after_s
 
     def _accept(self, buffer: bytes, scan: Scan, now_s: float) -> list[Decoded]:
         self._pending = bytearray(buffer[scan.rest :])

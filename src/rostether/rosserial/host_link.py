@@ -47,6 +47,22 @@ from rostether.rostime import Time
 _DAMAGE = frozenset({DiscardReason.LENGTH_CHECKSUM, DiscardReason.PAYLOAD_CHECKSUM, DiscardReason.PACKET})
 
 
+def _read_log(payload: bytes) -> LogReceived | None:
+    log = Log.decode(payload)
+    return log and LogReceived(*log)
+
+
+def _read_parameter_request(payload: bytes) -> ParameterRequested | None:
+    request = ParameterRequest.decode(payload)
+    return request and ParameterRequested(*request)
+
+
+_READERS: dict[int, Callable[[bytes], HostEvent | None]] = {
+    ids.LOG: _read_log,
+    ids.PARAMETER: _read_parameter_request,
+}
+
+
 @dataclass(frozen=True, slots=True)
 class HostLinkConfig:
     """Limits of a host link; the defaults suit every board known."""
@@ -74,10 +90,6 @@ class HostLink:
         self._presence = Presence()
         self._unknown_ids = UnknownIds()
         self._is_stopped = False
-        self._on_control: dict[int, Callable[[bytes], HostEvent | None]] = {
-            ids.LOG: self._on_log,
-            ids.PARAMETER: self._on_parameter_request,
-        }
 
     @property
     def version(self) -> int | None:
@@ -183,7 +195,7 @@ class HostLink:
         messages: list[Frames] = []
         for item in decoded:
             if isinstance(item, FrameDiscarded):
-                self._discard(item, events)
+                self._report(item, now_s, events)
                 continue
             self.statistics.frames_received += len(item.payloads)
             self._presence.heard(now_s)
@@ -216,23 +228,20 @@ class HostLink:
         for payload in frames.payloads:
             if topic_id in ids.ANNOUNCEMENTS:
                 self._on_announcement(topic_id, payload, now_s, events)
-            elif topic_id in self._on_control:
-                event = self._on_control[topic_id](payload)
-                if event is None:
-                    self._discard(FrameDiscarded(DiscardReason.PACKET, payload), events)
-                else:
-                    events.append(event)
+            elif topic_id in _READERS:
+                event = _READERS[topic_id](payload) or FrameDiscarded(DiscardReason.PACKET, payload)
+                self._report(event, now_s, events)
             else:
-                self._discard(FrameDiscarded(DiscardReason.UNEXPECTED, payload), events)
+                self._report(FrameDiscarded(DiscardReason.UNEXPECTED, payload), now_s, events)
 
     def _on_announcement(self, kind: int, payload: bytes, now_s: float, events: list[HostEvent]) -> None:
         info = TopicInfo.decode(payload)
         if info is None:
-            self._discard(FrameDiscarded(DiscardReason.PACKET, payload), events)
+            self._report(FrameDiscarded(DiscardReason.PACKET, payload), now_s, events)
             return
         changes = self._table.announce(kind, info)
         if changes is None:
-            self._discard(FrameDiscarded(DiscardReason.TOO_MANY, payload), events)
+            self._report(FrameDiscarded(DiscardReason.TOO_MANY, payload), now_s, events)
             return
         events += changes
         self._unknown_ids.forget(info.topic_id)
@@ -242,7 +251,7 @@ class HostLink:
     def _on_time_requests(self, payloads: list[bytes], now_s: float, events: list[HostEvent]) -> None:
         for payload in payloads:
             if len(payload) != TIME_BYTES:
-                self._discard(FrameDiscarded(DiscardReason.PACKET, payload), events)
+                self._report(FrameDiscarded(DiscardReason.PACKET, payload), now_s, events)
                 continue
             self.statistics.time_requests += 1
             events.append(TimeRequested())
@@ -252,19 +261,12 @@ class HostLink:
             else:
                 self._judge(self._presence.time_request(now_s), now_s, events)
 
-    def _on_log(self, payload: bytes) -> HostEvent | None:
-        log = Log.decode(payload)
-        return log and LogReceived(log.level, log.text)
-
-    def _on_parameter_request(self, payload: bytes) -> HostEvent | None:
-        request = ParameterRequest.decode(payload)
-        return request and ParameterRequested(request.name)
-
-    def _discard(self, what: FrameDiscarded, events: list[HostEvent]) -> None:
-        self.statistics.count_discarded(what.reason, len(what.data))
-        if what.reason in _DAMAGE:
-            self._negotiation.note_damage()
-        events.append(what)
+    def _report(self, event: HostEvent, now_s: float, events: list[HostEvent]) -> None:
+        if isinstance(event, FrameDiscarded):
+            self.statistics.count_discarded(event.reason, len(event.data))
+            if event.reason in _DAMAGE:
+                self._negotiation.note_damage(now_s)
+        events.append(event)
 
     def _learn_version(self, version: int, now_s: float, events: list[HostEvent]) -> None:
         if version != self._version:
@@ -274,7 +276,7 @@ class HostLink:
 
     def _settle(self, now_s: float, events: list[HostEvent]) -> None:
         negotiation = self._negotiation
-        changes = self._table.withdraw_all_but(negotiation.heard)
+        changes = self._table.withdraw_all_but(negotiation.complete)
         events += changes
         self._presence.sign(now_s)
         if negotiation.round_trip_s is not None:
@@ -301,10 +303,12 @@ class HostLink:
             events.append(DeviceReset())
         elif verdict is Verdict.SILENT:
             self.statistics.silences += 1
+            unfinished = self._line.abandon(now_s)
             self._line = self._listen()
-            self._negotiation.ask(now_s)
             self._negotiation.set_version(None, now_s)
+            self._negotiation.ask(now_s)
             events.append(DeviceSilent(now_s - self._presence.heard_s))
+            events += self._take(unfinished, now_s)
 
     def _pump(self, now_s: float) -> None:
         version = self._negotiation.take_request()

@@ -1,14 +1,12 @@
 """When to ask a device for its topics, and when to believe that all of them have been heard.
 
-There is no acknowledgement: a request may be lost, and so may any of the announcements that answer it. A
-round is one request and the burst that answers it. What a single round tells is taken as complete only when
-later rounds bring nothing new: one more on a clean line, three where anything hints at loss (rounds that
-differ, damage, gaps in the ids, half a service, less than before), none if the round repeats exactly what
-was settled before.
+There is no acknowledgement, so what has been heard is judged round by round (completeness.py). A round is one
+request and the burst that answers it.
 
     phase       input         next        what happens
     IDLE        ASK           ASKED       send a request, begin a negotiation
     ASKED       UNANSWERED    ASKED       send the next request
+    ASKED       ENOUGH        SETTLED     it answered once and never again: be content
     ASKED       ANSWER        LISTENING   a burst begins: a time request first, then the announcements
     LISTENING   ANSWER        LISTENING   the burst goes on: wait until it has been quiet for a while
     LISTENING   MORE_NEEDED   ASKED       the round is over, send the next request
@@ -23,20 +21,10 @@ badly while it talks. A device that has not been heard at all is asked in both p
 from __future__ import annotations
 
 from enum import Enum, auto
-from typing import TypeAlias
 
+from rostether.rosserial.completeness import Completeness
 from rostether.rosserial.packets import TopicInfo
-from rostether.rosserial.topic_id import (
-    ANNOUNCEMENTS,
-    FIRST_USER_ID,
-    SERVICE_CLIENT_REQUEST,
-    SERVICE_CLIENT_RESPONSE,
-    SERVICE_SERVER_REQUEST,
-    SERVICE_SERVER_RESPONSE,
-)
-from rostether.rosserial.topic_table import EndpointKey, key_of
-
-Announcement: TypeAlias = tuple[int, TopicInfo]
+from rostether.rosserial.topic_table import EndpointKey
 
 QUIET_S = 0.1
 """A burst is over after this long without a sign of it: one announcement takes 0.1 s at 9600 baud."""
@@ -58,12 +46,8 @@ MAX_RETRY_S = 1.0
 ANSWER_MARGIN = 1.5
 """A sketch that spins rarely answers late every time: wait this many times its last answer's delay."""
 
-CLEAN_CONFIRMATIONS = 1
-LOSSY_CONFIRMATIONS = 3
-"""At 5 % loss an announcement is missed four times in a row once in 160,000 cases."""
-
-EMPTY_CONFIRMATIONS = 2
-"""A device without endpoints is rare, one whose only announcement was lost is not."""
+MAX_UNANSWERED = 6
+"""A device that answers a first request but no later one is asked for four seconds, then left in peace."""
 
 LATE_ANSWER_S = 5.0
 """A request unanswered for this long was lost, not delayed."""
@@ -91,6 +75,7 @@ class Input(Enum):
 TRANSITIONS = {
     (Phase.IDLE, Input.ASK): Phase.ASKED,
     (Phase.ASKED, Input.UNANSWERED): Phase.ASKED,
+    (Phase.ASKED, Input.ENOUGH): Phase.SETTLED,
     (Phase.ASKED, Input.ANSWER): Phase.LISTENING,
     (Phase.LISTENING, Input.ANSWER): Phase.LISTENING,
     (Phase.LISTENING, Input.MORE_NEEDED): Phase.ASKED,
@@ -109,23 +94,18 @@ class Negotiation:
         self.version: int | None = None
         self.round_trip_s: float | None = None
         self.began_s = 0.0
-        self.rounds = 0
         self.requests = 0
-        self._settled: dict[EndpointKey, Announcement] = {}
-        self._heard: dict[EndpointKey, Announcement] = {}
-        self._round: set[EndpointKey] = set()
-        self._has_news = False
-        self._quiet_rounds = 0
-        self._is_lossy = False
+        self._completeness = Completeness()
         self._unanswered = 0
         self._late_answers = 0
         self._asked_in: int | None = None
         self._asked_s = 0.0
         self._first_asked_s = 0.0
-        self._request: int | None = None
-        self._due_s: float | None = None
         self._answer_delay_s = 0.0
         self._search_step = 0
+        self._has_rechecked = False
+        self._request: int | None = None
+        self._due_s: float | None = None
 
     @property
     def is_settled(self) -> bool:
@@ -133,9 +113,14 @@ class Negotiation:
         return self.phase is Phase.SETTLED
 
     @property
-    def heard(self) -> frozenset[EndpointKey]:
-        """What has been announced in this negotiation."""
-        return frozenset(self._heard)
+    def rounds(self) -> int:
+        """How many rounds of this negotiation were answered."""
+        return self._completeness.rounds
+
+    @property
+    def complete(self) -> frozenset[EndpointKey]:
+        """Once settled: all endpoints of the device."""
+        return self._completeness.complete
 
     def expects_answer(self, now_s: float) -> bool:
         """Whether a time request that comes now answers a topic request, perhaps late."""
@@ -146,15 +131,14 @@ class Negotiation:
     def ask(self, now_s: float, *, is_lossy: bool = False) -> None:
         """Begin a negotiation, unless one goes on. `is_lossy`: something was lost before."""
         if (self.phase, Input.ASK) in TRANSITIONS:
-            self._begin(now_s)
-            self._search_step = 0
-            self._is_lossy = is_lossy
+            self._begin(now_s, is_lossy=is_lossy)
             self._send(Input.ASK, now_s)
 
     def set_version(self, version: int | None, now_s: float) -> None:
         """Learn the device's version (ask at once if the last request was in the other one), or forget it."""
-        was_asked_in, self.version = self._asked_in, version
-        if version is not None and self.phase is Phase.ASKED and was_asked_in != version:
+        self.version = version
+        self._search_step = 0
+        if version is not None and self.phase is Phase.ASKED and self._asked_in != version:
             self._send(Input.UNANSWERED, now_s)
 
     def take_request(self) -> int | None:
@@ -162,9 +146,13 @@ class Negotiation:
         request, self._request = self._request, None
         return request
 
-    def note_damage(self) -> None:
-        """Learn that a damaged frame came: what it was may be missing."""
-        self._is_lossy = True
+    def note_damage(self, now_s: float) -> None:
+        """Learn that a damaged frame came: if the line had looked clean, ask once more if that was all."""
+        if self.phase is not Phase.SETTLED:
+            self._completeness.is_lossy = True
+        elif not self._completeness.is_lossy and not self._has_rechecked:
+            self._has_rechecked = True
+            self.ask(now_s)
 
     def answered(self, now_s: float) -> None:
         """Learn that the device began to answer."""
@@ -174,23 +162,19 @@ class Negotiation:
                 self.round_trip_s = delay_s
             self._answer_delay_s = delay_s
             self._late_answers += self._unanswered - 1
-            self._open_round()
+            self._unanswered = 0
+            self._completeness.open_round()
         elif self.phase is Phase.SETTLED:
             late_answers = max(self._late_answers - 1, 0)
-            self._begin(now_s)
+            self._begin(now_s, is_lossy=False)
             self._late_answers = late_answers
-            self._open_round()
         if self._advance(Input.ANSWER):
             self._due_s = now_s + QUIET_S
 
     def announced(self, kind: int, info: TopicInfo, now_s: float) -> None:
         """Take one announcement."""
         self.answered(now_s)
-        key = key_of(kind, info)
-        self._round.add(key)
-        if self._heard.get(key) != (kind, info):
-            self._heard[key] = kind, info
-            self._has_news = True
+        self._completeness.take(kind, info)
 
     def get_timer(self) -> float | None:
         """Return when to call `handle_timer`."""
@@ -201,47 +185,37 @@ class Negotiation:
         if self._due_s is None or now_s < self._due_s:
             return False
         if self.phase is Phase.ASKED:
-            is_quick = self._answer_delay_s < RETRY_S / 2
-            self._is_lossy = self._is_lossy or (self.version is not None and is_quick)
-            self._send(Input.UNANSWERED, now_s)
-            return False
+            return self._go_unanswered(now_s)
         if is_flowing:
             self._due_s = now_s + QUIET_S
             return False
-        if self._has_enough():
-            self._advance(Input.ENOUGH)
-            self._settled = dict(self._heard)
-            self._due_s = None
-            return True
+        if self._completeness.close_round():
+            return self._settle(is_confirmed=True)
         self._send(Input.MORE_NEEDED, now_s)
         return False
 
-    def _advance(self, what: Input) -> bool:
-        following = TRANSITIONS.get((self.phase, what))
-        if following is None:
-            return False
-        self.phase = following
+    def _go_unanswered(self, now_s: float) -> bool:
+        if self.version is not None:
+            if self._answer_delay_s < RETRY_S / 2:
+                self._completeness.is_lossy = True
+            if self._unanswered >= MAX_UNANSWERED and self._completeness.has_heard_anything:
+                return self._settle(is_confirmed=False)
+        self._send(Input.UNANSWERED, now_s)
+        return False
+
+    def _settle(self, *, is_confirmed: bool) -> bool:
+        self._advance(Input.ENOUGH)
+        self._completeness.accept(is_confirmed=is_confirmed)
+        self._due_s = None
         return True
 
-    def _begin(self, now_s: float) -> None:
-        """Forget what the negotiation before this one heard."""
-        self.began_s = now_s
-        self.rounds = 0
+    def _begin(self, now_s: float, *, is_lossy: bool) -> None:
+        """Begin to hear anew."""
+        self._completeness.begin(is_lossy=is_lossy)
+        self.began_s = self._asked_s = self._first_asked_s = now_s
         self.requests = 0
-        self._heard = {}
-        self._round = set()
-        self._has_news = False
-        self._quiet_rounds = 0
-        self._is_lossy = False
         self._unanswered = 0
         self._late_answers = 0
-        self._asked_in = None
-        self._asked_s = self._first_asked_s = now_s
-
-    def _open_round(self) -> None:
-        self._round = set()
-        self._has_news = False
-        self._unanswered = 0
 
     def _send(self, why: Input, now_s: float) -> None:
         if not self._advance(why):
@@ -264,39 +238,9 @@ class Negotiation:
         self._request = self._asked_in
         self._due_s = now_s + wait_s
 
-    def _has_enough(self) -> bool:
-        """Judge the round that is over."""
-        if not self._round and (self._heard or self._settled):
-            self._is_lossy = True
+    def _advance(self, what: Input) -> bool:
+        following = TRANSITIONS.get((self.phase, what))
+        if following is None:
             return False
-        self.rounds += 1
-        missing = len(self._heard) > len(self._round) or not self._settled.keys() <= self._heard.keys()
-        self._is_lossy = self._is_lossy or missing
-        self._quiet_rounds = 0 if self._has_news or self.rounds == 1 else self._quiet_rounds + 1
-        if self._is_lossy or not _looks_whole(self._heard):
-            needed = LOSSY_CONFIRMATIONS
-        elif not self._heard:
-            needed = EMPTY_CONFIRMATIONS
-        else:
-            needed = 0 if self._heard == self._settled else CLEAN_CONFIRMATIONS
-        return self._quiet_rounds >= needed
-
-
-def _looks_whole(heard: dict[EndpointKey, Announcement]) -> bool:
-    """Whether ids follow each other in both directions, and services have both halves."""
-    for sends in (False, True):
-        numbers = [key.topic_id for key in heard if key.sends is sends]
-        if numbers and max(numbers) - min(numbers) >= len(numbers):
-            return False
-        if numbers and not sends and min(numbers) > FIRST_USER_ID:
-            return False
-    names: dict[int, list[str]] = {kind: [] for kind in ANNOUNCEMENTS}
-    for kind, info in heard.values():
-        names[kind].append(info.topic_name)
-    return all(
-        sorted(names[one]) == sorted(names[other])
-        for one, other in (
-            (SERVICE_SERVER_REQUEST, SERVICE_SERVER_RESPONSE),
-            (SERVICE_CLIENT_REQUEST, SERVICE_CLIENT_RESPONSE),
-        )
-    )
+        self.phase = following
+        return True

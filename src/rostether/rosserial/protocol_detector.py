@@ -58,6 +58,10 @@ class ProtocolDetector:
             decoded += self._release()
         return decoded
 
+    def abandon(self, now_s: float) -> list[Decoded]:
+        """Wait for nothing any longer; return what is left, as version 2 reads it."""
+        return self._release() + self._candidates[2].abandon(now_s)
+
     def _sift(self, found: dict[int, list[Decoded]], now_s: float) -> list[Decoded]:
         for version, decoded in found.items():
             if any(isinstance(item, Frames) and _is_believable(version, item) for item in decoded):
