@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from typing import TYPE_CHECKING, Protocol
 
-from rostether.errors import GraphError, ServiceUnavailableError, UnknownNameError
+from rostether.errors import GraphError, ServiceUnavailableError, TypeMismatchError, UnknownNameError
 from rostether.graph.log_message import LOG_TYPE, ROSOUT, LogRecord, encode_log
 from rostether.graph.memory_parameters import MemoryWatch
 from rostether.graph.memory_services import MemoryServiceServer
@@ -53,7 +53,18 @@ class MemoryGraph:
     ) -> MemoryPublisher:
         """Advertise a topic."""
         self._check_open()
-        return self._add_publisher(self.resolve(topic), message_type, latch=latch, queue_bytes=queue_bytes)
+        name = self.resolve(topic)
+        for handle in self._handles:
+            if (
+                isinstance(handle, MemoryPublisher)
+                and handle.topic == name
+                and handle.type.md5sum != message_type.md5sum
+            ):
+                raise TypeMismatchError(
+                    f"this node publishes {name} as {handle.type.name} already, not as {message_type.name}: "
+                    "choose another topic"
+                )
+        return self._add_publisher(name, message_type, latch=latch, queue_bytes=queue_bytes)
 
     async def subscribe(
         self,
@@ -93,7 +104,10 @@ class MemoryGraph:
             self._handles.pop(server, None)
             self._network.remove_service(server)
 
-        server = MemoryServiceServer(self.resolve(service), service_type, self.node_name, handler, ended)
+        name = self.resolve(service)
+        if any(isinstance(each, MemoryServiceServer) and each.service == name for each in self._handles):
+            raise GraphError(f"this node offers the service {name} already: choose another name")
+        server = MemoryServiceServer(name, service_type, self.node_name, handler, ended)
         self._handles[server] = None
         self._network.add_service(server)
         return server

@@ -72,10 +72,10 @@ class MemoryParameters:
         return sorted(_leaves("", self._root))
 
     def watch(self, name: str, on_change: Callable[[ParamValue], None]) -> MemoryWatch:
-        """Call back now and after each change at, above or below `name`."""
+        """Call back now and whenever the value of `name` has changed."""
         watch = MemoryWatch(self, name, on_change)
         self._watches.append(watch)
-        watch.call()
+        watch.call(is_first=True)
         return watch
 
     def forget(self, watch: MemoryWatch) -> None:
@@ -98,12 +98,15 @@ class MemoryWatch:
         self.name = name
         self._parameters = parameters
         self._on_change = on_change
+        self._latest: ParamValue = None
         self._is_closed = False
 
-    def call(self) -> None:
-        """Hand the value on; an error of the callback stays here."""
-        if not self._is_closed:
-            value = self._parameters.get_or_none(self.name)
+    def call(self, *, is_first: bool = False) -> None:
+        """Hand the value on if it is a new one; an error of the callback stays here."""
+        value = self._parameters.get_or_none(self.name)
+        is_new = value != self._latest or type(value) is not type(self._latest)
+        if not self._is_closed and (is_first or is_new):
+            self._latest = value
             call_contained(f"on_change of parameter {self.name}", self._on_change, value)
 
     async def close(self) -> None:

@@ -165,7 +165,10 @@ class Graph(Protocol):
     async def advertise_service(
         self, service: str, service_type: ServiceType, handler: ServiceHandler
     ) -> ServiceServer:
-        """Offer a service. A handler that raises RostetherError fails the call with that error's text."""
+        """Offer a service. A handler that raises RostetherError fails the call with that error's text.
+
+        Calls run side by side. Raises GraphError when this node offers the service already.
+        """
 
     async def call_service(
         self, service: str, service_type: ServiceType, request: bytes, *, timeout_s: float | None = None
@@ -194,7 +197,7 @@ class Graph(Protocol):
         """Return the full names of all parameters, sorted."""
 
     async def watch_param(self, name: str, on_change: Callable[[ParamValue], None]) -> Watch:
-        """Call back with the value now and after every change; None means it is unset."""
+        """Call back with the value now and whenever it has changed; None means it is unset."""
 
     def log(self, level: Level, text: str) -> None:
         """Publish a log message on /rosout under this node's name."""

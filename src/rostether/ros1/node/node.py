@@ -161,11 +161,15 @@ class Ros1Graph:
 
     async def set_param(self, name: str, value: ParamValue) -> None:
         """Set a parameter; a mapping replaces the whole tree below it."""
-        await self._master.set_param(self.resolve(name), value)
+        resolved = self.resolve(name)
+        await self._master.set_param(resolved, value)
+        self._endpoints.watches.changed_by_us(resolved)
 
     async def delete_param(self, name: str) -> None:
         """Delete a parameter. Raises UnknownNameError."""
-        await self._master.delete_param(self.resolve(name))
+        resolved = self.resolve(name)
+        await self._master.delete_param(resolved)
+        self._endpoints.watches.changed_by_us(resolved)
 
     async def has_param(self, name: str) -> bool:
         """Tell whether a parameter is set."""
@@ -182,7 +186,7 @@ class Ros1Graph:
         return sorted(await self._master.param_names())
 
     async def watch_param(self, name: str, on_change: Callable[[ParamValue], None]) -> ParameterWatch:
-        """Call back with the value now and after every change; None means it is unset."""
+        """Call back with the value now and whenever it has changed; None means it is unset."""
         self._check_open()
         return await self._endpoints.watches.add(self.resolve(name), on_change)
 

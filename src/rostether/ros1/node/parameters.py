@@ -29,33 +29,42 @@ class ParameterWatches:
         watch = ParameterWatch(self, name, on_change)
         self._watches.setdefault(name, []).append(watch)
         try:
-            watch.tell(_unset_as_none(await self._master.subscribe_param(name, self._node_uri)))
+            watch.tell_first(_unset_as_none(await self._master.subscribe_param(name, self._node_uri)))
         except GraphError:
             self._forget(watch)
             raise
         return watch
 
     def update(self, key: str, value: XmlRpcValue) -> bool:
-        """Take a change from the master; False when nobody here watches the name."""
+        """Take a change from the master; False when nobody here watches the name.
+
+        Masters do not tell a node of its own changes, see `changed_by_us`.
+        """
         key = "/" + key.strip("/")
-        if key in self._watches:
-            for watch in list(self._watches[key]):
-                watch.tell(_unset_as_none(value))
-            return True
+        watches = list(self._watches.get(key, ()))
+        for watch in watches:
+            watch.tell(_unset_as_none(value))
         # A change below a tree that is watched: only the master can tell what the whole tree is now.
-        trees = [name for name in self._watches if key.startswith(name.rstrip("/") + "/")]
-        for name in trees:
+        return self._fetch_soon(lambda name: _is_below(key, name)) or bool(watches)
+
+    def changed_by_us(self, key: str) -> None:
+        """Take notice that this node has set or deleted a parameter."""
+        self._fetch_soon(lambda name: name == key or _is_below(key, name) or _is_below(name, key))
+
+    def _fetch_soon(self, concerns: Callable[[str], bool]) -> bool:
+        names = [name for name in self._watches if concerns(name)]
+        for name in names:
             task = asyncio.ensure_future(self._fetch(name))
             self._fetches.add(task)
             task.add_done_callback(self._fetches.discard)
-        return bool(trees)
+        return bool(names)
 
     async def subscribe_again(self) -> None:
         """Register all watches with a master that has forgotten them."""
         for name, watches in list(self._watches.items()):
             value = _unset_as_none(await self._master.subscribe_param(name, self._node_uri))
             for watch in list(watches):
-                watch.tell(value, only_if_changed=True)
+                watch.tell(value)
 
     async def remove(self, watch: ParameterWatch) -> None:
         """End a watch."""
@@ -105,17 +114,25 @@ class ParameterWatch:
         self._latest: ParamValue = None
         self._is_closed = False
 
-    def tell(self, value: ParamValue, *, only_if_changed: bool = False) -> None:
-        """Hand a value on."""
-        if not self._is_closed and not (only_if_changed and value == self._latest):
-            self._latest = value
-            call_contained(f"on_change of parameter {self.name}", self._on_change, value)
+    def tell_first(self, value: ParamValue) -> None:
+        """Hand the first value on."""
+        self._latest = value
+        call_contained(f"on_change of parameter {self.name}", self._on_change, value)
+
+    def tell(self, value: ParamValue) -> None:
+        """Hand a value on if it is a new one; the same change may be told by the master and by ourselves."""
+        if not self._is_closed and (value != self._latest or type(value) is not type(self._latest)):
+            self.tell_first(value)
 
     async def close(self) -> None:
         """Stop watching. Idempotent."""
         if not self._is_closed:
             self._is_closed = True
             await self._watches.remove(self)
+
+
+def _is_below(name: str, tree: str) -> bool:
+    return name.startswith(tree.rstrip("/") + "/")
 
 
 def _unset_as_none(value: XmlRpcValue) -> ParamValue:

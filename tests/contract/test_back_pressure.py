@@ -1,0 +1,104 @@
+"""Slow subscribers: they slow a publisher down for a while, then lose their own oldest messages."""
+
+from __future__ import annotations
+
+import asyncio
+
+from contract.graphs import STRING, Inbox, until
+from rostether.graph.ports import JoinGraph, Publisher
+
+PAYLOAD_BYTES = 16 << 10
+# More than the sockets of any system hold between two nodes, and the queue in front of them.
+ENOUGH = 4096
+
+
+def payload(number: int) -> bytes:
+    return number.to_bytes(4, "little") + bytes(PAYLOAD_BYTES - 4)
+
+
+def numbers(inbox: Inbox) -> list[int]:
+    return [int.from_bytes(each[:4], "little") for each in inbox.payloads]
+
+
+async def publish_until_behind(publisher: Publisher, witness: Inbox, first: int = 0) -> int:
+    """Publish one by one until a subscriber is behind; returns the next number."""
+    for number in range(first, first + ENOUGH):
+        if not publisher.publish_raw([payload(number)]):
+            return number + 1
+        # The others read in the meantime.
+        await until(lambda: len(witness.payloads) > number)  # noqa: B023 - awaited at once
+    raise AssertionError("the publisher never heard that a subscriber is behind")
+
+
+async def test_a_subscriber_that_reads_again_loses_nothing(join: JoinGraph) -> None:
+    talker, listener = await join("/talker"), await join("/listener")
+    slow, quick = Inbox(), Inbox()
+    publisher = await talker.advertise("/chat", STRING)
+    subscriber = await listener.subscribe("/chat", STRING, slow.take)
+    await listener.subscribe("/chat", STRING, quick.take)
+    await until(lambda: publisher.subscriber_count == 2 and subscriber.publisher_count == 1)
+    subscriber.pause()
+    sent = await publish_until_behind(publisher, quick)
+    subscriber.resume()
+    await publisher.drained(10.0)
+    assert publisher.publish_raw([payload(sent)])
+    await until(lambda: len(slow.payloads) == len(quick.payloads) == sent + 1)
+    assert numbers(slow) == numbers(quick) == list(range(sent + 1))
+    assert publisher.dropped_count == 0
+
+
+async def test_a_subscriber_that_hangs_stops_nobody_and_loses_its_oldest(join: JoinGraph) -> None:
+    talker, listener = await join("/talker"), await join("/listener")
+    slow, quick = Inbox(), Inbox()
+    publisher = await talker.advertise("/chat", STRING, queue_bytes=20 * PAYLOAD_BYTES)
+    subscriber = await listener.subscribe("/chat", STRING, slow.take)
+    await listener.subscribe("/chat", STRING, quick.take)
+    await until(lambda: publisher.subscriber_count == 2 and subscriber.publisher_count == 1)
+    subscriber.pause()
+    sent = await publish_until_behind(publisher, quick)
+    # Nobody drains it within the time, so it counts as slow and pauses nobody any more.
+    await publisher.drained(0.01)
+    for _ in range(100):
+        assert publisher.publish_raw([payload(sent)])
+        sent += 1
+        await until(lambda: len(quick.payloads) == sent)  # noqa: B023 - awaited at once
+    assert numbers(quick) == list(range(sent))
+    assert publisher.dropped_count > 0
+    # When it reads again it gets whole messages in order, up to the newest, and counts again.
+    subscriber.resume()
+    await until(lambda: len(slow.payloads) == sent - publisher.dropped_count)
+    received = numbers(slow)
+    assert received == sorted(set(received))
+    assert received[-19:] == list(range(sent - 19, sent))
+    subscriber.pause()
+    await publish_until_behind(publisher, quick, sent)
+
+
+async def test_the_newest_message_is_kept_even_if_it_is_larger_than_the_queue(join: JoinGraph) -> None:
+    talker, listener = await join("/talker"), await join("/listener")
+    slow, quick = Inbox(), Inbox()
+    publisher = await talker.advertise("/chat", STRING, queue_bytes=1000)
+    subscriber = await listener.subscribe("/chat", STRING, slow.take)
+    await listener.subscribe("/chat", STRING, quick.take)
+    await until(lambda: publisher.subscriber_count == 2 and subscriber.publisher_count == 1)
+    subscriber.pause()
+    sent = await publish_until_behind(publisher, quick)
+    publisher.publish_raw([payload(sent), payload(sent + 1)])
+    subscriber.resume()
+    await until(lambda: slow.payloads and numbers(slow)[-1] == sent + 1)
+
+
+async def test_waiting_ends_when_the_subscriber_goes(join: JoinGraph) -> None:
+    talker, listener = await join("/talker"), await join("/listener")
+    slow, quick = Inbox(), Inbox()
+    publisher = await talker.advertise("/chat", STRING)
+    subscriber = await listener.subscribe("/chat", STRING, slow.take)
+    await listener.subscribe("/chat", STRING, quick.take)
+    await until(lambda: publisher.subscriber_count == 2 and subscriber.publisher_count == 1)
+    await publisher.drained(10.0)
+    subscriber.pause()
+    await publish_until_behind(publisher, quick)
+    waiting = asyncio.ensure_future(publisher.drained(60.0))
+    await subscriber.close()
+    await asyncio.wait_for(waiting, 10.0)
+    assert publisher.publish_raw([payload(0)])

@@ -1,0 +1,221 @@
+"""Publishing and subscribing."""
+
+from __future__ import annotations
+
+import pytest
+
+from contract.graphs import BOOL, STRING, Inbox, string, until
+from rostether.errors import GraphError, TypeMismatchError
+from rostether.graph.ports import JoinGraph
+from rostether.msgdef.interface import ANY_MESSAGE
+
+
+async def test_batches_arrive_whole_and_in_order(join: JoinGraph) -> None:
+    talker, listener = await join("/talker"), await join("/listener")
+    inbox = Inbox()
+    publisher = await talker.advertise("/chat", STRING)
+    subscriber = await listener.subscribe("/chat", STRING, inbox.take)
+    await until(lambda: publisher.subscriber_count == 1 and subscriber.publisher_count == 1)
+    sent = [string(f"message {number}") for number in range(1000)]
+    assert publisher.publish_raw(sent[:3])
+    assert publisher.publish_raw(sent[3:4])
+    assert publisher.publish_raw([])
+    assert publisher.publish_raw(sent[4:])
+    await until(lambda: len(inbox.payloads) == 1000)
+    assert inbox.payloads == sent
+    assert publisher.topic == subscriber.topic == "/chat"
+    assert publisher.type == STRING
+
+
+async def test_empty_and_large_payloads_arrive(join: JoinGraph) -> None:
+    node, inbox = await join("/node"), Inbox()
+    publisher = await node.advertise("/big", STRING)
+    await node.subscribe("/big", STRING, inbox.take)
+    await until(lambda: publisher.subscriber_count == 1)
+    sent = [b"", bytes(3 << 20), b"", b"end"]
+    publisher.publish_raw(sent)
+    await until(lambda: len(inbox.payloads) == 4)
+    assert inbox.payloads == sent
+
+
+async def test_every_subscriber_gets_every_message(join: JoinGraph) -> None:
+    talker, other, listener = await join("/talker"), await join("/other"), await join("/listener")
+    inboxes = [Inbox(), Inbox(), Inbox()]
+    publishers = [await talker.advertise("/chat", STRING), await other.advertise("/chat", STRING)]
+    subscribers = [
+        await listener.subscribe("/chat", STRING, inboxes[0].take),
+        # A second handle in the same node, and one in a node that publishes the topic itself.
+        await listener.subscribe("/chat", STRING, inboxes[1].take),
+        await other.subscribe("/chat", ANY_MESSAGE, inboxes[2].take),
+    ]
+    await until(lambda: all(each.subscriber_count == 3 for each in publishers))
+    await until(lambda: all(each.publisher_count == 2 for each in subscribers))
+    for publisher in publishers:
+        publisher.publish_raw([string("hello")])
+    await until(lambda: all(len(inbox.payloads) == 2 for inbox in inboxes))
+
+
+async def test_the_order_of_joining_does_not_matter(join: JoinGraph) -> None:
+    listener, inbox = await join("/listener"), Inbox()
+    await listener.subscribe("/chat", STRING, inbox.take)
+    talker = await join("/talker")
+    publisher = await talker.advertise("/chat", STRING)
+    await until(lambda: publisher.subscriber_count == 1)
+    publisher.publish_raw([string("hello")])
+    await until(lambda: inbox.payloads)
+
+
+async def test_a_latched_topic_greets_latecomers_with_its_last_message(join: JoinGraph) -> None:
+    talker, listener = await join("/talker"), await join("/listener")
+    publisher = await talker.advertise("/map", STRING, latch=True)
+    publisher.publish_raw([string("old"), string("new")])
+    for _ in range(2):
+        inbox = Inbox()
+        await listener.subscribe("/map", STRING, inbox.take, on_connection=inbox.take_header)
+        await until(lambda: inbox.payloads)  # noqa: B023 - awaited at once
+        assert inbox.payloads == [string("new")]
+        assert inbox.headers[0]["latching"] == "1"
+
+
+async def test_a_topic_that_is_not_latched_does_not(join: JoinGraph) -> None:
+    talker, listener, inbox = await join("/talker"), await join("/listener"), Inbox()
+    publisher = await talker.advertise("/chat", STRING)
+    publisher.publish_raw([string("before")])
+    await listener.subscribe("/chat", STRING, inbox.take, on_connection=inbox.take_header)
+    await until(lambda: publisher.subscriber_count == 1)
+    publisher.publish_raw([string("after")])
+    await until(lambda: inbox.payloads)
+    assert inbox.payloads == [string("after")]
+    assert inbox.headers[0]["latching"] == "0"
+
+
+async def test_a_connection_tells_the_publisher_and_its_type(join: JoinGraph) -> None:
+    talker, listener, inbox = await join("/talker"), await join("/listener"), Inbox()
+    await talker.advertise("/chat", STRING)
+    await listener.subscribe("/chat", ANY_MESSAGE, inbox.take, on_connection=inbox.take_header)
+    await until(lambda: inbox.headers)
+    (header,) = inbox.headers
+    assert header["callerid"] == "/talker"
+    assert (header["type"], header["md5sum"]) == (STRING.name, STRING.md5sum)
+    assert header["message_definition"] == STRING.definition
+
+
+async def test_types_that_differ_do_not_meet(join: JoinGraph) -> None:
+    talker, listener = await join("/talker"), await join("/listener")
+    wrong, right = Inbox(), Inbox()
+    publisher = await talker.advertise("/chat", STRING)
+    await listener.subscribe("/chat", BOOL, wrong.take)
+    await listener.subscribe("/chat", STRING, right.take)
+    await until(lambda: publisher.subscriber_count == 1)
+    publisher.publish_raw([string("hello")])
+    await until(lambda: right.payloads)
+    assert wrong.payloads == []
+
+
+async def test_a_paused_subscriber_misses_nothing(join: JoinGraph) -> None:
+    talker, listener = await join("/talker"), await join("/listener")
+    inbox, witness = Inbox(), Inbox()
+    publisher = await talker.advertise("/chat", STRING)
+    subscriber = await listener.subscribe("/chat", STRING, inbox.take)
+    await listener.subscribe("/chat", STRING, witness.take)
+    await until(lambda: publisher.subscriber_count == 2 and subscriber.publisher_count == 1)
+    subscriber.pause()
+    subscriber.pause()
+    sent = [string(f"message {number}") for number in range(100)]
+    publisher.publish_raw(sent)
+    await until(lambda: len(witness.payloads) == 100)
+    assert inbox.payloads == []
+    subscriber.resume()
+    subscriber.resume()
+    await until(lambda: len(inbox.payloads) == 100)
+    assert inbox.payloads == sent
+
+
+async def test_a_callback_that_fails_ends_nothing(join: JoinGraph, caplog: pytest.LogCaptureFixture) -> None:
+    node, inbox = await join("/node"), Inbox()
+
+    def fail(_: object) -> None:
+        raise ZeroDivisionError("a user's mistake")
+
+    publisher = await node.advertise("/chat", STRING)
+    broken = await node.subscribe("/chat", STRING, fail, on_connection=fail)
+    await node.subscribe("/chat", STRING, inbox.take)
+    await until(lambda: publisher.subscriber_count == 2)
+    for count in (1, 2):
+        publisher.publish_raw([string("hello")])
+        await until(lambda: len(inbox.payloads) == count)  # noqa: B023 - awaited at once
+    await until(
+        lambda: caplog.text.count("on_messages of /chat failed: ZeroDivisionError: a user's mistake") == 2
+    )
+    assert "on_connection of /chat failed" in caplog.text
+    assert broken.publisher_count == 1
+
+
+async def test_closing_a_publisher_disconnects_its_subscribers(join: JoinGraph) -> None:
+    talker, listener, inbox = await join("/talker"), await join("/listener"), Inbox()
+    publisher = await talker.advertise("/chat", STRING)
+    subscriber = await listener.subscribe("/chat", STRING, inbox.take)
+    await until(lambda: publisher.subscriber_count == 1 and subscriber.publisher_count == 1)
+    publisher.publish_raw([string("last words")])
+    await publisher.close()
+    await publisher.close()
+    assert publisher.publish_raw([string("from beyond")])
+    await until(lambda: subscriber.publisher_count == 0 and inbox.payloads)
+    assert inbox.payloads == [string("last words")]
+    assert publisher.subscriber_count == 0
+    again = await talker.advertise("/chat", STRING)
+    await until(lambda: again.subscriber_count == 1)
+
+
+async def test_no_callback_runs_after_a_subscriber_is_closed(join: JoinGraph) -> None:
+    talker, listener = await join("/talker"), await join("/listener")
+    closed, witness = Inbox(), Inbox()
+    publisher = await talker.advertise("/chat", STRING)
+    subscriber = await listener.subscribe("/chat", STRING, closed.take)
+    await listener.subscribe("/chat", STRING, witness.take)
+    await until(lambda: publisher.subscriber_count == 2)
+    publisher.publish_raw([string("too late")] * 100)
+    await subscriber.close()
+    count = len(closed.payloads)
+    await subscriber.close()
+    publisher.publish_raw([string("too late")])
+    await until(lambda: len(witness.payloads) == 101)
+    assert len(closed.payloads) == count
+    await until(lambda: publisher.subscriber_count == 1)
+    assert subscriber.publisher_count == 0
+
+
+async def test_two_handles_on_one_topic_share_its_subscribers(join: JoinGraph) -> None:
+    talker, listener, inbox = await join("/talker"), await join("/listener"), Inbox()
+    first = await talker.advertise("/chat", STRING)
+    second = await talker.advertise("/chat", STRING)
+    await listener.subscribe("/chat", STRING, inbox.take)
+    await until(lambda: first.subscriber_count == second.subscriber_count == 1)
+    await first.close()
+    assert second.publish_raw([string("still here")])
+    await until(lambda: inbox.payloads)
+    with pytest.raises(TypeMismatchError, match="std_msgs/Bool"):
+        await talker.advertise("/chat", BOOL)
+
+
+async def test_names_are_resolved_and_remapped(join: JoinGraph) -> None:
+    robot = await join("board", namespace="/robot", remappings={"chat": "/talk"})
+    other, inbox = await join("/other"), Inbox()
+    assert robot.node_name == "/robot/board"
+    assert robot.resolve("~state") == "/robot/board/state"
+    assert robot.resolve("odom") == "/robot/odom"
+    publisher = await robot.advertise("chat", STRING)
+    assert publisher.topic == "/talk"
+    await other.subscribe("talk", STRING, inbox.take)
+    await until(lambda: publisher.subscriber_count == 1)
+    publisher.publish_raw([string("hello")])
+    await until(lambda: inbox.payloads)
+
+
+async def test_a_node_that_has_left_takes_no_orders(join: JoinGraph) -> None:
+    node = await join("/node")
+    await node.close()
+    with pytest.raises(GraphError, match="has left the graph"):
+        await node.advertise("/chat", STRING)
+    with pytest.raises(GraphError, match="has left the graph"):
+        await node.subscribe("/chat", STRING, Inbox().take)

@@ -1,0 +1,105 @@
+"""Seeing the whole graph, logs, time, and leaving."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+
+from contract.graphs import SET_BOOL, STRING, Inbox, string, until
+from rostether.graph.log_message import LOG_TYPE, ROSOUT
+from rostether.graph.ports import JoinGraph, Level, Snapshot
+from rostether.msgdef.interface import ANY_MESSAGE
+
+
+async def no_answer(request: bytes) -> bytes:
+    return request
+
+
+async def test_a_snapshot_holds_everything(join: JoinGraph) -> None:
+    talker, listener = await join("/talker"), await join("/listener")
+    await talker.advertise("/chat", STRING)
+    await listener.subscribe("/chat", ANY_MESSAGE, Inbox().take)
+    await listener.subscribe("/unknown", ANY_MESSAGE, Inbox().take)
+    await talker.advertise_service("/switch", SET_BOOL, no_answer)
+    snapshot = await listener.snapshot()
+    assert {"/talker", "/listener"} <= set(snapshot.nodes)
+    chat = snapshot.topics["/chat"]
+    assert (chat.name, chat.type) == ("/chat", "std_msgs/String")
+    assert (chat.publishers, chat.subscribers) == (("/talker",), ("/listener",))
+    assert snapshot.topics["/unknown"].type == "*"
+    assert snapshot.topics["/unknown"].publishers == ()
+    assert snapshot.services["/switch"].providers == ("/talker",)
+    assert set(snapshot.topics[ROSOUT].publishers) >= {"/talker", "/listener"}
+    assert list(snapshot.topics) == sorted(snapshot.topics)
+
+
+async def test_changes_come_as_snapshots(join: JoinGraph) -> None:
+    watcher, other = await join("/watcher"), await join("/other")
+    changes = watcher.changes()
+    first = await anext(changes)
+    assert "/chat" not in first.topics
+
+    async def next_with(topic: str, *, there: bool) -> Snapshot:
+        while True:
+            snapshot = await asyncio.wait_for(anext(changes), 10.0)
+            if (topic in snapshot.topics) is there:
+                return snapshot
+
+    publisher = await other.advertise("/chat", STRING)
+    snapshot = await next_with("/chat", there=True)
+    assert snapshot.topics["/chat"].publishers == ("/other",)
+    await publisher.close()
+    await next_with("/chat", there=False)
+    ended = asyncio.ensure_future(anext(changes, None))
+    await watcher.close()
+    await asyncio.wait_for(ended, 10.0)
+
+
+async def test_logs_are_published_under_the_nodes_name(join: JoinGraph) -> None:
+    node, listener, inbox = await join("/node"), await join("/listener"), Inbox()
+    # Latched: who comes later sees the last one.
+    node.log(Level.WARN, "too hot: 90 °C")
+    await listener.subscribe(ROSOUT, LOG_TYPE, inbox.take)
+    await until(lambda: any(string("/node") + string("too hot: 90 °C") in each for each in inbox.payloads))
+    (payload,) = [each for each in inbox.payloads if string("/node") in each]
+    assert payload[16] == Level.WARN
+    stamp_s = int.from_bytes(payload[4:8], "little")
+    assert abs(stamp_s - time.time()) < 60
+
+
+async def test_time_is_the_wall_clock(join: JoinGraph) -> None:
+    node = await join("/node")
+    assert abs(node.now().to_s() - time.time()) < 1.0
+
+
+async def test_a_node_that_leaves_takes_everything_with_it(join: JoinGraph) -> None:
+    leaver, stayer, inbox = await join("/leaver"), await join("/stayer"), Inbox()
+    publisher = await leaver.advertise("/chat", STRING)
+    subscriber = await stayer.subscribe("/chat", STRING, inbox.take)
+    kept = await stayer.advertise("/back", STRING)
+    await leaver.subscribe("/back", STRING, inbox.take)
+    await leaver.advertise_service("/switch", SET_BOOL, no_answer)
+    await until(lambda: publisher.subscriber_count == kept.subscriber_count == 1)
+    closed = asyncio.ensure_future(leaver.wait_closed())
+    await leaver.close()
+    await leaver.close()
+    assert await closed == "closed"
+    await until(lambda: subscriber.publisher_count == kept.subscriber_count == 0)
+    snapshot = await stayer.snapshot()
+    assert "/leaver" not in snapshot.nodes
+    assert snapshot.topics["/chat"].publishers == ()
+    assert snapshot.topics["/back"].subscribers == ()
+    assert "/switch" not in snapshot.services
+
+
+async def test_a_new_node_of_the_same_name_replaces_the_old_one(join: JoinGraph) -> None:
+    old = await join("/node")
+    await old.advertise("/chat", STRING)
+    new = await join("/node")
+    publisher = await new.advertise("/chat", STRING)
+    assert "new node registered with same name" in await asyncio.wait_for(old.wait_closed(), 10.0)
+    inbox = Inbox()
+    listener = await join("/listener")
+    await listener.subscribe("/chat", STRING, inbox.take)
+    await until(lambda: publisher.subscriber_count == 1)
+    assert (await new.snapshot()).topics["/chat"].publishers == ("/node",)
