@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
 from typing import TypeAlias
 
 from rostether.errors import GraphError, ProtocolError, RemoteProtocolError
@@ -22,7 +23,8 @@ class XmlRpcClient:
     """Calls the server at `uri` (`http://host:port/`). Raises ConfigError for a URI that is none.
 
     `peer` names the server in errors (`the ROS master`); `unreachable` is the error raised when nobody
-    answers there. Calls may overlap; each has a connection of its own meanwhile.
+    answers there. Calls may overlap; each has a connection of its own meanwhile. `on_lost` is called when the
+    server closes a connection that was kept for the next call: often it has just ended.
     """
 
     def __init__(
@@ -32,11 +34,13 @@ class XmlRpcClient:
         peer: str = "the node",
         unreachable: type[GraphError] = GraphError,
         timeout_s: float = DEFAULT_TIMEOUT_S,
+        on_lost: Callable[[], None] | None = None,
     ) -> None:
         self.uri = uri
         self.peer = peer
         self._unreachable = unreachable
         self._timeout_s = timeout_s
+        self._on_lost = on_lost
         address = parse_rpc_uri(uri)
         self._host, self._port, self._path = address.host, address.port, address.path
         self._idle: list[_Connection] = []
@@ -78,12 +82,22 @@ class XmlRpcClient:
             raise GraphError(f"{self.peer} at {self.uri} answered {method} with no [code, message, value]")
         return answer[0], str(answer[1]), answer[2]
 
-    async def close(self) -> None:
-        """Close the connections that are not in use; those in use close after their call. Idempotent."""
-        self._is_closed = True
-        for connection in self._idle:
+    def disconnect(self) -> None:
+        """Close the connections that are not in use; a later call opens a new one."""
+        idle, self._idle = self._idle, []
+        for connection in idle:
             connection.close()
-        self._idle.clear()
+
+    async def close(self) -> None:
+        """Disconnect for good; connections in use are closed after their call. Idempotent."""
+        self._is_closed = True
+        self.disconnect()
+
+    def _lost(self, connection: _Connection) -> None:
+        if connection in self._idle:
+            self._idle.remove(connection)
+            if self._on_lost is not None:
+                self._on_lost()
 
     async def _exchange(self, body: bytes) -> bytes:
         while self._idle:
@@ -99,7 +113,7 @@ class XmlRpcClient:
         loop = asyncio.get_running_loop()
         host_header = f"{self._host}:{self._port}"
         _, connection = await loop.create_connection(
-            lambda: _Connection(HttpClientSide(host_header, path=self._path)),
+            lambda: _Connection(HttpClientSide(host_header, path=self._path), self._lost),
             connect_host(self._host),
             self._port,
         )
@@ -121,8 +135,9 @@ class XmlRpcClient:
 class _Connection(asyncio.Protocol):
     """One TCP connection with at most one exchange under way."""
 
-    def __init__(self, http: HttpClientSide) -> None:
+    def __init__(self, http: HttpClientSide, on_lost: Callable[[_Connection], None]) -> None:
         self._http = http
+        self._on_lost = on_lost
         self._transport: asyncio.Transport | None = None
         self._answer: asyncio.Future[bytes] | None = None
         self._is_lost = False
@@ -165,12 +180,12 @@ class _Connection(asyncio.Protocol):
         self._is_lost = True
         if self._answer is not None and not self._answer.done():
             self._answer.set_exception(exc or ConnectionResetError("connection closed"))
+        self._on_lost(self)
 
     def _feed(self, data: bytes) -> None:
         if self._answer is None or self._answer.done():
             # Nobody waits: the server closes a kept connection, or talks out of turn.
             self.close()
-            self._is_lost = True
             return
         try:
             body = self._http.receive_data(data)

@@ -27,7 +27,7 @@ MAX_CONNECTIONS = 512
 IDLE_TIMEOUT_S = 90.0
 # A multicall sets the parameters of one launch file; a larger one would hold up everybody else.
 MAX_MULTICALL = 10_000
-# What is written to a client that reads is gone within milliseconds; one that does not read is not waited for.
+# A client that reads has its answer within milliseconds; one that does not read is not waited for.
 _CLOSE_GRACE_S = 1.0
 # Trying to get one free port on several addresses: a clash is rare, two in a row are no accident.
 _BIND_ATTEMPTS = 5

@@ -1,0 +1,113 @@
+"""What the Master API asks of its arguments, with the wording that users of rosmaster know.
+
+A check takes (value, caller id) and returns the value to use, names resolved. Like rosmaster, a name may
+hold more than the naming rules allow: old nodes have such names and must not be locked out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeAlias
+
+from rostether.ros1.master.registrations import ANY_TYPE
+from rostether.xmlrpc.values import XmlRpcValue
+
+Check: TypeAlias = Callable[[XmlRpcValue, str], XmlRpcValue]
+
+# Far longer than any name in the field; a node could otherwise fill the tables with a few registrations.
+MAX_NAME_LENGTH = 2048
+
+
+class BadArgumentError(ValueError):
+    """An argument that the API refuses; the text goes back to the caller."""
+
+
+def resolve(name: str, caller_id: str) -> str:
+    """Return the global form of a name: `~x` is below the caller, `x` beside it, empty its namespace."""
+    if not name:
+        return _namespace(caller_id)
+    if name.startswith("/"):
+        return canonical(name)
+    if name.startswith("~"):
+        return canonical(f"{caller_id}/{name[1:]}")
+    return _namespace(caller_id) + canonical(name)
+
+
+def canonical(name: str) -> str:
+    """Return a name without repeated and trailing slashes."""
+    start = "/" if name.startswith("/") else ""
+    return start + "/".join(part for part in name.split("/") if part)
+
+
+def _namespace(name: str) -> str:
+    return name.removesuffix("/").rpartition("/")[0] + "/"
+
+
+def _text(label: str, value: XmlRpcValue) -> str:
+    if not isinstance(value, str) or not value:
+        raise BadArgumentError(f"ERROR: parameter [{label}] must be a non-empty string")
+    if len(value) > MAX_NAME_LENGTH:
+        raise BadArgumentError(f"ERROR: parameter [{label}] is longer than {MAX_NAME_LENGTH} characters")
+    return value
+
+
+def any_value(value: XmlRpcValue, _caller_id: str) -> XmlRpcValue:
+    """Take everything."""
+    return value
+
+
+def some_value(value: XmlRpcValue, _caller_id: str) -> XmlRpcValue:
+    """Take everything but nil."""
+    if value is None:
+        raise BadArgumentError("ERROR: parameter [value] must be specified")
+    return value
+
+
+def param_key(value: XmlRpcValue, _caller_id: str) -> str:
+    """Take a parameter's name as it is; each method resolves it, or searches for it."""
+    return _text("key", value)
+
+
+def name_of(label: str, *, may_be_root: bool = True) -> Check:
+    """Return a check of a name, which it resolves."""
+
+    def check(value: XmlRpcValue, caller_id: str) -> str:
+        name = _text(label, value)
+        if ":" in name or " " in name:
+            raise BadArgumentError(f"ERROR: parameter [{label}] contains illegal chars")
+        resolved = resolve(name, caller_id)
+        if resolved == "/" and not may_be_root:
+            raise BadArgumentError(f"ERROR: parameter [{label}] cannot be the global namespace")
+        return resolved
+
+    return check
+
+
+def subgraph(value: XmlRpcValue, caller_id: str) -> str:
+    """Check a namespace; the empty one stays empty and means the whole graph."""
+    if not isinstance(value, str):
+        raise BadArgumentError("ERROR: parameter [subgraph] must be a string")
+    return resolve(value, caller_id) if value else ""
+
+
+def topic_type(value: XmlRpcValue, _caller_id: str) -> str:
+    """Check the name of a message type, or `*`."""
+    if value == ANY_TYPE:
+        return ANY_TYPE
+    name = _text("topic_type", value)
+    if name.count("/") != 1:
+        raise BadArgumentError("ERROR: parameter [topic_type] is not a valid package resource name")
+    return name
+
+
+def api_of(label: str) -> Check:
+    """Return a check of a node's or service's URI."""
+
+    def check(value: XmlRpcValue, _caller_id: str) -> str:
+        if not isinstance(value, str) or not value or len(value) > MAX_NAME_LENGTH:
+            raise BadArgumentError(f"ERROR: parameter [{label}] is not an XMLRPC URI")
+        if not value.startswith(("http://", "rosrpc://")):
+            raise BadArgumentError(f"ERROR: parameter [{label}] is not an RPC URI")
+        return value
+
+    return check

@@ -1,0 +1,274 @@
+"""The Master API and the Parameter Server API: every call answers `[code, status message, value]`.
+
+Code 1 is success, 0 failure, -1 the caller's error; codes, values and messages are those of rosmaster, which
+scripts rely on. No I/O: nodes are told through the `NodeCalls` given.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+from collections.abc import Callable, Iterable
+from functools import partial
+from typing import Any, NamedTuple, Protocol, TypeAlias
+
+from rostether.errors import GraphError, UnknownNameError
+from rostether.ros1.master.argument_checks import (
+    BadArgumentError,
+    Check,
+    any_value,
+    api_of,
+    name_of,
+    param_key,
+    resolve,
+    some_value,
+    subgraph,
+    topic_type,
+)
+from rostether.ros1.master.parameter_tree import ParameterTree, updates, watch_key
+from rostether.ros1.master.registrations import Kind, Registrations, Removal
+from rostether.xmlrpc.values import XmlRpcValue
+
+Answer: TypeAlias = tuple[int, str, Any]
+
+_log = logging.getLogger("rostether.ros1.master")
+
+_topic = name_of("topic", may_be_root=False)
+_service = name_of("service", may_be_root=False)
+_node = name_of("node")
+_caller_api = api_of("caller_api")
+_service_api = api_of("service_api")
+
+
+class NodeCalls(Protocol):
+    """How the master speaks to nodes: each call is queued for the node's URI, and nobody waits for it."""
+
+    def publisher_update(self, api: str, topic: str, publishers: list[str]) -> None:
+        """Tell a subscriber the URIs of the topic's publishers."""
+
+    def param_update(self, api: str, key: str, value: XmlRpcValue) -> None:
+        """Tell a watcher a parameter's new value."""
+
+    def shut_down(self, api: str, reason: str) -> None:
+        """Ask a node to shut down, and forget what else was queued for it."""
+
+
+class _Method(NamedTuple):
+    function: Callable[..., Answer]
+    checks: tuple[Check, ...]
+    error_value: XmlRpcValue
+
+
+class MasterApi:
+    """The methods of one master over its tables; `on_shutdown` is called when somebody asks it to stop.
+
+    `uri` is what getUri answers: set it once the server listens.
+    """
+
+    def __init__(self, node_calls: NodeCalls, on_shutdown: Callable[[str], None]) -> None:
+        self.registrations = Registrations()
+        self.parameters = ParameterTree()
+        self.uri = ""
+        self._node_calls = node_calls
+        self._on_shutdown = on_shutdown
+
+    def dispatch(self) -> dict[str, Callable[..., Answer]]:
+        """Return the table of methods, by their XML-RPC names."""
+        methods = {
+            "shutdown": _Method(self._shutdown, (any_value,), 0),
+            "getUri": _Method(lambda _caller: (1, "", self.uri), (), ""),
+            "getPid": _Method(lambda _caller: (1, "", os.getpid()), (), -1),
+            "deleteParam": _Method(self._delete_param, (param_key,), 0),
+            "setParam": _Method(self._set_param, (param_key, some_value), 0),
+            "getParam": _Method(self._get_param, (param_key,), 0),
+            "searchParam": _Method(self._search_param, (param_key,), 0),
+            "subscribeParam": _Method(self._subscribe_param, (_caller_api, param_key), 0),
+            "unsubscribeParam": _Method(self._unsubscribe_param, (_caller_api, param_key), 0),
+            "hasParam": _Method(self._has_param, (param_key,), False),
+            "getParamNames": _Method(self._get_param_names, (), []),
+            "registerService": _Method(self._register_service, (_service, _service_api, _caller_api), 0),
+            "lookupService": _Method(self._lookup_service, (_service,), ""),
+            "unregisterService": _Method(self._unregister_service, (_service, _service_api), 0),
+            "registerSubscriber": _Method(self._register_subscriber, (_topic, topic_type, _caller_api), []),
+            "unregisterSubscriber": _Method(self._unregister_subscriber, (_topic, _caller_api), 0),
+            "registerPublisher": _Method(self._register_publisher, (_topic, topic_type, _caller_api), []),
+            "unregisterPublisher": _Method(self._unregister_publisher, (_topic, _caller_api), 0),
+            "lookupNode": _Method(self._lookup_node, (_node,), ""),
+            "getPublishedTopics": _Method(self._get_published_topics, (subgraph,), 0),
+            "getTopicTypes": _Method(self._get_topic_types, (), []),
+            "getSystemState": _Method(self._get_system_state, (), [[], [], []]),
+        }
+        return {name: partial(self._invoke, method) for name, method in methods.items()}
+
+    def _invoke(self, method: _Method, *args: XmlRpcValue) -> Answer:
+        if not args:
+            return -1, "missing required caller_id parameter", method.error_value
+        if len(args) != len(method.checks) + 1:
+            return -1, "Error: bad call arity", method.error_value
+        caller_id = args[0]
+        if not isinstance(caller_id, str):
+            return -1, "caller_id must be a string", method.error_value
+        try:
+            checked = [check(value, caller_id) for check, value in zip(method.checks, args[1:], strict=True)]
+            return method.function(caller_id, *checked)
+        except BadArgumentError as error:
+            return -1, str(error), method.error_value
+        except GraphError as error:
+            return -1, f"Error: invalid arguments: {error}", method.error_value
+
+    def drop_node(self, name: str) -> None:
+        """Remove a node that is gone, with all its registrations, and tell its topics' subscribers."""
+        if name in self.registrations.nodes:
+            self._tell_removed(self.registrations.drop(name))
+
+    def _shutdown(self, caller_id: str, reason: XmlRpcValue) -> Answer:
+        self._on_shutdown(f"shutdown request from {caller_id}: {reason!r:.200}")
+        return 1, "shutdown", 0
+
+    # Parameter Server
+
+    def _set_param(self, caller_id: str, key: str, value: XmlRpcValue) -> Answer:
+        name = resolve(key, caller_id)
+        self.parameters.set(name, value)
+        self._tell_watchers(name, value, caller_id)
+        _log.debug("+PARAM [%s] by %s", name, caller_id)
+        return 1, f"parameter {name} set", 0
+
+    def _delete_param(self, caller_id: str, key: str) -> Answer:
+        name = resolve(key, caller_id)
+        try:
+            self.parameters.delete(name)
+        except UnknownNameError:
+            return -1, f"parameter [{name}] is not set", 0
+        self._tell_watchers(name, {}, None)
+        _log.debug("-PARAM [%s] by %s", name, caller_id)
+        return 1, f"parameter {name} deleted", 0
+
+    def _get_param(self, caller_id: str, key: str) -> Answer:
+        name = resolve(key, caller_id)
+        try:
+            return 1, f"Parameter [{name}]", self.parameters.get(name)
+        except UnknownNameError:
+            return -1, f"Parameter [{name}] is not set", 0
+
+    def _has_param(self, caller_id: str, key: str) -> Answer:
+        name = resolve(key, caller_id)
+        return 1, name, self.parameters.has(name)
+
+    def _get_param_names(self, _caller_id: str) -> Answer:
+        return 1, "Parameter names", self.parameters.names()
+
+    def _search_param(self, caller_id: str, key: str) -> Answer:
+        if key.startswith("~"):
+            return 0, "Internal failure: invalid key", 0
+        if not caller_id.startswith("/"):
+            return 0, "Internal failure: namespace must be global", 0
+        found = self.parameters.search(caller_id, key)
+        if found is None:
+            return -1, f"Cannot find parameter [{key}] in an upwards search", ""
+        return 1, f"Found [{found}]", found
+
+    def _subscribe_param(self, caller_id: str, caller_api: str, key: str) -> Answer:
+        name = resolve(key, caller_id)
+        value = self.parameters.get(name) if self.parameters.has(name) else {}
+        self._tell_removed(self.registrations.register(Kind.PARAM, watch_key(name), caller_id, caller_api))
+        return 1, f"Subscribed to parameter [{name}]", value
+
+    def _unsubscribe_param(self, caller_id: str, caller_api: str, key: str) -> Answer:
+        name = resolve(key, caller_id)
+        self.registrations.unregister(Kind.PARAM, watch_key(name), caller_id, caller_api)
+        return 1, f"Unsubscribe to parameter [{name}]", 1
+
+    def _tell_watchers(self, name: str, value: XmlRpcValue, changed_by: str | None) -> None:
+        for update in updates(self.registrations.keys(Kind.PARAM), name, value):
+            for watcher, api in self.registrations.members(Kind.PARAM, update.watched).items():
+                # Who sets a parameter knows its value already.
+                if not (update.is_own_change and watcher == changed_by):
+                    self._node_calls.param_update(api, update.key, update.value)
+
+    # Services
+
+    def _register_service(self, caller_id: str, service: str, service_api: str, caller_api: str) -> Answer:
+        self._tell_removed(self.registrations.register_service(service, caller_id, caller_api, service_api))
+        _log.debug("+SERVICE [%s] %s %s", service, caller_id, caller_api)
+        return 1, f"Registered [{caller_id}] as provider of [{service}]", 1
+
+    def _unregister_service(self, caller_id: str, service: str, service_api: str) -> Answer:
+        if caller_id not in self.registrations.nodes:
+            return 1, f"[{caller_id}] is not a registered node", 0
+        if not self.registrations.unregister_service(service, caller_id, service_api):
+            return 1, f"[{service_api}] is no longer the current service api handle for [{service}]", 0
+        _log.debug("-SERVICE [%s] %s %s", service, caller_id, service_api)
+        return 1, f"Unregistered [{caller_id}] as provider of [{service}]", 1
+
+    def _lookup_service(self, _caller_id: str, service: str) -> Answer:
+        uri = self.registrations.service_api(service)
+        return (1, f"rosrpc URI: [{uri}]", uri) if uri else (-1, "no provider", "")
+
+    # Topics
+
+    def _register_publisher(self, caller_id: str, topic: str, type_name: str, caller_api: str) -> Answer:
+        self._tell_removed(self.registrations.register(Kind.PUBLISHER, topic, caller_id, caller_api))
+        self.registrations.learn_type(topic, type_name, from_publisher=True)
+        self._tell_subscribers([topic])
+        _log.debug("+PUB [%s] %s %s", topic, caller_id, caller_api)
+        subscribers = self.registrations.apis(Kind.SUBSCRIBER, topic)
+        return 1, f"Registered [{caller_id}] as publisher of [{topic}]", subscribers
+
+    def _unregister_publisher(self, caller_id: str, topic: str, caller_api: str) -> Answer:
+        answer = self._unregister(Kind.PUBLISHER, caller_id, topic, caller_api)
+        if answer[2]:
+            self._tell_subscribers([topic])
+        return answer
+
+    def _register_subscriber(self, caller_id: str, topic: str, type_name: str, caller_api: str) -> Answer:
+        self._tell_removed(self.registrations.register(Kind.SUBSCRIBER, topic, caller_id, caller_api))
+        self.registrations.learn_type(topic, type_name, from_publisher=False)
+        _log.debug("+SUB [%s] %s %s", topic, caller_id, caller_api)
+        return 1, f"Subscribed to [{topic}]", self.registrations.apis(Kind.PUBLISHER, topic)
+
+    def _unregister_subscriber(self, caller_id: str, topic: str, caller_api: str) -> Answer:
+        return self._unregister(Kind.SUBSCRIBER, caller_id, topic, caller_api)
+
+    def _unregister(self, kind: Kind, caller_id: str, topic: str, caller_api: str) -> Answer:
+        if caller_id not in self.registrations.nodes:
+            return 1, f"[{caller_id}] is not a registered node", 0
+        if not self.registrations.unregister(kind, topic, caller_id, caller_api):
+            return 1, f"[{caller_id}] is not a known provider of [{topic}]", 0
+        _log.debug("-%s [%s] %s %s", kind.name[:3], topic, caller_id, caller_api)
+        return 1, f"Unregistered [{caller_id}] as provider of [{topic}]", 1
+
+    def _tell_subscribers(self, topics: Iterable[str]) -> None:
+        for topic in topics:
+            publishers = self.registrations.apis(Kind.PUBLISHER, topic)
+            for api in self.registrations.apis(Kind.SUBSCRIBER, topic):
+                self._node_calls.publisher_update(api, topic, publishers)
+
+    def _tell_removed(self, removal: Removal | None) -> None:
+        if removal is None:
+            return
+        if removal.name in self.registrations.nodes:
+            _log.info("%s is started anew: the old one at %s is shut down", removal.name, removal.api)
+            reason = f"[{removal.name}] Reason: new node registered with same name"
+            self._node_calls.shut_down(removal.api, reason)
+        self._tell_subscribers(removal.topics)
+
+    # Graph state
+
+    def _lookup_node(self, _caller_id: str, name: str) -> Answer:
+        node = self.registrations.nodes.get(name)
+        return (1, "node api", node.api) if node else (-1, f"unknown node [{name}]", "")
+
+    def _get_published_topics(self, _caller_id: str, space: str) -> Answer:
+        prefix = space if not space or space.endswith("/") else f"{space}/"
+        types = self.registrations.topic_types
+        topics = [topic for topic in self.registrations.keys(Kind.PUBLISHER) if topic.startswith(prefix)]
+        return 1, "current topics", [[topic, types[topic]] for topic in topics]
+
+    def _get_topic_types(self, _caller_id: str) -> Answer:
+        types = self.registrations.topic_types
+        return 1, "current system state", [[topic, name] for topic, name in types.items()]
+
+    def _get_system_state(self, _caller_id: str) -> Answer:
+        kinds = (Kind.PUBLISHER, Kind.SUBSCRIBER, Kind.SERVICE)
+        return 1, "current system state", [self.registrations.state(kind) for kind in kinds]

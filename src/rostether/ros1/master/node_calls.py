@@ -1,0 +1,179 @@
+"""The calls a master makes to nodes: news for each in order, none of them held up by another's silence.
+
+Each node's URI has an outbox of its own, emptied by a task of its own. News of the same topic or parameter
+replaces older news that has not left yet. A node that does not answer keeps its news and is tried again,
+less and less often: it may be stopped in a debugger. One whose port refuses the connection, again and again,
+is gone: `on_gone` hears of it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, field
+
+from rostether.errors import ConfigError, GraphError, SerializationError
+from rostether.ros1.xmlrpc_client import XmlRpcClient
+from rostether.xmlrpc.values import XmlRpcValue
+
+_CALLER = "/master"
+# A node answers a notice within milliseconds unless it hangs; then it is tried again.
+_CALL_TIMEOUT_S = 5.0
+_FIRST_RETRY_S = 1.0
+_LAST_RETRY_S = 30.0
+# Two refusals, this far apart, are no restart of a listener: nobody is there.
+_REFUSALS_UNTIL_GONE = 2
+# A node's death is seen at once when its kept connection breaks; this is for those that broke unnoticed.
+# Shorter than the time after which servers drop idle connections.
+PING_INTERVAL_S = 30.0
+# One entry for each topic or parameter a node watches; a node that hangs and watches more loses the oldest.
+_MAX_PENDING = 4096
+# Descriptors are commonly limited to 1024 a process, and most are for who calls the master.
+_MAX_KEPT_CONNECTIONS = 256
+
+_log = logging.getLogger("rostether.ros1.master")
+
+
+@dataclass(slots=True)
+class _Outbox:
+    client: XmlRpcClient
+    # {(method, key): arguments}, in the order in which they go out.
+    pending: dict[tuple[str, str], tuple[XmlRpcValue, ...]] = field(default_factory=dict)
+    task: asyncio.Task[None] | None = None
+    refusals: int = 0
+
+
+class NodeCallQueue:
+    """Delivers a master's calls to nodes; `on_gone(api)` is told of a URI where nobody listens any more.
+
+    `on_refused_watch(api, key)` is told when a node answers that it does not watch a parameter.
+    """
+
+    def __init__(
+        self,
+        on_gone: Callable[[str], None],
+        on_refused_watch: Callable[[str, str], None],
+        *,
+        first_retry_s: float = _FIRST_RETRY_S,
+        call_timeout_s: float = _CALL_TIMEOUT_S,
+    ) -> None:
+        self._on_gone = on_gone
+        self._on_refused_watch = on_refused_watch
+        self._first_retry_s = first_retry_s
+        self._call_timeout_s = call_timeout_s
+        self._outboxes: dict[str, _Outbox] = {}
+        self._is_closed = False
+
+    def publisher_update(self, api: str, topic: str, publishers: list[str]) -> None:
+        """Queue a topic's publishers for a subscriber."""
+        self._queue(api, ("publisherUpdate", topic), (topic, list(publishers)))
+
+    def param_update(self, api: str, key: str, value: XmlRpcValue) -> None:
+        """Queue a parameter's value for a watcher."""
+        self._queue(api, ("paramUpdate", key), (key, value))
+
+    def shut_down(self, api: str, reason: str) -> None:
+        """Queue a request to shut down, in place of everything else."""
+        if api in self._outboxes:
+            self._outboxes[api].pending.clear()
+        self._queue(api, ("shutdown", ""), (reason,))
+
+    def ping(self, api: str) -> None:
+        """Queue a call that only finds out whether the node is there."""
+        self._queue(api, ("getPid", ""), ())
+
+    def retain(self, apis: Collection[str]) -> None:
+        """Forget the nodes that are not among `apis`, but for a request to shut down."""
+        for api, outbox in list(self._outboxes.items()):
+            if api not in apis and ("shutdown", "") not in outbox.pending:
+                del self._outboxes[api]
+                outbox.client.disconnect()
+                if outbox.task is not None:
+                    outbox.task.cancel()
+
+    async def close(self) -> None:
+        """Drop everything. Idempotent."""
+        self._is_closed = True
+        tasks = [outbox.task for outbox in self._outboxes.values() if outbox.task is not None]
+        for task in tasks:
+            task.cancel()
+        for outbox in self._outboxes.values():
+            await outbox.client.close()
+        self._outboxes.clear()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
+    def _queue(self, api: str, what: tuple[str, str], arguments: tuple[XmlRpcValue, ...]) -> None:
+        if self._is_closed:
+            return
+        outbox = self._outboxes.get(api)
+        if outbox is None:
+            try:
+                client = XmlRpcClient(api, timeout_s=self._call_timeout_s, on_lost=lambda: self.ping(api))
+            except ConfigError as error:
+                _log.debug("a node cannot be told of changes: %s", error)
+                return
+            outbox = self._outboxes[api] = _Outbox(client)
+        # To the end, even if it waits already: news of a namespace in between must not undo it.
+        outbox.pending.pop(what, None)
+        outbox.pending[what] = arguments
+        if len(outbox.pending) > _MAX_PENDING:
+            (method, key), _ = next(iter(outbox.pending.items()))
+            del outbox.pending[method, key]
+            _log.warning("%s does not answer: it will not hear of the change of %s", api, key)
+        if outbox.task is None:
+            outbox.task = asyncio.get_running_loop().create_task(self._deliver(api, outbox))
+
+    async def _deliver(self, api: str, outbox: _Outbox) -> None:
+        retry_s = self._first_retry_s
+        while outbox.pending:
+            what, arguments = next(iter(outbox.pending.items()))
+            try:
+                await self._call(api, outbox, what, arguments)
+            except _NotDeliveredError as error:
+                if what[0] == "shutdown":
+                    # The old node of that name: most often it is dead already.
+                    outbox.pending.clear()
+                    continue
+                outbox.refusals = outbox.refusals + 1 if error.is_refused else 0
+                if outbox.refusals >= _REFUSALS_UNTIL_GONE:
+                    del self._outboxes[api]
+                    self._on_gone(api)
+                    return
+                await asyncio.sleep(retry_s)
+                retry_s = min(retry_s * 2, _LAST_RETRY_S)
+                continue
+            outbox.refusals = 0
+            retry_s = self._first_retry_s
+            # News may have replaced the arguments while the call was under way.
+            if outbox.pending.get(what) is arguments:
+                del outbox.pending[what]
+        outbox.task = None
+        if len(self._outboxes) > _MAX_KEPT_CONNECTIONS:
+            outbox.client.disconnect()
+
+    async def _call(
+        self, api: str, outbox: _Outbox, what: tuple[str, str], arguments: tuple[XmlRpcValue, ...]
+    ) -> None:
+        method, key = what
+        try:
+            answer = await outbox.client.call(method, _CALLER, *arguments)
+        except SerializationError as error:
+            _log.warning("%s cannot be sent to %s: %s", key, api, error)
+            return
+        except GraphError as error:
+            cause = error.__cause__
+            if isinstance(cause, OSError) or cause is None:
+                _log.debug("%s", error)
+                raise _NotDeliveredError(is_refused=isinstance(cause, ConnectionRefusedError)) from error
+            # It is there, and answered a fault or nonsense: trying again would not help.
+            _log.debug("%s", error)
+            return
+        if method == "paramUpdate" and isinstance(answer, list) and answer[:1] == [-1]:
+            self._on_refused_watch(api, key)
+
+
+class _NotDeliveredError(Exception):
+    def __init__(self, *, is_refused: bool) -> None:
+        super().__init__()
+        self.is_refused = is_refused

@@ -1,0 +1,175 @@
+"""Who publishes, subscribes, serves and watches what: the Master's tables, without any I/O.
+
+A node is known while it has registrations. One that registers under a new URI replaces the old one with all
+its registrations; both facts come back to the caller, who tells the nodes concerned.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum
+
+from rostether.errors import GraphError
+
+# A graph of a thousand nodes with a hundred registrations each; beyond, somebody registers in a loop.
+MAX_REGISTRATIONS = 100_000
+# Types outlive their topics, for tools that ask later; no more of them than there can be topics.
+MAX_TOPIC_TYPES = MAX_REGISTRATIONS
+ANY_TYPE = "*"
+
+
+class Kind(Enum):
+    """What a node can be registered for."""
+
+    PUBLISHER = "publisher"
+    SUBSCRIBER = "subscriber"
+    SERVICE = "service"
+    PARAM = "parameter subscriber"
+
+
+@dataclass(slots=True)
+class Node:
+    """One node: its name, its XML-RPC URI, and the keys it is registered for, of every kind.
+
+    `keys` of SERVICE also holds services that another node has taken over since.
+    """
+
+    name: str
+    api: str
+    keys: dict[Kind, dict[str, None]] = field(default_factory=lambda: {kind: {} for kind in Kind})
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether nothing is left, so that the node can be forgotten."""
+        return not any(self.keys.values())
+
+
+@dataclass(frozen=True, slots=True)
+class Removal:
+    """A node that went with all its registrations; `topics` have lost a publisher."""
+
+    name: str
+    api: str
+    topics: tuple[str, ...]
+
+
+class Registrations:
+    """The tables of one master: `{topic, service or parameter: {node name: node URI}}` for each kind."""
+
+    def __init__(self) -> None:
+        self.nodes: dict[str, Node] = {}
+        self.topic_types: dict[str, str] = {}
+        self._tables: dict[Kind, dict[str, dict[str, str]]] = {kind: {} for kind in Kind}
+        self._service_apis: dict[str, str] = {}
+        self._count = 0
+
+    def keys(self, kind: Kind) -> list[str]:
+        """Return the topics, services or parameters that somebody is registered for, oldest first."""
+        return list(self._tables[kind])
+
+    def members(self, kind: Kind, key: str) -> dict[str, str]:
+        """Return `{node name: node URI}` of those registered for a key; do not change it."""
+        return self._tables[kind].get(key, {})
+
+    def apis(self, kind: Kind, key: str) -> list[str]:
+        """Return the URIs of those registered for a key."""
+        return list(self.members(kind, key).values())
+
+    def state(self, kind: Kind) -> list[list[str | list[str]]]:
+        """Return one table as getSystemState has it: `[[key, [node name, ...]], ...]`."""
+        return [[key, list(members)] for key, members in self._tables[kind].items()]
+
+    def service_api(self, service: str) -> str | None:
+        """Return the rosrpc URI of a service."""
+        return self._service_apis.get(service)
+
+    def learn_type(self, topic: str, topic_type: str, *, from_publisher: bool) -> None:
+        """Note a topic's type: a publisher's counts, a subscriber's only while there is none, `*` never."""
+        is_known = topic in self.topic_types
+        if topic_type == ANY_TYPE:
+            if is_known or not from_publisher:
+                return
+        elif is_known and not from_publisher:
+            return
+        if not is_known and len(self.topic_types) >= MAX_TOPIC_TYPES:
+            self._forget_oldest_type()
+        self.topic_types[topic] = topic_type
+
+    def _forget_oldest_type(self) -> None:
+        published = self._tables[Kind.PUBLISHER]
+        del self.topic_types[next(topic for topic in self.topic_types if topic not in published)]
+
+    def register(self, kind: Kind, key: str, name: str, api: str) -> Removal | None:
+        """Register a node; return what it replaces when its URI is new. Raises GraphError when full."""
+        if self._count >= MAX_REGISTRATIONS and name not in self.members(kind, key):
+            raise GraphError(f"the master holds {self._count} registrations, its limit: unregister some")
+        replaced = None
+        node = self.nodes.get(name)
+        if node is not None and node.api != api:
+            replaced = self.drop(name)
+            node = None
+        if node is None:
+            node = self.nodes[name] = Node(name, api)
+        node.keys[kind][key] = None
+        members = self._tables[kind].setdefault(key, {})
+        self._count += name not in members
+        members[name] = api
+        return replaced
+
+    def register_service(self, service: str, name: str, api: str, service_api: str) -> Removal | None:
+        """Register a node as the one provider of a service; see `register`."""
+        replaced = self.register(Kind.SERVICE, service, name, api)
+        members = self._tables[Kind.SERVICE][service]
+        self._count -= len(members) - 1
+        self._tables[Kind.SERVICE][service] = {name: api}
+        self._service_apis[service] = service_api
+        return replaced
+
+    def unregister(self, kind: Kind, key: str, name: str, api: str) -> bool:
+        """Unregister a node; False when it was not registered with this URI."""
+        node = self.nodes.get(name)
+        if node is None or self.members(kind, key).get(name) != api:
+            return False
+        self._remove(kind, key, node)
+        return True
+
+    def unregister_service(self, service: str, name: str, service_api: str) -> bool:
+        """Unregister a provider; False when it is not the service's current one."""
+        node = self.nodes.get(name)
+        if node is None:
+            return False
+        is_current = (
+            name in self.members(Kind.SERVICE, service) and self._service_apis.get(service) == service_api
+        )
+        if is_current:
+            self._remove(Kind.SERVICE, service, node)
+        elif name not in self.members(Kind.SERVICE, service):
+            node.keys[Kind.SERVICE].pop(service, None)
+            self._forget_if_empty(node)
+        return is_current
+
+    def drop(self, name: str) -> Removal:
+        """Remove a node with all its registrations."""
+        node = self.nodes[name]
+        topics = tuple(node.keys[Kind.PUBLISHER])
+        for kind, keys in node.keys.items():
+            for key in list(keys):
+                if name in self.members(kind, key):
+                    self._remove(kind, key, node)
+        self.nodes.pop(name, None)
+        return Removal(name, node.api, topics)
+
+    def _remove(self, kind: Kind, key: str, node: Node) -> None:
+        table = self._tables[kind]
+        del table[key][node.name]
+        self._count -= 1
+        if not table[key]:
+            del table[key]
+            if kind is Kind.SERVICE:
+                del self._service_apis[key]
+        del node.keys[kind][key]
+        self._forget_if_empty(node)
+
+    def _forget_if_empty(self, node: Node) -> None:
+        if node.is_empty:
+            self.nodes.pop(node.name, None)

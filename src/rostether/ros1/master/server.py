@@ -1,0 +1,114 @@
+"""A running ROS master: the Master API behind an XML-RPC server, and the calls back to the nodes."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import os
+from collections.abc import Sequence
+
+from rostether.ros1.environment import DEFAULT_MASTER_PORT, LOOPBACK
+from rostether.ros1.master.master_api import MasterApi
+from rostether.ros1.master.node_calls import PING_INTERVAL_S, NodeCallQueue
+from rostether.ros1.master.registrations import Kind
+from rostether.ros1.xmlrpc_server import XmlRpcServer
+
+# What roscore of the last ROS 1 distribution sets; the trailing newlines are part of the values.
+ROS_DISTRO = "noetic\n"
+ROS_VERSION = "1.16.0\n"
+
+_log = logging.getLogger("rostether.ros1.master")
+
+
+class MasterServer:
+    """A ROS master, with the parameters roscore sets; `start` makes one that listens."""
+
+    def __init__(self, hosts: Sequence[str], port: int, advertised_host: str) -> None:
+        self._node_calls = NodeCallQueue(self._drop_gone, self._unwatch)
+        self.api = MasterApi(self._node_calls, self._stop)
+        self._server = XmlRpcServer(
+            self.api.dispatch(), hosts=hosts, port=port, advertised_host=advertised_host
+        )
+        self._stopped = asyncio.Event()
+        self._closing: asyncio.Task[None] | None = None
+        self._ping_timer: asyncio.TimerHandle | None = None
+
+    @classmethod
+    async def start(
+        cls,
+        host: str | Sequence[str] = LOOPBACK,
+        port: int = DEFAULT_MASTER_PORT,
+        *,
+        advertised_host: str = "",
+    ) -> MasterServer:
+        """Start a master on one or several addresses; port 0 takes a free one.
+
+        `advertised_host` goes into its URI, the first address by default. Raises GraphError when the port is
+        taken, ConfigError when an address is not this machine's.
+        """
+        hosts = (host,) if isinstance(host, str) else tuple(host)
+        master = cls(hosts, port, advertised_host or hosts[0])
+        await master._listen()
+        return master
+
+    @property
+    def uri(self) -> str:
+        """The URI that nodes use as ROS_MASTER_URI."""
+        return self._server.uri
+
+    async def wait_closed(self) -> None:
+        """Wait until the master has been closed, by `close` or by a call of its `shutdown` method."""
+        await self._stopped.wait()
+
+    async def close(self) -> None:
+        """Stop serving; the nodes are not told. Idempotent."""
+        if self._ping_timer is not None:
+            self._ping_timer.cancel()
+            self._ping_timer = None
+        await self._server.close()
+        await self._node_calls.close()
+        self._stopped.set()
+
+    async def _listen(self) -> None:
+        for name, value in (
+            ("/run_id", _new_run_id()),
+            ("/rosdistro", ROS_DISTRO),
+            ("/rosversion", ROS_VERSION),
+        ):
+            self.api.parameters.set(name, value)
+        await self._server.start()
+        self.api.uri = self._server.uri
+        self._ping_later()
+
+    def _stop(self, reason: str) -> None:
+        _log.info("the master stops: %s", reason)
+        # Its own task, so that the answer to the request is written first.
+        self._closing = asyncio.get_running_loop().create_task(self.close())
+
+    def _ping_later(self) -> None:
+        self._ping_timer = asyncio.get_running_loop().call_later(PING_INTERVAL_S, self._ping_all)
+
+    def _ping_all(self) -> None:
+        apis = {node.api for node in self.api.registrations.nodes.values()}
+        self._node_calls.retain(apis)
+        for api in apis:
+            self._node_calls.ping(api)
+        self._ping_later()
+
+    def _drop_gone(self, api: str) -> None:
+        gone = [node.name for node in self.api.registrations.nodes.values() if node.api == api]
+        for name in gone:
+            _log.warning("%s at %s is gone (connection refused): its registrations are removed", name, api)
+            self.api.drop_node(name)
+
+    def _unwatch(self, api: str, key: str) -> None:
+        registrations = self.api.registrations
+        for name, each in list(registrations.members(Kind.PARAM, key).items()):
+            if each == api:
+                registrations.unregister(Kind.PARAM, key, name, api)
+
+
+def _new_run_id() -> str:
+    # A random UUID; the uuid module would cost a tenth of the process's start.
+    digits = os.urandom(16).hex()
+    return f"{digits[:8]}-{digits[8:12]}-4{digits[13:16]}-a{digits[17:20]}-{digits[20:]}"
