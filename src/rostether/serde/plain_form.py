@@ -21,18 +21,20 @@ def to_plain(message: Message) -> dict[str, Any]:
 
 def plain_value(value: Any) -> Any:
     """Return one field's value, or what a field path selected, in the same form."""
+    if isinstance(value, float):
+        if math.isfinite(value):
+            return value
+        return "NaN" if math.isnan(value) else "Infinity" if value > 0 else "-Infinity"
+    if isinstance(value, str):
+        return clean_text(value)
+    if isinstance(value, list):
+        return [plain_value(each) for each in value]
+    if isinstance(value, bytes):
+        return list(value)
     if isinstance(value, Message):
         return to_plain(value)
     if isinstance(value, Time | Duration):
         return {"secs": value.secs, "nsecs": value.nsecs}
-    if isinstance(value, bytes):
-        return list(value)
-    if isinstance(value, str):
-        return clean_text(value)
-    if isinstance(value, list | tuple):
-        return [plain_value(each) for each in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return "NaN" if math.isnan(value) else "Infinity" if value > 0 else "-Infinity"
     return value
 
 
