@@ -4,7 +4,7 @@
     toggle_led    std_msgs/Empty     in      turns the LED on or off
     led           std_msgs/Bool      1 Hz    the LED, and at once when it changes
     ultrasound    sensor_msgs/Range  20 Hz   an HC-SR04 before which somebody walks
-    imu_data      sensor_msgs/Imu    50 Hz   the robot's turn rate, acceleration and orientation
+    imu_data      sensor_msgs/Imu    40 Hz   the robot's turn rate, acceleration and orientation
     /tf           tf/tfMessage       20 Hz   odom -> base_link, a circle on the floor
     count         std_msgs/UInt32    1 Hz    one more each time
 
@@ -21,15 +21,16 @@ from dataclasses import dataclass
 from random import Random
 from typing import Any
 
-from rostether.boards.motion import CircleDrive
+from rostether.boards.motion import CircleDrive, Quaternion, Vector
 from rostether.boards.ultrasound import FIELD_OF_VIEW, MAX_RANGE, MIN_RANGE, Ultrasound
 from rostether.device import Device
 from rostether.device.parameters import DeviceParam
 from rostether.errors import TransportTimeoutError, UnknownNameError
 from rostether.serde.values import Message
 
+# Multiples of each other, so that one wake-up serves several.
 RANGE_HZ = 20.0
-IMU_HZ = 50.0
+IMU_HZ = 40.0
 TF_HZ = 20.0
 LED_HZ = 1.0
 COUNT_HZ = 1.0
@@ -40,7 +41,7 @@ ROBOT_FRAME = "base_link"
 # Faster than this nobody sees it blink, and a slow line would carry nothing else.
 MAX_BLINK_HZ = 50.0
 
-# An MPU-6050's noise at 50 Hz.
+# An MPU-6050's noise at that rate.
 _TURN_RATE_NOISE = 0.001
 _ACCELERATION_NOISE = 0.03
 _ORIENTATION_VARIANCE = 1e-4
@@ -71,6 +72,19 @@ class VirtualBoard:
         self._imu = device.publisher("imu_data", "sensor_msgs/Imu")
         self._tf = device.publisher("/tf", "tf/tfMessage")
         self._count = device.publisher("count", "std_msgs/UInt32")
+        self._range_message = self._range.message_class(
+            radiation_type=0, field_of_view=FIELD_OF_VIEW, min_range=MIN_RANGE, max_range=MAX_RANGE
+        )
+        self._range_message.header.frame_id = ULTRASOUND_FRAME
+        self._imu_message = self._imu.message_class(
+            orientation_covariance=_diagonal(_ORIENTATION_VARIANCE),
+            angular_velocity_covariance=_diagonal(_TURN_RATE_NOISE**2),
+            linear_acceleration_covariance=_diagonal(_ACCELERATION_NOISE**2),
+        )
+        self._tf_message = self._tf.message_class(
+            transforms=[device.message("geometry_msgs/TransformStamped")]
+        )
+        self._tf_message.transforms[0].header.frame_id = ODOMETRY_FRAME
         device.subscriber("toggle_led", "std_msgs/Empty", lambda _message: self._set_led(not self.led))
         device.service_server("set_led", "std_srvs/SetBool", self._serve_set_led)
         device.service_server("test_srv", "rosserial_arduino/Test", self._serve_test)
@@ -159,47 +173,42 @@ class VirtualBoard:
         self.count = (self.count + 1) & 0xFFFFFFFF
 
     def _publish_range(self, now_s: float) -> None:
-        self._range.publish(
-            header=self._header(ULTRASOUND_FRAME),
-            radiation_type=0,
-            field_of_view=FIELD_OF_VIEW,
-            min_range=MIN_RANGE,
-            max_range=MAX_RANGE,
-            range=self._ultrasound.measure(now_s - self._booted_s),
-        )
+        reading = self._range_message
+        reading.header.stamp = self._device.now()
+        reading.range = self._ultrasound.measure(now_s - self._booted_s)
+        self._range.publish(reading)
 
     def _publish_imu(self, now_s: float) -> None:
         time_s = now_s - self._booted_s
         feeling = self._drive.feeling(time_s)
-        self._imu.publish(
-            header=self._header(self._frame_id),
-            orientation=self._drive.pose(time_s).orientation._asdict(),
-            orientation_covariance=_diagonal(_ORIENTATION_VARIANCE),
-            angular_velocity=self._noisy(feeling.turn_rate, _TURN_RATE_NOISE),
-            angular_velocity_covariance=_diagonal(_TURN_RATE_NOISE**2),
-            linear_acceleration=self._noisy(feeling.acceleration, _ACCELERATION_NOISE),
-            linear_acceleration_covariance=_diagonal(_ACCELERATION_NOISE**2),
-        )
+        imu = self._imu_message
+        imu.header.stamp = self._device.now()
+        imu.header.frame_id = self._frame_id
+        _set_rotation(imu.orientation, self._drive.pose(time_s).orientation)
+        _set_vector(imu.angular_velocity, self._noisy(feeling.turn_rate, _TURN_RATE_NOISE))
+        _set_vector(imu.linear_acceleration, self._noisy(feeling.acceleration, _ACCELERATION_NOISE))
+        self._imu.publish(imu)
 
     def _publish_tf(self, now_s: float) -> None:
         pose = self._drive.pose(now_s - self._booted_s)
-        transform = {"translation": pose.position._asdict(), "rotation": pose.orientation._asdict()}
-        self._tf.publish(
-            transforms=[
-                {
-                    "header": self._header(ODOMETRY_FRAME),
-                    "child_frame_id": self._frame_id,
-                    "transform": transform,
-                }
-            ]
-        )
+        stamped = self._tf_message.transforms[0]
+        stamped.header.stamp = self._device.now()
+        stamped.child_frame_id = self._frame_id
+        _set_vector(stamped.transform.translation, pose.position)
+        _set_rotation(stamped.transform.rotation, pose.orientation)
+        self._tf.publish(self._tf_message)
 
-    def _header(self, frame_id: str) -> dict[str, Any]:
-        return {"stamp": self._device.now(), "frame_id": frame_id}
+    def _noisy(self, vector: Vector, deviation: float) -> Vector:
+        gauss = self._rng.gauss
+        return Vector(*(value + gauss(0.0, deviation) for value in vector))
 
-    def _noisy(self, vector: tuple[float, float, float], deviation: float) -> dict[str, float]:
-        x, y, z = (value + self._rng.gauss(0.0, deviation) for value in vector)
-        return {"x": x, "y": y, "z": z}
+
+def _set_vector(message: Message, vector: Vector) -> None:
+    message.x, message.y, message.z = vector
+
+
+def _set_rotation(message: Message, rotation: Quaternion) -> None:
+    message.x, message.y, message.z, message.w = rotation
 
 
 def _diagonal(variance: float) -> list[float]:

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import Any, Self
 
 from rostether.device.endpoints import OnMessage, Publisher, Subscriber
 from rostether.device.line import DeviceLine
@@ -33,6 +33,7 @@ from rostether.rosserial.topic_id import TIME
 from rostether.rostime import Time
 from rostether.serde.codec import Codec
 from rostether.serde.store import TypeStore
+from rostether.serde.values import Message
 from rostether.transports.address import Address, TcpAddress, UdpAddress, parse_address
 from rostether.transports.backoff import Backoff
 from rostether.transports.opening import open_transport
@@ -141,6 +142,10 @@ class Device:
         """Wait until the line takes more: what a program that publishes as fast as it can awaits."""
         await self._line.wait_writable()
         await asyncio.sleep(0)
+
+    def message(self, message_type: str, **fields: Any) -> Message:
+        """Make a message of any known type. Raises UnknownTypeError, SerializationError."""
+        return self._store.codec(message_type).message_class(**fields)
 
     def publisher(self, topic: str, message_type: str) -> Publisher:
         """Declare a topic we send on. Raises UnknownTypeError, LocalProtocolError."""

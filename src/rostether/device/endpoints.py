@@ -26,6 +26,11 @@ class Publisher:
         self._codec = codec
         self._line = line
 
+    @property
+    def message_class(self) -> type[Message]:
+        """The class of the topic's messages; filling one and sending it again costs least."""
+        return self._codec.message_class
+
     def publish(self, message: Fields | None = None, /, **fields: Any) -> bool:
         """Send one message, given whole or by its fields; False when no host listens or the line is full.
 
