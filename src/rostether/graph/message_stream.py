@@ -1,0 +1,146 @@
+"""A topic's messages as something to loop over, decoded by the definition their publisher sent."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from collections.abc import AsyncGenerator, Mapping, Sequence
+
+from rostether.errors import RostetherError, SerializationError, TypeMismatchError, UnknownTypeError
+from rostether.graph.ports import Graph
+from rostether.msgdef.interface import ANY_MD5SUM, ANY_MESSAGE
+from rostether.msgdef.registry import Registry
+from rostether.serde.codec import Codec
+from rostether.serde.store import TypeStore
+from rostether.serde.values import Message
+
+DEFAULT_QUEUE_MESSAGES = 1000
+"""What waits for a loop that is busy: a second of the fastest sensor, and little memory."""
+
+MAX_QUEUE_BYTES = 64 << 20
+"""The same bound for large messages: some ten camera images."""
+
+MAX_LEARNED_TYPES = 256
+"""Definitions come from peers; a program that listens to more types than this forgets the first."""
+
+
+class LearnedTypes:
+    """Codecs for what publishers say they send, whether or not the type is known here under that md5sum."""
+
+    def __init__(self, store: TypeStore) -> None:
+        self.store = store
+        self._codecs: dict[tuple[str, str], Codec] = {}
+
+    def codec(self, header: Mapping[str, str]) -> Codec:
+        """Return the codec for a connection header. Raises UnknownTypeError, TypeMismatchError."""
+        name, md5sum = header.get("type", ""), header.get("md5sum", ANY_MD5SUM)
+        found = self._codecs.get((name, md5sum))
+        if found is None:
+            found = self._find(name, md5sum, header.get("message_definition", ""))
+            if len(self._codecs) >= MAX_LEARNED_TYPES:
+                del self._codecs[next(iter(self._codecs))]
+            self._codecs[name, md5sum] = found
+        return found
+
+    def _find(self, name: str, md5sum: str, definition: str) -> Codec:
+        registry = self.store.registry
+        try:
+            known = registry.message_type(name).md5sum
+        except UnknownTypeError:
+            if not definition:
+                raise
+            known = ""
+        if known and md5sum in (known, ANY_MD5SUM):
+            return self.store.codec(name)
+        if definition:
+            # A store of its own: the same name has another meaning here, and below it other types may.
+            learned = Registry(bundled=False)
+            learned.add_full_text(name, definition)
+            return TypeStore(learned).codec(name)
+        raise TypeMismatchError(
+            f"{name} has md5sum {md5sum} there and {known} here, and its publisher sends no definition: "
+            "give its package with --msg-path or ROS_PACKAGE_PATH"
+        )
+
+
+class MessageStream:
+    """The messages of one topic; made by `TypedGraph.messages`.
+
+    A loop subscribes, and unsubscribes when it is left; it ends by itself when the node leaves the graph.
+    What waits is bounded, oldest dropped first.
+    """
+
+    def __init__(
+        self, graph: Graph, types: LearnedTypes, topic: str, type_name: str | None, queue_size: int
+    ) -> None:
+        self.topic = topic
+        self.dropped_count = 0
+        """Messages that came faster than the loop took them."""
+        self.misfit_count = 0
+        """Messages that did not have their type's layout."""
+        self._graph = graph
+        self._types = types
+        self._type_name = type_name
+        self._codec: Codec | None = None
+        self._queue_size = max(queue_size, 1)
+        self._payloads: deque[tuple[Codec, bytes]] = deque()
+        self._queued_bytes = 0
+        self._news = asyncio.Event()
+        self._error: RostetherError | None = None
+
+    @property
+    def codec(self) -> Codec | None:
+        """What messages are decoded with; None until the first publisher has told its type."""
+        return self._codec
+
+    async def __aiter__(self) -> AsyncGenerator[Message, None]:
+        """Subscribe and yield messages. Raises UnknownTypeError, DefinitionError, TypeMismatchError."""
+        message_type = ANY_MESSAGE
+        if self._type_name is not None:
+            self._codec = self._types.store.codec(self._type_name)
+            message_type = self._types.store.registry.message_type(self._type_name)
+        subscriber = await self._graph.subscribe(
+            self.topic,
+            message_type,
+            self._take,
+            on_connection=self._learn if self._type_name is None else None,
+        )
+        leaving = asyncio.ensure_future(self._graph.wait_closed())
+        leaving.add_done_callback(lambda _: self._news.set())
+        try:
+            while not leaving.done():
+                await self._news.wait()
+                self._news.clear()
+                while self._payloads:
+                    codec, payload = self._payloads.popleft()
+                    self._queued_bytes -= len(payload)
+                    try:
+                        message = codec.decode(payload)
+                    except SerializationError:
+                        self.misfit_count += 1
+                        continue
+                    yield message
+                if self._error is not None:
+                    raise self._error
+        finally:
+            leaving.cancel()
+            await subscriber.close()
+
+    def _learn(self, header: Mapping[str, str]) -> None:
+        try:
+            self._codec = self._types.codec(header)
+        except RostetherError as error:
+            self._error = error
+            self._news.set()
+
+    def _take(self, payloads: Sequence[bytes]) -> None:
+        codec = self._codec
+        if codec is None:
+            return
+        for payload in payloads:
+            self._payloads.append((codec, payload))
+            self._queued_bytes += len(payload)
+            while len(self._payloads) > self._queue_size or self._queued_bytes > MAX_QUEUE_BYTES:
+                self._queued_bytes -= len(self._payloads.popleft()[1])
+                self.dropped_count += 1
+        self._news.set()

@@ -1,0 +1,208 @@
+"""A graph with decoded messages: the graph port for programs, any implementation below.
+
+publisher = await graph.publisher("/chatter", "std_msgs/String")
+publisher.publish({"data": "hello"})
+async for message in graph.messages("/chatter"):     # the type is learned from its publisher
+    print(message.data)
+answer = await graph.call("/enable", "std_srvs/SetBool", {"data": True})
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
+from contextlib import aclosing
+from typing import Any, TypeAlias
+
+from rostether.errors import GraphError, RostetherError, ServiceCallError
+from rostether.graph.message_stream import DEFAULT_QUEUE_MESSAGES, LearnedTypes, MessageStream
+from rostether.graph.ports import Graph, Level, ParamValue, Publisher, ServiceServer, Snapshot, Watch
+from rostether.rostime import Time
+from rostether.serde.codec import Codec
+from rostether.serde.store import TypeStore
+from rostether.serde.values import Message
+
+MessageLike: TypeAlias = Message | Mapping[str, Any]
+Handler: TypeAlias = Callable[[Message], MessageLike | Awaitable[MessageLike]]
+
+_SUBSCRIBER_POLL_S = 0.01
+
+
+class TypedPublisher:
+    """Publishes messages of one type; made by `TypedGraph.publisher`."""
+
+    def __init__(self, publisher: Publisher, codec: Codec) -> None:
+        self.raw = publisher
+        self.codec = codec
+
+    @property
+    def topic(self) -> str:
+        """The resolved topic name."""
+        return self.raw.topic
+
+    @property
+    def subscriber_count(self) -> int:
+        """How many subscribers are connected now."""
+        return self.raw.subscriber_count
+
+    def publish(self, message: MessageLike | None = None, /, **fields: Any) -> bool:
+        """Publish one message, given whole or by its fields; False asks a flooding caller to await `drained`.
+
+        Raises SerializationError naming the field that does not fit.
+        """
+        return self.raw.publish_raw([self.codec.encode(fields if message is None else message)])
+
+    async def drained(self, timeout_s: float) -> None:
+        """Wait until no subscriber is above its high-water mark."""
+        await self.raw.drained(timeout_s)
+
+    async def wait_for_subscriber(self, timeout_s: float | None = None) -> bool:
+        """Wait until somebody has subscribed; False when nobody did in time."""
+        try:
+            async with asyncio.timeout(timeout_s):
+                # The port announces no connections; looking is cheap.
+                while not self.raw.subscriber_count:  # noqa: ASYNC110
+                    await asyncio.sleep(_SUBSCRIBER_POLL_S)
+        except TimeoutError:
+            return False
+        return True
+
+    async def close(self) -> None:
+        """Unadvertise. Idempotent."""
+        await self.raw.close()
+
+
+class TypedGraph:
+    """One node's membership of a graph, with messages as values; `raw` is the port below."""
+
+    def __init__(self, graph: Graph, store: TypeStore) -> None:
+        self.raw = graph
+        self.store = store
+        self._learned = LearnedTypes(store)
+
+    @property
+    def node_name(self) -> str:
+        """The node's fully qualified name."""
+        return self.raw.node_name
+
+    def resolve(self, name: str) -> str:
+        """Return the fully qualified, remapped form of a name. Raises InvalidNameError."""
+        return self.raw.resolve(name)
+
+    async def publisher(self, topic: str, type_name: str, *, latch: bool = False) -> TypedPublisher:
+        """Advertise a topic. Raises UnknownTypeError, InvalidNameError, GraphError."""
+        codec = self.store.codec(type_name)
+        message_type = self.store.registry.message_type(type_name)
+        return TypedPublisher(await self.raw.advertise(topic, message_type, latch=latch), codec)
+
+    def messages(
+        self, topic: str, type_name: str | None = None, *, queue_size: int = DEFAULT_QUEUE_MESSAGES
+    ) -> MessageStream:
+        """Return a topic's messages to loop over; the subscription lasts as long as the loop.
+
+        Without `type_name` each publisher's own definition is used, even of a type nobody here knows.
+        `queue_size` bounds what waits for the loop; then the oldest are dropped and counted.
+        """
+        return MessageStream(self.raw, self._learned, topic, type_name, queue_size)
+
+    async def wait_for_message(
+        self, topic: str, type_name: str | None = None, *, timeout_s: float | None = None
+    ) -> Message:
+        """Return the next message of a topic. Raises TimeoutError."""
+        stream = self.messages(topic, type_name, queue_size=1)
+        async with asyncio.timeout(timeout_s), aclosing(aiter(stream)) as messages:
+            async for message in messages:
+                return message
+        raise GraphError(f"node {self.node_name} has left the graph: join again")
+
+    async def call(
+        self,
+        service: str,
+        type_name: str,
+        request: MessageLike | None = None,
+        *,
+        timeout_s: float | None = None,
+    ) -> Message:
+        """Call a service and return its response.
+
+        Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError, SerializationError.
+        """
+        service_type = self.store.registry.service_type(type_name)
+        payload = self.store.codec(service_type.request.name).encode({} if request is None else request)
+        answer = await self.raw.call_service(service, service_type, payload, timeout_s=timeout_s)
+        return self.store.codec(service_type.response.name).decode(answer)
+
+    async def serve(self, service: str, type_name: str, handler: Handler) -> ServiceServer:
+        """Offer a service; `handler` takes the request and returns the response, or awaits it.
+
+        What it raises fails the call and is told to the caller.
+        """
+        service_type = self.store.registry.service_type(type_name)
+        request_codec = self.store.codec(service_type.request.name)
+        response_codec = self.store.codec(service_type.response.name)
+
+        async def handle(payload: bytes) -> bytes:
+            request = request_codec.decode(payload)
+            try:
+                answer = handler(request)
+                response = answer if isinstance(answer, Message | Mapping) else await answer
+                return response_codec.encode(response)
+            except RostetherError:
+                raise
+            except Exception as error:
+                raise ServiceCallError(f"{type(error).__name__}: {error}") from error
+
+        return await self.raw.advertise_service(service, service_type, handle)
+
+    async def get_param(self, name: str, default: ParamValue = None) -> ParamValue:
+        """Return a parameter's value, or `default` where there is none and a default is given.
+
+        Raises UnknownNameError.
+        """
+        if default is not None and not await self.raw.has_param(name):
+            return default
+        return await self.raw.get_param(name)
+
+    async def set_param(self, name: str, value: ParamValue) -> None:
+        """Set a parameter; a mapping replaces the whole tree below it."""
+        await self.raw.set_param(name, value)
+
+    async def delete_param(self, name: str) -> None:
+        """Delete a parameter. Raises UnknownNameError."""
+        await self.raw.delete_param(name)
+
+    async def has_param(self, name: str) -> bool:
+        """Tell whether a parameter is set."""
+        return await self.raw.has_param(name)
+
+    async def search_param(self, name: str) -> str | None:
+        """Find the nearest parameter of that name, upward from the node."""
+        return await self.raw.search_param(name)
+
+    async def list_params(self) -> Sequence[str]:
+        """Return the full names of all parameters, sorted."""
+        return await self.raw.list_params()
+
+    async def watch_param(self, name: str, on_change: Callable[[ParamValue], None]) -> Watch:
+        """Call back with the value now and after every change; None means it is unset."""
+        return await self.raw.watch_param(name, on_change)
+
+    def log(self, level: Level, text: str) -> None:
+        """Publish a log message on /rosout under this node's name."""
+        self.raw.log(level, text)
+
+    def now(self) -> Time:
+        """Return ROS time."""
+        return self.raw.now()
+
+    async def snapshot(self) -> Snapshot:
+        """Return the whole graph as it stands."""
+        return await self.raw.snapshot()
+
+    def changes(self) -> AsyncIterator[Snapshot]:
+        """Yield a snapshot now and one after each change."""
+        return self.raw.changes()
+
+    async def close(self) -> None:
+        """Leave the graph. Idempotent."""
+        await self.raw.close()

@@ -1,0 +1,188 @@
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator
+from contextlib import aclosing
+
+import pytest
+import pytest_asyncio
+
+from rostether.errors import (
+    GraphError,
+    SerializationError,
+    ServiceCallError,
+    TypeMismatchError,
+    UnknownTypeError,
+)
+from rostether.graph.memory_network import MemoryNetwork
+from rostether.graph.message_stream import LearnedTypes
+from rostether.graph.typed_graph import TypedGraph
+from rostether.msgdef.interface import MessageType
+from rostether.msgdef.registry import Registry
+from rostether.serde.store import TypeStore
+from rostether.serde.values import Message
+
+LOCAL_TEXT = "float32 temperature\nstring[] tags\n"
+
+
+@pytest.fixture
+def network() -> MemoryNetwork:
+    return MemoryNetwork()
+
+
+async def enter(network: MemoryNetwork, name: str) -> TypedGraph:
+    return TypedGraph(await network.join(name), TypeStore(Registry()))
+
+
+@pytest_asyncio.fixture
+async def talker(network: MemoryNetwork) -> AsyncIterator[TypedGraph]:
+    graph = await enter(network, "/talker")
+    yield graph
+    await graph.close()
+
+
+@pytest_asyncio.fixture
+async def listener(network: MemoryNetwork) -> AsyncIterator[TypedGraph]:
+    graph = await enter(network, "/listener")
+    yield graph
+    await graph.close()
+
+
+async def take(graph: TypedGraph, topic: str, count: int) -> list[Message]:
+    found: list[Message] = []
+    async with aclosing(aiter(graph.messages(topic))) as messages:
+        async for message in messages:
+            found.append(message)
+            if len(found) == count:
+                break
+    return found
+
+
+async def test_messages_learn_the_type_from_the_publisher(talker: TypedGraph, listener: TypedGraph) -> None:
+    publisher = await talker.publisher("/chatter", "std_msgs/String")
+    receiving = asyncio.create_task(take(listener, "/chatter", 2))
+    assert await publisher.wait_for_subscriber(5.0)
+    publisher.publish({"data": "one"})
+    publisher.publish(data="two")
+    assert [message.data for message in await receiving] == ["one", "two"]
+
+
+async def test_messages_of_a_type_nobody_here_knows(network: MemoryNetwork, listener: TypedGraph) -> None:
+    registry = Registry(bundled=False)
+    registry.add_full_text("my_robot/Probe", LOCAL_TEXT)
+    talker = TypedGraph(await network.join("/talker"), TypeStore(registry))
+    publisher = await talker.publisher("/probe", "my_robot/Probe", latch=True)
+    publisher.publish(temperature=21.5, tags=["a", "b"])
+    message = await listener.wait_for_message("/probe", timeout_s=5.0)
+    assert (message.temperature, message.tags) == (21.5, ["a", "b"])
+
+
+async def test_a_type_that_is_another_one_there_is_read_as_its_publisher_means_it(
+    network: MemoryNetwork, listener: TypedGraph
+) -> None:
+    registry = Registry(bundled=False)
+    registry.add_full_text("std_msgs/String", "int32 not_data\n")
+    talker = TypedGraph(await network.join("/talker"), TypeStore(registry))
+    publisher = await talker.publisher("/chatter", "std_msgs/String", latch=True)
+    publisher.publish(not_data=7)
+    assert (await listener.wait_for_message("/chatter", timeout_s=5.0)).not_data == 7
+    # and here the name still means what it meant
+    assert listener.store.codec("std_msgs/String").message_class(data="x").data == "x"
+
+
+async def test_an_unknown_type_without_a_definition_says_how_to_give_it(
+    talker: TypedGraph, listener: TypedGraph
+) -> None:
+    await talker.raw.advertise("/secret", MessageType("my_robot/Secret", "0" * 32))
+    with pytest.raises(UnknownTypeError, match="--msg-path"):
+        await listener.wait_for_message("/secret", timeout_s=5.0)
+
+
+def test_another_md5sum_without_a_definition_is_a_mismatch() -> None:
+    types = LearnedTypes(TypeStore(Registry()))
+    with pytest.raises(TypeMismatchError, match="sends no definition"):
+        types.codec({"type": "std_msgs/String", "md5sum": "0" * 32})
+
+
+async def test_a_busy_loop_loses_the_oldest_and_counts_them(talker: TypedGraph, listener: TypedGraph) -> None:
+    publisher = await talker.publisher("/count", "std_msgs/UInt32")
+    stream = listener.messages("/count", queue_size=2)
+    async with aclosing(aiter(stream)) as messages:
+        first = asyncio.ensure_future(anext(messages))
+        assert await publisher.wait_for_subscriber(5.0)
+        publisher.publish(data=0)
+        assert (await first).data == 0
+        for number in range(1, 6):
+            publisher.publish(data=number)
+        assert (await anext(messages)).data == 4
+        assert (await anext(messages)).data == 5
+    assert stream.dropped_count == 3
+    assert publisher.subscriber_count == 0
+
+
+async def test_what_does_not_fit_the_type_is_left_out_and_counted(
+    talker: TypedGraph, listener: TypedGraph
+) -> None:
+    publisher = await talker.publisher("/chatter", "std_msgs/String")
+    stream = listener.messages("/chatter")
+    async with aclosing(aiter(stream)) as messages:
+        first = asyncio.ensure_future(anext(messages))
+        assert await publisher.wait_for_subscriber(5.0)
+        publisher.raw.publish_raw([b"\xff\xff\xff\xff", b"\x02\x00\x00\x00ok"])
+        assert (await first).data == "ok"
+    assert stream.misfit_count == 1
+
+
+async def test_a_loop_ends_when_its_node_leaves(talker: TypedGraph, listener: TypedGraph) -> None:
+    publisher = await talker.publisher("/chatter", "std_msgs/String")
+    receiving = asyncio.create_task(take(listener, "/chatter", 1))
+    assert await publisher.wait_for_subscriber(5.0)
+    await listener.close()
+    assert await asyncio.wait_for(receiving, 5.0) == []
+    with pytest.raises(GraphError, match="has left the graph"):
+        await listener.wait_for_message("/chatter", timeout_s=5.0)
+
+
+async def test_nobody_subscribes(talker: TypedGraph) -> None:
+    publisher = await talker.publisher("/chatter", "std_msgs/String")
+    assert not await publisher.wait_for_subscriber(0.02)
+
+
+async def test_a_wrong_field_is_named_to_the_caller(talker: TypedGraph) -> None:
+    publisher = await talker.publisher("/chatter", "std_msgs/String")
+    with pytest.raises(SerializationError, match="has no field 'dta'"):
+        publisher.publish(dta="x")
+
+
+@pytest.mark.parametrize("is_async", [False, True])
+async def test_service_both_ways(talker: TypedGraph, listener: TypedGraph, is_async: bool) -> None:
+    def answer(request: Message) -> dict[str, object]:
+        return {"success": request.data, "message": "done"}
+
+    async def answer_later(request: Message) -> dict[str, object]:
+        return answer(request)
+
+    server = await talker.serve("/enable", "std_srvs/SetBool", answer_later if is_async else answer)
+    response = await listener.call("/enable", "std_srvs/SetBool", {"data": True}, timeout_s=5.0)
+    assert (response.success, response.message) == (True, "done")
+    await server.close()
+
+
+async def test_a_handler_that_breaks_tells_the_caller(talker: TypedGraph, listener: TypedGraph) -> None:
+    def answer(request: Message) -> dict[str, object]:
+        raise RuntimeError("out of paint")
+
+    await talker.serve("/paint", "std_srvs/Trigger", answer)
+    with pytest.raises(ServiceCallError, match="out of paint"):
+        await listener.call("/paint", "std_srvs/Trigger", timeout_s=5.0)
+
+
+async def test_parameters(talker: TypedGraph, listener: TypedGraph) -> None:
+    await talker.set_param("/rate", 5)
+    assert await listener.get_param("/rate") == 5
+    assert await listener.get_param("/none", 7) == 7
+    assert await listener.has_param("/rate")
+    assert "/rate" in await listener.list_params()
+    assert await listener.search_param("rate") == "/rate"
+    await listener.delete_param("/rate")
+    assert not await talker.has_param("/rate")
