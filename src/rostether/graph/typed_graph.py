@@ -145,8 +145,7 @@ class TypedGraph:
             request = request_codec.decode(payload)
             try:
                 answer = handler(request)
-                response = answer if isinstance(answer, Message | Mapping) else await answer
-                return response_codec.encode(response)
+                return response_codec.encode(await answer if isinstance(answer, Awaitable) else answer)
             except RostetherError:
                 raise
             except Exception as error:
