@@ -145,7 +145,9 @@ class TypedGraph:
             request = request_codec.decode(payload)
             try:
                 answer = handler(request)
-                return response_codec.encode(await answer if isinstance(answer, Awaitable) else answer)
+                if isinstance(answer, Message) or not isinstance(answer, Awaitable):
+                    return response_codec.encode(answer)
+                return response_codec.encode(await answer)
             except RostetherError:
                 raise
             except Exception as error:
