@@ -12,7 +12,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
 from contextlib import aclosing
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, cast
 
 from rostether.errors import GraphError, RostetherError, ServiceCallError
 from rostether.graph.message_stream import DEFAULT_QUEUE_MESSAGES, LearnedTypes, MessageStream
@@ -145,9 +145,10 @@ class TypedGraph:
             request = request_codec.decode(payload)
             try:
                 answer = handler(request)
-                if isinstance(answer, Message) or not isinstance(answer, Awaitable):
-                    return response_codec.encode(answer)
-                return response_codec.encode(await answer)
+                if isinstance(answer, Awaitable):
+                    # A message takes any attribute, so the type checker thinks that it could be awaited.
+                    answer = await cast("Awaitable[MessageLike]", answer)
+                return response_codec.encode(answer)
             except RostetherError:
                 raise
             except Exception as error:
