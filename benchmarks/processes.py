@@ -104,6 +104,7 @@ class Bench:
     def ours(self, *arguments: str) -> subprocess.Popen[str]:
         """Start one of our commands against this master; its chatter goes nowhere."""
         environment = dict(os.environ, ROS_MASTER_URI=self.master_uri)
+        environment.pop("PYTHONDONTWRITEBYTECODE", None)
         process = subprocess.Popen(
             [sys.executable, "-m", "rostether", *arguments],
             env=environment,
