@@ -201,9 +201,9 @@ class _Reader:
         if count * 4 > self.left_bytes:
             self._fail()
             return ()
-        values = struct.unpack_from(f"<{count}{code}", self._payload, self._position)
+        data = self._payload[self._position : self._position + count * 4]
         self._position += count * 4
-        return values
+        return struct.unpack(f"<{count}{code}", data)
 
     def text(self, max_bytes: int, errors: str = "strict") -> str:
         size = self.number(_COUNT)

@@ -1,0 +1,105 @@
+from __future__ import annotations
+
+from rostether.rosserial import topic_id as ids
+from rostether.rosserial.completeness import EMPTY_CONFIRMATIONS, LOSSY_CONFIRMATIONS, Completeness
+from rostether.rosserial.packets import TopicInfo
+from rostether.rosserial.topic_table import EndpointKey
+from unit.rosserial.sessions import STRING, STRING_MD5
+
+Announced = tuple[int, TopicInfo]
+
+
+def publisher(topic_id: int, name: str = "") -> Announced:
+    return ids.PUBLISHER, TopicInfo(topic_id, name or f"p{topic_id}", STRING, STRING_MD5, 280)
+
+
+def half(kind: int, topic_id: int, name: str) -> Announced:
+    return kind, TopicInfo(topic_id, name, STRING, STRING_MD5, 280)
+
+
+def play(completeness: Completeness, *rounds: list[Announced]) -> list[bool]:
+    verdicts = []
+    for announcements in rounds:
+        completeness.open_round()
+        for kind, info in announcements:
+            completeness.take(kind, info)
+        verdicts.append(completeness.close_round())
+    return verdicts
+
+
+ONE, TWO, THREE = publisher(125), publisher(126), publisher(127)
+
+
+def test_a_clean_line_needs_one_confirmation() -> None:
+    assert play(Completeness(), [ONE, TWO], [ONE, TWO]) == [False, True]
+
+
+def test_news_must_be_confirmed_again() -> None:
+    verdicts = play(Completeness(), [ONE], [ONE, TWO], [ONE, TWO])
+    assert verdicts == [False, False, True]
+
+
+def test_rounds_that_differ_need_more() -> None:
+    rounds = [[ONE], [TWO]] + [[ONE, TWO]] * LOSSY_CONFIRMATIONS
+    assert play(Completeness(), *rounds) == [False] * (len(rounds) - 1) + [True]
+
+
+def test_a_gap_in_the_ids_needs_more() -> None:
+    assert play(Completeness(), *[[ONE, THREE]] * 4) == [False, False, False, True]
+
+
+def test_half_a_service_needs_more() -> None:
+    response = half(ids.SERVICE_SERVER_RESPONSE, 125, "ask")
+    request = half(ids.SERVICE_SERVER_REQUEST, 100, "ask")
+    assert play(Completeness(), *[[response]] * 4) == [False, False, False, True]
+    assert play(Completeness(), *[[response, request]] * 2) == [False, True]
+
+
+def test_damage_needs_more() -> None:
+    completeness = Completeness()
+    completeness.is_lossy = True
+    assert play(completeness, *[[ONE]] * 4) == [False, False, False, True]
+
+
+def test_an_empty_round_confirms_nothing() -> None:
+    assert play(Completeness(), [ONE], [], [ONE]) == [False, False, False]
+
+
+def test_a_device_without_endpoints() -> None:
+    assert play(Completeness(), *[[]] * (1 + EMPTY_CONFIRMATIONS)) == [False, False, True]
+
+
+def test_what_was_complete_before_needs_no_confirmation() -> None:
+    completeness = Completeness()
+    play(completeness, [ONE, TWO], [ONE, TWO])
+    completeness.accept(is_confirmed=True)
+    completeness.begin(is_lossy=False)
+    assert play(completeness, [ONE, TWO]) == [True]
+
+
+def test_less_than_before_needs_more() -> None:
+    completeness = Completeness()
+    play(completeness, [ONE, TWO], [ONE, TWO])
+    completeness.accept(is_confirmed=True)
+    completeness.begin(is_lossy=False)
+    assert play(completeness, *[[ONE]] * 4) == [False, False, False, True]
+    completeness.accept(is_confirmed=True)
+    assert completeness.complete == {EndpointKey(True, 125)}
+
+
+def test_unconfirmed_rounds_take_nothing_away() -> None:
+    completeness = Completeness()
+    play(completeness, [ONE, TWO], [ONE, TWO])
+    completeness.accept(is_confirmed=True)
+    completeness.begin(is_lossy=False)
+    play(completeness, [TWO, THREE])
+    completeness.accept(is_confirmed=False)
+    assert len(completeness.complete) == 3
+
+
+def test_a_changed_announcement_is_news() -> None:
+    assert play(Completeness(), [ONE], [publisher(125, "other")], [publisher(125, "other")]) == [
+        False,
+        False,
+        True,
+    ]

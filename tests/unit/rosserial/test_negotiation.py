@@ -1,0 +1,202 @@
+from __future__ import annotations
+
+import itertools
+
+import pytest
+
+from rostether.rosserial import negotiation as module
+from rostether.rosserial import topic_id as ids
+from rostether.rosserial.negotiation import (
+    LATE_ANSWER_S,
+    MAX_UNANSWERED,
+    QUIET_S,
+    RETRY_S,
+    TRANSITIONS,
+    Negotiation,
+    Phase,
+)
+from rostether.rosserial.packets import TopicInfo
+from unit.rosserial.sessions import STRING, STRING_MD5
+from unit.rosserial.state_tables import drawn_transitions
+
+INFO = TopicInfo(125, "chatter", STRING, STRING_MD5, 280)
+
+
+def test_the_table_is_the_one_that_is_drawn() -> None:
+    drawn = {(state, what): following for state, what, following, _ in drawn_transitions(module)}
+    assert drawn == {
+        (state.name, what.name): following.name for (state, what), following in TRANSITIONS.items()
+    }
+
+
+def tick(negotiation: Negotiation) -> tuple[float, bool]:
+    """Let the timer fire when it is due; return when that was, and whether it settled."""
+    due_s = negotiation.get_timer()
+    assert due_s is not None
+    return due_s, negotiation.handle_timer(due_s, is_flowing=False)
+
+
+def settled(version: int = 2) -> tuple[Negotiation, float]:
+    """Return a negotiation that has settled on one publisher, and the time."""
+    negotiation = Negotiation()
+    negotiation.set_version(version, 0.0)
+    negotiation.ask(0.0)
+    now_s, done = 0.0, False
+    while not done:
+        if negotiation.take_request() is not None:
+            negotiation.answered(now_s + 0.01)
+            negotiation.announced(ids.PUBLISHER, INFO, now_s + 0.02)
+        now_s, done = tick(negotiation)
+    return negotiation, now_s
+
+
+def test_searching_alternates_versions_and_leaves_the_line_quiet_between() -> None:
+    negotiation = Negotiation()
+    negotiation.ask(0.0)
+    asked = [(0.0, negotiation.take_request())]
+    while len(asked) < 12:
+        now_s, _ = tick(negotiation)
+        asked.append((now_s, negotiation.take_request()))
+    gaps = [later[0] - earlier[0] for earlier, later in itertools.pairwise(asked)]
+    assert min(gaps) > 0.02
+    assert asked[0][1] == 2
+    assert {version for _, version in asked} == {1, 2}
+    assert [version for _, version in asked[-4:]] in ([1, 2, 1, 2], [2, 1, 2, 1])
+    for wanted in (1, 2):
+        times = [now_s for now_s, version in asked if version == wanted]
+        assert max(later - earlier for earlier, later in itertools.pairwise(times)) <= 1.0
+
+
+def test_nothing_is_asked_while_the_burst_flows() -> None:
+    negotiation = Negotiation()
+    negotiation.set_version(2, 0.0)
+    negotiation.ask(0.0)
+    assert negotiation.take_request() == 2
+    for number in range(50):
+        now_s = 0.01 + number * 0.09
+        assert not negotiation.handle_timer(now_s, is_flowing=False)
+        negotiation.announced(ids.PUBLISHER, TopicInfo(125 + number, "a", STRING, STRING_MD5, 280), now_s)
+        assert negotiation.take_request() is None
+    assert negotiation.get_timer() == pytest.approx(0.01 + 49 * 0.09 + QUIET_S)
+
+
+def test_an_announcement_that_is_just_coming_in_prolongs_the_burst() -> None:
+    negotiation = Negotiation()
+    negotiation.set_version(2, 0.0)
+    negotiation.ask(0.0)
+    negotiation.take_request()
+    negotiation.answered(0.01)
+    assert not negotiation.handle_timer(0.2, is_flowing=True)
+    assert negotiation.take_request() is None
+    assert negotiation.phase is Phase.LISTENING
+
+
+def test_a_healthy_board_is_asked_twice_at_the_start_and_once_later() -> None:
+    negotiation, now_s = settled()
+    assert negotiation.requests == 2
+    assert negotiation.round_trip_s == pytest.approx(0.01)
+    negotiation.ask(now_s)
+    assert negotiation.take_request() == 2
+    negotiation.announced(ids.PUBLISHER, INFO, now_s + 0.01)
+    _, done = tick(negotiation)
+    assert done
+    assert negotiation.requests == 1
+
+
+def test_unanswered_requests_are_repeated_ever_more_slowly() -> None:
+    negotiation = Negotiation()
+    negotiation.set_version(2, 0.0)
+    negotiation.ask(0.0)
+    times = [0.0]
+    for _ in range(8):
+        now_s, _ = tick(negotiation)
+        assert negotiation.take_request() == 2
+        times.append(now_s)
+    gaps = [later - earlier for earlier, later in itertools.pairwise(times)]
+    assert gaps == pytest.approx([RETRY_S, 2 * RETRY_S, 4 * RETRY_S, 1.0, 1.0, 1.0, 1.0, 1.0])
+
+
+def test_a_slow_sketch_is_given_the_time_it_takes() -> None:
+    negotiation = Negotiation()
+    negotiation.set_version(2, 0.0)
+    negotiation.ask(0.0)
+    negotiation.take_request()
+    negotiation.announced(ids.PUBLISHER, INFO, 0.19)
+    tick(negotiation)
+    assert negotiation.take_request() == 2
+    due_s = negotiation.get_timer()
+    assert due_s == pytest.approx(0.19 + QUIET_S + 1.5 * 0.19)
+
+
+def test_a_device_that_answers_only_once_is_left_in_peace() -> None:
+    negotiation = Negotiation()
+    negotiation.set_version(2, 0.0)
+    negotiation.ask(0.0)
+    negotiation.take_request()
+    negotiation.announced(ids.PUBLISHER, INFO, 0.01)
+    done, asked = False, 0
+    while not done:
+        now_s, done = tick(negotiation)
+        asked += negotiation.take_request() is not None
+        assert now_s < 10
+    assert asked == MAX_UNANSWERED
+    assert len(negotiation.complete) == 1
+    assert negotiation.get_timer() is None
+
+
+def test_a_device_that_never_answers_is_asked_for_ever() -> None:
+    negotiation = Negotiation()
+    negotiation.set_version(2, 0.0)
+    negotiation.ask(0.0)
+    for _ in range(50):
+        _, done = tick(negotiation)
+        assert not done
+
+
+def test_learning_the_version_asks_in_it_at_once() -> None:
+    negotiation = Negotiation()
+    negotiation.ask(0.0)
+    assert negotiation.take_request() == 2
+    negotiation.set_version(1, 0.1)
+    assert negotiation.take_request() == 1
+    negotiation.set_version(1, 0.2)
+    assert negotiation.take_request() is None
+
+
+def test_late_answers_are_not_mistaken() -> None:
+    negotiation = Negotiation()
+    negotiation.set_version(2, 0.0)
+    negotiation.ask(0.0)
+    tick(negotiation)
+    tick(negotiation)
+    done, now_s = False, 1.5
+    while not done:
+        negotiation.announced(ids.PUBLISHER, INFO, now_s)
+        now_s, done = tick(negotiation)
+    assert negotiation.expects_answer(now_s)
+    assert not negotiation.expects_answer(now_s + LATE_ANSWER_S + 10)
+    negotiation.announced(ids.PUBLISHER, INFO, now_s + 0.5)
+    assert negotiation.phase is Phase.LISTENING
+    _, done = tick(negotiation)
+    assert done
+    assert negotiation.requests == 0
+
+
+def test_announcements_nobody_asked_for_that_bring_news_are_confirmed() -> None:
+    negotiation, now_s = settled()
+    negotiation.announced(ids.PUBLISHER, TopicInfo(126, "other", STRING, STRING_MD5, 280), now_s + 5)
+    _, done = tick(negotiation)
+    assert not done
+    assert negotiation.take_request() == 2
+
+
+def test_damage_on_a_line_that_looked_clean_leads_to_one_question() -> None:
+    negotiation, now_s = settled()
+    negotiation.note_damage(now_s + 1)
+    assert negotiation.take_request() == 2
+    negotiation.announced(ids.PUBLISHER, INFO, now_s + 1.01)
+    _, done = tick(negotiation)
+    assert done
+    negotiation.note_damage(now_s + 9)
+    assert negotiation.take_request() is None
+    assert negotiation.is_settled

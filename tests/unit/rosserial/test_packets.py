@@ -1,0 +1,149 @@
+from __future__ import annotations
+
+import struct
+
+import pytest
+
+from rostether.errors import LocalProtocolError
+from rostether.rosserial.packets import (
+    Log,
+    LogLevel,
+    ParameterRequest,
+    ParameterResponse,
+    TopicInfo,
+    decode_time,
+    encode_time,
+)
+from rostether.rostime import Time
+
+CHATTER = TopicInfo(125, "chatter", "std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1", 280)
+CHATTER_BYTES = bytes.fromhex(
+    "7d0007000000636861747465720f0000007374645f6d7367732f537472696e6720000000"
+    "393932636538613136383763656338633862643838336563373363613431643118010000"
+)
+
+
+def test_topic_info_as_recorded() -> None:
+    assert CHATTER.encode() == CHATTER_BYTES
+    assert TopicInfo.decode(CHATTER_BYTES) == CHATTER
+
+
+@pytest.mark.parametrize(
+    "name", ["chatter", "/ultrasound", "~state", "arm/joint_1/angle", "/a", "x", "robot/1/cmd", "~/x"]
+)
+def test_names_that_devices_announce(name: str) -> None:
+    info = TopicInfo(100, name, "std_msgs/Empty", "0" * 32, 512)
+    assert TopicInfo.decode(info.encode()) == info
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"topic_id": 99},
+        {"topic_id": 7},
+        {"topic_name": ""},
+        {"topic_name": "/"},
+        {"topic_name": "~"},
+        {"topic_name": "a//b"},
+        {"topic_name": "chat ter"},
+        {"topic_name": "chat\x07"},
+        {"topic_name": "1st"},
+        {"topic_name": "blå"},
+        {"topic_name": "chatter\n"},
+        {"topic_name": "x" * 256},
+        {"message_type": "String"},
+        {"message_type": "std_msgs/"},
+        {"message_type": "std_msgs/String/More"},
+        {"message_type": "std_msgs String"},
+        {"md5sum": "992ce8a1687cec8c8bd883ec73ca41d"},
+        {"md5sum": "992ce8a1687cec8c8bd883ec73ca41dg"},
+        {"md5sum": "992CE8A1687CEC8C8BD883EC73CA41D1"},
+        {"buffer_size": -1},
+        {"buffer_size": 1 << 24},
+    ],
+    ids=str,
+)
+def test_announcements_that_must_be_damage(wrong: dict[str, object]) -> None:
+    fields = {name: getattr(CHATTER, name) for name in CHATTER.__slots__}
+    assert TopicInfo.decode(TopicInfo(**{**fields, **wrong}).encode()) is None
+
+
+def test_announcement_of_another_length() -> None:
+    assert TopicInfo.decode(b"") is None
+    assert TopicInfo.decode(CHATTER_BYTES + b"\0") is None
+    for size in range(len(CHATTER_BYTES)):
+        assert TopicInfo.decode(CHATTER_BYTES[:size]) is None
+
+
+def test_strings_that_claim_more_than_there_is() -> None:
+    for claim in (70, 0xFFFF, 0xFFFFFFFF):
+        assert TopicInfo.decode(CHATTER_BYTES[:2] + struct.pack("<I", claim) + CHATTER_BYTES[6:]) is None
+
+
+def test_topic_info_that_no_frame_can_say() -> None:
+    with pytest.raises(LocalProtocolError, match="cannot announce"):
+        TopicInfo(1 << 16, "a", "b/C", "0" * 32, 1).encode()
+
+
+@pytest.mark.parametrize("level", LogLevel)
+def test_log(level: LogLevel) -> None:
+    assert Log.decode(Log(level, "Gurkensalat grün").encode()) == Log(level, "Gurkensalat grün")
+
+
+def test_log_with_bytes_that_are_no_text() -> None:
+    assert Log.decode(b"\x02\x02\0\0\0a\xff") == Log(LogLevel.WARN, "a\N{REPLACEMENT CHARACTER}")
+
+
+@pytest.mark.parametrize("payload", [b"", b"\x01", b"\x05\0\0\0\0", b"\x01\x02\0\0\0a", b"\x01\x01\0\0\0ab"])
+def test_log_that_must_be_damage(payload: bytes) -> None:
+    assert Log.decode(payload) is None
+
+
+def test_parameter_request() -> None:
+    assert ParameterRequest.decode(bytes.fromhex("050000007e72617465")) == ("~rate",)
+    assert ParameterRequest.decode(ParameterRequest("my param").encode()) == ("my param",)
+
+
+@pytest.mark.parametrize(
+    "payload", [b"", b"\0\0\0\0", b"\x02\0\0\0a\n", b"\x02\0\0\0a", b"\x01\0\0\0ab", b"\x01\0\0\0\xff"]
+)
+def test_parameter_request_that_must_be_damage(payload: bytes) -> None:
+    assert ParameterRequest.decode(payload) is None
+
+
+def test_parameter_response() -> None:
+    response = ParameterResponse((-1, 2**31 - 1), (2.5, float("-inf")), ("left arm", ""))
+    assert ParameterResponse.decode(response.encode()) == response
+    assert ParameterResponse((10,)).encode().hex() == "010000000a0000000000000000000000"
+    assert ParameterResponse().encode() == bytes(12)
+
+
+@pytest.mark.parametrize("response", [ParameterResponse((2**31,)), ParameterResponse((), (1e39,))])
+def test_parameter_values_that_do_not_fit(response: ParameterResponse) -> None:
+    with pytest.raises(LocalProtocolError, match="does not fit"):
+        response.encode()
+
+
+@pytest.mark.parametrize(
+    "payload",
+    [
+        b"",
+        bytes(11),
+        bytes(13),
+        b"\xff" * 12,
+        bytes(8) + b"\xff\xff\xff\xff",
+        bytes(8) + b"\x01\0\0\0\x05\0\0\0abc",
+    ],
+)
+def test_parameter_response_that_must_be_damage(payload: bytes) -> None:
+    assert ParameterResponse.decode(payload) is None
+
+
+def test_time() -> None:
+    assert decode_time(encode_time(Time(1700000000, 999999999))) == Time(1700000000, 999999999)
+    assert decode_time(encode_time(Time(2**32 + 5, 0))) == Time(5, 0)
+
+
+@pytest.mark.parametrize("payload", [b"", bytes(7), bytes(9), struct.pack("<II", 1, 1_000_000_000)])
+def test_time_that_must_be_damage(payload: bytes) -> None:
+    assert decode_time(payload) is None

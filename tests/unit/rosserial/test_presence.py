@@ -1,0 +1,130 @@
+from __future__ import annotations
+
+import pytest
+
+from rostether.rosserial import presence as module
+from rostether.rosserial.presence import (
+    EARLY_S,
+    PROBE_AFTER_S,
+    SECOND_PROBE_S,
+    SILENT_AFTER_S,
+    TRANSITIONS,
+    Presence,
+    State,
+    Verdict,
+)
+from unit.rosserial.state_tables import drawn_transitions
+
+
+def test_the_table_is_the_one_that_is_drawn() -> None:
+    drawn = {}
+    for state, what, following, verdict in drawn_transitions(module):
+        states = ["PRESENT", "DOUBTED", "ACCUSED"] if state == "any" else [state]
+        for one in states:
+            drawn[one, what] = following, verdict if verdict in Verdict.__members__ else ""
+    assert drawn == {
+        (state.name, what.name): (following.name, verdict.name if verdict else "")
+        for (state, what), (following, verdict) in TRANSITIONS.items()
+    }
+
+
+def present(now_s: float = 0.0) -> Presence:
+    presence = Presence()
+    presence.answered(now_s)
+    assert presence.state is State.PRESENT
+    return presence
+
+
+def test_nothing_is_due_before_the_device_was_heard() -> None:
+    assert Presence().get_timer(probes=True) is None
+    assert Presence().handle_timer(100.0, probes=True) is None
+
+
+def test_a_board_that_publishes_is_not_probed() -> None:
+    presence = present()
+    for tenth in range(1, 100):
+        presence.message(tenth / 10)
+        assert presence.handle_timer(tenth / 10, probes=True) is None
+
+
+def test_silence_leads_to_a_probe_each_second() -> None:
+    presence = present()
+    probes: list[float] = []
+    while len(probes) < 3:
+        due_s = presence.get_timer(probes=True)
+        assert due_s is not None
+        assert presence.handle_timer(due_s, probes=True) is Verdict.PROBE
+        probes.append(due_s)
+    assert probes == pytest.approx([PROBE_AFTER_S, 2 * PROBE_AFTER_S, 3 * PROBE_AFTER_S])
+
+
+def test_an_answer_to_the_probe_means_reset() -> None:
+    presence = present()
+    presence.message(1.5)
+    assert presence.handle_timer(2.5, probes=True) is Verdict.PROBE
+    assert presence.time_request(2.51) is Verdict.PROBE  # or was it just due?
+    assert presence.time_request(2.52) is Verdict.RESET
+
+
+def test_an_answer_much_too_early_means_reset_at_once() -> None:
+    presence = present()
+    assert presence.handle_timer(PROBE_AFTER_S, probes=True) is Verdict.PROBE
+    assert presence.time_request(PROBE_AFTER_S + 0.01) is Verdict.RESET
+
+
+def test_a_healthy_silent_board_is_never_taken_for_reset() -> None:
+    presence = present()
+    now_s, next_request_s = 0.0, 2.5
+    while now_s < 100:
+        due_s = presence.get_timer(probes=True)
+        assert due_s is not None
+        now_s = min(due_s, next_request_s)
+        if now_s == next_request_s:
+            assert presence.time_request(now_s) is not Verdict.RESET
+            next_request_s += 2.5
+        else:
+            assert presence.handle_timer(now_s, probes=True) in (None, Verdict.PROBE)
+
+
+def test_a_second_probe_without_answer_acquits() -> None:
+    presence = present()
+    presence.handle_timer(1.0, probes=True)
+    presence.handle_timer(2.0, probes=True)
+    assert presence.time_request(2.5) is Verdict.PROBE
+    assert presence.handle_timer(2.5 + SECOND_PROBE_S, probes=True) is None
+    assert presence.state is State.PRESENT
+
+
+def test_an_early_time_request_is_only_probed() -> None:
+    presence = present()
+    assert presence.time_request(EARLY_S - 0.1) is Verdict.PROBE
+    presence.message(EARLY_S)
+    assert presence.state is State.PRESENT
+
+
+def test_silence_is_reported_once() -> None:
+    presence = present()
+    assert presence.get_timer(probes=False) == SILENT_AFTER_S
+    assert presence.handle_timer(SILENT_AFTER_S - 0.1, probes=False) is None
+    assert presence.handle_timer(SILENT_AFTER_S, probes=False) is Verdict.SILENT
+    assert presence.handle_timer(SILENT_AFTER_S + 9, probes=False) is None
+    presence.time_request(20.0)
+    assert presence.state is State.PRESENT
+
+
+def test_a_device_that_answers_every_probe_is_believed_ever_more_rarely() -> None:
+    presence = present()
+    now_s, resets = 0.0, []
+    while now_s < 300:
+        due_s = presence.get_timer(probes=True)
+        assert due_s is not None
+        now_s = due_s
+        verdict = presence.handle_timer(now_s, probes=True)
+        while verdict is Verdict.PROBE:
+            now_s += 0.01
+            verdict = presence.time_request(now_s)
+        if verdict is Verdict.RESET:
+            resets.append(now_s)
+            presence.answered(now_s)
+    assert len(resets) < 20
+    assert resets[-1] - resets[-2] > 50

@@ -1,0 +1,144 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+from rostether.rosserial import topic_id as ids
+from rostether.rosserial.events import (
+    ServiceAnnounced,
+    ServiceRole,
+    ServiceWithdrawn,
+    TopicAnnounced,
+    TopicRole,
+    TopicWithdrawn,
+)
+from rostether.rosserial.packets import TopicInfo
+from rostether.rosserial.topic_table import CONTROL_LIMITS, EndpointKey, TopicTable
+from unit.rosserial.sessions import (
+    EMPTY,
+    EMPTY_MD5,
+    STRING,
+    STRING_MD5,
+    TEST_REQUEST_MD5,
+    TEST_RESPONSE_MD5,
+    TEST_SRV,
+)
+
+CHATTER = TopicInfo(125, "chatter", STRING, STRING_MD5, 280)
+LED = TopicInfo(100, "led", EMPTY, EMPTY_MD5, 150)
+REQUEST = TopicInfo(101, "ask", TEST_SRV, TEST_REQUEST_MD5, 280)
+RESPONSE = TopicInfo(126, "ask", TEST_SRV, TEST_RESPONSE_MD5, 280)
+
+
+def test_topics_are_reported_once() -> None:
+    table = TopicTable(10)
+    assert table.announce(ids.PUBLISHER, CHATTER) == [TopicAnnounced(TopicRole.PUBLISHER, CHATTER)]
+    assert table.announce(ids.SUBSCRIBER, LED) == [TopicAnnounced(TopicRole.SUBSCRIBER, LED)]
+    assert table.announce(ids.PUBLISHER, CHATTER) == []
+    assert (table.topic_count, table.service_count) == (2, 0)
+
+
+def test_a_changed_topic_is_withdrawn_and_announced() -> None:
+    table = TopicTable(10)
+    table.announce(ids.PUBLISHER, CHATTER)
+    other = replace(CHATTER, topic_name="talk")
+    assert table.announce(ids.PUBLISHER, other) == [
+        TopicWithdrawn(TopicRole.PUBLISHER, CHATTER),
+        TopicAnnounced(TopicRole.PUBLISHER, other),
+    ]
+
+
+def test_one_id_for_both_directions_is_two_endpoints() -> None:
+    table = TopicTable(10)
+    table.announce(ids.PUBLISHER, CHATTER)
+    table.announce(ids.SUBSCRIBER, replace(LED, topic_id=125))
+    assert table.keys() == {EndpointKey(True, 125), EndpointKey(False, 125)}
+
+
+def test_one_name_for_both_directions_is_two_topics() -> None:
+    table = TopicTable(10)
+    table.announce(ids.PUBLISHER, CHATTER)
+    assert table.announce(ids.SUBSCRIBER, replace(CHATTER, topic_id=100)) != []
+
+
+def test_services_are_reported_when_both_halves_are_known() -> None:
+    for first, second in (
+        ((ids.SERVICE_SERVER_RESPONSE, RESPONSE), (ids.SERVICE_SERVER_REQUEST, REQUEST)),
+        ((ids.SERVICE_SERVER_REQUEST, REQUEST), (ids.SERVICE_SERVER_RESPONSE, RESPONSE)),
+    ):
+        table = TopicTable(10)
+        assert table.announce(*first) == []
+        assert table.announce(*second) == [
+            ServiceAnnounced(ServiceRole.SERVER, "ask", TEST_SRV, REQUEST, RESPONSE)
+        ]
+        assert (table.topic_count, table.service_count) == (0, 1)
+
+
+def test_a_server_and_a_client_of_one_name_are_two_services() -> None:
+    table = TopicTable(10)
+    table.announce(ids.SERVICE_SERVER_RESPONSE, RESPONSE)
+    table.announce(ids.SERVICE_SERVER_REQUEST, REQUEST)
+    client_request, client_response = replace(REQUEST, topic_id=127), replace(RESPONSE, topic_id=102)
+    assert table.announce(ids.SERVICE_CLIENT_REQUEST, client_request) == []
+    assert table.announce(ids.SERVICE_CLIENT_RESPONSE, client_response) == [
+        ServiceAnnounced(ServiceRole.CLIENT, "ask", TEST_SRV, client_request, client_response)
+    ]
+
+
+def test_a_service_loses_a_half() -> None:
+    table = TopicTable(10)
+    table.announce(ids.SERVICE_SERVER_RESPONSE, RESPONSE)
+    table.announce(ids.SERVICE_SERVER_REQUEST, REQUEST)
+    withdrawn = ServiceWithdrawn(ServiceRole.SERVER, "ask", TEST_SRV, REQUEST, RESPONSE)
+    assert table.withdraw_all_but([EndpointKey(True, 126)]) == [withdrawn]
+    assert table.service_count == 0
+
+
+def test_two_clients_of_one_service_pair_in_order() -> None:
+    table = TopicTable(10)
+    for number in (0, 1):
+        table.announce(ids.SERVICE_CLIENT_REQUEST, replace(REQUEST, topic_id=125 + number))
+        table.announce(ids.SERVICE_CLIENT_RESPONSE, replace(RESPONSE, topic_id=100 + number))
+    assert table.service_count == 2
+
+
+def test_withdrawal() -> None:
+    table = TopicTable(10)
+    table.announce(ids.PUBLISHER, CHATTER)
+    table.announce(ids.SUBSCRIBER, LED)
+    assert table.withdraw_all_but([EndpointKey(False, 100)]) == [TopicWithdrawn(TopicRole.PUBLISHER, CHATTER)]
+    assert table.withdraw_all_but([EndpointKey(False, 100)]) == []
+    assert table.senders == set()
+
+
+def test_limits_of_both_directions() -> None:
+    table = TopicTable(10)
+    table.announce(ids.PUBLISHER, CHATTER)
+    table.announce(ids.SUBSCRIBER, LED)
+    assert table.send_limits == {100: 150}
+    assert table.payload_limits == {**CONTROL_LIMITS, 125: 280}
+    assert table.senders == {125}
+
+
+def test_nothing_is_sent_to_a_distrusted_endpoint() -> None:
+    table = TopicTable(10)
+    table.announce(ids.SUBSCRIBER, LED)
+    table.distrust()
+    assert table.send_limits == {}
+    assert table.announce(ids.SUBSCRIBER, LED) == []
+    assert table.send_limits == {100: 150}
+
+
+def test_too_many_endpoints() -> None:
+    table = TopicTable(1)
+    table.announce(ids.SUBSCRIBER, LED)
+    assert table.announce(ids.PUBLISHER, CHATTER) is None
+    assert table.announce(ids.SUBSCRIBER, LED) == []
+
+
+def test_input_buffer_is_that_of_subscribers_else_of_publishers() -> None:
+    table = TopicTable(10)
+    assert table.input_buffer_bytes is None
+    table.announce(ids.PUBLISHER, CHATTER)
+    assert table.input_buffer_bytes == 280
+    table.announce(ids.SUBSCRIBER, LED)
+    assert table.input_buffer_bytes == 150
