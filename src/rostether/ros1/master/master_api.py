@@ -26,7 +26,7 @@ from rostether.ros1.master.argument_checks import (
     topic_type,
 )
 from rostether.ros1.master.parameter_tree import ParameterTree, updates, watch_key
-from rostether.ros1.master.registrations import Kind, Registrations, Removal
+from rostether.ros1.master.registrations import Kind, Registrations
 from rostether.xmlrpc.values import XmlRpcValue
 
 Answer: TypeAlias = tuple[int, str, Any]
@@ -48,6 +48,9 @@ class NodeCalls(Protocol):
 
     def param_update(self, api: str, key: str, value: XmlRpcValue) -> None:
         """Tell a watcher a parameter's new value."""
+
+    def ping(self, api: str) -> None:
+        """Find out whether a node is there, and keep an eye on it."""
 
     def shut_down(self, api: str, reason: str) -> None:
         """Ask a node to shut down, and forget what else was queued for it."""
@@ -119,11 +122,25 @@ class MasterApi:
     def drop_node(self, name: str) -> None:
         """Remove a node that is gone, with all its registrations, and tell its topics' subscribers."""
         if name in self.registrations.nodes:
-            self._tell_removed(self.registrations.drop(name))
+            self._tell_subscribers(self.registrations.drop(name).topics)
 
     def _shutdown(self, caller_id: str, reason: XmlRpcValue) -> Answer:
         self._on_shutdown(f"shutdown request from {caller_id}: {reason!r:.200}")
         return 1, "shutdown", 0
+
+    def _register(self, kind: Kind, key: str, caller_id: str, caller_api: str, service_api: str = "") -> None:
+        node = self.registrations.nodes.get(caller_id)
+        if kind is Kind.SERVICE:
+            replaced = self.registrations.register_service(key, caller_id, caller_api, service_api)
+        else:
+            replaced = self.registrations.register(kind, key, caller_id, caller_api)
+        if replaced is not None:
+            _log.info("%s is started anew: the old one at %s is shut down", caller_id, replaced.api)
+            reason = f"[{caller_id}] Reason: new node registered with same name"
+            self._node_calls.shut_down(replaced.api, reason)
+            self._tell_subscribers(replaced.topics)
+        if node is None or replaced is not None:
+            self._node_calls.ping(caller_api)
 
     # Parameter Server
 
@@ -171,7 +188,7 @@ class MasterApi:
     def _subscribe_param(self, caller_id: str, caller_api: str, key: str) -> Answer:
         name = resolve(key, caller_id)
         value = self.parameters.get(name) if self.parameters.has(name) else {}
-        self._tell_removed(self.registrations.register(Kind.PARAM, watch_key(name), caller_id, caller_api))
+        self._register(Kind.PARAM, watch_key(name), caller_id, caller_api)
         return 1, f"Subscribed to parameter [{name}]", value
 
     def _unsubscribe_param(self, caller_id: str, caller_api: str, key: str) -> Answer:
@@ -189,7 +206,7 @@ class MasterApi:
     # Services
 
     def _register_service(self, caller_id: str, service: str, service_api: str, caller_api: str) -> Answer:
-        self._tell_removed(self.registrations.register_service(service, caller_id, caller_api, service_api))
+        self._register(Kind.SERVICE, service, caller_id, caller_api, service_api)
         _log.debug("+SERVICE [%s] %s %s", service, caller_id, caller_api)
         return 1, f"Registered [{caller_id}] as provider of [{service}]", 1
 
@@ -208,7 +225,7 @@ class MasterApi:
     # Topics
 
     def _register_publisher(self, caller_id: str, topic: str, type_name: str, caller_api: str) -> Answer:
-        self._tell_removed(self.registrations.register(Kind.PUBLISHER, topic, caller_id, caller_api))
+        self._register(Kind.PUBLISHER, topic, caller_id, caller_api)
         self.registrations.learn_type(topic, type_name, from_publisher=True)
         self._tell_subscribers([topic])
         _log.debug("+PUB [%s] %s %s", topic, caller_id, caller_api)
@@ -222,7 +239,7 @@ class MasterApi:
         return answer
 
     def _register_subscriber(self, caller_id: str, topic: str, type_name: str, caller_api: str) -> Answer:
-        self._tell_removed(self.registrations.register(Kind.SUBSCRIBER, topic, caller_id, caller_api))
+        self._register(Kind.SUBSCRIBER, topic, caller_id, caller_api)
         self.registrations.learn_type(topic, type_name, from_publisher=False)
         _log.debug("+SUB [%s] %s %s", topic, caller_id, caller_api)
         return 1, f"Subscribed to [{topic}]", self.registrations.apis(Kind.PUBLISHER, topic)
@@ -243,15 +260,6 @@ class MasterApi:
             publishers = self.registrations.apis(Kind.PUBLISHER, topic)
             for api in self.registrations.apis(Kind.SUBSCRIBER, topic):
                 self._node_calls.publisher_update(api, topic, publishers)
-
-    def _tell_removed(self, removal: Removal | None) -> None:
-        if removal is None:
-            return
-        if removal.name in self.registrations.nodes:
-            _log.info("%s is started anew: the old one at %s is shut down", removal.name, removal.api)
-            reason = f"[{removal.name}] Reason: new node registered with same name"
-            self._node_calls.shut_down(removal.api, reason)
-        self._tell_subscribers(removal.topics)
 
     # Graph state
 

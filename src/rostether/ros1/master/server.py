@@ -98,7 +98,12 @@ class MasterServer:
     def _drop_gone(self, api: str) -> None:
         gone = [node.name for node in self.api.registrations.nodes.values() if node.api == api]
         for name in gone:
-            _log.warning("%s at %s is gone (connection refused): its registrations are removed", name, api)
+            _log.warning(
+                "%s at %s is gone (connection refused), so its registrations are removed; "
+                "if it still runs, its ROS_IP or ROS_HOSTNAME is wrong",
+                name,
+                api,
+            )
             self.api.drop_node(name)
 
     def _unwatch(self, api: str, key: str) -> None:
