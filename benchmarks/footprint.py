@@ -29,7 +29,7 @@ def start_to_first_message_s() -> float:
             return any(name == "/flood" for name, _ in bench.master.getSystemState("/bench")[2][1])
 
         wait_until(waiting, "the subscriber")
-        bench.module("talker_device", str(port), "1")
+        bench.module("talker_device", str(port), "1", "50")
         time.sleep(0.5)
         started = time.perf_counter()
         bench.ours("serve", f"tcp://:{port}")
@@ -42,7 +42,7 @@ def idle(devices: int) -> Footprint:
     port = free_port()
     with Bench() as bench:
         bridge = bench.ours("serve", f"tcp://:{port}")
-        bench.module("talker_device", str(port), str(devices))
+        bench.module("talker_device", str(port), str(devices), "1")
 
         def all_there() -> bool:
             published = dict(bench.master.getSystemState("/bench")[2][0])

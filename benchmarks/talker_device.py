@@ -1,6 +1,6 @@
-"""Quiet TCP devices in one program: each publishes a std_msgs/String once a second, when asked for topics.
+"""Quiet TCP devices in one program: each publishes a std_msgs/String at HZ once it was asked for topics.
 
-talker_device.py PORT COUNT
+talker_device.py PORT COUNT HZ
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ def main(arguments: list[str]) -> None:
     for line in lines:
         selector.register(line, selectors.EVENT_READ)
     asked: set[socket.socket] = set()
+    period_s = 1 / float(arguments[2])
     due = time.monotonic()
     while True:
         for key, _ in selector.select(max(0.0, due - time.monotonic())):
@@ -36,7 +37,7 @@ def main(arguments: list[str]) -> None:
                 line.sendall(encode_frame(10, bytes(8)) + announcements + message)
                 asked.add(line)
         if time.monotonic() >= due:
-            due += 1.0
+            due += period_s
             for line in asked:
                 line.sendall(message + encode_frame(10, bytes(8)))
 
