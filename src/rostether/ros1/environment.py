@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rostether.errors import ConfigError
+from rostether.names.graph_name import canonical, is_global, is_legal_name, join
 
 DEFAULT_MASTER_PORT = 11311
 DEFAULT_MASTER_URI = f"http://localhost:{DEFAULT_MASTER_PORT}"
@@ -140,8 +141,8 @@ def _is_wildcard(host: str) -> bool:
 
 
 def _read_namespace(text: str) -> str:
-    namespace = "/" + "/".join(part for part in text.strip().split("/") if part)
-    if not re.fullmatch(r"/([A-Za-z]\w*(/\w+)*)?", namespace, re.ASCII):
+    namespace = canonical(join("/", text.strip()))
+    if not (is_global(namespace) and is_legal_name(namespace)):
         raise ConfigError(f"ROS_NAMESPACE={text!r:.200} is not a namespace like robot1 or /lab/robot1")
     return namespace
 

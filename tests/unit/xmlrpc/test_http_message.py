@@ -16,12 +16,15 @@ REQUESTS = {
     "python": b"POST /RPC2 HTTP/1.1\r\nHost: localhost:11311\r\nAccept-Encoding: gzip\r\n"
     b"Content-Type: text/xml\r\nUser-Agent: Python-xmlrpc/3.11\r\nContent-Length: 7\r\n\r\n<call/>",
     "http 1.0": b"POST / HTTP/1.0\r\nContent-Length: 7\r\n\r\n<call/>",
-    "chunked": b"POST / HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n3\r\n<ca\r\n4\r\nll/>\r\n0\r\n\r\n",
+    "chunked": b"POST / HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n"
+    b"3\r\n<ca\r\n4\r\nll/>\r\n0\r\n\r\n",
     "no body type": b"POST /any/path HTTP/1.1\r\nHost: x\r\nContent-Length: 7\r\n\r\n<call/>",
 }
 RESPONSES = {
-    "roscpp": b"HTTP/1.1 200 OK\r\nServer: XMLRPC++ 0.7\r\nContent-Type: text/xml\r\nContent-length: 6\r\n\r\n<ans/>",
-    "python": b"HTTP/1.1 200 OK\r\nServer: BaseHTTP/0.6 Python/3.11.2\r\nDate: Mon, 01 Jan 2024 00:00:00 GMT\r\n"
+    "roscpp": b"HTTP/1.1 200 OK\r\nServer: XMLRPC++ 0.7\r\n"
+    b"Content-Type: text/xml\r\nContent-length: 6\r\n\r\n<ans/>",
+    "python": b"HTTP/1.1 200 OK\r\nServer: BaseHTTP/0.6 Python/3.11.2\r\n"
+    b"Date: Mon, 01 Jan 2024 00:00:00 GMT\r\n"
     b"Content-type: text/xml\r\nContent-length: 6\r\n\r\n<ans/>",
     "chunked": b"HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n6\r\n<ans/>\r\n0\r\n\r\n",
 }

@@ -153,7 +153,7 @@ def test_declared_encodings_are_read(encoding: str) -> None:
 
 
 def test_dates_go_back_as_they_came() -> None:
-    date = xmlrpc.client.DateTime(datetime.datetime(2024, 5, 6, 7, 8, 9))  # noqa: DTZ001
+    date = xmlrpc.client.DateTime(datetime.datetime(2024, 5, 6, 7, 8, 9))
     answer = load_response(xmlrpc.client.dumps((date,), methodresponse=True).encode())
     assert answer == "20240506T07:08:09"
     assert isinstance(answer, DateTime)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TypeAlias
 
+from rostether.names.graph_name import canonical
 from rostether.ros1.master.registrations import ANY_TYPE
 from rostether.xmlrpc.values import XmlRpcValue
 
@@ -31,12 +32,6 @@ def resolve(name: str, caller_id: str) -> str:
     if name.startswith("~"):
         return canonical(f"{caller_id}/{name[1:]}")
     return _namespace(caller_id) + canonical(name)
-
-
-def canonical(name: str) -> str:
-    """Return a name without repeated and trailing slashes."""
-    start = "/" if name.startswith("/") else ""
-    return start + "/".join(part for part in name.split("/") if part)
 
 
 def _namespace(name: str) -> str:
