@@ -2,7 +2,8 @@
 
 Fenced blocks count when their language is `sh` (commands, one a line, `\\` continues), followed or not by a
 `text` block (lines that must appear in that order; `...` stands for anything). A title that begins with
-"Terminal 1" means that the last command is left running, as the reader would leave it.
+"Terminal 1" means that the last command is left running, as the reader would leave it; the title
+"not run" marks commands that need a board.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ def steps(page: Path) -> list[Step]:
     ]
     found: list[Step] = []
     for index, (language, info, body) in enumerate(blocks):
-        if language != "sh":
+        if language != "sh" or "not run" in info:
             continue
         commands = [
             line for line in body.replace("\\\n", " ").splitlines() if line and not line.startswith("#")

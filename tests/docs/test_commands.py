@@ -23,8 +23,8 @@ PAGES = sorted(
     page for page in [REPOSITORY / "README.md", *(REPOSITORY / "docs").rglob("*.md")] if steps(page)
 )
 PATIENCE_S = 20.0
-# Commands that set a machine up or open a browser are typed by tests of their own, or by nobody.
-NOT_TYPED = ("make ", "git clone", "cd ", "pip ", "pipx ", "sudo ")
+# Commands that set a machine up are typed by tests of their own.
+NOT_TYPED = ("make test", "git clone", "cd ", "pip ", "pipx ", "sudo ")
 
 
 @pytest.fixture
@@ -38,22 +38,23 @@ def alone() -> Iterator[None]:
 class Terminal:
     """Types commands as a reader would, each in a process group of its own."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, home: Path) -> None:
         self._folder = folder
+        self._home = home
         self._running: list[subprocess.Popen[bytes]] = []
         self._environment = {
             name: value for name, value in os.environ.items() if not name.startswith(("ROS", "PYTEST"))
         } | {
             "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}",
             "ROS_MASTER_URI": f"http://localhost:{free_port()}",
-            "HOME": str(folder),
+            "HOME": str(home),
             "PYTHONUNBUFFERED": "1",
             "COLUMNS": "120",
         }
 
     def type(self, command: str, expected: tuple[str, ...], *, leave_running: bool) -> None:
         """Run one command until it has printed what is expected and, unless left running, has ended."""
-        printed = self._folder / f"output-{time.monotonic_ns()}"
+        printed = self._home / f"output-{time.monotonic_ns()}"
         with printed.open("wb") as output:
             process = subprocess.Popen(
                 ["bash", "-c", command],
@@ -112,7 +113,8 @@ class Terminal:
 @pytest.mark.usefixtures("alone")
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(REPOSITORY)))
 def test_page(page: Path, tmp_path: Path) -> None:
-    terminal = Terminal(tmp_path)
+    # Only the README speaks to someone who stands in a clone.
+    terminal = Terminal(REPOSITORY if page.name == "README.md" else tmp_path, tmp_path)
     try:
         for step in steps(page):
             _type_step(terminal, step)
