@@ -11,8 +11,8 @@ from rostether.xmlrpc.http_message import HttpServerSide
 class ServerConnection(asyncio.Protocol):
     """Reads requests, hands each body to `answer`, writes what comes back; `on_lost` is called at the end.
 
-    While an answer is computed, or the client does not take what was written, nothing more is read: what
-    a client can make us hold is one request, one answer and a socket's buffer.
+    While an answer is computed, or the client does not take what was written, at most one more chunk is read
+    (to notice that the client has gone): what a client can make us hold is bounded.
     """
 
     def __init__(
@@ -67,14 +67,10 @@ class ServerConnection(asyncio.Protocol):
         """Read on."""
         self.last_active_s = self._loop.time()
         self._http.receive_data(data)
-        self._serve()
-
-    def eof_received(self) -> bool:
-        """Let an answer under way still be written to a client that closed its half."""
         if self._task is None and not self._is_congested:
-            return False
-        self._http.receive_data(b"")
-        return True
+            self._serve()
+        else:
+            self._pause()
 
     def pause_writing(self) -> None:
         """Stop: the client does not read."""
@@ -103,7 +99,6 @@ class ServerConnection(asyncio.Protocol):
             else:
                 self._task = asyncio.ensure_future(answer)
                 self._task.add_done_callback(self._answered)
-                self._pause()
                 return
         if self._transport is None or self._transport.is_closing() or self._is_congested:
             return

@@ -177,6 +177,8 @@ class HttpClientSide:
         if self._status != 200:
             text = self._body[:200].decode("utf-8", "replace").strip().replace("\n", " ")
             raise RemoteProtocolError(f"the answer is HTTP status {self._status}: {text}")
-        if self._connection.our_state is h11.DONE and self._connection.their_state is h11.DONE:
+        # Bytes beyond the answer were not asked for: they would be taken for the next answer.
+        is_done = self._connection.our_state is h11.DONE and self._connection.their_state is h11.DONE
+        if is_done and not self._connection.trailing_data[0]:
             self._connection.start_next_cycle()
         return bytes(self._body)

@@ -206,6 +206,13 @@ def test_an_informational_answer_is_skipped() -> None:
     assert client.receive_data(b"HTTP/1.1 100 Continue\r\n\r\n" + RESPONSES["python"]) == b"<ans/>"
 
 
+def test_bytes_beyond_the_answer_end_the_connection() -> None:
+    client = HttpClientSide("x")
+    client.send_request(b"")
+    assert client.receive_data(RESPONSES["python"] * 2) == b"<ans/>"
+    assert not client.is_reusable
+
+
 def test_the_path_of_the_uri_is_asked_for() -> None:
     assert HttpClientSide("x", path="/RPC2").send_request(b"").startswith(b"POST /RPC2 HTTP/1.1\r\n")
 
