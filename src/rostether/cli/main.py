@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Sequence
 
@@ -9,6 +10,8 @@ import click
 
 from rostether.cli.failures import exit_code_of
 from rostether.cli.verbs import LazyGroup, VerbEntry
+
+_SPECIAL = re.compile(r"(__(?:name|ns|log|master|ip|hostname)):=(.*)", re.DOTALL)
 
 VERBS = {
     "demo": VerbEntry("rostether.cli.demo:demo", "Show a simulated board live, no hardware needed."),
@@ -46,11 +49,18 @@ def rostether() -> None:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return the exit code; never raises for anything a user did."""
     _make_output_forgiving()
+    plain, specials = _split_special(sys.argv[1:] if arguments is None else arguments)
     return exit_code_of(
-        lambda: rostether.main(
-            None if arguments is None else list(arguments), prog_name="rostether", standalone_mode=False
-        )
+        lambda: rostether.main(plain, prog_name="rostether", standalone_mode=False, obj=specials)
     )
+
+
+def _split_special(arguments: Sequence[str]) -> tuple[list[str], dict[str, str]]:
+    # roslaunch adds them to every command it starts. serial-node sorts all of its ROS arguments itself.
+    if arguments[:1] == ["serial-node"]:
+        return list(arguments), {}
+    specials = {match[1]: match[2] for each in arguments if (match := _SPECIAL.fullmatch(each))}
+    return [each for each in arguments if not _SPECIAL.fullmatch(each)], specials
 
 
 def _make_output_forgiving() -> None:

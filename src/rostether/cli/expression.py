@@ -1,4 +1,4 @@
-"""`--filter` expressions such as `m.range < 0.5 and m.header.frame_id == 'sonar'`.
+"""Expressions that users type: `m.range < 0.5 and m.header.frame_id == 'sonar'`, or `pi/2` in rad(pi/2).
 
 The Python that rostopic's users type, read by our own evaluator over a whitelisted syntax tree: a message
 from a board or a pasted line can name no function, module or attribute beyond the ones below.
@@ -74,24 +74,33 @@ def compile_filter(expression: str) -> Callable[[object, str], bool]:
 
     Raises ConfigError, and so does the test when a message has no such field or the types do not fit.
     """
+    evaluate = compile_expression(expression, frozenset(("m", "topic")), source="--filter")
+    return lambda message, topic: bool(evaluate({"m": message, "topic": topic}))
+
+
+def compile_expression(expression: str, names: frozenset[str], *, source: str) -> Evaluate:
+    """Return what computes the expression from values for `names`; `source` is what errors begin with.
+
+    Raises ConfigError for what is not whitelisted; so does the computation where it does not work.
+    """
     if len(expression) > MAX_EXPRESSION_CHARS:
-        raise ConfigError(f"--filter: longer than {MAX_EXPRESSION_CHARS} characters: use a script instead")
+        raise ConfigError(f"{source}: longer than {MAX_EXPRESSION_CHARS} characters: use a script instead")
     try:
-        evaluate = _compile(ast.parse(expression.strip(), mode="eval").body, frozenset(("m", "topic")))
+        evaluate = _compile(ast.parse(expression.strip(), mode="eval").body, names)
+    except ConfigError as error:
+        raise ConfigError(f"{source}: {error}") from None
     except (SyntaxError, ValueError, RecursionError) as error:
-        raise ConfigError(
-            f'--filter: {expression!r} is no expression ({error}); try "m.range < 0.5"'
-        ) from None
+        raise ConfigError(f"{source}: {expression!r} is no expression ({error})") from None
 
-    def test(message: object, topic: str) -> bool:
+    def compute(scope: Scope) -> Any:
         try:
-            return bool(evaluate({"m": message, "topic": topic}))
-        except ConfigError:
-            raise
+            return evaluate(scope)
+        except ConfigError as error:
+            raise ConfigError(f"{source}: {error}") from None
         except (TypeError, ValueError, ArithmeticError, LookupError, AttributeError) as error:
-            raise ConfigError(f"--filter: {expression!r} does not work on this message: {error}") from None
+            raise ConfigError(f"{source}: {expression!r} does not work: {error}") from None
 
-    return test
+    return compute
 
 
 def _compile(node: ast.expr, names: frozenset[str]) -> Evaluate:
@@ -131,9 +140,7 @@ def _compile(node: ast.expr, names: frozenset[str]) -> Evaluate:
             callee = _compile(function, names)
             values_of = [_compile(argument, names) for argument in arguments]
             return lambda scope: callee(scope)(*(value(scope) for value in values_of))
-    raise ConfigError(
-        f"--filter: {ast.unparse(node)!r} is not allowed: use comparisons, arithmetic and m's fields"
-    )
+    raise ConfigError(f"{ast.unparse(node)!r} is not allowed: use comparisons, arithmetic and m's fields")
 
 
 def _compile_name(name: str, names: frozenset[str]) -> Evaluate:
@@ -145,7 +152,7 @@ def _compile_name(name: str, names: frozenset[str]) -> Evaluate:
     if name == "math":
         return lambda scope: math
     known = ", ".join(sorted(names | _FUNCTIONS.keys() | {"math"}))
-    raise ConfigError(f"--filter: nothing is called {name!r} here: use {known}")
+    raise ConfigError(f"nothing is called {name!r} here: use {known}")
 
 
 def _compile_connective(connective: ast.boolop, values: list[Evaluate]) -> Evaluate:
@@ -183,7 +190,7 @@ def _compile_comparison(node: ast.Compare, names: frozenset[str]) -> Evaluate:
 
 def _compile_loop(element: ast.expr, loop: ast.comprehension, names: frozenset[str]) -> Evaluate:
     if not isinstance(loop.target, ast.Name) or loop.is_async:
-        raise ConfigError("--filter: a loop has one name, as in any(r < 1 for r in m.ranges)")
+        raise ConfigError("a loop has one name, as in any(r < 1 for r in m.ranges)")
     variable = loop.target.id
     inner = names | {variable}
     items, value = _compile(loop.iter, names), _compile(element, inner)
@@ -209,7 +216,7 @@ def _attribute(owner: Any, name: str) -> Any:
     elif name in getattr(type(owner), "__slots__", ()):
         return getattr(owner, name)
     fields = ", ".join(getattr(type(owner), "__slots__", ())) or "no fields"
-    raise ConfigError(f"--filter: there is no .{name} here; there is {fields}")
+    raise ConfigError(f"there is no .{name} here; there is {fields}")
 
 
 def _none(scope: Scope) -> None:

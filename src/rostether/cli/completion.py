@@ -1,0 +1,1 @@
+"""`rostether completion` (being written by the helper of the verb groups)."""

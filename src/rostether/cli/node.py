@@ -1,0 +1,1 @@
+"""`rostether node` (being written by the helper of the verb groups)."""

@@ -1,0 +1,36 @@
+"""Options that several commands share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import click
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+msg_path_option = click.option(
+    "--msg-path",
+    "msg_paths",
+    multiple=True,
+    metavar="DIR",
+    type=click.Path(path_type=Path),
+    help="A folder of packages or of .msg and .srv files; may be repeated, before ROS_PACKAGE_PATH.",
+)
+
+master_option = click.option(
+    "--master", metavar="URI", help="The ROS master, instead of ROS_MASTER_URI (http://localhost:11311)."
+)
+
+
+def window_option(default: int | None) -> Callable[[Function], Function]:
+    """Return the option `-w` of the commands that measure over a window of messages."""
+    return click.option(
+        "-w",
+        "--window",
+        type=click.IntRange(min=2),
+        default=default,
+        metavar="COUNT",
+        help=f"Measure over the last COUNT messages{f' ({default})' if default else ''}.",
+    )

@@ -1,0 +1,1 @@
+"""`rostether ports` (being written by the helper of the verb groups)."""

@@ -1,0 +1,1 @@
+"""`rostether service` (being written by the helper of the verb groups)."""
