@@ -1,1 +1,141 @@
-"""`rostether node` (being written by the helper of the verb groups)."""
+"""`rostether node`: which nodes run, what each does, whether it answers, how to end it; as rosnode does."""
+
+from __future__ import annotations
+
+import click
+
+from rostether.cli.completions import complete_nodes
+from rostether.cli.options import master_option
+from rostether.cli.output import json_option, warn, write_json, write_line
+from rostether.cli.running import run
+from rostether.cli.verbs import LazyGroup, Verb, VerbEntry
+
+_HERE = "rostether.cli.node:"
+_VERBS = {
+    "list": VerbEntry(f"{_HERE}list_nodes", "List the nodes that run."),
+    "info": VerbEntry(f"{_HERE}info", "Show what a node publishes, subscribes to and serves."),
+    "ping": VerbEntry("rostether.cli.node_ping:ping", "See whether a node answers, and how quickly."),
+    "kill": VerbEntry("rostether.cli.node_kill:kill", "Ask nodes to shut down."),
+    "cleanup": VerbEntry("rostether.cli.node_kill:cleanup", "Forget nodes that are gone."),
+    "machine": VerbEntry(f"{_HERE}machine", "List machines, or the nodes on one."),
+}
+
+
+@click.group(
+    cls=LazyGroup,
+    verbs=_VERBS,
+    examples="""
+    rostether node list
+    rostether node info /board
+    rostether node ping -a
+    """,
+)
+def node() -> None:
+    """List, show, ping and stop the nodes of a ROS graph."""
+
+
+@click.command(
+    "list", cls=Verb, examples="rostether node list\nrostether node list -a\nrostether node list /robot1"
+)
+@click.argument("namespace", default="")
+@click.option("-u", "uris_only", is_flag=True, help="List addresses instead of names.")
+@click.option("-a", "--all", "with_uris", is_flag=True, help="List addresses and names.")
+@json_option
+@master_option
+def list_nodes(namespace: str, uris_only: bool, with_uris: bool, as_json: bool, master: str | None) -> None:
+    """List the nodes that run, all of them or those in a namespace."""
+    for name, uri in run(_list(namespace, master, with_uris=uris_only or with_uris or as_json)):
+        if as_json:
+            write_json({"node": name, "uri": uri or None})
+        elif with_uris:
+            write_line(f"{uri or 'unknown address'} \t{name}")
+        else:
+            write_line(uri or "unknown address" if uris_only else name)
+
+
+async def _list(namespace: str, master: str | None, *, with_uris: bool) -> list[tuple[str, str]]:
+    from rostether.cli.graph_access import in_namespace, master_client, read_environment, resolve
+    from rostether.cli.node_calls import node_names
+    from rostether.errors import UnknownNameError
+
+    environment = read_environment(master)
+    prefix = resolve(namespace, environment) if namespace else "/"
+    listed = []
+    async with master_client(environment) as client:
+        for name in await node_names(client):
+            if in_namespace(name, prefix):
+                try:
+                    listed.append((name, await client.lookup_node(name) if with_uris else ""))
+                except UnknownNameError:
+                    # It left a moment ago.
+                    listed.append((name, ""))
+    return listed
+
+
+@click.command("info", cls=Verb, examples="rostether node info /board\nrostether node info -q /board /rosout")
+@click.argument("nodes", metavar="NODE...", nargs=-1, required=True, shell_complete=complete_nodes)
+@click.option("-q", "--quiet", is_flag=True, help="Show what the master knows, do not ask the node itself.")
+@json_option
+@master_option
+def info(nodes: tuple[str, ...], quiet: bool, as_json: bool, master: str | None) -> None:
+    """Show what a node publishes, subscribes to and serves, and whom it is connected to."""
+    run(_info(nodes, master, quiet=quiet, as_json=as_json))
+
+
+async def _info(nodes: tuple[str, ...], master: str | None, *, quiet: bool, as_json: bool) -> None:
+    from rostether.cli import node_report
+    from rostether.cli.graph_access import master_client, read_environment, resolve
+    from rostether.cli.node_calls import ask, connections, find_node, node_client, registrations
+
+    environment = read_environment(master)
+    async with master_client(environment) as client:
+        for each in nodes:
+            name = resolve(each, environment)
+            uri = await find_node(client, name)
+            registered = await registrations(client, name)
+            if not as_json:
+                write_line(node_report.format_registrations(name, registered))
+            if quiet:
+                if as_json:
+                    write_json(node_report.to_record(name, uri, registered))
+                continue
+            if not as_json:
+                write_line(f"\ncontacting node {uri} ...")
+            async with node_client(name, uri) as peer:
+                pid = await ask(peer, "getPid")
+                connected = await connections(client, peer)
+            if as_json:
+                write_json(node_report.to_record(name, uri, registered, pid, connected))
+            else:
+                write_line(node_report.format_connections(pid, connected))
+
+
+@click.command("machine", cls=Verb, examples="rostether node machine\nrostether node machine robot.local")
+@click.argument("name", required=False, metavar="[MACHINE]")
+@master_option
+def machine(name: str | None, master: str | None) -> None:
+    """List the machines that nodes run on, or the nodes on one of them."""
+    hosts = run(_hosts(master))
+    if name is None:
+        for host in sorted(set(hosts.values())):
+            write_line(host)
+        return
+    found = [node_name for node_name, host in hosts.items() if host == name]
+    for each in found:
+        write_line(each)
+    if not found:
+        warn(f"no node is on {name}; `rostether node machine` lists the machines by the names nodes use")
+        raise click.exceptions.Exit(1)
+
+
+async def _hosts(master: str | None) -> dict[str, str]:
+    from rostether.errors import ConfigError
+    from rostether.ros1.environment import parse_rpc_uri
+
+    hosts = {}
+    for name, uri in await _list("", master, with_uris=True):
+        try:
+            hosts[name] = parse_rpc_uri(uri).host
+        except ConfigError:
+            continue
+    return hosts
