@@ -6,7 +6,7 @@ import asyncio
 import itertools
 import socket
 from collections.abc import Callable, Mapping
-from typing import TypeAlias
+from typing import TypeAlias, cast
 
 from rostether.errors import RemoteProtocolError, RostetherError, TransportOpenError, TransportTimeoutError
 from rostether.ros1.environment import connect_host
@@ -53,11 +53,11 @@ class HandshakeProtocol(asyncio.Protocol):
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Send our header first if it was us who connected."""
-        assert isinstance(transport, asyncio.Transport)
-        self._transport = transport
-        set_keepalive(transport)
+        # uvloop's transports are no subclasses of asyncio's.
+        self._transport = cast(asyncio.Transport, transport)
+        set_keepalive(self._transport)
         if self._request is not None:
-            transport.write(encode_header(self._request))
+            self._transport.write(encode_header(self._request))
 
     def data_received(self, data: bytes) -> None:
         """Collect the header."""
