@@ -18,7 +18,13 @@ from rostether.bridge.reporter import Notices
 from rostether.bridge.service_client_endpoint import ServiceClientEndpoint
 from rostether.bridge.service_server_endpoint import ServiceServerEndpoint
 from rostether.bridge.subscriber_endpoint import SubscriberEndpoint
-from rostether.errors import DefinitionError, GraphError, InvalidNameError, RostetherError
+from rostether.errors import (
+    DefinitionError,
+    GraphError,
+    InvalidNameError,
+    RostetherError,
+    TypeMismatchError,
+)
 from rostether.graph.ports import Level
 from rostether.rosserial.events import (
     ServiceAnnounced,
@@ -211,7 +217,7 @@ class EndpointTable:
         while endpoint in self._endpoints.values():
             try:
                 await open_it()
-            except (DefinitionError, InvalidNameError) as error:
+            except (DefinitionError, InvalidNameError, TypeMismatchError) as error:
                 self._notices.episode(f"refused {name}", Level.ERROR, f"{name} is not bridged: {error}")
                 return
             except GraphError as error:
