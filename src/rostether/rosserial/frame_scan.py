@@ -81,7 +81,7 @@ class FrameScanner:
             if known is None:
                 verdict = self._judge(header)
                 if verdict is None:
-                    result.needed_bytes = header_bytes
+                    result.needed_bytes = len(header) + 1
                     break
                 if isinstance(verdict, DiscardReason):
                     waste.begin(position, verdict)

@@ -255,11 +255,12 @@ class HostLink:
                 continue
             self.statistics.time_requests += 1
             events.append(TimeRequested())
-            if self._negotiation.expects_answer(now_s):
+            if self.is_settled:
+                is_excused = self._negotiation.take_late_answer(now_s)
+                self._judge(self._presence.time_request(now_s, is_excused=is_excused), now_s, events)
+            else:
                 self._presence.answered(now_s)
                 self._negotiation.answered(now_s)
-            else:
-                self._judge(self._presence.time_request(now_s), now_s, events)
 
     def _report(self, event: HostEvent, now_s: float, events: list[HostEvent]) -> None:
         if isinstance(event, FrameDiscarded):

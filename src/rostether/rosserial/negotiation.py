@@ -11,7 +11,7 @@ request and the burst that answers it.
     LISTENING   ANSWER        LISTENING   the burst goes on: wait until it has been quiet for a while
     LISTENING   MORE_NEEDED   ASKED       the round is over, send the next request
     LISTENING   ENOUGH        SETTLED
-    SETTLED     ANSWER        LISTENING   announcements nobody asked for, or a late answer
+    SETTLED     ANSWER        LISTENING   announcements nobody asked for, or that come late
     SETTLED     ASK           ASKED       send a request, begin a negotiation
 
 While the burst flows nothing is sent: at 57600 baud fifty announcements take 0.8 s, and the board listens
@@ -122,16 +122,17 @@ class Negotiation:
         """Once settled: all endpoints of the device."""
         return self._completeness.complete
 
-    def expects_answer(self, now_s: float) -> bool:
-        """Whether a time request that comes now answers a topic request, perhaps late."""
-        if self.phase is Phase.SETTLED:
-            return self._late_answers > 0 and now_s < self._asked_s + LATE_ANSWER_S
-        return self.phase is not Phase.IDLE
+    def take_late_answer(self, now_s: float) -> bool:
+        """Whether a time request that comes now, though settled, may answer an earlier topic request."""
+        is_late = self._late_answers > 0 and now_s < self._asked_s + LATE_ANSWER_S
+        self._late_answers -= is_late
+        return is_late
 
     def ask(self, now_s: float, *, is_lossy: bool = False) -> None:
         """Begin a negotiation, unless one goes on. `is_lossy`: something was lost before."""
         if (self.phase, Input.ASK) in TRANSITIONS:
             self._begin(now_s, is_lossy=is_lossy)
+            self._late_answers = 0
             self._send(Input.ASK, now_s)
 
     def set_version(self, version: int | None, now_s: float) -> None:
@@ -155,7 +156,7 @@ class Negotiation:
             self.ask(now_s)
 
     def answered(self, now_s: float) -> None:
-        """Learn that the device began to answer."""
+        """Learn that the device began to answer, by a time request or an announcement."""
         if self.phase is Phase.ASKED:
             delay_s = now_s - (self._asked_s if self._unanswered == 1 else self._first_asked_s)
             if self._unanswered == 1:
@@ -165,9 +166,7 @@ class Negotiation:
             self._unanswered = 0
             self._completeness.open_round()
         elif self.phase is Phase.SETTLED:
-            late_answers = max(self._late_answers - 1, 0)
             self._begin(now_s, is_lossy=False)
-            self._late_answers = late_answers
         if self._advance(Input.ANSWER):
             self._due_s = now_s + QUIET_S
 
@@ -215,7 +214,6 @@ class Negotiation:
         self.began_s = self._asked_s = self._first_asked_s = now_s
         self.requests = 0
         self._unanswered = 0
-        self._late_answers = 0
 
     def _send(self, why: Input, now_s: float) -> None:
         if not self._advance(why):

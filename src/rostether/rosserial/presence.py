@@ -120,10 +120,10 @@ class Presence:
         self._time_request_s = now_s
         self.sign(now_s)
 
-    def time_request(self, now_s: float) -> Verdict | None:
-        """Take a time request that answers no topic request."""
+    def time_request(self, now_s: float, *, is_excused: bool = False) -> Verdict | None:
+        """Take a time request; `is_excused`: it may answer an earlier topic request."""
         self.heard_s = now_s
-        is_early = now_s - self._time_request_s < EARLY_S
+        is_early = now_s - self._time_request_s < EARLY_S and not is_excused
         self._time_request_s = now_s
         if now_s < self._quarantine_until_s:
             self.sign(now_s)

@@ -105,6 +105,16 @@ def test_one_group_for_each_topic_of_a_chunk() -> None:
     assert decoded == [Frames(125, [b"alpha"] * 5), Frames(126, [b"beta"] * 5)]
 
 
+def test_what_cannot_become_a_frame_is_not_kept_waiting() -> None:
+    decoder = FrameDecoder()
+    assert decoder.feed(b"\xff", 0.0) == []
+    assert decoder.feed(b"\x00", 0.0) == [FrameDiscarded(DiscardReason.VERSION, b"\xff\x00")]
+    assert decoder.feed(b"\xff\xfe\x01\x02", 0.0) == []
+    assert decoder.feed(b"\x03", 0.0) == [
+        FrameDiscarded(DiscardReason.LENGTH_CHECKSUM, b"\xff\xfe\x01\x02\x03")
+    ]
+
+
 def test_takes_any_bytes_like_object() -> None:
     for data in (A, bytearray(A), memoryview(A)):
         assert FrameDecoder().feed(data, 0.0) == [Frames(125, [b"alpha"])]

@@ -173,8 +173,8 @@ def test_late_answers_are_not_mistaken() -> None:
     while not done:
         negotiation.announced(ids.PUBLISHER, INFO, now_s)
         now_s, done = tick(negotiation)
-    assert negotiation.expects_answer(now_s)
-    assert not negotiation.expects_answer(now_s + LATE_ANSWER_S + 10)
+    assert not negotiation.take_late_answer(now_s + LATE_ANSWER_S + 10)
+    assert negotiation.take_late_answer(now_s)
     negotiation.announced(ids.PUBLISHER, INFO, now_s + 0.5)
     assert negotiation.phase is Phase.LISTENING
     _, done = tick(negotiation)
