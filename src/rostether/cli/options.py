@@ -34,3 +34,10 @@ def window_option(default: int | None) -> Callable[[Function], Function]:
         metavar="COUNT",
         help=f"Measure over the last COUNT messages{f' ({default})' if default else ''}.",
     )
+
+
+listen_option = click.option(
+    "--listen",
+    metavar="ADDRESS",
+    help="Let other machines reach us at this address of ours; 0.0.0.0: at any (default: loopback only).",
+)

@@ -104,6 +104,11 @@ class MasterClient:
         """End that."""
         await self._call("unsubscribeParam", node_uri, name)
 
+    async def get_pid(self) -> int:
+        """Return the master's process id: the cheapest way to see that it answers."""
+        pid = await self._call("getPid")
+        return pid if isinstance(pid, int) else 0
+
     async def close(self) -> None:
         """Close idle connections."""
         await self._client.close()

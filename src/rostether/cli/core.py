@@ -1,0 +1,46 @@
+"""`rostether core`: the ROS master alone."""
+
+from __future__ import annotations
+
+import click
+
+from rostether.cli.graph_access import read_environment
+from rostether.cli.options import listen_option
+from rostether.cli.output import write_line
+from rostether.cli.running import run
+from rostether.cli.verbs import Verb
+from rostether.ros1.environment import RosEnvironment
+
+
+@click.command(
+    cls=Verb,
+    examples="""
+    rostether core                        the master at http://localhost:11311
+    rostether core --port 11312           another port, for a second graph
+    rostether core --listen 0.0.0.0       for nodes on other machines too
+    """,
+)
+@click.option(
+    "-p", "--port", type=click.IntRange(0, 65535), help="The master's port (ROS_MASTER_URI's, 11311); 0: any."
+)
+@listen_option
+def core(port: int | None, listen: str | None) -> None:
+    """Run the ROS master, parameter server and log collector, like roscore."""
+    environment = read_environment()
+    if listen is not None:
+        environment = environment.listening_on(listen)
+    run(_serve(environment, environment.master.port if port is None else port), is_service=True)
+
+
+async def _serve(environment: RosEnvironment, port: int) -> None:
+    from rostether.ros1.roscore import Roscore
+
+    roscore = await Roscore.start(environment, port=port)
+    try:
+        write_line(f"ROS_MASTER_URI={roscore.uri}")
+        if environment.listens_on_loopback_only:
+            write_line("Only this machine can reach it; --listen 0.0.0.0 lets others in")
+        write_line("Press Ctrl-C to stop")
+        await roscore.wait_closed()
+    finally:
+        await roscore.close()
