@@ -1,0 +1,27 @@
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from unit.cli.shell import LiveGraph, Shell
+
+
+@pytest.fixture
+def shell(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Shell:
+    """Commands, in an environment without ROS; nobody answers at its master's address."""
+    for name in ("ROS_NAMESPACE", "ROS_IP", "ROS_HOSTNAME", "ROS_PACKAGE_PATH"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("ROS_MASTER_URI", "http://127.0.0.1:9")
+    return Shell(capsys, monkeypatch)
+
+
+@pytest.fixture
+def graph(shell: Shell, monkeypatch: pytest.MonkeyPatch) -> Iterator[LiveGraph]:
+    """A master, which is that of the commands' environment."""
+    live = LiveGraph()
+    monkeypatch.setenv("ROS_MASTER_URI", live.uri)
+    try:
+        yield live
+    finally:
+        live.close()

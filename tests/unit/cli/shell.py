@@ -1,0 +1,108 @@
+"""Commands run as a user runs them, against a master and nodes in a thread with an event loop of its own."""
+
+from __future__ import annotations
+
+import asyncio
+import io
+import json
+import threading
+import time
+from collections.abc import Callable, Coroutine
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import pytest
+
+from rostether.cli.main import main
+from rostether.msgdef.registry import Registry
+from rostether.ros1.environment import RosEnvironment
+from rostether.ros1.master.server import MasterServer
+from rostether.ros1.node.node import Ros1Graph, join_ros1
+from rostether.serde.store import TypeStore
+
+T = TypeVar("T")
+
+STORE = TypeStore(Registry())
+
+
+class LiveGraph:
+    """A master and nodes; everything of theirs runs in the thread."""
+
+    def __init__(self) -> None:
+        self._loop = asyncio.new_event_loop()
+        self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
+        self._thread.start()
+        self.master = self.do(MasterServer.start(port=0))
+        self._nodes: list[Ros1Graph] = []
+
+    @property
+    def uri(self) -> str:
+        return self.master.uri
+
+    def do(self, work: Coroutine[Any, Any, T]) -> T:
+        """Run a coroutine in the thread and wait for its result."""
+        return asyncio.run_coroutine_threadsafe(work, self._loop).result(20)
+
+    def node(self, name: str) -> Ros1Graph:
+        """Start a node."""
+        graph = self.do(join_ros1(name, environment=RosEnvironment.read({}).with_master(self.uri)))
+        self._nodes.append(graph)
+        return graph
+
+    def wait_until(self, condition: Callable[[], bool]) -> None:
+        """Wait until something has become true in the thread."""
+        deadline_s = time.monotonic() + 20
+        while not condition():
+            assert time.monotonic() < deadline_s, "it never became true"
+            time.sleep(0.002)
+
+    def close(self) -> None:
+        for node in self._nodes:
+            self.do(node.close())
+        self.do(self.master.close())
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join(10)
+        self._loop.close()
+
+
+@dataclass(frozen=True)
+class Result:
+    """How a command ended."""
+
+    code: int
+    out: str
+    err: str
+
+    @property
+    def records(self) -> list[dict[str, Any]]:
+        """What `--json` printed."""
+        return [json.loads(line) for line in self.out.splitlines()]
+
+
+class Shell:
+    """Runs commands; those that succeed say nothing on stderr unless the test asks."""
+
+    def __init__(self, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+        self._capsys = capsys
+        self._monkeypatch = monkeypatch
+
+    def __call__(self, *arguments: str, stdin: str = "") -> Result:
+        self._monkeypatch.setattr("sys.stdin", io.StringIO(stdin))
+        self._capsys.readouterr()
+        code = main(arguments)
+        captured = self._capsys.readouterr()
+        return Result(code, captured.out, captured.err)
+
+    def output(self, *arguments: str, stdin: str = "") -> str:
+        """Run a command that must succeed without complaint; returns what it printed."""
+        result = self(*arguments, stdin=stdin)
+        assert (result.code, result.err) == (0, ""), result
+        return result.out
+
+    def failure(self, *arguments: str, code: int = 1, stdin: str = "") -> str:
+        """Run a command that must fail with one error line at the end; returns that line."""
+        result = self(*arguments, stdin=stdin)
+        assert result.code == code, result
+        line = result.err.splitlines()[-1]
+        assert line.startswith("rostether: error: "), result
+        return line.removeprefix("rostether: error: ")
