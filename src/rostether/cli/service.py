@@ -1,1 +1,183 @@
-"""`rostether service` (being written by the helper of the verb groups)."""
+"""`rostether service`: which services there are, and what they take, as rosservice shows it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from rostether.cli.completions import complete_service_types, complete_services
+from rostether.cli.options import master_option, msg_path_option
+from rostether.cli.output import json_option, write_json, write_line
+from rostether.cli.running import run
+from rostether.cli.verbs import LazyGroup, Verb, VerbEntry
+from rostether.errors import ServiceUnavailableError, UnknownNameError
+
+if TYPE_CHECKING:
+    from rostether.ros1.node.master_client import MasterClient
+
+_HERE = "rostether.cli.service:"
+_VERBS = {
+    "list": VerbEntry(f"{_HERE}list_services", "List the services."),
+    "info": VerbEntry(f"{_HERE}info", "Show who offers a service, its type and its arguments."),
+    "call": VerbEntry("rostether.cli.service_call:call", "Call a service and print its response."),
+    "type": VerbEntry(f"{_HERE}type_of", "Print the type of a service."),
+    "args": VerbEntry(f"{_HERE}args", "Print the names of a service's arguments."),
+    "find": VerbEntry(f"{_HERE}find", "List the services of a type."),
+    "node": VerbEntry(f"{_HERE}node_of", "Print the node that offers a service."),
+    "uri": VerbEntry(f"{_HERE}uri_of", "Print the URI of a service."),
+}
+
+_service_argument = click.argument("service", shell_complete=complete_services)
+
+
+@click.group(
+    cls=LazyGroup,
+    verbs=_VERBS,
+    examples="""
+    rostether service list
+    rostether service call /set_led "data: true"
+    rostether service type /set_led | rostether srv show
+    """,
+)
+def service() -> None:
+    """List, show and call the services of a ROS graph."""
+
+
+@click.command("list", cls=Verb, examples="rostether service list\nrostether service list -n /demo_board")
+@click.argument("namespace", required=False, shell_complete=complete_services)
+@click.option("-n", "--nodes", is_flag=True, help="Print the nodes that offer them, too.")
+@json_option
+@master_option
+def list_services(namespace: str | None, nodes: bool, as_json: bool, master: str | None) -> None:
+    """List the services, of all or of a namespace."""
+    for name, providers in run(_services(namespace, master)):
+        if as_json:
+            write_json({"name": name, "nodes": providers})
+        else:
+            write_line(f"{name} {','.join(providers)}" if nodes else name)
+
+
+async def _services(namespace: str | None, master: str | None) -> list[tuple[str, list[str]]]:
+    from rostether.cli.graph_access import in_namespace, master_client, read_environment, resolve
+
+    environment = read_environment(master)
+    within = resolve(namespace, environment) if namespace is not None else "/"
+    async with master_client(environment) as client:
+        services = (await client.system_state())[2]
+    return sorted(
+        (name, nodes) for name, nodes in services.items() if within == "/" or in_namespace(name, within)
+    )
+
+
+@click.command("type", cls=Verb, examples="rostether service type /set_led")
+@_service_argument
+@master_option
+def type_of(service: str, master: str | None) -> None:
+    """Print the type of a service."""
+    write_line(run(_type(service, master)))
+
+
+async def _type(service: str, master: str | None) -> str:
+    from rostether.cli.graph_access import master_client, read_environment, resolve
+    from rostether.cli.service_probe import probe_type
+
+    environment = read_environment(master)
+    async with master_client(environment) as client:
+        return await probe_type(client, resolve(service, environment))
+
+
+@click.command("uri", cls=Verb, examples="rostether service uri /set_led")
+@_service_argument
+@master_option
+def uri_of(service: str, master: str | None) -> None:
+    """Print the URI (rosrpc://host:port) of a service."""
+    write_line(run(_uri_and_node(service, master))[0])
+
+
+@click.command("node", cls=Verb, examples="rostether service node /set_led")
+@_service_argument
+@master_option
+def node_of(service: str, master: str | None) -> None:
+    """Print the node that offers a service."""
+    write_line(run(_uri_and_node(service, master))[1])
+
+
+async def _uri_and_node(service: str, master: str | None) -> tuple[str, str]:
+    from rostether.cli.graph_access import master_client, read_environment, resolve
+    from rostether.cli.service_probe import look_up
+
+    environment = read_environment(master)
+    name = resolve(service, environment)
+    async with master_client(environment) as client:
+        return await look_up(client, name), await _provider(client, name)
+
+
+async def _provider(client: MasterClient, name: str) -> str:
+    nodes = (await client.system_state())[2].get(name)
+    if not nodes:
+        raise UnknownNameError(
+            f"nobody offers the service {name}; `rostether service list` shows those that are"
+        )
+    return nodes[0]
+
+
+@click.command("args", cls=Verb, examples="rostether service args /set_led")
+@_service_argument
+@msg_path_option
+@master_option
+def args(service: str, msg_paths: tuple[Path, ...], master: str | None) -> None:
+    """Print the names of a service's arguments."""
+    write_line(_argument_names(run(_type(service, master)), msg_paths))
+
+
+def _argument_names(type_name: str, msg_paths: tuple[Path, ...]) -> str:
+    from rostether.msgdef.registry import Registry
+
+    fields = Registry.from_environment(msg_paths).service(type_name).request.fields
+    return " ".join(field.name for field in fields)
+
+
+@click.command("info", cls=Verb, examples="rostether service info /set_led")
+@_service_argument
+@json_option
+@msg_path_option
+@master_option
+def info(service: str, as_json: bool, msg_paths: tuple[Path, ...], master: str | None) -> None:
+    """Show who offers a service, its type and its arguments."""
+    uri, node = run(_uri_and_node(service, master))
+    type_name = run(_type(service, master))
+    arguments = _argument_names(type_name, msg_paths)
+    if as_json:
+        write_json({"node": node, "uri": uri, "type": type_name, "args": arguments.split()})
+        return
+    write_line(f"Node: {node}\nURI: {uri}\nType: {type_name}\nArgs: {arguments}")
+
+
+@click.command("find", cls=Verb, examples="rostether service find std_srvs/SetBool")
+@click.argument("type_name", metavar="TYPE", shell_complete=complete_service_types)
+@master_option
+def find(type_name: str, master: str | None) -> None:
+    """List the services of a type."""
+    for name in run(_find(type_name, master)):
+        write_line(name)
+
+
+async def _find(type_name: str, master: str | None) -> list[str]:
+    import asyncio
+
+    from rostether.cli.graph_access import master_client, read_environment
+    from rostether.cli.service_probe import probe_type
+
+    async with master_client(read_environment(master)) as client:
+
+        async def has_type(name: str) -> bool:
+            try:
+                return await probe_type(client, name) == type_name
+            except (ServiceUnavailableError, UnknownNameError):
+                return False
+
+        names = sorted((await client.system_state())[2])
+        matches = await asyncio.gather(*map(has_type, names))
+    return [name for name, matched in zip(names, matches, strict=True) if matched]

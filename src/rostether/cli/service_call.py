@@ -1,0 +1,129 @@
+"""`rostether service call`: one request, or one for each YAML document of a pipe."""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from rostether.cli.completions import complete_services
+from rostether.cli.options import master_option, msg_path_option
+from rostether.cli.output import json_option, write_json, write_line
+from rostether.cli.running import run
+from rostether.cli.verbs import Verb
+from rostether.errors import ServiceUnavailableError, UnknownNameError
+
+if TYPE_CHECKING:
+    from rostether.graph.typed_graph import TypedGraph
+    from rostether.ros1.node.master_client import MasterClient
+    from rostether.serde.values import Message
+
+WAIT_POLL_S = 0.2
+
+
+@click.command(
+    "call",
+    cls=Verb,
+    context_settings={"ignore_unknown_options": True},
+    examples="""
+    rostether service call /set_led "data: true"
+    rostether service call /set_led true
+    rostether service call --wait --timeout 5 /set_led "{data: false}"
+    """,
+)
+@click.argument("service", shell_complete=complete_services)
+@click.argument("arguments", nargs=-1, metavar="[ARGUMENTS]...")
+@click.option("-v", "--verbose", is_flag=True, help="Print the request, too.")
+@click.option("--wait", is_flag=True, help="Wait until somebody offers the service.")
+@click.option(
+    "--timeout",
+    "timeout_s",
+    type=click.FloatRange(min=0, min_open=True),
+    metavar="SECONDS",
+    help="Give up after SECONDS; without it, wait as long as the server lives.",
+)
+@json_option
+@msg_path_option
+@master_option
+def call(
+    service: str,
+    arguments: tuple[str, ...],
+    verbose: bool,
+    wait: bool,
+    timeout_s: float | None,
+    as_json: bool,
+    msg_paths: tuple[Path, ...],
+    master: str | None,
+) -> None:
+    """Call a service and print its response.
+
+    ARGUMENTS are YAML: one mapping of the request's fields, or the value of each field in order. Without
+    them, requests come from a pipe, in YAML documents that are separated by ---.
+    """
+    run(_call(service, arguments, verbose, wait, timeout_s, as_json, msg_paths, master))
+
+
+async def _call(
+    service: str,
+    arguments: tuple[str, ...],
+    verbose: bool,
+    wait: bool,
+    timeout_s: float | None,
+    as_json: bool,
+    msg_paths: tuple[Path, ...],
+    master: str | None,
+) -> None:
+    from rostether.cli.graph_access import joined, master_client, read_environment, resolve
+    from rostether.cli.service_probe import probe_type
+    from rostether.serde.plain_form import to_plain
+    from rostether.serde.yaml_print import format_message
+
+    environment = read_environment(master)
+    name = resolve(service, environment)
+    async with master_client(environment) as client:
+        if wait:
+            await _wait_for_service(client, name, timeout_s)
+        type_name = await probe_type(client, name)
+    async with joined(environment, msg_paths, purpose="rosservice") as graph:
+        for request in _requests(graph, type_name, arguments):
+            response = await graph.call(name, type_name, request, timeout_s=timeout_s)
+            if as_json:
+                write_json(to_plain(response))
+                continue
+            if verbose:
+                write_line(f"{format_message(request)}\n---")
+            write_line(format_message(response))
+
+
+def _requests(graph: TypedGraph, type_name: str, arguments: tuple[str, ...]) -> Iterator[Message]:
+    from rostether.serde.yaml_form import parse_documents, parse_values
+
+    request_type = graph.store.registry.service_type(type_name).request.name
+    codec = graph.store.codec(request_type)
+    # An empty argument is the empty text, which YAML would take for nothing.
+    texts = [argument or "''" for argument in arguments]
+    if texts or not codec.message_class._fields:
+        yield parse_values(codec, texts, now=graph.now)
+    elif sys.stdin.isatty():
+        fields = " ".join(name for name, _ in codec.message_class._fields)
+        raise click.UsageError(f"{type_name} takes arguments: {fields}")
+    else:
+        yield from parse_documents(codec, sys.stdin.read(), now=graph.now)
+
+
+async def _wait_for_service(client: MasterClient, name: str, timeout_s: float | None) -> None:
+    try:
+        async with asyncio.timeout(timeout_s):
+            while True:
+                try:
+                    await client.lookup_service(name)
+                except UnknownNameError:
+                    await asyncio.sleep(WAIT_POLL_S)
+                else:
+                    return
+    except TimeoutError:
+        raise ServiceUnavailableError(f"nobody offered the service {name} within {timeout_s:g} s") from None

@@ -1,0 +1,59 @@
+"""Asking a service's server for its type: the master does not know it."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+from rostether.cli.graph_access import OUR_NAME
+from rostether.errors import (
+    RostetherError,
+    ServiceUnavailableError,
+    UnknownNameError,
+)
+from rostether.ros1.environment import parse_rpc_uri
+from rostether.ros1.tcpros_connection import connect
+from rostether.tcpros.handshake import probe_fields
+
+if TYPE_CHECKING:
+    from rostether.ros1.node.master_client import MasterClient
+
+
+async def look_up(client: MasterClient, service: str) -> str:
+    """Return a service's URI. Raises UnknownNameError."""
+    try:
+        return await client.lookup_service(service)
+    except UnknownNameError as error:
+        raise UnknownNameError(
+            f"nobody offers the service {service}; `rostether service list` shows those that are"
+        ) from error
+
+
+async def probe_type(client: MasterClient, service: str) -> str:
+    """Return a service's type. Raises UnknownNameError, ServiceUnavailableError."""
+    return await probe_uri(service, await look_up(client, service))
+
+
+async def probe_uri(service: str, uri: str) -> str:
+    """Return the type of the service at a URI. Raises ServiceUnavailableError."""
+    found: dict[str, str] = {}
+
+    def accept(fields: dict[str, str], transport: asyncio.Transport) -> asyncio.Protocol:
+        found.update(fields)
+        transport.close()
+        return asyncio.Protocol()
+
+    try:
+        address = parse_rpc_uri(uri, scheme="rosrpc")
+        await connect(address.host, address.port, probe_fields(service, caller_id=OUR_NAME), accept)
+    except RostetherError as error:
+        raise ServiceUnavailableError(
+            f"service {service} is registered at {uri} but does not answer ({error}); "
+            "if its node is gone, `rostether node cleanup` forgets it"
+        ) from error
+    if "error" in found or not found.get("type"):
+        raise ServiceUnavailableError(
+            f"the server of {service} does not tell its type ({found.get('error', 'no type in its header')})"
+        )
+    # Old roscpp servers name the request's type.
+    return found["type"].removesuffix("Request")
