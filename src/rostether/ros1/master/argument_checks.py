@@ -60,7 +60,13 @@ def some_value(value: XmlRpcValue, _caller_id: str) -> XmlRpcValue:
 
 def param_key(value: XmlRpcValue, _caller_id: str) -> str:
     """Take a parameter's name as it is; each method resolves it, or searches for it."""
-    return _text("key", value)
+    if not value:
+        raise BadArgumentError("ERROR: parameter [key] must be specified and non-empty")
+    if not isinstance(value, str) or len(value) > MAX_NAME_LENGTH:
+        raise BadArgumentError(
+            f"ERROR: parameter [key] must be a string of at most {MAX_NAME_LENGTH} characters"
+        )
+    return value
 
 
 def name_of(label: str, *, may_be_root: bool = True) -> Check:

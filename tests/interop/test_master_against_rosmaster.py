@@ -1,0 +1,282 @@
+"""The same random calls to Debian's rosmaster and to our master: the same answers.
+
+Where we differ on purpose, the sequences keep away: rosmaster forgets to tell a replaced node's subscribers,
+never forgets a node whose service another node has taken over, and does not tell the watchers below a
+namespace that a plain value has replaced.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import copy
+import random
+from collections.abc import AsyncIterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pytest
+import pytest_asyncio
+
+from interop.ros1_peers import Ros1Peers, free_port
+from rostether.errors import GraphError
+from rostether.ros1.master.parameter_tree import ParameterTree
+from rostether.ros1.master.server import MasterServer
+from rostether.ros1.xmlrpc_client import XmlRpcClient
+from rostether.ros1.xmlrpc_server import XmlRpcServer
+
+NODES = ["/a", "/b", "/ns/c", "/ns/deep/d"]
+TOPICS = ["/t", "/u", "t", "~t", "ns/t", "/ns/t/", "//t"]
+TYPES = ["std_msgs/String", "std_msgs/Int32", "*"]
+KEYS = ["/p", "/p/q", "/p/q/r", "/p/s", "p", "q", "~x", "~x/y", "p/q", "/ns/p", "/", "/p/", "//p//q/"]
+VALUES: list[Any] = [
+    1, -5, 0.5, True, False, "", "text", "<&>", b"\x00\xff", [], [1, "a", [2.5]], {}, {"q": 1},
+    {"q": {"r": 7, "z": []}, "s": "v"}, {"x": {"y": {"w": False}}},
+]  # fmt: skip
+NONSENSE: list[Any] = ["", "a b", "http://x:1/", 5, [], {}, "/", True, "no_slash", "a/b/c"]
+
+
+@dataclass
+class FakeNode:
+    """A node that answers, and remembers what it was told last."""
+
+    server: XmlRpcServer
+    told: list[tuple[str, str, Any]] = field(default_factory=list)
+
+    @classmethod
+    async def start(cls) -> FakeNode:
+        node = cls(XmlRpcServer({}))
+        node.server = XmlRpcServer(
+            {
+                "publisherUpdate": lambda _caller, topic, uris: node.hear("publishers", topic, uris),
+                "paramUpdate": lambda _caller, key, value: node.hear("param", key, value),
+                "shutdown": lambda _caller, reason: node.hear("shutdown", "", reason),
+                "getPid": lambda _caller: [1, "", 1],
+            }
+        )
+        await node.server.start()
+        return node
+
+    def hear(self, what: str, key: str, value: Any) -> list[Any]:
+        self.told.append((what, key, value))
+        return [1, "", 0]
+
+
+@dataclass
+class Side:
+    """One master with nodes of its own; answers are compared with the nodes' URIs replaced by numbers."""
+
+    master: XmlRpcClient
+    nodes: list[FakeNode]
+
+    async def call(self, method: str, args: list[Any]) -> Any:
+        try:
+            answer = await self.master.call(method, *(self._to_uri(arg) for arg in args))
+        except GraphError as error:
+            assert "refused" in str(error), str(error)
+            return "fault"
+        return self.normal(answer)
+
+    def _to_uri(self, arg: Any) -> Any:
+        if isinstance(arg, str) and arg.startswith("uri:"):
+            return self.nodes[int(arg[4:])].server.uri
+        return arg
+
+    def normal(self, value: Any) -> Any:
+        if isinstance(value, list):
+            return [self.normal(item) for item in value]
+        if isinstance(value, dict):
+            return {key: self.normal(item) for key, item in value.items()}
+        if isinstance(value, str):
+            for index, node in enumerate(self.nodes):
+                value = value.replace(node.server.uri, f"uri:{index}")
+        return value
+
+    def publishers_told(self) -> list[dict[str, Any]]:
+        """Return for each node that lives the publishers of each topic that it was told last."""
+        return [
+            {topic: self.normal(uris) for what, topic, uris in node.told if what == "publishers"}
+            for node in self.nodes[: len(NODES)]
+        ]
+
+
+@pytest_asyncio.fixture
+async def sides(tmp_path: Path) -> AsyncIterator[tuple[Side, Side]]:
+    """Our master and Debian's, freshly started."""
+    async with contextlib.AsyncExitStack() as stack:
+        ours = await MasterServer.start(port=0)
+        stack.push_async_callback(ours.close)
+        uri = f"http://localhost:{free_port()}/"
+        peers = Ros1Peers(uri, tmp_path)
+        stack.push_async_callback(peers.close)
+        await peers.start("rosmaster", "--core", "-p", uri.rpartition(":")[2].strip("/"))
+        both = []
+        for master_uri in (ours.uri, uri):
+            nodes = [await FakeNode.start() for _ in range(len(NODES) * 2)]
+            for node in nodes:
+                stack.push_async_callback(node.server.close)
+            client = XmlRpcClient(master_uri)
+            stack.push_async_callback(client.close)
+            both.append(Side(client, nodes))
+        async with asyncio.timeout(20):
+            while True:
+                with contextlib.suppress(GraphError):
+                    await both[1].master.call("getPid", "/test")
+                    break
+                await asyncio.sleep(0.05)
+        for name in ("/run_id", "/rosdistro", "/rosversion"):
+            await both[0].master.call("deleteParam", "/test", name)
+        yield both[0], both[1]
+
+
+class Sequence:
+    """A random sequence of calls; half of the nodes' URIs belong to their second lives."""
+
+    def __init__(self, seed: int, *, replaces_nodes: bool) -> None:
+        self._random = random.Random(seed)
+        self._replaces_nodes = replaces_nodes
+        self._took_over: set[str] = set()
+
+    def next(self) -> tuple[str, list[Any]]:
+        choose = self._random.choice
+        index = self._random.randrange(len(NODES))
+        caller = NODES[index]
+        second_life = self._replaces_nodes and self._random.random() < 0.1
+        uri = f"uri:{index + len(NODES) * second_life}"
+        # Each node has services of its own: see the module's docstring.
+        service = f"/service{index}_{self._random.randrange(2)}"
+        service_api = f"rosrpc://host:{index}"
+        topic, key = choose(TOPICS), choose(KEYS)
+        calls: list[tuple[str, list[Any]]] = [
+            ("registerPublisher", [topic, choose(TYPES), uri]),
+            ("registerPublisher", [topic, choose(TYPES), uri]),
+            ("unregisterPublisher", [topic, uri]),
+            ("registerSubscriber", [topic, choose(TYPES), uri]),
+            ("registerSubscriber", [topic, choose(TYPES), uri]),
+            ("unregisterSubscriber", [topic, uri]),
+            ("registerService", [service, service_api, uri]),
+            ("unregisterService", [service, choose([service_api, "rosrpc://other:1"])]),
+            ("lookupService", [choose([service, "/none", "~s"])]),
+            ("lookupNode", [choose([*NODES, "a", "/none", "~"])]),
+            ("getPublishedTopics", [choose(["", "/", "/ns", "/ns/", "ns", "~"])]),
+            ("getTopicTypes", []),
+            ("getSystemState", []),
+            ("setParam", [key, choose(VALUES)]),
+            ("setParam", [key, choose(VALUES)]),
+            ("getParam", [key]),
+            ("deleteParam", [key]),
+            ("hasParam", [key]),
+            ("searchParam", [choose([*KEYS, "r", "x/y", "none"])]),
+            ("getParamNames", []),
+            ("subscribeParam", [uri, key]),
+            ("unsubscribeParam", [uri, key]),
+        ]
+        method, args = choose(calls)
+        args = [caller, *args]
+        if self._random.random() < 0.08:
+            self._spoil(args)
+        return method, args
+
+    def _spoil(self, args: list[Any]) -> None:
+        place = self._random.randrange(len(args))
+        if self._random.random() < 0.3:
+            del args[place]
+        elif self._random.random() < 0.3:
+            args.append("one too many")
+        elif place > 0:
+            args[place] = self._random.choice(NONSENSE)
+        else:
+            args[0] = self._random.choice([7, [], "relative", ""])
+
+
+async def settled(side: Side) -> None:
+    """Wait until a master has told its nodes everything: nothing new for a while."""
+    async with asyncio.timeout(30):
+        before, quiet = -1, 0
+        while quiet < 5:
+            await asyncio.sleep(0.1)
+            now = sum(len(node.told) for node in side.nodes)
+            quiet = quiet + 1 if now == before else 0
+            before = now
+
+
+@pytest.mark.parametrize("seed", range(3))
+async def test_the_same_calls_get_the_same_answers(sides: tuple[Side, Side], seed: int) -> None:
+    ours, theirs = sides
+    sequence = Sequence(seed, replaces_nodes=True)
+    codes: dict[Any, int] = {}
+    for step in range(1200):
+        method, args = sequence.next()
+        our_answer, their_answer = await asyncio.gather(ours.call(method, args), theirs.call(method, args))
+        if their_answer[0] != 1 or method == "unregisterService":
+            # How errors are worded is our own affair.
+            our_answer[1] = their_answer[1]
+        assert our_answer == their_answer, f"step {step}: {method}{tuple(args)}"
+        codes[their_answer[0]] = codes.get(their_answer[0], 0) + 1
+    assert codes[1] > 500
+    assert codes[-1] > 50
+
+
+def view_of(node: FakeNode, key: str) -> Any:
+    """Return the value of a parameter as the node knows it, from all it was told in order."""
+    tree = ParameterTree()
+    for what, name, value in node.told:
+        if what == "param":
+            tree.set(name, copy.deepcopy(value))
+    return without_empty(tree.get(key)) if tree.has(key) else {}
+
+
+def without_empty(value: Any) -> Any:
+    """Return a tree without empty namespaces, which mean the same as unset."""
+    if not isinstance(value, dict):
+        return value
+    inner = {key: without_empty(item) for key, item in value.items()}
+    return {key: item for key, item in inner.items() if item != {}}
+
+
+@pytest.mark.parametrize("seed", range(3))
+async def test_nodes_end_up_knowing_the_truth(sides: tuple[Side, Side], seed: int) -> None:
+    rng = random.Random(seed)
+    keys = ["/p", "/p/q", "/p/q/r", "/p/q/z", "/p/s"]
+    watched: set[tuple[int, str]] = set()
+    for _ in range(250):
+        index, topic, key = rng.randrange(len(NODES)), rng.choice(TOPICS[:2]), rng.choice(keys)
+        uri = f"uri:{index}"
+        calls: list[tuple[str, str, list[Any]]] = [
+            (NODES[index], "registerPublisher", [topic, "std_msgs/String", uri]),
+            (NODES[index], "unregisterPublisher", [topic, uri]),
+            (NODES[index], "registerSubscriber", [topic, "std_msgs/String", uri]),
+            (NODES[index], "subscribeParam", [uri, key]),
+            ("/setter", "setParam", [rng.choice(keys[2:]), rng.randrange(100)]),
+            ("/setter", "setParam", ["/p", {"q": {"r": rng.randrange(100)}, "s": rng.randrange(100)}]),
+            ("/setter", "setParam", ["/p/q", {"z": rng.randrange(100)}]),
+            ("/setter", "deleteParam", [key]),
+        ]
+        caller, method, args = rng.choice(calls)
+        for side in sides:
+            answer = await side.call(method, [caller, *args])
+            if method == "subscribeParam":
+                watched.add((index, key))
+                side.nodes[index].hear("param", key, answer[2])
+    await asyncio.gather(*(settled(side) for side in sides))
+    for side in sides:
+        for index, key in watched:
+            code, _, value = await side.call("getParam", ["/test", key])
+            assert view_of(side.nodes[index], key) == (without_empty(value) if code == 1 else {}), (
+                index,
+                key,
+            )
+    ours, theirs = (side.publishers_told() for side in sides)
+    assert ours == theirs
+    assert sum(map(len, ours)) > len(NODES)
+
+
+async def test_a_replaced_node_is_shut_down_by_both(sides: tuple[Side, Side]) -> None:
+    for side in sides:
+        for uri in ("uri:0", "uri:4"):
+            await side.call("registerSubscriber", ["/a", "/t", "std_msgs/String", uri])
+        await settled(side)
+        reason = "[/a] Reason: new node registered with same name"
+        assert side.nodes[0].told == [("shutdown", "", reason)]
+        assert side.nodes[4].told == []
