@@ -1,0 +1,125 @@
+"""`rostether serve`: boards become nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import click
+
+from rostether.cli.bridge_lines import ConsoleReporter
+from rostether.cli.graph_access import read_environment
+from rostether.cli.options import listen_option, msg_path_option
+from rostether.cli.running import run
+from rostether.cli.serving import bridge
+from rostether.cli.verbs import Verb
+from rostether.cli.which_master import used_master
+from rostether.errors import ConfigError
+from rostether.graph.ports import Level
+from rostether.ros1.environment import RosEnvironment, is_loopback
+from rostether.transports.address import Address, TcpAddress, UdpAddress, parse_address
+
+
+@click.command(
+    cls=Verb,
+    examples="""
+    rostether serve /dev/ttyACM0                      a board on USB, 57600 baud
+    rostether serve "/dev/ttyUSB0?baud=115200&name=arm"
+    rostether serve tcp://:11411 udp://:11411         boards and programs of this machine
+    rostether serve tcp://0.0.0.0:11411               boards on the network
+    rostether serve pty:/tmp/board                    a simulator that opens a serial port
+    rostether serve /dev/ttyACM0 /dev/ttyACM1 --ns-per-board
+    """,
+)
+@click.argument("addresses", nargs=-1, required=True, metavar="ADDRESS...")
+@click.option("--master", metavar="URI", help="The ROS master to join; it is waited for.")
+@click.option(
+    "--master-port",
+    type=click.IntRange(1, 65535),
+    metavar="PORT",
+    help="The port where we are the master when there is none (11311).",
+)
+@listen_option
+@msg_path_option
+@click.option("--ns-per-board", is_flag=True, help="Put each board's topics into a namespace of its name.")
+@click.option("-v", "--verbose", is_flag=True, help="Show the boards' debug lines too.")
+@click.option("--uvloop/--no-uvloop", "uvloop", default=None, help="Use uvloop (default: when installed).")
+def serve(
+    addresses: tuple[str, ...],
+    master: str | None,
+    master_port: int | None,
+    listen: str | None,
+    msg_paths: tuple[Path, ...],
+    ns_per_board: bool,
+    verbose: bool,
+    uvloop: bool | None,
+) -> None:
+    """Make boards that speak rosserial nodes of the ROS graph.
+
+    An ADDRESS is a serial port, tcp://HOST:PORT or udp://HOST:PORT to listen on, pty:PATH for a
+    pseudo-terminal made there, xbee:PORT. Options go behind a question mark: baud=115200, name=arm, ns=lab,
+    reset=no. A port that does not exist yet is waited for.
+    """
+    links = [_link(address, listen) for address in addresses]
+    if master is not None and master_port is not None:
+        raise ConfigError("--master joins a master and --master-port is one: give one of them")
+    environment = read_environment(master)
+    if listen is not None:
+        environment = environment.listening_on(listen)
+    reporter = ConsoleReporter(lowest=Level.DEBUG if verbose else Level.INFO)
+    run(
+        _serve(environment, links, reporter, master is not None, master_port, msg_paths, ns_per_board),
+        is_service=True,
+        uvloop=uvloop,
+    )
+
+
+def _link(text: str, listen: str | None) -> Address:
+    link = parse_address(text)
+    # --listen speaks for the listeners whose host was left out.
+    if listen and isinstance(link, TcpAddress | UdpAddress) and link.listens and "://:" in text:
+        return replace(link, host=listen)
+    return link
+
+
+async def _serve(
+    environment: RosEnvironment,
+    links: Sequence[Address],
+    reporter: ConsoleReporter,
+    is_chosen: bool,
+    master_port: int | None,
+    msg_paths: Sequence[Path],
+    ns_per_board: bool,
+) -> None:
+    async with used_master(environment, is_chosen=is_chosen, port=master_port) as used:
+        reporter.line(Level.INFO, used.line)
+        for line in loopback_lines(used.environment, links):
+            reporter.line(Level.INFO, line)
+        async with bridge(
+            used.environment, links, reporter, msg_paths=msg_paths, ns_per_board=ns_per_board
+        ) as supervisor:
+            await supervisor.wait_done()
+
+
+def loopback_lines(environment: RosEnvironment, links: Sequence[Address]) -> list[str]:
+    """Return a line for each listener that others would need and that is on loopback only."""
+    lines = []
+    near = [
+        link
+        for link in links
+        if isinstance(link, TcpAddress | UdpAddress) and link.listens and is_loopback(link.host)
+    ]
+    for link in near:
+        scheme = "tcp" if isinstance(link, TcpAddress) else "udp"
+        lines.append(
+            f"{link} takes boards of this machine only; "
+            f"--listen 0.0.0.0, or {scheme}://0.0.0.0:{link.port}, lets boards on the network in"
+        )
+    network_master = not environment.master.is_loopback
+    if network_master and environment.listens_on_loopback_only:
+        lines.append(
+            "the master is on another machine, but its nodes cannot reach us; "
+            "write --listen 0.0.0.0, or set ROS_IP to our address"
+        )
+    return lines
