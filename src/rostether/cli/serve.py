@@ -44,7 +44,7 @@ from rostether.transports.address import Address, TcpAddress, UdpAddress, parse_
 @msg_path_option
 @click.option("--ns-per-board", is_flag=True, help="Put each board's topics into a namespace of its name.")
 @click.option("-v", "--verbose", is_flag=True, help="Show the boards' debug lines too.")
-@click.option("--uvloop/--no-uvloop", "uvloop", default=None, help="Use uvloop (default: when installed).")
+@click.option("--uvloop", is_flag=True, help="Run on uvloop: pip install 'rostether[uvloop]'.")
 def serve(
     addresses: tuple[str, ...],
     master: str | None,
@@ -53,7 +53,7 @@ def serve(
     msg_paths: tuple[Path, ...],
     ns_per_board: bool,
     verbose: bool,
-    uvloop: bool | None,
+    uvloop: bool,
 ) -> None:
     """Make boards that speak rosserial nodes of the ROS graph.
 
