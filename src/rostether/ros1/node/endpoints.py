@@ -4,6 +4,7 @@ it through. The slave API does not name its node, so each node has servers of it
 from __future__ import annotations
 
 import asyncio
+import contextlib
 from collections.abc import Callable, Iterable, Mapping
 
 from rostether.errors import GraphError
@@ -21,6 +22,9 @@ from rostether.ros1.node.subscription import Subscription
 from rostether.ros1.node.tcpros_listener import TcprosListener
 from rostether.ros1.xmlrpc_server import XmlRpcServer
 from rostether.xmlrpc.values import XmlRpcValue
+
+UNREGISTER_TIMEOUT_S = 2.0
+"""What leaving costs at most when the master hangs."""
 
 
 class Endpoints:
@@ -175,14 +179,15 @@ class Endpoints:
     async def close(self) -> None:
         """Unregister everything and end all connections."""
         if self._is_open:
-            await self._registrations.close()
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(UNREGISTER_TIMEOUT_S):
+                    await asyncio.gather(self._registrations.close(), self.watches.close())
             await self._close_all()
         await self._listener.close()
         await self._server.close()
 
     async def _close_all(self) -> None:
         await asyncio.gather(
-            self.watches.close(),
             *(each.close() for each in self.subscriptions),
             *(each.close() for each in list(self._services.values())),
             *(each.close() for each in self._publications.values()),

@@ -52,7 +52,7 @@ async def join_ros1(
     Raises MasterUnreachableError, InvalidNameError, ConfigError, GraphError.
     """
     environment = environment or RosEnvironment.read()
-    full_name = validate_name(join(namespace, node_name))
+    full_name = join(namespace, validate_name(node_name))
     master = MasterClient(master_uri or environment.master_uri, full_name)
     graph = Ros1Graph(master, environment, namespace, remappings or {})
     try:

@@ -8,7 +8,6 @@ node has taken our name.
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import logging
 from collections.abc import Awaitable, Callable
 
@@ -17,9 +16,6 @@ from rostether.ros1.node.master_client import MasterClient
 
 DEFAULT_CHECK_INTERVAL_S = 2.0
 """One small call each; a master that came back has our topics again within about this time."""
-
-UNREGISTER_TIMEOUT_S = 2.0
-"""What leaving costs at most when the master hangs."""
 
 _log = logging.getLogger("rostether.ros1")
 
@@ -86,17 +82,15 @@ class Registrations:
             await _quietly(self._master.unregister_service(service, service_uri))
 
     async def close(self) -> None:
-        """Stop looking, and unregister what is left, all at once and within a short time."""
+        """Stop looking, and unregister what is left, all at once."""
         if self._watch is not None:
             self._watch.cancel()
             await asyncio.wait((self._watch,))
-        with contextlib.suppress(TimeoutError):
-            async with asyncio.timeout(UNREGISTER_TIMEOUT_S):
-                await asyncio.gather(
-                    *(self.remove_publisher(topic) for topic in list(self._publishers)),
-                    *(self.remove_subscriber(topic) for topic in list(self._subscribers)),
-                    *(self.remove_service(service) for service in list(self._services)),
-                )
+        await asyncio.gather(
+            *(self.remove_publisher(topic) for topic in list(self._publishers)),
+            *(self.remove_subscriber(topic) for topic in list(self._subscribers)),
+            *(self.remove_service(service) for service in list(self._services)),
+        )
 
     async def _register_publisher(self, topic: str) -> None:
         await self._master.register_publisher(topic, self._publishers[topic], self._node_uri)
@@ -111,7 +105,7 @@ class Registrations:
         except MasterUnreachableError as error:
             if not self._is_behind:
                 self._is_behind = True
-                _log.warning("%s; registering when it is back", error)
+                _log.warning("%s: %s; registering when it is back", self._master.caller_id, error)
 
     async def _register_all(self) -> None:
         for topic in list(self._publishers):
@@ -128,16 +122,18 @@ class Registrations:
             await asyncio.sleep(interval_s)
             try:
                 if await self._check():
-                    _log.warning("the ROS master at %s knew us no more: registered again", self._master.uri)
+                    _log.warning(
+                        "%s: the ROS master knew us no more, registered again", self._master.caller_id
+                    )
                 elif is_away:
-                    _log.warning("the ROS master at %s is back", self._master.uri)
+                    _log.warning("%s: the ROS master is back", self._master.caller_id)
                 is_away = False
             except MasterUnreachableError as error:
                 if not is_away:
-                    _log.warning("%s; connections stay, waiting for it to come back", error)
+                    _log.warning("%s: %s; connections stay, waiting for it", self._master.caller_id, error)
                 is_away = True
             except GraphError as error:
-                _log.warning("cannot register again: %s", error)
+                _log.warning("%s: cannot register again: %s", self._master.caller_id, error)
 
     async def _check(self) -> bool:
         """Look at our own registration; True when everything had to be registered again."""

@@ -148,9 +148,7 @@ class _SlaveApi:
         return [0, "no supported protocol implementations: this node speaks TCPROS", []]
 
     def shutdown(self, caller_id: str, message: str = "") -> Answer:
-        self._node.shut_down(
-            f"{caller_id} asked for shutdown: {message}" if message else "asked to shut down"
-        )
+        self._node.shut_down(f"{caller_id} asked for it: {message}" if message else "asked to shut down")
         return [1, "shutdown", 0]
 
 

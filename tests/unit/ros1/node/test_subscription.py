@@ -1,0 +1,219 @@
+"""A subscription and its publishers, some of them wrong."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import struct
+from collections.abc import AsyncIterator, Mapping
+
+import pytest
+
+from contract.graphs import Inbox
+from rostether.graph.ports import Level
+from rostether.msgdef.interface import ANY_MESSAGE, MessageType
+from rostether.ros1.node import publisher_connection
+from rostether.ros1.node.subscription import Subscription
+from rostether.tcpros.message_framing import encode_messages
+from unit.ros1.node.raw_peers import STRING, FakePublisher, until
+
+
+class Stage:
+    """One subscription with what it reports."""
+
+    def __init__(self, message_type: MessageType = STRING, *, tcp_nodelay: bool = True) -> None:
+        self.inbox = Inbox()
+        self.reports: list[tuple[Level, str]] = []
+        self.closed: list[Subscription] = []
+        self.topic = Subscription(
+            "/chat",
+            message_type,
+            self.inbox.take,
+            node_name="/listener",
+            report=lambda level, text: self.reports.append((level, text)),
+            on_connection=self.inbox.take_header,
+            on_close=self._release,
+            tcp_nodelay=tcp_nodelay,
+        )
+
+    async def _release(self, subscription: Subscription) -> None:
+        self.closed.append(subscription)
+
+
+@contextlib.asynccontextmanager
+async def subscribed(message_type: MessageType = STRING, *, tcp_nodelay: bool = True) -> AsyncIterator[Stage]:
+    stage = Stage(message_type, tcp_nodelay=tcp_nodelay)
+    try:
+        yield stage
+    finally:
+        await stage.topic.close()
+
+
+@pytest.fixture(autouse=True)
+def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(publisher_connection, "FIRST_RETRY_S", 0.005)
+    monkeypatch.setattr(publisher_connection, "MAX_RETRY_S", 0.02)
+
+
+def fake(fields: Mapping[str, str] | None = None) -> FakePublisher:
+    publisher = FakePublisher()
+    publisher.header |= fields or {}
+    return publisher
+
+
+@pytest.mark.parametrize("tcp_nodelay", [True, False])
+async def test_a_publisher_hears_what_we_want(tcp_nodelay: bool) -> None:
+    async with fake() as publisher, subscribed(tcp_nodelay=tcp_nodelay) as stage:
+        stage.topic.add_publishers([publisher.uri])
+        await until(lambda: stage.topic.publisher_count == 1)
+        assert publisher.requests == [
+            {
+                "callerid": "/listener",
+                "md5sum": STRING.md5sum,
+                "message_definition": STRING.definition,
+                "tcp_nodelay": "1" if tcp_nodelay else "0",
+                "topic": "/chat",
+                "type": STRING.name,
+            }
+        ]
+        assert stage.inbox.headers == [publisher.header]
+        wire = encode_messages([b"one", b"", b"two"])
+        for byte in wire:
+            publisher.peers[0].writer.write(bytes([byte]))
+            await asyncio.sleep(0)
+        await until(lambda: len(stage.inbox.payloads) == 3)
+        assert stage.inbox.payloads == [b"one", b"", b"two"]
+        (connection,) = stage.topic.connections
+        assert connection.record.byte_count == len(wire)
+        assert connection.record.message_count == 3
+        assert connection.record.peer == publisher.uri
+
+
+async def test_a_broken_connection_is_made_again() -> None:
+    async with fake() as publisher, subscribed() as stage:
+        stage.topic.add_publishers([publisher.uri])
+        for count in range(1, 4):
+            await until(lambda: len(publisher.peers) == count)  # noqa: B023 - awaited at once
+            publisher.peers[-1].writer.write(encode_messages([b"%d" % count]) + b"\x09\0\0\0half")
+            await publisher.peers[-1].close()
+        await until(lambda: len(stage.inbox.payloads) == 3)
+        assert stage.inbox.payloads == [b"1", b"2", b"3"]
+
+
+async def test_a_length_beyond_reason_ends_the_connection_not_the_subscription(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    async with fake() as publisher, subscribed() as stage:
+        stage.topic.add_publishers([publisher.uri])
+        await until(lambda: publisher.peers)
+        publisher.peers[0].writer.write(encode_messages([b"good"]) + struct.pack("<I", 0xFFFFFFFF))
+        await until(lambda: len(publisher.peers) == 2)
+        publisher.peers[1].writer.write(encode_messages([b"again"]))
+        await until(lambda: b"again" in stage.inbox.payloads)
+        assert "message of 4294967295 bytes, the limit is" in caplog.text
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [
+        [0, "no supported protocol implementations", []],
+        [-1, "Not a publisher of [/chat]", []],
+        [1, "", ["UDPROS", "127.0.0.1", 1]],
+        [1, "", ["TCPROS"]],
+        [1, "", []],
+        [1, "", ["TCPROS", "127.0.0.1", "port"]],
+        "nonsense",
+    ],
+)
+async def test_a_publisher_that_refuses_is_asked_again(answer: object) -> None:
+    async with fake() as publisher, subscribed() as stage:
+        later = publisher.answer
+        publisher.answer = lambda self: answer if self.asked < 3 else later(self)
+        stage.topic.add_publishers([publisher.uri])
+        await until(lambda: stage.topic.publisher_count == 1)
+        assert publisher.asked == 3
+        assert stage.reports == []
+
+
+async def test_a_type_that_differs_is_told_once_and_not_tried_again() -> None:
+    header = {"md5sum": "1" * 32, "type": "other/Type"}
+    async with fake(header) as wrong, fake() as right, subscribed() as stage:
+        stage.topic.add_publishers([wrong.uri, right.uri])
+        await until(lambda: stage.topic.publisher_count == 1 and stage.reports)
+        ((level, text),) = stage.reports
+        assert level is Level.WARN
+        assert "cannot subscribe to /chat" in text
+        assert "other/Type" in text
+        # Were it tried again, it would be before three rounds of somebody who breaks all the time.
+        for count in range(1, 4):
+            await until(lambda: len(right.peers) == count)  # noqa: B023 - awaited at once
+            await right.peers[-1].close()
+        assert wrong.asked == 1
+
+
+async def test_an_error_header_is_told_as_a_mismatch() -> None:
+    publisher = fake()
+    publisher.header = {"error": "topic types do not match: [std_msgs/String] vs. [std_msgs/Bool]"}
+    async with publisher, subscribed() as stage:
+        stage.topic.add_publishers([publisher.uri])
+        await until(lambda: stage.reports)
+        assert "[std_msgs/String] vs. [std_msgs/Bool]" in stage.reports[0][1]
+
+
+async def test_any_type_is_taken_on_demand() -> None:
+    other = {"md5sum": "1" * 32, "type": "other/Type"}
+    async with fake(other) as publisher, subscribed(ANY_MESSAGE) as stage:
+        stage.topic.add_publishers([publisher.uri])
+        await until(lambda: stage.inbox.headers)
+        assert publisher.requests[0]["md5sum"] == "*"
+        assert stage.inbox.headers[0]["type"] == "other/Type"
+
+
+async def test_publishers_come_and_go_with_the_masters_list() -> None:
+    async with fake() as first, fake() as second, subscribed() as stage:
+        stage.topic.set_publishers([first.uri])
+        await until(lambda: stage.topic.publisher_count == 1)
+        # The answer to a registration may be older: it only adds.
+        stage.topic.add_publishers([second.uri])
+        await until(lambda: stage.topic.publisher_count == 2)
+        stage.topic.set_publishers([second.uri])
+        assert await first.peers[0].is_hung_up()
+        second.peers[0].writer.write(encode_messages([b"still here"]))
+        await until(lambda: stage.inbox.payloads)
+        assert (first.asked, second.asked) == (1, 1)
+
+
+@pytest.mark.parametrize("uri", ["http://127.0.0.1:1/", "nonsense", "rosrpc://127.0.0.1:1"])
+async def test_a_publisher_that_is_not_there_is_left_without_a_word(uri: str) -> None:
+    async with fake() as publisher, subscribed() as stage:
+        stage.topic.set_publishers([uri, publisher.uri])
+        await until(lambda: stage.topic.publisher_count == 1)
+        stage.topic.set_publishers([publisher.uri])
+        assert stage.reports == []
+
+
+async def test_a_message_right_behind_the_header_waits_for_a_paused_subscriber() -> None:
+    async with fake() as publisher, subscribed() as stage:
+        stage.topic.pause()
+        publisher.header["latching"] = "1"
+        stage.topic.add_publishers([publisher.uri])
+        await until(lambda: publisher.peers)
+        publisher.peers[0].writer.write(encode_messages([b"latched"]))
+        await until(lambda: stage.inbox.headers)
+        assert stage.inbox.payloads == []
+        stage.topic.resume()
+        await until(lambda: stage.inbox.payloads == [b"latched"])
+
+
+async def test_closing_hangs_up_for_good() -> None:
+    async with fake() as publisher, subscribed() as stage:
+        stage.topic.add_publishers([publisher.uri])
+        await until(lambda: stage.topic.publisher_count == 1)
+        await stage.topic.close()
+        await stage.topic.close()
+        assert stage.closed == [stage.topic]
+        stage.topic.add_publishers([publisher.uri])
+        stage.topic.set_publishers([publisher.uri])
+        assert await publisher.peers[0].is_hung_up()
+        assert publisher.asked == 1
+        assert stage.topic.publisher_count == 0

@@ -1,0 +1,112 @@
+"""The TCPROS port of a node against strangers."""
+
+from __future__ import annotations
+
+import asyncio
+import struct
+from collections.abc import AsyncIterator
+
+import pytest
+import pytest_asyncio
+
+from rostether.errors import ConfigError, GraphError
+from rostether.ros1 import tcpros_connection
+from rostether.ros1.node import tcpros_listener
+from rostether.ros1.node.tcpros_listener import TcprosListener
+from rostether.tcpros.header import MAX_HEADER_BYTES
+from unit.ros1.node.raw_peers import RawPeer, until
+
+
+def refuse_subscriber(fields: dict[str, str], _: asyncio.Transport) -> asyncio.Protocol:
+    raise GraphError(f"[/node] is not a publisher of [{fields['topic']}]")
+
+
+def refuse_client(fields: dict[str, str], _: asyncio.Transport) -> asyncio.Protocol:
+    raise GraphError(f"[/node] is not a provider of [{fields['service']}]")
+
+
+@pytest_asyncio.fixture
+async def listener() -> AsyncIterator[TcprosListener]:
+    listener = TcprosListener(refuse_subscriber, refuse_client, lambda *_: None)
+    await listener.start(["127.0.0.1"])
+    yield listener
+    await listener.close()
+
+
+@pytest.mark.parametrize(
+    ("fields", "reason"),
+    [
+        ({"topic": "/a", "md5sum": "*"}, "is not a publisher of [/a]"),
+        ({"service": "/a", "md5sum": "*"}, "is not a provider of [/a]"),
+        ({"callerid": "/a"}, "no topic or service name detected"),
+        ({"topic": "/a"}, "Missing required 'md5sum' field"),
+    ],
+)
+async def test_a_refusal_is_told(listener: TcprosListener, fields: dict[str, str], reason: str) -> None:
+    peer = await RawPeer.connect(listener.port)
+    peer.send_header(fields)
+    assert reason in (await peer.read_header())["error"]
+    assert await peer.is_hung_up()
+    await peer.close()
+
+
+@pytest.mark.parametrize(
+    "data", [b"GET / HTTP/1.1\r\n\r\n", struct.pack("<I", MAX_HEADER_BYTES + 1), b"\x05\0\0\0\x09\0\0\0x"]
+)
+async def test_garbage_is_refused(listener: TcprosListener, data: bytes) -> None:
+    peer = await RawPeer.connect(listener.port)
+    peer.writer.write(data)
+    assert "header" in (await peer.read_header())["error"]
+    assert await peer.is_hung_up()
+    await peer.close()
+
+
+async def test_who_says_nothing_is_hung_up_on(
+    listener: TcprosListener, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tcpros_connection, "HANDSHAKE_TIMEOUT_S", 0.05)
+    peer = await RawPeer.connect(listener.port)
+    peer.writer.write(b"\x10\0")
+    assert await peer.is_hung_up()
+    await peer.close()
+
+
+async def test_a_crowd_that_says_nothing_keeps_nobody_out(
+    listener: TcprosListener, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tcpros_listener, "MAX_HANDSHAKES", 3)
+    crowd = [await RawPeer.connect(listener.port) for _ in range(5)]
+    assert await crowd[0].is_hung_up()
+    assert await crowd[1].is_hung_up()
+    crowd[4].send_header({"callerid": "/a"})
+    assert "error" in await crowd[4].read_header()
+    for peer in crowd:
+        await peer.close()
+    await until(lambda: not listener._handshakes)
+
+
+async def test_closing_hangs_up_and_frees_the_port(listener: TcprosListener) -> None:
+    port = listener.port
+    peer = await RawPeer.connect(port)
+    await until(lambda: listener._handshakes)
+    await listener.close()
+    await listener.close()
+    assert await peer.is_hung_up()
+    await peer.close()
+    with pytest.raises(ConnectionError):
+        await RawPeer.connect(port)
+
+
+async def test_an_address_of_another_machine_is_named() -> None:
+    listener = TcprosListener(refuse_subscriber, refuse_client, lambda *_: None)
+    with pytest.raises(ConfigError, match=r"cannot listen on 192.0.2.1.*ROS_IP"):
+        await listener.start(["192.0.2.1"])
+
+
+async def test_several_addresses_share_one_port() -> None:
+    listener = TcprosListener(refuse_subscriber, refuse_client, lambda *_: None)
+    await listener.start(["127.0.0.1", "127.0.0.2"])
+    _, writer = await asyncio.open_connection("127.0.0.2", listener.port)
+    writer.close()
+    await writer.wait_closed()
+    await listener.close()
