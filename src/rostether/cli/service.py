@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
@@ -13,9 +12,6 @@ from rostether.cli.output import json_option, write_json, write_line
 from rostether.cli.running import run
 from rostether.cli.verbs import LazyGroup, Verb, VerbEntry
 from rostether.errors import ServiceUnavailableError, UnknownNameError
-
-if TYPE_CHECKING:
-    from rostether.ros1.node.master_client import MasterClient
 
 _HERE = "rostether.cli.service:"
 _VERBS = {
@@ -54,7 +50,7 @@ def list_services(namespace: str | None, nodes: bool, as_json: bool, master: str
     """List the services, of all or of a namespace."""
     for name, providers in run(_services(namespace, master)):
         if as_json:
-            write_json({"name": name, "nodes": providers})
+            write_json({"service": name, "nodes": providers})
         else:
             write_line(f"{name} {','.join(providers)}" if nodes else name)
 
@@ -93,7 +89,16 @@ async def _type(service: str, master: str | None) -> str:
 @master_option
 def uri_of(service: str, master: str | None) -> None:
     """Print the URI (rosrpc://host:port) of a service."""
-    write_line(run(_uri_and_node(service, master))[0])
+    write_line(run(_uri(service, master)))
+
+
+async def _uri(service: str, master: str | None) -> str:
+    from rostether.cli.graph_access import master_client, read_environment, resolve
+    from rostether.cli.service_probe import look_up
+
+    environment = read_environment(master)
+    async with master_client(environment) as client:
+        return await look_up(client, resolve(service, environment))
 
 
 @click.command("node", cls=Verb, examples="rostether service node /set_led")
@@ -101,26 +106,16 @@ def uri_of(service: str, master: str | None) -> None:
 @master_option
 def node_of(service: str, master: str | None) -> None:
     """Print the node that offers a service."""
-    write_line(run(_uri_and_node(service, master))[1])
+    write_line(run(_node(service, master)))
 
 
-async def _uri_and_node(service: str, master: str | None) -> tuple[str, str]:
+async def _node(service: str, master: str | None) -> str:
     from rostether.cli.graph_access import master_client, read_environment, resolve
-    from rostether.cli.service_probe import look_up
+    from rostether.cli.service_probe import provider
 
     environment = read_environment(master)
-    name = resolve(service, environment)
     async with master_client(environment) as client:
-        return await look_up(client, name), await _provider(client, name)
-
-
-async def _provider(client: MasterClient, name: str) -> str:
-    nodes = (await client.system_state())[2].get(name)
-    if not nodes:
-        raise UnknownNameError(
-            f"nobody offers the service {name}; `rostether service list` shows those that are"
-        )
-    return nodes[0]
+        return await provider(client, resolve(service, environment))
 
 
 @click.command("args", cls=Verb, examples="rostether service args /set_led")
@@ -146,13 +141,28 @@ def _argument_names(type_name: str, msg_paths: tuple[Path, ...]) -> str:
 @master_option
 def info(service: str, as_json: bool, msg_paths: tuple[Path, ...], master: str | None) -> None:
     """Show who offers a service, its type and its arguments."""
-    uri, node = run(_uri_and_node(service, master))
-    type_name = run(_type(service, master))
+    run(_info(service, as_json, msg_paths, master))
+
+
+async def _info(service: str, as_json: bool, msg_paths: tuple[Path, ...], master: str | None) -> None:
+    from rostether.cli.graph_access import master_client, read_environment, resolve
+    from rostether.cli.service_probe import look_up, probe_uri, provider
+
+    environment = read_environment(master)
+    name = resolve(service, environment)
+    async with master_client(environment) as client:
+        node, uri = await provider(client, name), await look_up(client, name)
+    if not as_json:
+        write_line(f"Node: {node}\nURI: {uri}")
+    type_name = await probe_uri(name, uri)
+    if not as_json:
+        write_line(f"Type: {type_name}")
     arguments = _argument_names(type_name, msg_paths)
     if as_json:
-        write_json({"node": node, "uri": uri, "type": type_name, "args": arguments.split()})
-        return
-    write_line(f"Node: {node}\nURI: {uri}\nType: {type_name}\nArgs: {arguments}")
+        record = {"service": name, "node": node, "uri": uri, "type": type_name, "args": arguments.split()}
+        write_json(record)
+    else:
+        write_line(f"Args: {arguments}")
 
 
 @click.command("find", cls=Verb, examples="rostether service find std_srvs/SetBool")

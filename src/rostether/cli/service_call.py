@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import sys
-from collections.abc import Iterator
+from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -89,7 +89,7 @@ async def _call(
             await _wait_for_service(client, name, timeout_s)
         type_name = await probe_type(client, name)
     async with joined(environment, msg_paths, purpose="rosservice") as graph:
-        for request in _requests(graph, type_name, arguments):
+        async for request in _requests(graph, type_name, arguments):
             response = await graph.call(name, type_name, request, timeout_s=timeout_s)
             if as_json:
                 write_json(to_plain(response))
@@ -99,7 +99,8 @@ async def _call(
             write_line(format_message(response))
 
 
-def _requests(graph: TypedGraph, type_name: str, arguments: tuple[str, ...]) -> Iterator[Message]:
+async def _requests(graph: TypedGraph, type_name: str, arguments: tuple[str, ...]) -> AsyncIterator[Message]:
+    from rostether.cli.piped_documents import piped_documents
     from rostether.serde.yaml_form import parse_documents, parse_values
 
     request_type = graph.store.registry.service_type(type_name).request.name
@@ -109,10 +110,12 @@ def _requests(graph: TypedGraph, type_name: str, arguments: tuple[str, ...]) -> 
     if texts or not codec.message_class._fields:
         yield parse_values(codec, texts, now=graph.now)
     elif sys.stdin.isatty():
-        fields = " ".join(name for name, _ in codec.message_class._fields)
-        raise click.UsageError(f"{type_name} takes arguments: {fields}")
+        fields = ", ".join(f"{name}: {field_type}" for name, field_type in codec.message_class._fields)
+        raise click.UsageError(f"give the request as YAML: {type_name} takes {{{fields}}}")
     else:
-        yield from parse_documents(codec, sys.stdin.read(), now=graph.now)
+        async for text in piped_documents(sys.stdin):
+            for request in parse_documents(codec, text, now=graph.now):
+                yield request
 
 
 async def _wait_for_service(client: MasterClient, name: str, timeout_s: float | None) -> None:

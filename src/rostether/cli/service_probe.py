@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from rostether.cli.graph_access import OUR_NAME
@@ -20,13 +21,28 @@ if TYPE_CHECKING:
 
 
 async def look_up(client: MasterClient, service: str) -> str:
-    """Return a service's URI. Raises UnknownNameError."""
+    """Return a service's URI. Raises UnknownNameError with the nearest name there is."""
     try:
         return await client.lookup_service(service)
-    except UnknownNameError as error:
-        raise UnknownNameError(
-            f"nobody offers the service {service}; `rostether service list` shows those that are"
-        ) from error
+    except UnknownNameError:
+        raise unknown_service(service, (await client.system_state())[2]) from None
+
+
+async def provider(client: MasterClient, service: str) -> str:
+    """Return the node that offers a service. Raises UnknownNameError."""
+    services = (await client.system_state())[2]
+    if not services.get(service):
+        raise unknown_service(service, services)
+    return services[service][0]
+
+
+def unknown_service(service: str, known: Iterable[str]) -> UnknownNameError:
+    """Return the error for a service that nobody offers."""
+    from difflib import get_close_matches
+
+    near = get_close_matches(service, list(known), n=1)
+    hint = f"did you mean {near[0]}?" if near else "`rostether service list` shows those there are"
+    return UnknownNameError(f"nobody offers the service {service}; {hint}")
 
 
 async def probe_type(client: MasterClient, service: str) -> str:
