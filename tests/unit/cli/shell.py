@@ -8,6 +8,7 @@ import json
 import threading
 import time
 from collections.abc import Callable, Coroutine
+from concurrent.futures import Future
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -41,7 +42,11 @@ class LiveGraph:
 
     def do(self, work: Coroutine[Any, Any, T]) -> T:
         """Run a coroutine in the thread and wait for its result."""
-        return asyncio.run_coroutine_threadsafe(work, self._loop).result(20)
+        return self.begin(work).result(20)
+
+    def begin(self, work: Coroutine[Any, Any, T]) -> Future[T]:
+        """Start a coroutine in the thread."""
+        return asyncio.run_coroutine_threadsafe(work, self._loop)
 
     def node(self, name: str) -> Ros1Graph:
         """Start a node."""
