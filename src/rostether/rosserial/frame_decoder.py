@@ -21,7 +21,7 @@ from typing import TypeAlias
 
 from rostether.rosserial.events import FrameDiscarded
 from rostether.rosserial.frame import FORMS, MAX_PAYLOAD_BYTES, Header, read_header
-from rostether.rosserial.frame_scan import FrameScanner, Scan
+from rostether.rosserial.frame_scan import FrameScanner, Patience, Scan
 
 FIRST_LOOK_S = 0.1
 """Longer than pauses inside a frame on a working line (USB polls, operating system), mostly below 20 ms."""
@@ -126,7 +126,7 @@ class FrameDecoder:
             return []
         self._look_at_s = None
         buffer = bytes(self._pending)
-        scan = self._scanner.scan(buffer, give_up_first=True)
+        scan = self._scanner.scan(buffer, Patience.LOOK)
         if any(topic_id in self._limits for topic_id in scan.groups) or (scan.groups and not self._limits):
             return self._accept(buffer, scan, now_s)
         self._look_after_s = min(2 * self._look_after_s, MAX_LOOK_S)
@@ -134,11 +134,8 @@ class FrameDecoder:
 
     def abandon(self, now_s: float) -> list[Decoded]:
         """Wait no longer for the unfinished frame; return what it holds."""
-        decoded: list[Decoded] = []
-        while self._pending:
-            buffer = bytes(self._pending)
-            decoded += self._accept(buffer, self._scanner.scan(buffer, give_up_first=True), now_s)
-        return decoded
+        buffer = bytes(self._pending)
+        return self._accept(buffer, self._scanner.scan(buffer, Patience.NONE), now_s)
 
     def _abandon_at_s(self) -> float | None:
         if self._abandon_after_s is None or not self._pending:

@@ -13,8 +13,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from enum import Enum, auto
 from struct import Struct
 from typing import NamedTuple
+from zlib import adler32
 
 from rostether.rosserial.checksum import RunningSums, summer_for
 from rostether.rosserial.events import DiscardReason, FrameDiscarded
@@ -27,7 +29,19 @@ MAX_KNOWN_HEADERS = 1024
 """A few dozen topics times the lengths their strings take; beyond it the memory starts anew."""
 
 _SYNC = bytes((SYNC,))
+_NOTHING = Struct("")
 _JOINABLE = (DiscardReason.NOISE, DiscardReason.VERSION)
+
+
+class Patience(Enum):
+    """What to do about a frame whose end is not in the buffer."""
+
+    WAIT = auto()
+    """It is the rest, and nothing behind it is looked at."""
+    LOOK = auto()
+    """Look behind it: if a sound frame follows, it was noise; else it is the rest."""
+    NONE = auto()
+    """It is noise; there is no rest."""
 
 
 class _Known(NamedTuple):
@@ -60,8 +74,8 @@ class FrameScanner:
         self._max_payload_bytes = max_payload_bytes
         self._known: dict[bytes, _Known] = {}
 
-    def scan(self, buffer: bytes, *, give_up_first: bool = False) -> Scan:
-        """Cut a buffer that begins where a frame may begin. `give_up_first`: no longer wait for that one."""
+    def scan(self, buffer: bytes, patience: Patience = Patience.WAIT) -> Scan:
+        """Cut a buffer that begins where a frame may begin."""
         result = Scan()
         groups = result.groups
         known_headers = self._known
@@ -69,20 +83,15 @@ class FrameScanner:
         view = memoryview(buffer)
         total = len(buffer)
         position = 0
-        waste = _Waste(buffer, result.discarded)
+        waste = _Waste()
         sums: RunningSums | None = None
         summed_in_vain = 0
-        if give_up_first:
-            waste.begin(0, DiscardReason.UNFINISHED)
-            position = _find(buffer, _SYNC, 1)
-        header = buffer[position : position + header_bytes]
+        unfinished: tuple[int, int] | None = None
+        header = buffer[:header_bytes]
         while header:
             known = known_headers.get(header)
             if known is None:
                 verdict = self._judge(header)
-                if verdict is None:
-                    result.needed_bytes = len(header) + 1
-                    break
                 if isinstance(verdict, DiscardReason):
                     waste.begin(position, verdict)
                     wanted = self._start if verdict is DiscardReason.VERSION else _SYNC
@@ -93,8 +102,13 @@ class FrameScanner:
             topic_id, stride, layout, summer, target = known
             end = position + stride
             if end > total:
-                result.needed_bytes = stride
-                break
+                unfinished = unfinished or (position, stride)
+                if patience is Patience.WAIT:
+                    break
+                waste.begin(position, DiscardReason.UNFINISHED)
+                position = _find(buffer, _SYNC, position + 1)
+                header = buffer[position : position + header_bytes]
+                continue
             following = buffer[end : end + header_bytes]
             if sums is not None:
                 sound = sums.one_plus_sum(position + header_bytes, end) & 0xFF == target
@@ -114,6 +128,7 @@ class FrameScanner:
             if good:
                 if waste.is_open:
                     waste.end(position)
+                unfinished = None
                 if topic_id in groups:
                     groups[topic_id] += good
                 else:
@@ -127,15 +142,19 @@ class FrameScanner:
                 sums = RunningSums(buffer)
             position = _find(buffer, _SYNC, position + 1)
             header = buffer[position : position + header_bytes]
-        waste.end(position)
-        result.rest = position
+        waste.end(total)
+        result.rest = total
+        if unfinished is not None and patience is not Patience.NONE:
+            result.rest, result.needed_bytes = unfinished
+            waste.take_back(result.rest)
+        result.discarded = waste.pieces(buffer)
         return result
 
-    def _judge(self, header: bytes) -> _Known | DiscardReason | None:
-        """Judge a header not seen before; None for what may be one, but is cut short by the buffer's end."""
+    def _judge(self, header: bytes) -> _Known | DiscardReason:
+        """Judge a header not seen before; one cut short becomes a frame longer than the buffer."""
+        size = len(header)
         if header[0] != SYNC:
             return DiscardReason.NOISE
-        size = len(header)
         if size > 1 and header[1] != self._version_byte:
             return DiscardReason.VERSION
         if self._version == 2 and size >= 5:  # the length check stands before the topic id
@@ -144,7 +163,7 @@ class FrameScanner:
             if header[2] | header[3] << 8 > self._max_payload_bytes:
                 return DiscardReason.TOO_LONG
         if size < self._header_bytes:
-            return None
+            return _Known(-1, size + 1, _NOTHING, adler32, 0)
         fields = read_header(self._version, header)
         if fields is None:
             return DiscardReason.LENGTH_CHECKSUM
@@ -163,12 +182,11 @@ class FrameScanner:
 
 
 class _Waste:
-    """Collects the stretches between frames."""
+    """Stretches between frames, as [start, end, reason]."""
 
-    def __init__(self, buffer: bytes, discarded: list[FrameDiscarded]) -> None:
+    def __init__(self) -> None:
         self.is_open = False
-        self._buffer = buffer
-        self._discarded = discarded
+        self._stretches: list[tuple[int, int, DiscardReason]] = []
         self._start = 0
         self._reason = DiscardReason.NOISE
         self._count = 0
@@ -184,13 +202,25 @@ class _Waste:
         self._reason = reason
 
     def end(self, position: int) -> None:
-        """A frame begins here, or the unfinished rest."""
+        """A frame begins here, or nothing more."""
         if self.is_open:
             self._close(position)
         self._count = 0
 
+    def take_back(self, position: int) -> None:
+        """Forget what lies behind a position after all."""
+        while self._stretches and self._stretches[-1][0] >= position:
+            self._stretches.pop()
+        if self._stretches and self._stretches[-1][1] > position:
+            start, _, reason = self._stretches.pop()
+            self._stretches.append((start, position, reason))
+
+    def pieces(self, buffer: bytes) -> list[FrameDiscarded]:
+        """Return the stretches with their bytes."""
+        return [FrameDiscarded(reason, buffer[start:end]) for start, end, reason in self._stretches]
+
     def _close(self, position: int) -> None:
-        self._discarded.append(FrameDiscarded(self._reason, self._buffer[self._start : position]))
+        self._stretches.append((self._start, position, self._reason))
         self.is_open = False
         self._count += 1
 
