@@ -1,0 +1,178 @@
+"""The master under random registrations: its tables agree with each other, and nobody is misinformed."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from hypothesis import settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
+
+from rostether.ros1.master.master_api import MasterApi
+from rostether.ros1.master.registrations import Kind
+from rostether.xmlrpc.values import XmlRpcValue, dump_response
+
+NODES = st.sampled_from(["/a", "/b", "/ns/c"])
+LIVES = st.sampled_from([1, 2])
+TOPICS = st.sampled_from(["/t", "/u", "t", "~t"])
+SERVICES = st.sampled_from(["/s", "~s"])
+TYPES = st.sampled_from(["*", "std_msgs/String", "std_msgs/Int32"])
+WORDS = st.sampled_from(["", "/", "a b", "http://x:1", "/t", "~"]) | st.integers(0, 3) | st.none()
+
+
+def api_of(node: str, life: int) -> str:
+    return f"http://host{node.replace('/', '-')}:{life}/"
+
+
+class Nodes:
+    """What each node knows, from the answers it got and the calls it was made."""
+
+    def __init__(self) -> None:
+        self.publishers: dict[tuple[str, str], list[str]] = {}
+        self.stopped: set[str] = set()
+
+    def publisher_update(self, api: str, topic: str, publishers: list[str]) -> None:
+        self.publishers[api, topic] = publishers
+
+    def param_update(self, api: str, key: str, value: XmlRpcValue) -> None:
+        raise AssertionError("nobody watches parameters here")
+
+    def ping(self, api: str) -> None:
+        self.stopped.discard(api)
+
+    def shut_down(self, api: str, reason: str) -> None:
+        self.stopped.add(api)
+
+
+class MasterUnderRegistrations(RuleBasedStateMachine):
+    """Nodes come, go, are replaced by a second life of theirs, and die."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.nodes = Nodes()
+        self.api = MasterApi(self.nodes, print)
+        self.methods = self.api.dispatch()
+        # {(kind, key): {node: api}}, kept in the plainest way.
+        self.model: dict[tuple[Kind, str], dict[str, str]] = {}
+
+    def call(self, method: str, *args: Any) -> Any:
+        answer = self.methods[method](*args)
+        dump_response(answer)
+        return answer[2]
+
+    def expect(self, kind: Kind, key: str, node: str, api: str, *, alone: bool = False) -> None:
+        for members in self.model.values():
+            if members.get(node, api) != api:
+                del members[node]
+        members = self.model.setdefault((kind, key), {})
+        if alone:
+            members.clear()
+        members[node] = api
+
+    def expect_gone(self, kind: Kind, key: str, node: str, api: str) -> int:
+        members = self.model.get((kind, key), {})
+        if members.get(node) != api:
+            return 0
+        del members[node]
+        return 1
+
+    @staticmethod
+    def resolve(name: str, node: str) -> str:
+        if name.startswith("/"):
+            return name
+        return f"{node}/{name[1:]}" if name.startswith("~") else f"{node.rpartition('/')[0]}/{name}"
+
+    @rule(node=NODES, life=LIVES, topic=TOPICS, type_name=TYPES)
+    def register_publisher(self, node: str, life: int, topic: str, type_name: str) -> None:
+        api = api_of(node, life)
+        answer = self.call("registerPublisher", node, topic, type_name, api)
+        self.expect(Kind.PUBLISHER, self.resolve(topic, node), node, api)
+        subscribers = self.model.get((Kind.SUBSCRIBER, self.resolve(topic, node)), {})
+        assert answer == list(subscribers.values())
+
+    @rule(node=NODES, life=LIVES, topic=TOPICS, type_name=TYPES)
+    def register_subscriber(self, node: str, life: int, topic: str, type_name: str) -> None:
+        api, name = api_of(node, life), self.resolve(topic, node)
+        self.nodes.publishers[api, name] = self.call("registerSubscriber", node, topic, type_name, api)
+        self.expect(Kind.SUBSCRIBER, name, node, api)
+
+    @rule(node=NODES, life=LIVES, service=SERVICES)
+    def register_service(self, node: str, life: int, service: str) -> None:
+        api = api_of(node, life)
+        self.call("registerService", node, service, f"rosrpc://{node}:{life}", api)
+        self.expect(Kind.SERVICE, self.resolve(service, node), node, api, alone=True)
+
+    @rule(node=NODES, life=LIVES, topic=TOPICS)
+    def unregister_publisher(self, node: str, life: int, topic: str) -> None:
+        api = api_of(node, life)
+        gone = self.expect_gone(Kind.PUBLISHER, self.resolve(topic, node), node, api)
+        assert self.call("unregisterPublisher", node, topic, api) == gone
+
+    @rule(node=NODES, life=LIVES, topic=TOPICS)
+    def unregister_subscriber(self, node: str, life: int, topic: str) -> None:
+        api = api_of(node, life)
+        gone = self.expect_gone(Kind.SUBSCRIBER, self.resolve(topic, node), node, api)
+        assert self.call("unregisterSubscriber", node, topic, api) == gone
+
+    @rule(node=NODES, life=LIVES, service=SERVICES)
+    def unregister_service(self, node: str, life: int, service: str) -> None:
+        name = self.resolve(service, node)
+        gone = self.expect_gone(Kind.SERVICE, name, node, api_of(node, life))
+        assert self.call("unregisterService", node, service, f"rosrpc://{node}:{life}") == gone
+
+    @rule(node=NODES)
+    def die(self, node: str) -> None:
+        self.api.drop_node(node)
+        for members in self.model.values():
+            members.pop(node, None)
+
+    @rule(data=st.data(), args=st.lists(WORDS, max_size=5))
+    def call_nonsense(self, data: st.DataObject, args: list[Any]) -> None:
+        # Only calls that cannot succeed: the caller's own name is no name.
+        method = data.draw(st.sampled_from(sorted(self.methods)))
+        code, text, _ = answer = self.methods[method](7, *args)
+        dump_response(answer)
+        assert code == -1
+        assert text
+
+    @invariant()
+    def the_state_is_the_model(self) -> None:
+        state = self.call("getSystemState", "/x")
+        for kind, table in zip((Kind.PUBLISHER, Kind.SUBSCRIBER, Kind.SERVICE), state, strict=True):
+            expected = {
+                key: sorted(members)
+                for (each, key), members in self.model.items()
+                if each is kind and members
+            }
+            assert {key: sorted(members) for key, members in table} == expected
+
+    @invariant()
+    def tables_agree(self) -> None:
+        tables = self.api.registrations
+        keys = {(kind, key) for kind in Kind for key in tables.keys(kind)}
+        assert tables._count == sum(len(tables.members(*each)) for each in keys)
+        for kind, key in keys:
+            for name, api in tables.members(kind, key).items():
+                assert tables.nodes[name].api == api
+                assert key in tables.nodes[name].keys[kind]
+                assert api not in self.nodes.stopped
+        for name, node in tables.nodes.items():
+            assert not node.is_empty
+            for kind in (Kind.PUBLISHER, Kind.SUBSCRIBER, Kind.PARAM):
+                assert all(name in tables.members(kind, key) for key in node.keys[kind])
+        for service in tables.keys(Kind.SERVICE):
+            (name,) = tables.members(Kind.SERVICE, service)
+            assert str(tables.service_api(service)).startswith(f"rosrpc://{name}:")
+        assert set(tables._service_apis) == set(tables.keys(Kind.SERVICE))
+        assert set(tables.keys(Kind.PUBLISHER)) <= set(tables.topic_types)
+
+    @invariant()
+    def no_subscriber_is_misinformed(self) -> None:
+        tables = self.api.registrations
+        for topic in tables.keys(Kind.SUBSCRIBER):
+            for api in tables.apis(Kind.SUBSCRIBER, topic):
+                assert self.nodes.publishers[api, topic] == tables.apis(Kind.PUBLISHER, topic)
+
+
+TestMasterUnderRegistrations = MasterUnderRegistrations.TestCase
+TestMasterUnderRegistrations.settings = settings(max_examples=60, stateful_step_count=40, deadline=None)

@@ -1,0 +1,273 @@
+"""Calls from the master to nodes: order, coalescing, patience, and who counts as gone."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Callable
+from typing import Any
+
+import pytest
+
+from rostether.ros1.master import node_calls as module
+from rostether.ros1.master.node_calls import NodeCallQueue
+from rostether.ros1.xmlrpc_server import XmlRpcServer
+
+
+async def until(condition: Callable[[], object], timeout_s: float = 10.0) -> None:
+    async with asyncio.timeout(timeout_s):
+        while not condition():
+            await asyncio.sleep(0.002)
+
+
+class FakeNode:
+    """A node that notes what it hears; `gate` holds its answers back."""
+
+    def __init__(self) -> None:
+        self.heard: list[tuple[Any, ...]] = []
+        self.gate = asyncio.Event()
+        self.gate.set()
+        self.answer: list[Any] = [1, "", 0]
+        self.server = XmlRpcServer(
+            {name: self._method(name) for name in ("publisherUpdate", "paramUpdate", "shutdown", "getPid")}
+        )
+
+    def _method(self, name: str) -> Callable[..., Any]:
+        async def method(caller: str, *args: Any) -> list[Any]:
+            assert caller == "/master"
+            self.heard.append((name, *args))
+            await self.gate.wait()
+            return self.answer
+
+        return method
+
+
+class Gone(list[str]):
+    """The URIs reported as gone, and the watches reported as refused."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.refused: list[tuple[str, str]] = []
+
+
+@pytest.fixture
+async def node() -> AsyncIterator[FakeNode]:
+    node = FakeNode()
+    await node.server.start()
+    yield node
+    node.gate.set()
+    await node.server.close()
+
+
+@pytest.fixture
+async def gone() -> Gone:
+    return Gone()
+
+
+@pytest.fixture
+async def queue(gone: Gone) -> AsyncIterator[NodeCallQueue]:
+    queue = NodeCallQueue(
+        gone.append,
+        lambda api, key: gone.refused.append((api, key)),
+        first_retry_s=0.02,
+        call_timeout_s=0.5,
+    )
+    yield queue
+    await queue.close()
+
+
+async def test_news_arrives_in_order(node: FakeNode, queue: NodeCallQueue) -> None:
+    for number in range(5):
+        queue.param_update(node.server.uri, f"/{number}/", number)
+    await until(lambda: len(node.heard) == 5)
+    assert node.heard == [("paramUpdate", f"/{number}/", number) for number in range(5)]
+
+
+async def test_only_the_newest_news_of_a_topic_waits(node: FakeNode, queue: NodeCallQueue) -> None:
+    node.gate.clear()
+    api = node.server.uri
+    queue.publisher_update(api, "/t", ["http://0/"])
+    await until(lambda: node.heard)
+    for number in range(1, 100):
+        queue.publisher_update(api, "/t", [f"http://{number}/"])
+        queue.param_update(api, "/p/", number)
+    node.gate.set()
+    await until(lambda: len(node.heard) == 3)
+    assert node.heard[1:] == [
+        ("publisherUpdate", "/t", ["http://99/"]),
+        ("paramUpdate", "/p/", 99),
+    ]
+
+
+async def test_newer_news_goes_after_what_came_between(node: FakeNode, queue: NodeCallQueue) -> None:
+    node.gate.clear()
+    api = node.server.uri
+    queue.ping(api)
+    await until(lambda: node.heard)
+    queue.param_update(api, "/a/b/", 1)
+    queue.param_update(api, "/a/", {"b": 2})
+    queue.param_update(api, "/a/b/", 3)
+    node.gate.set()
+    await until(lambda: len(node.heard) == 3)
+    assert node.heard[1:] == [("paramUpdate", "/a/", {"b": 2}), ("paramUpdate", "/a/b/", 3)]
+
+
+async def test_news_during_its_own_call_is_not_lost(node: FakeNode, queue: NodeCallQueue) -> None:
+    node.gate.clear()
+    queue.param_update(node.server.uri, "/p/", 1)
+    await until(lambda: node.heard)
+    queue.param_update(node.server.uri, "/p/", 2)
+    node.gate.set()
+    await until(lambda: len(node.heard) == 2)
+    assert node.heard[1] == ("paramUpdate", "/p/", 2)
+
+
+async def test_a_hanging_node_delays_nobody_and_is_told_later(
+    node: FakeNode, queue: NodeCallQueue, gone: Gone
+) -> None:
+    other = FakeNode()
+    await other.server.start()
+    node.gate.clear()
+    queue.publisher_update(node.server.uri, "/t", [])
+    await until(lambda: node.heard)
+    queue.publisher_update(other.server.uri, "/t", [])
+    await until(lambda: other.heard, 0.4)
+    # Its call times out and is repeated until it answers.
+    await until(lambda: len(node.heard) == 2)
+    node.gate.set()
+    await until(lambda: not queue._outboxes[node.server.uri].pending)
+    assert gone == []
+    await other.server.close()
+
+
+async def test_a_refused_connection_twice_is_a_node_that_is_gone(
+    node: FakeNode, queue: NodeCallQueue, gone: Gone
+) -> None:
+    await node.server.close()
+    queue.publisher_update(node.server.uri, "/t", [])
+    await until(lambda: gone)
+    assert gone == [node.server.uri]
+    assert queue._outboxes == {}
+
+
+async def test_one_refusal_is_a_restart(node: FakeNode, gone: Gone) -> None:
+    queue = NodeCallQueue(gone.append, lambda *_: None, first_retry_s=0.3)
+    await node.server.close()
+    queue.publisher_update(node.server.uri, "/t", [])
+    await until(lambda: queue._outboxes[node.server.uri].refusals == 1)
+    await node.server.start()
+    await until(lambda: node.heard)
+    await queue.close()
+    assert gone == []
+
+
+async def test_a_death_is_noticed_by_the_kept_connection(
+    node: FakeNode, queue: NodeCallQueue, gone: Gone
+) -> None:
+    queue.ping(node.server.uri)
+    await until(lambda: not queue._outboxes[node.server.uri].pending)
+    await node.server.close()
+    await until(lambda: gone)
+    assert gone == [node.server.uri]
+
+
+async def test_a_node_that_closes_idle_connections_is_not_gone(
+    node: FakeNode, queue: NodeCallQueue, gone: Gone
+) -> None:
+    queue.ping(node.server.uri)
+    await until(lambda: not queue._outboxes[node.server.uri].pending)
+    for connection in list(node.server._connections):
+        connection.abort()
+    await until(lambda: len(node.heard) == 2)
+    assert gone == []
+
+
+async def test_a_shutdown_replaces_everything_else(node: FakeNode, queue: NodeCallQueue) -> None:
+    node.gate.clear()
+    api = node.server.uri
+    queue.ping(api)
+    await until(lambda: node.heard)
+    queue.publisher_update(api, "/t", [])
+    queue.shut_down(api, "why")
+    node.gate.set()
+    await until(lambda: len(node.heard) == 2)
+    assert node.heard[1] == ("shutdown", "why")
+
+
+async def test_a_shutdown_of_a_dead_node_is_not_repeated(
+    node: FakeNode, queue: NodeCallQueue, gone: Gone
+) -> None:
+    await node.server.close()
+    queue.shut_down(node.server.uri, "why")
+    await until(lambda: queue._outboxes[node.server.uri].task is None)
+    assert gone == []
+
+
+async def test_a_watch_that_the_node_denies_is_reported(
+    node: FakeNode, queue: NodeCallQueue, gone: Gone
+) -> None:
+    node.answer = [-1, "not subscribed", 0]
+    queue.param_update(node.server.uri, "/p/", 1)
+    await until(lambda: gone.refused)
+    assert gone.refused == [(node.server.uri, "/p/")]
+
+
+async def test_a_fault_is_not_repeated(queue: NodeCallQueue, gone: Gone) -> None:
+    server = XmlRpcServer({})
+    await server.start()
+    queue.publisher_update(server.uri, "/t", [])
+    await until(lambda: queue._outboxes[server.uri].task is None)
+    assert queue._outboxes[server.uri].pending == {}
+    assert gone == []
+    await server.close()
+
+
+async def test_what_waits_for_a_node_is_bounded(
+    node: FakeNode, queue: NodeCallQueue, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "_MAX_PENDING", 3)
+    node.gate.clear()
+    for number in range(10):
+        queue.param_update(node.server.uri, f"/{number}/", number)
+    assert [key for _, key in queue._outboxes[node.server.uri].pending] == ["/7/", "/8/", "/9/"]
+
+
+async def test_few_connections_are_kept(
+    node: FakeNode, queue: NodeCallQueue, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "_MAX_KEPT_CONNECTIONS", 0)
+    queue.ping(node.server.uri)
+    await until(lambda: node.heard and not node.server._connections)
+
+
+async def test_unregistered_nodes_are_forgotten(node: FakeNode, queue: NodeCallQueue) -> None:
+    node.gate.clear()
+    queue.ping(node.server.uri)
+    await until(lambda: node.heard)
+    queue.retain({node.server.uri})
+    assert list(queue._outboxes) == [node.server.uri]
+    queue.retain(set())
+    assert queue._outboxes == {}
+    await until(lambda: not node.server._connections)
+
+
+@pytest.mark.parametrize("api", ["rosrpc://x:1", "http://", "http://x", "nonsense"])
+async def test_a_uri_that_cannot_be_called_is_left_alone(queue: NodeCallQueue, api: str) -> None:
+    queue.publisher_update(api, "/t", [])
+    assert queue._outboxes == {}
+
+
+async def test_a_value_that_cannot_be_sent_is_dropped(node: FakeNode, queue: NodeCallQueue) -> None:
+    queue.param_update(node.server.uri, "/big/", 2**40)
+    queue.param_update(node.server.uri, "/p/", 1)
+    await until(lambda: node.heard)
+    assert node.heard == [("paramUpdate", "/p/", 1)]
+
+
+async def test_close_ends_calls_under_way(node: FakeNode, queue: NodeCallQueue) -> None:
+    node.gate.clear()
+    queue.ping(node.server.uri)
+    await until(lambda: node.heard)
+    await queue.close()
+    await until(lambda: not node.server._connections)
+    queue.ping(node.server.uri)
+    assert queue._outboxes == {}
