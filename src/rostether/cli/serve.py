@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 
 import click
@@ -12,13 +11,13 @@ from rostether.cli.bridge_lines import ConsoleReporter
 from rostether.cli.graph_access import read_environment
 from rostether.cli.options import listen_option, msg_path_option
 from rostether.cli.running import run
-from rostether.cli.serving import bridge
+from rostether.cli.serving import bridge, loopback_lines, read_links
 from rostether.cli.verbs import Verb
 from rostether.cli.which_master import used_master
 from rostether.errors import ConfigError
 from rostether.graph.ports import Level
-from rostether.ros1.environment import RosEnvironment, is_loopback
-from rostether.transports.address import Address, TcpAddress, UdpAddress, parse_address
+from rostether.ros1.environment import RosEnvironment
+from rostether.transports.address import Address
 
 
 @click.command(
@@ -61,26 +60,18 @@ def serve(
     pseudo-terminal made there, xbee:PORT. Options go behind a question mark: baud=115200, name=arm, ns=lab,
     reset=no. A port that does not exist yet is waited for.
     """
-    links = [_link(address, listen) for address in addresses]
     if master is not None and master_port is not None:
         raise ConfigError("--master joins a master and --master-port is one: give one of them")
     environment = read_environment(master)
     if listen is not None:
         environment = environment.listening_on(listen)
+    links = [link for address in addresses for link in read_links(address, environment)]
     reporter = ConsoleReporter(lowest=Level.DEBUG if verbose else Level.INFO)
     run(
         _serve(environment, links, reporter, master is not None, master_port, msg_paths, ns_per_board),
         is_service=True,
         uvloop=uvloop,
     )
-
-
-def _link(text: str, listen: str | None) -> Address:
-    link = parse_address(text)
-    # --listen speaks for the listeners whose host was left out.
-    if listen and isinstance(link, TcpAddress | UdpAddress) and link.listens and "://:" in text:
-        return replace(link, host=listen)
-    return link
 
 
 async def _serve(
@@ -100,26 +91,3 @@ async def _serve(
             used.environment, links, reporter, msg_paths=msg_paths, ns_per_board=ns_per_board
         ) as supervisor:
             await supervisor.wait_done()
-
-
-def loopback_lines(environment: RosEnvironment, links: Sequence[Address]) -> list[str]:
-    """Return a line for each listener that others would need and that is on loopback only."""
-    lines = []
-    near = [
-        link
-        for link in links
-        if isinstance(link, TcpAddress | UdpAddress) and link.listens and is_loopback(link.host)
-    ]
-    for link in near:
-        scheme = "tcp" if isinstance(link, TcpAddress) else "udp"
-        lines.append(
-            f"{link} takes boards of this machine only; "
-            f"--listen 0.0.0.0, or {scheme}://0.0.0.0:{link.port}, lets boards on the network in"
-        )
-    network_master = not environment.master.is_loopback
-    if network_master and environment.listens_on_loopback_only:
-        lines.append(
-            "the master is on another machine, but its nodes cannot reach us; "
-            "write --listen 0.0.0.0, or set ROS_IP to our address"
-        )
-    return lines

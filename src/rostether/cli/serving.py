@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Mapping, Sequence
 from contextlib import asynccontextmanager
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from rostether.ros1.environment import RosEnvironment
+from rostether.ros1.environment import RosEnvironment, is_loopback
+from rostether.transports.address import Address, TcpAddress, UdpAddress, parse_address
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -14,7 +16,34 @@ if TYPE_CHECKING:
     from rostether.bridge.reporter import Reporter
     from rostether.bridge.supervisor import Supervisor
     from rostether.ros1.node.node import Ros1Graph
-    from rostether.transports.address import Address
+
+
+def read_links(text: str, environment: RosEnvironment) -> list[Address]:
+    """Read a link address; a listener whose host was left out listens where the environment lets us.
+
+    Raises ConfigError.
+    """
+    link = parse_address(text)
+    if isinstance(link, TcpAddress | UdpAddress) and link.listens and "://:" in text:
+        return [replace(link, host=host) for host in environment.listen_hosts]
+    return [link]
+
+
+def loopback_lines(environment: RosEnvironment, links: Sequence[Address]) -> list[str]:
+    """Return a line for each listener that others would need and that is on loopback only."""
+    lines = [
+        f"{link} takes boards of this machine only; --listen 0.0.0.0 lets boards on the network in"
+        for link in links
+        if isinstance(link, TcpAddress | UdpAddress) and link.listens and is_loopback(link.host)
+    ]
+    if not environment.listens_on_loopback_only:
+        return []
+    if not environment.master.is_loopback:
+        lines.append(
+            "the master is on another machine, whose nodes cannot reach us; "
+            "--listen 0.0.0.0, or ROS_IP with our address, lets them"
+        )
+    return lines
 
 
 @asynccontextmanager

@@ -1,0 +1,124 @@
+"""`rostether serial-node`: what `serial_node.py` accepts, and the lines that people know from it.
+
+    serial-node [PORT | tcp [TCP_PORT]] [_port:=... _baud:=... _tcp_port:=...] [__name:=... __ns:=...] [a:=b]
+
+Private parameters may also stand on the parameter server: ~port, ~baud, ~tcp_port.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+
+import click
+
+from rostether.cli.bridge_lines import ConsoleReporter
+from rostether.cli.running import run
+from rostether.cli.options import listen_option
+from rostether.cli.serving import bridge, loopback_lines, read_links
+from rostether.cli.verbs import Verb
+from rostether.cli.which_master import used_master
+from rostether.errors import ConfigError, GraphError, UnknownNameError
+from rostether.graph.ports import Level
+from rostether.names.graph_name import canonical, join, validate_name
+from rostether.names.remap import Arguments, parse_arguments
+from rostether.ros1.environment import RosEnvironment
+from rostether.ros1.node.master_client import MasterClient
+from rostether.transports.address import DEFAULT_BAUD, DEFAULT_PORT, TcpAddress
+
+DEFAULT_SERIAL_PORT = "/dev/ttyUSB0"
+DEFAULT_NODE_NAME = "serial_node"
+# The last two steer how the established host works inside; they are accepted, and nothing is left to steer.
+PRIVATE_PARAMETERS = ("port", "baud", "tcp_port", "fork_server", "fix_pyserial_for_test")
+_ENVIRONMENT_OF_SPECIAL = {"__master": "ROS_MASTER_URI", "__ip": "ROS_IP", "__hostname": "ROS_HOSTNAME"}
+
+
+@click.command(
+    cls=Verb,
+    context_settings={"ignore_unknown_options": True},
+    examples="""
+    rostether serial-node /dev/ttyACM0
+    rostether serial-node _port:=/dev/ttyACM0 _baud:=115200 __name:=opencr
+    rostether serial-node tcp 11411
+    rostether serial-node /dev/ttyUSB0 servo_control:=servo_pose_server
+    """,
+)
+@listen_option
+@click.argument(
+    "arguments", nargs=-1, type=click.UNPROCESSED, metavar="[PORT | tcp [TCP_PORT]] [NAME:=VALUE...]"
+)
+def serial_node(arguments: tuple[str, ...], listen: str | None) -> None:
+    """Bridge one board, taking the arguments that serial_node.py takes."""
+    parsed = parse_arguments(arguments)
+    reporter = ConsoleReporter(show_node=False)
+    for name in parsed.private_params.keys() - set(PRIVATE_PARAMETERS):
+        reporter.line(Level.WARN, f"_{name} is not known here; known are _{', _'.join(PRIVATE_PARAMETERS)}")
+    variables = {
+        _ENVIRONMENT_OF_SPECIAL[key]: value
+        for key, value in parsed.special.items()
+        if key in _ENVIRONMENT_OF_SPECIAL
+    }
+    environment = RosEnvironment.read(os.environ | variables)
+    if listen is not None:
+        environment = environment.listening_on(listen)
+    run(_serve(environment, parsed, reporter), is_service=True)
+
+
+async def _serve(environment: RosEnvironment, arguments: Arguments, reporter: ConsoleReporter) -> None:
+    reporter.line(Level.INFO, "ROS Serial Python Node")
+    namespace = canonical(join("/", arguments.special.get("__ns", environment.namespace)))
+    node_name = validate_name(join(namespace, arguments.special.get("__name", DEFAULT_NODE_NAME)))
+    async with used_master(environment, is_chosen="__master" in arguments.special) as used:
+        parameters = await _server_parameters(used.environment, node_name) | arguments.private_params
+        link = choose_link(arguments.rest, parameters, node_name=node_name, namespace=namespace)
+        links = read_links(link, used.environment)
+        for line in loopback_lines(used.environment, links):
+            reporter.line(Level.INFO, line)
+        if isinstance(links[0], TcpAddress):
+            reporter.line(Level.INFO, f"Waiting for socket connections on port {links[0].port}")
+        async with bridge(used.environment, links, reporter, remappings=arguments.remappings) as supervisor:
+            await supervisor.wait_done()
+
+
+async def _server_parameters(environment: RosEnvironment, node_name: str) -> dict[str, object]:
+    """Return the private parameters that the parameter server holds; none while no master answers."""
+    client = MasterClient(environment.master_uri, node_name)
+    found: dict[str, object] = {}
+    try:
+        for name in PRIVATE_PARAMETERS:
+            try:
+                found[name] = await client.get_param(f"{node_name}/{name}")
+            except UnknownNameError:
+                continue
+    except GraphError:
+        return found
+    finally:
+        await client.close()
+    return found
+
+
+def choose_link(rest: list[str], parameters: Mapping[str, object], *, node_name: str, namespace: str) -> str:
+    """Return the link address that the arguments mean; plain ones win over private parameters.
+
+    Raises ConfigError.
+    """
+    known = [argument for argument in rest if argument]
+    if len(known) > 2:
+        raise ConfigError(f"{known[2]!r} is one argument too many; write PORT, or tcp and its port")
+    place = known[0] if known else str(parameters.get("port", DEFAULT_SERIAL_PORT))
+    base_name = node_name.removeprefix(namespace.rstrip("/") + "/")
+    options = f"name={base_name}" + (f"&ns={namespace}" if namespace != "/" else "")
+    if place == "tcp":
+        port = _whole(known[1] if len(known) == 2 else parameters.get("tcp_port", DEFAULT_PORT), "tcp_port")
+        return f"tcp://:{port}?{options}"
+    baud = _whole(known[1] if len(known) == 2 else parameters.get("baud", DEFAULT_BAUD), "baud")
+    path, _, given = place.partition("?")
+    given = f"&{given}" if given else f"&baud={baud}"
+    return f"{path}?{options}{given}"
+
+
+def _whole(value: object, name: str) -> int:
+    text = str(value).strip()
+    if isinstance(value, bool) or not text.isdigit():
+        raise ConfigError(f"{name} must be a whole number, not {value!r}")
+    return int(text)
