@@ -106,8 +106,7 @@ class SerialTransport(StreamTransport, asyncio.Protocol):
 
     def data_received(self, data: bytes) -> None:
         """Deliver what was read."""
-        if self._receiver is not None:
-            self._receiver.data_received(data)
+        self._deliver(data)
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
         """Queue bytes. Never blocks; after the pipe ended it does nothing."""

@@ -24,6 +24,7 @@ class StreamTransport(asyncio.BaseProtocol):
         self._can_pause = can_pause
         self._wire: asyncio.Transport | None = None
         self._receiver: Receiver | None = None
+        self._early = bytearray()
         self._reading_wanted = True
         self._writing_paused = False
         self._closing = False
@@ -52,10 +53,9 @@ class StreamTransport(asyncio.BaseProtocol):
     def start(self, receiver: Receiver) -> None:
         """Begin to deliver; called once. Nothing received before it is lost."""
         self._receiver = receiver
-        if self._lost:
-            asyncio.get_running_loop().call_soon(receiver.connection_lost, self._error)
-            return
-        if self._writing_paused:
+        if self._lost or self._early:
+            asyncio.get_running_loop().call_soon(self._catch_up)
+        if self._writing_paused and not self._lost:
             receiver.pause_writing()
         self._apply_reading()
 
@@ -73,6 +73,8 @@ class StreamTransport(asyncio.BaseProtocol):
     def resume_reading(self) -> None:
         """Deliver again. Idempotent."""
         self._reading_wanted = True
+        if self._early and self._receiver is not None:
+            asyncio.get_running_loop().call_soon(self._catch_up)
         self._apply_reading()
 
     def close(self) -> None:
@@ -111,7 +113,9 @@ class StreamTransport(asyncio.BaseProtocol):
             self._error = self._explain_loss(exc)
         if not self._ended.done():
             self._ended.set_result(None)
-        if self._receiver is not None:
+        if self._early:
+            asyncio.get_running_loop().call_soon(self._catch_up)
+        elif self._receiver is not None:
             self._receiver.connection_lost(self._error)
 
     def eof_received(self) -> bool:
@@ -132,6 +136,27 @@ class StreamTransport(asyncio.BaseProtocol):
         if self._receiver is not None:
             self._receiver.resume_writing()
 
+    def _deliver(self, data: bytes) -> None:
+        if self._receiver is not None:
+            self._receiver.data_received(data)
+        elif self._wire is not None:
+            # uvloop begins to read only after connection_made, and so forgets that we paused it there.
+            self._early += data
+            self._wire.pause_reading()
+
+    def _catch_up(self) -> None:
+        receiver = self._receiver
+        if receiver is None:
+            return
+        if self._early and (self._reading_wanted or self._lost) and not self._closing:
+            early = bytes(self._early)
+            self._early.clear()
+            receiver.data_received(early)
+            self._apply_reading()
+        if self._lost:
+            self._receiver = None
+            receiver.connection_lost(self._error)
+
     def _end_wire(self, wire: asyncio.Transport) -> None:
         wire.close()
 
@@ -143,7 +168,7 @@ class StreamTransport(asyncio.BaseProtocol):
         wire = self._wire
         if wire is None or self._receiver is None or self._closing or self._lost:
             return
-        if self._reading_wanted:
+        if self._reading_wanted and not self._early:
             wire.resume_reading()
         else:
             wire.pause_reading()

@@ -54,8 +54,7 @@ class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
 
     def buffer_updated(self, nbytes: int) -> None:
         """Deliver what was read."""
-        if self._receiver is not None:
-            self._receiver.data_received(bytes(self._buffer[:nbytes]))
+        self._deliver(bytes(self._buffer[:nbytes]))
 
 
 class TcpListener:

@@ -58,10 +58,6 @@ class _DatagramSocket(asyncio.DatagramProtocol):
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         self._wire = cast(_DatagramWire, transport)
-        with contextlib.suppress(OSError):  # the system's own limit may be lower
-            transport.get_extra_info("socket").setsockopt(
-                socket.SOL_SOCKET, socket.SO_RCVBUF, _RECEIVE_BUFFER_BYTES
-            )
 
     def connection_lost(self, exc: Exception | None) -> None:
         if not self._closed.done():
@@ -128,11 +124,12 @@ class UdpListener(_DatagramSocket):
     ) -> UdpListener:
         """Listen. Raises TransportOpenError when the port is taken or the host is not ours."""
         listener = cls(on_transport, AllowList(address.allow), max_peers, idle_limit_s, clock)
-        loop = asyncio.get_running_loop()
         try:
-            await loop.create_datagram_endpoint(lambda: listener, local_addr=(address.host, address.port))
+            family, place = await _resolve(address.host, address.port)
+            sock = _make_socket(family, local=place)
         except OSError as error:
             raise explain_bind_error("udp", address.host, address.port, error) from error
+        await asyncio.get_running_loop().create_datagram_endpoint(lambda: listener, sock=sock)
         return listener
 
     @property
@@ -188,25 +185,51 @@ class _UdpClient(_DatagramSocket):
 
 async def connect_udp(address: UdpAddress) -> Transport:
     """Make a socket that speaks with one peer only. Raises TransportOpenError, TransportTimeoutError."""
-    loop = asyncio.get_running_loop()
-    any_host = "::" if ":" in address.host else "0.0.0.0"  # noqa: S104 - connected: it hears its peer alone
-    local = (any_host, address.bind) if address.bind else None
     place = show_endpoint(address.host, address.port)
     try:
         async with asyncio.timeout(RESOLVE_LIMIT_S):
-            _, client = await loop.create_datagram_endpoint(
-                _UdpClient, local_addr=local, remote_addr=(address.host, address.port)
-            )
+            family, remote = await _resolve(address.host, address.port)
     except TimeoutError as error:
         raise TransportTimeoutError(
             f"the name of {place} is not found within {RESOLVE_LIMIT_S:g} s; write its numeric address"
         ) from error
     except OSError as error:
-        if address.bind and error.errno is not None and not isinstance(error, socket.gaierror):
-            raise explain_bind_error("udp", any_host, address.bind, error) from error
         raise explain_connect_error(place, error) from error
+    # Any of our addresses will do: a connected socket hears its peer alone.
+    any_host = "::" if family == socket.AF_INET6 else "0.0.0.0"  # noqa: S104
+    try:
+        sock = _make_socket(family, local=(any_host, address.bind))
+    except OSError as error:
+        raise explain_bind_error("udp", any_host, address.bind, error) from error
+    try:
+        sock.connect(remote)
+    except OSError as error:
+        sock.close()
+        raise explain_connect_error(place, error) from error
+    _, client = await asyncio.get_running_loop().create_datagram_endpoint(_UdpClient, sock=sock)
     assert client.only_peer is not None
     return client.only_peer
+
+
+async def _resolve(host: str, port: int) -> tuple[int, _Peer]:
+    """Return the first address of a host, with its family."""
+    found = await asyncio.get_running_loop().getaddrinfo(host, port, type=socket.SOCK_DGRAM)
+    family, _, _, _, place = found[0]
+    return family, place
+
+
+def _make_socket(family: int, *, local: _Peer) -> socket.socket:
+    """Bind a socket ourselves: event loops differ in what they say when they cannot."""
+    sock = socket.socket(family, socket.SOCK_DGRAM)
+    try:
+        sock.setblocking(False)
+        sock.bind(local)
+        with contextlib.suppress(OSError):  # the system's own limit may be lower
+            sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _RECEIVE_BUFFER_BYTES)
+    except OSError:
+        sock.close()
+        raise
+    return sock
 
 
 def _show_peer(peer: _Peer) -> str:

@@ -1,0 +1,29 @@
+"""uvloop's transports differ from asyncio's in when they begin to read and in what their errors say."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Coroutine
+from typing import Any
+
+import pytest
+
+from unit.transports import test_tcp, test_udp
+
+uvloop = pytest.importorskip("uvloop")
+
+
+@pytest.mark.parametrize(
+    "scenario",
+    [
+        test_tcp.test_carry_bytes_both_ways,
+        test_tcp.test_keep_what_came_before_start,
+        test_tcp.test_pausing_stops_the_sender_and_loses_nothing,
+        test_tcp.test_tell_when_the_board_hangs_up,
+        test_tcp.test_a_taken_port_names_itself_and_the_way_out,
+        test_udp.test_each_peer_is_a_transport_of_its_own,
+        test_udp.test_send_from_the_port_a_board_expects,
+        test_udp.test_a_taken_port_names_itself,
+    ],
+)
+def test_the_same_under_uvloop(scenario: Callable[[], Coroutine[Any, Any, None]]) -> None:
+    uvloop.run(scenario())
