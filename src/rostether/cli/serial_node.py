@@ -13,8 +13,8 @@ from collections.abc import Mapping
 import click
 
 from rostether.cli.bridge_lines import ConsoleReporter
-from rostether.cli.running import run
 from rostether.cli.options import listen_option
+from rostether.cli.running import run
 from rostether.cli.serving import bridge, loopback_lines, read_links
 from rostether.cli.verbs import Verb
 from rostether.cli.which_master import used_master

@@ -1,0 +1,123 @@
+"""`rostether demo`: an embedded master, the bridge and a simulated board, watched live."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import sys
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from functools import partial
+
+import click
+
+from rostether.bridge.supervisor import Supervisor
+from rostether.cli.bridge_lines import ConsoleReporter
+from rostether.cli.demo_view import DemoView, RecentLines
+from rostether.cli.graph_access import read_environment
+from rostether.cli.output import write_line
+from rostether.cli.running import run
+from rostether.cli.serving import bridge
+from rostether.cli.verbs import Verb
+from rostether.cli.which_master import used_master
+from rostether.errors import GraphError
+from rostether.graph.ports import Level
+from rostether.msgdef.registry import Registry
+from rostether.ros1.environment import RosEnvironment
+from rostether.serde.store import TypeStore
+from rostether.transports.address import parse_address
+
+BOARD_NAME = "virtual_board"
+WATCHED_TOPICS = {
+    "/ultrasound": "sensor_msgs/Range",
+    "/led": "std_msgs/Bool",
+    "/count": "std_msgs/UInt32",
+    "/imu_data": "sensor_msgs/Imu",
+    "/tf": "tf/tfMessage",
+}
+BOARD_PARAMETERS = {"blink_hz": 0, "frame_id": "base_link"}
+REFRESH_S = 0.25
+PLAIN_LINE_S = 1.0
+
+
+@click.command(
+    cls=Verb,
+    examples="""
+    rostether demo                 watch it, Ctrl-C ends it
+    rostether demo --seconds 5     end by itself; fails if no message came through
+    """,
+)
+@click.option("--seconds", type=click.FloatRange(min=0.1), help="End after that time (default: Ctrl-C).")
+def demo(seconds: float | None) -> None:
+    """Show a simulated board at work: no hardware, no ROS, nothing to set up."""
+    run(_demo(read_environment(), seconds), is_service=True)
+
+
+async def _demo(environment: RosEnvironment, seconds: float | None) -> None:
+    is_live = sys.stdout.isatty()
+    recent = RecentLines()
+    reporter = recent if is_live else ConsoleReporter()
+    address = parse_address(f"tcp://127.0.0.1:0?name={BOARD_NAME}")
+    store = TypeStore(Registry())
+    async with used_master(environment) as used, bridge(used.environment, [address], reporter) as supervisor:
+        reporter.line(Level.INFO, used.line)
+        view = DemoView(
+            supervisor.boards, asyncio.get_running_loop().time, recent, used.environment.master_uri
+        )
+        async with _watch(used.environment, store, view), _virtual_board(supervisor):
+            show = _show_live(view) if is_live else _show_lines(view)
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(show, seconds)
+    if not view.has_flowed:
+        raise GraphError("no message of the simulated board came through the ROS graph; please report it")
+
+
+async def _show_live(view: DemoView) -> None:
+    from rich.live import Live
+
+    with Live(view.render(), auto_refresh=False) as live:
+        while True:
+            await asyncio.sleep(REFRESH_S)
+            view.look()
+            live.update(view.render(), refresh=True)
+
+
+async def _show_lines(view: DemoView) -> None:
+    while True:
+        view.look()
+        await asyncio.sleep(PLAIN_LINE_S)
+        view.look()
+        write_line(view.line())
+
+
+@asynccontextmanager
+async def _virtual_board(supervisor: Supervisor) -> AsyncIterator[None]:
+    """Plug the simulated board in."""
+    from rostether.boards.virtual_board import VirtualBoard
+    from rostether.device import Device
+
+    async with Device(supervisor.listening_on[0]) as device:
+        playing = asyncio.get_running_loop().create_task(VirtualBoard(device).run())
+        try:
+            yield
+        finally:
+            playing.cancel()
+            await asyncio.gather(playing, return_exceptions=True)
+
+
+@asynccontextmanager
+async def _watch(environment: RosEnvironment, store: TypeStore, view: DemoView) -> AsyncIterator[None]:
+    """Subscribe like any other node, so that what is shown went all the way."""
+    from rostether.joining import anonymous_name
+    from rostether.ros1.node.node import join_ros1
+
+    graph = await join_ros1(anonymous_name("demo_view"), environment=environment)
+    try:
+        for name, value in BOARD_PARAMETERS.items():
+            await graph.set_param(f"/{BOARD_NAME}/{name}", value)
+        for topic, type_name in WATCHED_TOPICS.items():
+            message_type = store.registry.message_type(type_name)
+            await graph.subscribe(topic, message_type, partial(view.saw, topic, store.codec(type_name)))
+        yield
+    finally:
+        await graph.close()

@@ -1,0 +1,164 @@
+"""What `rostether demo` shows: a live table of the board's topics, or plain lines without a terminal."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
+from math import atan2, degrees
+from typing import TYPE_CHECKING, Any
+
+from rostether.graph.ports import Level
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+    from rostether.bridge.diagnostics import BoardView, EndpointView
+    from rostether.serde.codec import Codec
+
+# The window over which rates are shown: long enough to be steady, short enough to follow a change.
+RATE_WINDOW_S = 2.0
+SHOWN_LINES = 4
+
+NEXT_STEPS = """In a second terminal:  rostether topic echo /ultrasound
+                       rostether topic pub -1 /toggle_led std_msgs/Empty"""
+
+SUMMARIES: Mapping[str, Callable[[Any], str]] = {
+    "sensor_msgs/Range": lambda message: f"{message.range:.2f} m",
+    "std_msgs/Bool": lambda message: "on" if message.data else "off",
+    "std_msgs/UInt32": lambda message: str(message.data),
+    "sensor_msgs/Imu": lambda message: f"turning {degrees(message.angular_velocity.z):+.0f} deg/s",
+    "tf/tfMessage": lambda message: _pose(message.transforms[0].transform),
+}
+
+
+def _pose(transform: Any) -> str:
+    yaw = 2 * atan2(transform.rotation.z, transform.rotation.w)
+    return (
+        f"x {transform.translation.x:+.2f} m, y {transform.translation.y:+.2f} m, yaw {degrees(yaw):+.0f} deg"
+    )
+
+
+class RecentLines:
+    """A bridge's `Reporter` that keeps the last lines for the table's foot."""
+
+    def __init__(self) -> None:
+        self.lines: deque[str] = deque(maxlen=SHOWN_LINES)
+
+    def line(self, level: Level, text: str, *, node: str = "") -> None:
+        """Keep one line."""
+        if level >= Level.INFO:
+            self.lines.append(f"{node}: {text}" if node else text)
+
+
+class DemoView:
+    """Collects what the demo shows; a payload is decoded only when it is drawn."""
+
+    def __init__(
+        self,
+        boards: Callable[[], list[BoardView]],
+        clock: Callable[[], float],
+        recent: RecentLines,
+        master_uri: str,
+    ) -> None:
+        self.has_flowed = False
+        self._boards = boards
+        self._clock = clock
+        self._recent = recent
+        self._master_uri = master_uri
+        self._board: BoardView | None = None
+        self._last: dict[str, tuple[Codec, bytes]] = {}
+        self._history: dict[str, deque[tuple[float, int]]] = {}
+
+    def saw(self, topic: str, codec: Codec, payloads: Sequence[bytes]) -> None:
+        """Take messages that came through the graph."""
+        self.has_flowed = True
+        self._last[topic] = (codec, payloads[-1])
+
+    def look(self) -> None:
+        """Note how the board is doing now."""
+        self._board = next(iter(self._boards()), None)
+        if self._board is None:
+            return
+        now_s = self._clock()
+        for endpoint in self._board.endpoints:
+            history = self._history.setdefault(_key(endpoint), deque())
+            history.append((now_s, endpoint.message_count))
+            while now_s - history[0][0] > RATE_WINDOW_S and len(history) > 2:
+                history.popleft()
+
+    def line(self) -> str:
+        """Return all of it in one line, for logs and pipes."""
+        if self._board is None:
+            return self._health()
+        topics = [
+            f"{endpoint.name} {self._rate_hz(endpoint):.1f} Hz{f' ({value})' if value else ''}"
+            for endpoint in self._board.endpoints
+            if endpoint.role == "publisher"
+            for value in [self._value(endpoint)]
+        ]
+        return "; ".join(
+            [*topics, f"{self._board.received_frames} frames, {self._board.discarded_frames} discarded"]
+        )
+
+    def render(self) -> RenderableType:
+        """Return the table, the link's health, the last lines and what to type next."""
+        from rich.console import Group
+        from rich.panel import Panel
+        from rich.table import Column, Table
+        from rich.text import Text
+
+        table = Table(
+            Column("topic or service", no_wrap=True),
+            Column("type", no_wrap=True, style="cyan"),
+            Column("Hz", justify="right"),
+            Column("messages", justify="right"),
+            Column("last value, as ROS got it", ratio=1, no_wrap=True, style="green"),
+            expand=True,
+            box=None,
+        )
+        for endpoint in self._board.endpoints if self._board is not None else ():
+            is_topic = endpoint.role in ("publisher", "subscriber")
+            table.add_row(
+                f"{'<-' if endpoint.role == 'subscriber' else '->'} {endpoint.name}"
+                if is_topic
+                else f"   {endpoint.name}",
+                endpoint.type,
+                f"{self._rate_hz(endpoint):.1f}" if is_topic else "",
+                str(endpoint.message_count) if is_topic else "service",
+                self._value(endpoint),
+            )
+        return Panel(
+            Group(
+                table, "", self._health(), Text("\n".join(self._recent.lines), style="dim"), "", NEXT_STEPS
+            ),
+            title=f"a simulated board in the ROS graph of {self._master_uri}",
+            subtitle="Ctrl-C ends it",
+        )
+
+    def _health(self) -> str:
+        board = self._board
+        if board is None or not board.is_connected:
+            return "link: waiting for the board"
+        return (
+            f"link: {board.peer}, {'negotiated' if board.is_settled else 'negotiating'}, "
+            f"protocol {board.protocol_version}, {board.received_frames} frames, "
+            f"{board.discarded_frames} damaged, {board.reset_count} resets, "
+            f"{board.received_bytes / 1000:.0f} kB in, {board.sent_bytes / 1000:.1f} kB out"
+        )
+
+    def _rate_hz(self, endpoint: EndpointView) -> float:
+        history = self._history.get(_key(endpoint), ())
+        if len(history) < 2 or history[-1][0] == history[0][0]:
+            return 0.0
+        return (history[-1][1] - history[0][1]) / (history[-1][0] - history[0][0])
+
+    def _value(self, endpoint: EndpointView) -> str:
+        last = self._last.get(f"/{endpoint.name.lstrip('/')}")
+        if last is None or endpoint.role != "publisher":
+            return ""
+        codec, payload = last
+        return SUMMARIES[endpoint.type](codec.decode(payload))
+
+
+def _key(endpoint: EndpointView) -> str:
+    return f"{endpoint.role} {endpoint.name}"
