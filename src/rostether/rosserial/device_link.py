@@ -65,8 +65,8 @@ class DeviceLinkConfig:
 class DeviceLink:
     """Speaks to a host. Bytes, messages and `now_s` (any monotonic clock) in; events and bytes out.
 
-    Declare endpoints first; what is declared later reaches the host when it asks for topics again. After
-    every call that may have changed something, send `data_to_send()` and wait for `get_timer()`.
+    Declare endpoints first; what is declared while configured is announced at once. After every call that may
+    have changed something, send `data_to_send()` and wait for `get_timer()`.
     """
 
     def __init__(self, config: DeviceLinkConfig | None = None) -> None:
@@ -115,23 +115,42 @@ class DeviceLink:
 
     def add_publisher(self, topic: str, message_type: str, md5sum: str) -> int:
         """Declare a topic the device sends on; return its id. Raises LocalProtocolError if full."""
-        return self._endpoints.add_publisher(topic, message_type, md5sum)
+        topic_id = self._endpoints.add_publisher(topic, message_type, md5sum)
+        self._announce_late(topic_id)
+        return topic_id
 
     def add_subscriber(self, topic: str, message_type: str, md5sum: str) -> int:
         """Declare a topic the device receives; return its id. Raises LocalProtocolError if full."""
-        return self._endpoints.add_subscriber(topic, message_type, md5sum)
+        topic_id = self._endpoints.add_subscriber(topic, message_type, md5sum)
+        self._announce_late(topic_id)
+        return topic_id
 
     def add_service_server(
         self, service: str, service_type: str, request_md5sum: str, response_md5sum: str
     ) -> ServiceIds:
         """Declare a service the device serves: requests arrive on request_id, publish on response_id."""
-        return self._endpoints.add_service_server(service, service_type, request_md5sum, response_md5sum)
+        service_ids = self._endpoints.add_service_server(
+            service, service_type, request_md5sum, response_md5sum
+        )
+        self._announce_late(*service_ids)
+        return service_ids
 
     def add_service_client(
         self, service: str, service_type: str, request_md5sum: str, response_md5sum: str
     ) -> ServiceIds:
         """Declare a service the device calls: publish on request_id, responses arrive on response_id."""
-        return self._endpoints.add_service_client(service, service_type, request_md5sum, response_md5sum)
+        service_ids = self._endpoints.add_service_client(
+            service, service_type, request_md5sum, response_md5sum
+        )
+        self._announce_late(*service_ids)
+        return service_ids
+
+    def _announce_late(self, *topic_ids: int) -> None:
+        """Announce what is declared after the host asked: it does not know that it should ask again."""
+        if self._state is State.CONFIGURED:
+            for kind, info in self._endpoints.announcements():
+                if info.topic_id in topic_ids:
+                    self._queue_control(kind, info.encode())
 
     def receive_data(self, data: bytes | bytearray | memoryview, now_s: float) -> list[DeviceEvent]:
         """Take a chunk from the host, cut anywhere. Never raises for what a host sends."""

@@ -272,9 +272,16 @@ async def test_endpoints_declared_while_connected_reach_the_host(pair: tuple[Dev
     device, line = pair
     async with tethered(device, line) as host:
         await host.until(lambda: host.settled)
-        device.subscriber("late_in", "std_msgs/Empty", lambda _message: None)
+        got: list[Message] = []
+        device.subscriber("late_in", "std_msgs/Empty", got.append)
+        await host.until(lambda: ("late_in", TopicRole.SUBSCRIBER) in host.announced)
+        host.publish("late_in", {})
+        await until(lambda: bool(got))
         device.publisher("late_out", "std_msgs/Empty").publish()
-        await host.until(lambda: {name for name, _ in host.announced} >= {"late_in", "late_out"})
+        await host.until(lambda: bool(host.messages["late_out"]))
+        device.service_server("late_ask", "std_srvs/Trigger", lambda _request: {"success": True})
+        await host.until(lambda: "late_ask" in host.services)
+        assert (await host.call("late_ask", {})).success
 
 
 async def test_a_flood_is_slowed_down_by_a_host_that_does_not_read_and_loses_nothing() -> None:

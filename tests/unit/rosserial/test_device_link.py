@@ -97,6 +97,23 @@ def test_requests_that_come_together_are_answered_once() -> None:
     assert link.receive_data(REQUEST * 4, 100.0) == [TopicsRequested()]
 
 
+def test_what_is_declared_while_configured_is_announced_at_once() -> None:
+    link, _, _ = configured()
+    topic_id = link.add_subscriber("late", EMPTY, EMPTY_MD5)
+    service_ids = link.add_service_server("late_ask", TEST_SRV, TEST_REQUEST_MD5, TEST_RESPONSE_MD5)
+    assert list(plain_decode(link.data_to_send())) == [
+        (ids.SUBSCRIBER, TopicInfo(topic_id, "late", EMPTY, EMPTY_MD5, 512).encode()),
+        (
+            ids.SERVICE_SERVER_RESPONSE,
+            TopicInfo(service_ids.response_id, "late_ask", TEST_SRV, TEST_RESPONSE_MD5, 512).encode(),
+        ),
+        (
+            ids.SERVICE_SERVER_REQUEST,
+            TopicInfo(service_ids.request_id, "late_ask", TEST_SRV, TEST_REQUEST_MD5, 512).encode(),
+        ),
+    ]
+
+
 def test_publishes_only_when_configured() -> None:
     link, publisher, _ = device()
     assert not link.publish(publisher, [b"\0\0\0\0"])
