@@ -21,7 +21,7 @@ from rostether.cli.serving import bridge
 from rostether.cli.verbs import Verb
 from rostether.cli.which_master import used_master
 from rostether.errors import GraphError
-from rostether.graph.ports import Level
+from rostether.graph.ports import Level, ParamValue
 from rostether.msgdef.registry import Registry
 from rostether.ros1.environment import RosEnvironment
 from rostether.serde.store import TypeStore
@@ -35,7 +35,7 @@ WATCHED_TOPICS = {
     "/imu_data": "sensor_msgs/Imu",
     "/tf": "tf/tfMessage",
 }
-BOARD_PARAMETERS = {"blink_hz": 0, "frame_id": "base_link"}
+BOARD_PARAMETERS: dict[str, ParamValue] = {"blink_hz": 0, "frame_id": "base_link"}
 REFRESH_S = 0.25
 PLAIN_LINE_S = 1.0
 
