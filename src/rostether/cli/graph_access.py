@@ -17,6 +17,7 @@ from rostether.ros1.node.master_client import MasterClient
 
 if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph
+    from rostether.serde.store import TypeStore
 
 OUR_NAME = "/rostether"
 """The caller id of commands that are no node, and what `~` in a name given to one means."""
@@ -73,17 +74,23 @@ async def master_client(
 
 @asynccontextmanager
 async def joined(
-    environment: RosEnvironment, msg_paths: Iterable[Path] = (), *, purpose: str = "rostether"
+    environment: RosEnvironment,
+    msg_paths: Iterable[Path] = (),
+    *,
+    purpose: str = "rostether",
+    store: TypeStore | None = None,
 ) -> AsyncIterator[TypedGraph]:
     """Be a node with a name that nobody else has. Raises MasterUnreachableError with what to do next."""
     from rostether.graph.typed_graph import TypedGraph
     from rostether.joining import anonymous_name
-    from rostether.msgdef.registry import Registry
     from rostether.ros1.node.node import join_ros1
-    from rostether.serde.store import TypeStore
 
+    if store is None:
+        from rostether.msgdef.registry import Registry
+        from rostether.serde.store import TypeStore
+
+        store = TypeStore(Registry.from_environment(msg_paths))
     name = special_arguments().get("__name") or anonymous_name(purpose)
-    store = TypeStore(Registry.from_environment(msg_paths))
     try:
         graph = await join_ros1(name, environment=environment, namespace=environment.namespace)
         try:

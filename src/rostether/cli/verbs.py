@@ -14,6 +14,8 @@ from click.shell_completion import CompletionItem
 HELP_WIDTH = 100
 """Columns of help text at most: longer lines are hard to read on wide terminals."""
 
+_LONG_DASHES = ("\u2013", "\u2014", "\u2212")
+
 
 @dataclass(frozen=True, slots=True)
 class VerbEntry:
@@ -29,6 +31,11 @@ class Verb(click.Command):
     def __init__(self, *args: Any, examples: str = "", **kwargs: Any) -> None:
         super().__init__(*args, **_with_our_settings(kwargs))
         self.examples = dedent(examples).strip("\n")
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Read the arguments; `–once`, as printed books and PDFs have it, is `--once`."""
+        known = {option for parameter in self.get_params(ctx) for option in parameter.opts}
+        return super().parse_args(ctx, [_plain_dashes(each, known) for each in args])
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the examples below the options, line by line as given."""
@@ -88,6 +95,14 @@ class LazyGroup(click.Group):
             if name.startswith(incomplete)
         ]
         return verbs + click.Command.shell_complete(self, ctx, incomplete)
+
+
+def _plain_dashes(argument: str, known: set[str]) -> str:
+    if argument[:1] in _LONG_DASHES:
+        for dashes in ("--", "-"):
+            if dashes + argument[1:] in known:
+                return dashes + argument[1:]
+    return argument
 
 
 def _with_our_settings(kwargs: dict[str, Any]) -> dict[str, Any]:

@@ -1,0 +1,215 @@
+"""`rostether topic echo`: a topic's messages, or one field of them, as rostopic prints them."""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+from collections.abc import Callable
+from contextlib import aclosing
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rostether.cli.completions import complete_topics
+from rostether.cli.options import master_option, msg_path_option
+from rostether.cli.output import json_option, warn, write_json, write_line
+from rostether.cli.running import run
+from rostether.cli.verbs import Verb
+from rostether.errors import SerializationError
+
+if TYPE_CHECKING:
+    from rostether.graph.typed_graph import TypedGraph
+    from rostether.rostime import Time
+    from rostether.serde.codec import Codec
+    from rostether.serde.field_path import FieldPath
+
+CLEAR_SCREEN = "\033[2J\033[;H"
+
+SIMULATED_TIME_WARNING_S = 2.0
+"""Simulators publish at once; as rostopic, wait no longer before saying what may be missing."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Options:
+    """What the command line asks for."""
+
+    plot: bool
+    as_json: bool
+    clear: bool
+    count: int | None
+    filter: Callable[[object, str], bool] | None
+    no_arrays: bool
+    no_strings: bool
+    number_width: int | None
+    offset: bool
+
+
+@click.command(
+    "echo",
+    cls=Verb,
+    examples="""
+    rostether topic echo /ultrasound
+    rostether topic echo -n 1 /ultrasound/range
+    rostether topic echo --filter "m.range < 0.5" /ultrasound
+    rostether topic echo -p /imu_data/angular_velocity > turning.csv
+    """,
+)
+@click.argument("topic", metavar="TOPIC[/FIELD]", shell_complete=complete_topics)
+@click.option("-n", "count", type=click.IntRange(min=1), metavar="COUNT", help="End after COUNT messages.")
+@click.option("-p", "plot", is_flag=True, help="Print comma-separated values, for plotting.")
+@json_option
+@click.option("-c", "--clear", is_flag=True, help="Clear the screen before each message.")
+@click.option("--noarr", is_flag=True, help="Leave arrays out.")
+@click.option("--nostr", is_flag=True, help="Leave strings out.")
+@click.option("-w", "number_width", type=click.IntRange(min=2), metavar="WIDTH", help="Columns of a number.")
+@click.option("--offset", is_flag=True, help="Print times relative to now, in seconds.")
+@click.option(
+    "--filter",
+    "expression",
+    metavar="EXPRESSION",
+    help="Print only messages m for which the Python expression is true.",
+)
+@msg_path_option
+@master_option
+def echo(
+    topic: str,
+    count: int | None,
+    plot: bool,
+    as_json: bool,
+    clear: bool,
+    noarr: bool,
+    nostr: bool,
+    number_width: int | None,
+    offset: bool,
+    expression: str | None,
+    msg_paths: tuple[Path, ...],
+    master: str | None,
+) -> None:
+    """Print the messages of a topic, or a field of them.
+
+    The types of messages are learned from their publisher, so even types that are not installed here can
+    be shown. A topic that is not there yet is waited for.
+    """
+    test = None
+    if expression is not None:
+        from rostether.cli.expression import compile_filter
+
+        test = compile_filter(expression)
+    options = _Options(plot, as_json, clear, count, test, noarr, nostr, number_width, offset)
+    run(_echo(topic, options, msg_paths, master))
+
+
+async def _echo(topic: str, options: _Options, msg_paths: tuple[Path, ...], master: str | None) -> None:
+    from rostether.cli.graph_access import joined, read_environment, resolve
+    from rostether.cli.topic_choice import wait_for_topic
+
+    environment = read_environment(master)
+    name = resolve(topic, environment)
+    async with joined(environment, msg_paths, purpose="rostopic") as graph:
+        chosen = await wait_for_topic(name, graph.store, master)
+        printer = _Printer(graph, chosen.topic, chosen.field, options)
+        hint = asyncio.ensure_future(_hint_at_clock(graph, printer))
+        try:
+            stream = graph.messages(chosen.topic)
+            async with aclosing(aiter(stream)) as messages:
+                async for message in messages:
+                    assert stream.codec is not None
+                    printer.show(message, stream.codec)
+                    if printer.is_done:
+                        break
+        finally:
+            hint.cancel()
+
+
+class _Printer:
+    """Prints messages in one style and counts them."""
+
+    def __init__(self, graph: TypedGraph, topic: str, field: str, options: _Options) -> None:
+        self.received_count = 0
+        self._shown_count = 0
+        self._graph = graph
+        self._topic = topic
+        self._field = field
+        self._options = options
+        self._codec: Codec | None = None
+        self._path: FieldPath | None = None
+        self._problem = ""
+
+    @property
+    def is_done(self) -> bool:
+        """Whether as many messages as wanted have been printed."""
+        return self._options.count is not None and self._shown_count >= self._options.count
+
+    def show(self, message: Any, codec: Codec) -> None:
+        """Print a message that the filter lets through. Raises ConfigError for a field its type lacks."""
+        self.received_count += 1
+        options = self._options
+        if options.filter is not None and not options.filter(message, self._topic):
+            return
+        if self._field and codec is not self._codec:
+            from rostether.serde.field_path import FieldPath
+
+            self._codec, self._path = codec, FieldPath(codec, self._field)
+        try:
+            value = message if self._path is None else self._path.read(message)
+        except SerializationError as error:
+            if str(error) != self._problem:
+                self._problem = str(error)
+                warn(self._problem)
+            return
+        self._shown_count += 1
+        if options.as_json:
+            self._write_json(value)
+        elif options.plot:
+            self._write_row(value)
+        else:
+            self._write_text(value)
+
+    def _write_json(self, value: Any) -> None:
+        from rostether.serde.plain_form import plain_value
+
+        plain = plain_value(value)
+        write_json(plain if isinstance(plain, dict) else {"value": plain})
+
+    def _write_row(self, value: Any) -> None:
+        from rostether.serde.csv_print import csv_header, csv_row
+
+        style = self._style(self._now_if_offset())
+        if self._shown_count == 1:
+            write_line(csv_header(value, style))
+        write_line(csv_row(value, self._graph.now(), style))
+
+    def _write_text(self, value: Any) -> None:
+        from rostether.serde.yaml_print import format_message, format_value
+
+        style = self._style(self._now_if_offset())
+        text = (
+            format_message(value, style)
+            if self._path is None
+            else format_value(value, self._path.type, style)
+        )
+        sys.stdout.write(CLEAR_SCREEN if self._options.clear else "")
+        write_line(f"{text}\n---")
+
+    def _now_if_offset(self) -> Time | None:
+        return self._graph.now() if self._options.offset else None
+
+    def _style(self, time_offset: Time | None) -> Any:
+        from rostether.serde.yaml_print import EchoStyle
+
+        options = self._options
+        return EchoStyle(
+            no_arrays=options.no_arrays,
+            no_strings=options.no_strings,
+            time_offset=time_offset,
+            number_width=options.number_width,
+        )
+
+
+async def _hint_at_clock(graph: TypedGraph, printer: _Printer) -> None:
+    if await graph.get_param("/use_sim_time", False):
+        await asyncio.sleep(SIMULATED_TIME_WARNING_S)
+        if not printer.received_count:
+            warn("WARNING: no messages received and simulated time is active.\nIs /clock being published?")

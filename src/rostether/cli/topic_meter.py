@@ -1,0 +1,93 @@
+"""What hz, bw and delay share: waiting for topics, listening to them, and a report every second."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Callable, Iterable, Sequence
+from contextlib import aclosing, asynccontextmanager
+from pathlib import Path
+from typing import Any
+
+from rostether.cli.graph_access import joined, read_environment, resolve
+from rostether.cli.output import warn, write_line
+from rostether.cli.topic_choice import wait_for_topic
+from rostether.graph.typed_graph import TypedGraph
+from rostether.msgdef.interface import ANY_MESSAGE
+
+REPORT_PERIOD_S = 1.0
+
+
+class TopicMeter:
+    """Listens to topics while reports are made; `names` are the topics' full names."""
+
+    def __init__(self, graph: TypedGraph, names: Sequence[str], quiet: bool) -> None:
+        self.graph = graph
+        self.names = names
+        self._quiet = quiet
+        self._listening: set[asyncio.Task[None]] = set()
+
+    async def take_raw(self, name: str, add: Callable[[Sequence[bytes]], None]) -> None:
+        """Hand every chunk of undecoded messages to `add`."""
+        await self.graph.raw.subscribe(name, ANY_MESSAGE, add)
+        self._tell(name)
+
+    def take(self, name: str, add: Callable[[Any], None]) -> None:
+        """Hand every decoded message to `add`; what it raises ends the reports."""
+
+        async def listen() -> None:
+            async with aclosing(aiter(self.graph.messages(name))) as messages:
+                async for message in messages:
+                    add(message)
+
+        self._listening.add(asyncio.get_running_loop().create_task(listen()))
+        self._tell(name)
+
+    async def reports(self, count: int | None) -> AsyncIterator[None]:
+        """Yield once a second, `count` times or until the node leaves. Raises what `add` raised."""
+        leaving = asyncio.ensure_future(self.graph.raw.wait_closed())
+        loop = asyncio.get_running_loop()
+        due_s = loop.time()
+        made = 0
+        try:
+            while not leaving.done() and made != count:
+                due_s += REPORT_PERIOD_S
+                timeout_s = max(due_s - loop.time(), 0.0)
+                waited = {leaving, *self._listening}
+                done, _ = await asyncio.wait(waited, timeout=timeout_s, return_when=asyncio.FIRST_COMPLETED)
+                for task in done - {leaving}:
+                    await task
+                if not done:
+                    made += 1
+                    yield
+        finally:
+            leaving.cancel()
+
+    async def close(self) -> None:
+        """Stop listening."""
+        for task in self._listening:
+            task.cancel()
+        await asyncio.gather(*self._listening, return_exceptions=True)
+
+    def _tell(self, name: str) -> None:
+        if not self._quiet:
+            write_line(f"subscribed to [{name}]")
+
+
+@asynccontextmanager
+async def meter(
+    topics: Iterable[str], msg_paths: Iterable[Path], master: str | None, *, quiet: bool
+) -> AsyncIterator[TopicMeter]:
+    """Join the graph and wait for the topics; `quiet` leaves the lines out that say so."""
+    environment = read_environment(master)
+    async with joined(environment, msg_paths, purpose="rostopic") as graph:
+        names = []
+        for topic in topics:
+            chosen = await wait_for_topic(resolve(topic, environment), graph.store, master)
+            names.append(chosen.topic)
+        if not quiet and await graph.get_param("/use_sim_time", False):
+            warn("WARNING: may be using simulated time")
+        found = TopicMeter(graph, names, quiet)
+        try:
+            yield found
+        finally:
+            await found.close()
