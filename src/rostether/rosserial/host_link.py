@@ -14,20 +14,19 @@ last reset: either can crash the established library.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rostether.rosserial import topic_id as ids
+from rostether.rosserial.control_events import control_event
 from rostether.rosserial.events import (
     DeviceReset,
     DeviceSilent,
     DiscardReason,
     FrameDiscarded,
     HostEvent,
-    LogReceived,
     MessagesReceived,
     NegotiationSettled,
-    ParameterRequested,
     ProtocolDetected,
     TimeRequested,
     UnknownTopicId,
@@ -37,7 +36,7 @@ from rostether.rosserial.frame_decoder import Decoded, FrameDecoder, Frames
 from rostether.rosserial.host_output import HostOutput
 from rostether.rosserial.link_statistics import LinkStatistics
 from rostether.rosserial.negotiation import Negotiation
-from rostether.rosserial.packets import TIME_BYTES, Log, ParameterRequest, ParameterResponse, TopicInfo
+from rostether.rosserial.packets import TIME_BYTES, ParameterResponse, TopicInfo
 from rostether.rosserial.presence import Presence, Verdict
 from rostether.rosserial.protocol_detector import ProtocolDetector
 from rostether.rosserial.topic_table import TopicTable
@@ -45,22 +44,6 @@ from rostether.rosserial.unknown_ids import UnknownIds
 from rostether.rostime import Time
 
 _DAMAGE = frozenset({DiscardReason.LENGTH_CHECKSUM, DiscardReason.PAYLOAD_CHECKSUM, DiscardReason.PACKET})
-
-
-def _read_log(payload: bytes) -> LogReceived | None:
-    log = Log.decode(payload)
-    return log and LogReceived(*log)
-
-
-def _read_parameter_request(payload: bytes) -> ParameterRequested | None:
-    request = ParameterRequest.decode(payload)
-    return request and ParameterRequested(*request)
-
-
-_READERS: dict[int, Callable[[bytes], HostEvent | None]] = {
-    ids.LOG: _read_log,
-    ids.PARAMETER: _read_parameter_request,
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -228,11 +211,8 @@ class HostLink:
         for payload in frames.payloads:
             if topic_id in ids.ANNOUNCEMENTS:
                 self._on_announcement(topic_id, payload, now_s, events)
-            elif topic_id in _READERS:
-                event = _READERS[topic_id](payload) or FrameDiscarded(DiscardReason.PACKET, payload)
-                self._report(event, now_s, events)
             else:
-                self._report(FrameDiscarded(DiscardReason.UNEXPECTED, payload), now_s, events)
+                self._report(control_event(topic_id, payload), now_s, events)
 
     def _on_announcement(self, kind: int, payload: bytes, now_s: float, events: list[HostEvent]) -> None:
         info = TopicInfo.decode(payload)

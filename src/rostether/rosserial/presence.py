@@ -2,7 +2,7 @@
 
 A board that has been reset is silent on user ids while we go on talking to it. A frame begun with a wrong
 version byte (`ff 00`) makes an unconfigured board ask for the time; a configured one ignores it and asks
-only every 2.5 s.
+only every 2.5 s. Boards of protocol version 1 answer no probe: their reset shows as silence.
 
     state     input      next      verdict
     ABSENT    SIGN       PRESENT             a sign of a configured board: a message, an announcement
