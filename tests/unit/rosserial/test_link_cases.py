@@ -1,4 +1,4 @@
-"""One table of what both links do with bytes; each case is replayed whole, byte by byte and with data behind."""
+"""One table of what both links do with bytes; each case is replayed whole, byte by byte, with data behind."""
 
 from __future__ import annotations
 
