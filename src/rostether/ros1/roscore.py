@@ -2,23 +2,47 @@
 
 from __future__ import annotations
 
+import asyncio
+import logging
 from collections.abc import Sequence
 
-from rostether.graph.log_message import LOG_TYPE
+from rostether.errors import GraphError
+from rostether.graph.log_message import LOG_TYPE, ROSOUT
 from rostether.ros1.environment import DEFAULT_MASTER_PORT, RosEnvironment
 from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node.node import Ros1Graph, join_ros1
+
+ROSOUT_AGG = "/rosout_agg"
+# `rosnode kill -a` ends /rosout too; roscore starts it again, and somebody who keeps killing it is not raced.
+_RESPAWN_PAUSE_S = 1.0
+
+_log = logging.getLogger("rostether.ros1.master")
 
 
 class Roscore:
     """A master with its log collector; `start` makes one that listens."""
 
-    def __init__(self, master: MasterServer, rosout: Ros1Graph) -> None:
+    def __init__(
+        self,
+        master: MasterServer,
+        environment: RosEnvironment,
+        *,
+        respawn_pause_s: float = _RESPAWN_PAUSE_S,
+    ) -> None:
         self._master = master
-        self._rosout = rosout
+        self._environment = environment.with_master(master.uri)
+        self._respawn_pause_s = respawn_pause_s
+        self._rosout: Ros1Graph | None = None
+        self._keeper: asyncio.Task[None] | None = None
 
     @classmethod
-    async def start(cls, environment: RosEnvironment, *, port: int = DEFAULT_MASTER_PORT) -> Roscore:
+    async def start(
+        cls,
+        environment: RosEnvironment,
+        *,
+        port: int = DEFAULT_MASTER_PORT,
+        respawn_pause_s: float = _RESPAWN_PAUSE_S,
+    ) -> Roscore:
         """Start where the environment lets us listen; port 0 takes a free one.
 
         Raises GraphError when the port is taken, ConfigError when an address is not this machine's.
@@ -26,13 +50,14 @@ class Roscore:
         master = await MasterServer.start(
             environment.listen_hosts, port, advertised_host=environment.advertised_host
         )
+        core = cls(master, environment, respawn_pause_s=respawn_pause_s)
         try:
-            rosout = await join_ros1("rosout", environment=environment.with_master(master.uri))
-            await _gather_logs(rosout)
+            core._rosout = await core._join_rosout()
         except BaseException:
             await master.close()
             raise
-        return cls(master, rosout)
+        core._keeper = asyncio.get_running_loop().create_task(core._keep_rosout(core._rosout))
+        return core
 
     @property
     def uri(self) -> str:
@@ -45,15 +70,36 @@ class Roscore:
 
     async def close(self) -> None:
         """Stop both. Idempotent."""
-        await self._rosout.close()
+        if self._keeper is not None:
+            self._keeper.cancel()
+            await asyncio.wait((self._keeper,))
+        if self._rosout is not None:
+            await self._rosout.close()
         await self._master.close()
 
+    async def _join_rosout(self) -> Ros1Graph:
+        rosout = await join_ros1("rosout", environment=self._environment)
+        try:
+            collected = await rosout.advertise(ROSOUT_AGG, LOG_TYPE)
 
-async def _gather_logs(rosout: Ros1Graph) -> None:
-    collected = await rosout.advertise("/rosout_agg", LOG_TYPE)
+            def forward(payloads: Sequence[bytes]) -> None:
+                # Logs never wait for who reads them slowly.
+                collected.publish_raw(payloads)
 
-    def forward(payloads: Sequence[bytes]) -> None:
-        # Logs never wait for who reads them slowly.
-        collected.publish_raw(payloads)
+            await rosout.subscribe(ROSOUT, LOG_TYPE, forward)
+        except BaseException:
+            await rosout.close()
+            raise
+        return rosout
 
-    await rosout.subscribe("/rosout", LOG_TYPE, forward)
+    async def _keep_rosout(self, rosout: Ros1Graph) -> None:
+        while True:
+            reason = await rosout.wait_closed()
+            _log.info("/rosout has left (%s) and is started again", reason)
+            self._rosout = None
+            await asyncio.sleep(self._respawn_pause_s)
+            try:
+                self._rosout = rosout = await self._join_rosout()
+            except GraphError as error:
+                _log.warning("/rosout cannot be started again: %s", error)
+                return

@@ -1,0 +1,82 @@
+"""The master with its log collector."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Callable
+
+import pytest
+
+from rostether.errors import GraphError
+from rostether.graph.log_message import LOG_TYPE
+from rostether.graph.ports import Level
+from rostether.ros1.environment import RosEnvironment
+from rostether.ros1.node.node import Ros1Graph, join_ros1
+from rostether.ros1.roscore import Roscore
+from rostether.ros1.xmlrpc_client import XmlRpcClient
+
+
+async def until(condition: Callable[[], object]) -> None:
+    async with asyncio.timeout(10):
+        while not condition():
+            await asyncio.sleep(0.005)
+
+
+@pytest.fixture
+async def core() -> AsyncIterator[Roscore]:
+    core = await Roscore.start(RosEnvironment(), port=0, respawn_pause_s=0.02)
+    yield core
+    await core.close()
+    await core.close()
+
+
+@pytest.fixture
+async def node(core: Roscore) -> AsyncIterator[Ros1Graph]:
+    node = await join_ros1("tester", environment=RosEnvironment().with_master(core.uri))
+    yield node
+    await node.close()
+
+
+async def logs_arrive(node: Ros1Graph) -> None:
+    """Log until it arrives: the first messages may come before the connections."""
+    logs: list[bytes] = []
+    collected = await node.subscribe("/rosout_agg", LOG_TYPE, logs.extend)
+    async with asyncio.timeout(10):
+        while not any(b"battery low" in log and b"/tester" in log for log in logs):
+            node.log(Level.WARN, "battery low")
+            await asyncio.sleep(0.01)
+    await collected.close()
+
+
+async def test_every_node_s_logs_arrive_on_rosout_agg(node: Ros1Graph) -> None:
+    await logs_arrive(node)
+
+
+async def test_the_graph_looks_as_roscore_s(node: Ros1Graph) -> None:
+    snapshot = await node.snapshot()
+    assert "/rosout" in snapshot.nodes
+    assert snapshot.topics["/rosout_agg"].publishers == ("/rosout",)
+    assert "/rosout" in snapshot.topics["/rosout"].subscribers
+
+
+async def test_rosout_comes_back_when_it_is_killed(core: Roscore, node: Ros1Graph) -> None:
+    first = core._rosout
+    assert first is not None
+    killer = XmlRpcClient(first.node_uri)
+    await killer.call("shutdown", "/rosnode", "user request")
+    await killer.close()
+    await until(lambda: core._rosout not in (None, first))
+    await logs_arrive(node)
+
+
+async def test_a_busy_port_is_told(core: Roscore) -> None:
+    port = int(core.uri.rpartition(":")[2].strip("/"))
+    with pytest.raises(GraphError, match=f"port {port}"):
+        await Roscore.start(RosEnvironment(), port=port)
+
+
+async def test_a_master_stopped_from_outside_can_be_waited_for(core: Roscore) -> None:
+    client = XmlRpcClient(core.uri)
+    await client.call("shutdown", "/x", "enough")
+    await client.close()
+    await asyncio.wait_for(core.wait_closed(), 10)
