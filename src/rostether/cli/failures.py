@@ -6,7 +6,6 @@ A traceback shown to a user is a defect; ROSTETHER_TRACEBACK=1 asks for one.
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Callable
 
 import click
@@ -24,13 +23,13 @@ def exit_code_of(command: Callable[[], object]) -> int:
     """Run a command to its end, print why it failed if it did, and return its exit code; never raises."""
     try:
         code = command()
-        sys.stdout.flush()
-    except BrokenPipeError:
-        return _reader_had_enough()
     except (KeyboardInterrupt, click.Abort):
         return EXIT_INTERRUPTED
     except click.exceptions.Exit as ending:
         return ending.exit_code
+    except SystemExit:
+        # click's own way out when the reader of its help has had enough (`--help | head`).
+        return EXIT_DONE
     except click.ClickException as error:
         return _report_usage(error)
     except Exception as error:  # noqa: BLE001 - the last line of defence: a user never sees a traceback
@@ -72,11 +71,3 @@ def _report(error: Exception) -> int:
         traceback.print_exception(error)
     print_error(one_line(error))
     return EXIT_FAILED
-
-
-def _reader_had_enough() -> int:
-    # `| head` closed the pipe. The interpreter flushes stdout once more at exit: let it go nowhere.
-    devnull = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(devnull, sys.stdout.fileno())
-    os.close(devnull)
-    return EXIT_DONE

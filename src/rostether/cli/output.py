@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import base64
 import json
+import os
 import sys
 from collections.abc import Callable, Mapping
 from typing import Any
 
 import click
+
+from rostether.cli.failures import EXIT_DONE
 
 json_option: Callable[[Any], Any] = click.option(
     "--json", "as_json", is_flag=True, help="Print one JSON object a line."
@@ -16,9 +19,23 @@ json_option: Callable[[Any], Any] = click.option(
 
 
 def write_line(text: str = "") -> None:
-    """Write a line to stdout and flush it: a pipe's reader wants it now."""
-    sys.stdout.write(text + "\n")
-    sys.stdout.flush()
+    """Write a line to stdout and flush it: a pipe's reader wants it now.
+
+    When the reader has had enough (`| head`), the command is done: it ends here, with exit code 0.
+    """
+    try:
+        sys.stdout.write(text + "\n")
+        sys.stdout.flush()
+    except BrokenPipeError:
+        forget_stdout()
+        raise click.exceptions.Exit(EXIT_DONE) from None
+
+
+def forget_stdout() -> None:
+    """Let what is still written to stdout go nowhere; the interpreter flushes it once more at its end."""
+    devnull = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(devnull, sys.stdout.fileno())
+    os.close(devnull)
 
 
 def warn(text: str) -> None:

@@ -226,6 +226,6 @@ def dump_params(file: Path | None, namespace: str, verbose: bool, master: str | 
         write_line(f"dumping namespace [{namespace}] to file [{file}]")
     text = dump(run(_fetch(namespace, master))[1])
     if file is None or str(file) == "-":
-        sys.stdout.write(text)
+        write_line(text.removesuffix("\n"))
     else:
         file.write_text(text)

@@ -1,12 +1,15 @@
 """Running a command's coroutine to a clean end, however it is asked to stop.
 
 Ctrl-C and SIGTERM cancel the command, which then leaves the graph; a second Ctrl-C does not wait for that.
+Like rospy's nodes, and unlike most programs, a command takes SIGINT also where a shell has started it in the
+background and told it to ignore that: `command & ... kill -INT $!` is how scripts end ROS programs.
 """
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
+import os
 import signal
 from collections.abc import Callable, Coroutine
 from typing import Any, TypeVar
@@ -34,27 +37,29 @@ def run(main: Coroutine[Any, Any, T], *, is_service: bool = False, uvloop: bool 
         raise click.exceptions.Exit(EXIT_INTERRUPTED) from None
 
 
-async def _until_terminated(main: Coroutine[Any, Any, T], exit_code: int) -> T:
+async def _until_terminated(main: Coroutine[Any, Any, T], terminated_code: int) -> T:
     task = asyncio.current_task()
     assert task is not None
-    is_terminated = False
+    exit_code: int | None = None
 
-    def terminate() -> None:
-        nonlocal is_terminated
-        is_terminated = True
+    def end(code: int) -> None:
+        nonlocal exit_code
+        if exit_code is not None:
+            os._exit(code)
+        exit_code = code
         task.cancel()
 
     loop = asyncio.get_running_loop()
-    # A closed terminal ends a command as SIGTERM does, unless nohup asked otherwise.
-    names = [name for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
-    for number in (getattr(signal, name) for name in names):
-        if signal.getsignal(number) is not signal.SIG_IGN:
-            with contextlib.suppress(NotImplementedError):
-                loop.add_signal_handler(number, terminate)
+    with contextlib.suppress(NotImplementedError):
+        loop.add_signal_handler(signal.SIGINT, end, EXIT_INTERRUPTED)
+        loop.add_signal_handler(signal.SIGTERM, end, terminated_code)
+        # A closed terminal ends a command as SIGTERM does, unless nohup asked otherwise.
+        if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:
+            loop.add_signal_handler(signal.SIGHUP, end, terminated_code)
     try:
         return await main
     except asyncio.CancelledError:
-        if not is_terminated:
+        if exit_code is None:
             raise
         raise click.exceptions.Exit(exit_code) from None
 

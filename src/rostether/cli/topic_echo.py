@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import sys
 from collections.abc import Callable
 from contextlib import aclosing
 from dataclasses import dataclass
@@ -190,8 +189,7 @@ class _Printer:
             if self._path is None
             else format_value(value, self._path.type, style)
         )
-        sys.stdout.write(CLEAR_SCREEN if self._options.clear else "")
-        write_line(f"{text}\n---")
+        write_line(f"{CLEAR_SCREEN if self._options.clear else ''}{text}\n---")
 
     def _now_if_offset(self) -> Time | None:
         return self._graph.now() if self._options.offset else None

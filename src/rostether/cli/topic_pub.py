@@ -34,9 +34,6 @@ FILE_RATE_HZ = 10.0
 SUBSCRIBER_TIMEOUT_S = 5.0
 """Messages from files and pipes wait this long for somebody who listens."""
 
-MAX_LINE_BYTES = 16 << 20
-"""One line of a pipe's YAML: an image in one list is a few million characters."""
-
 
 @dataclass(frozen=True, slots=True)
 class _Options:
@@ -220,39 +217,13 @@ def _wall_time() -> Time:
 
 
 async def _documents(codec: Codec, text: str | None, now: Callable[[], Time]) -> AsyncIterator[Message]:
+    from rostether.cli.piped_documents import piped_documents
     from rostether.serde.yaml_form import parse_documents
 
     if text is not None:
         for message in parse_documents(codec, text, now=now):
             yield message
         return
-    document: list[str] = []
-    async for line in _stdin_lines():
-        if line.strip() != "---":
-            document.append(line)
-        else:
-            for message in parse_documents(codec, "".join(document), now=now):
-                yield message
-            document.clear()
-    for message in parse_documents(codec, "".join(document), now=now):
-        yield message
-
-
-async def _stdin_lines() -> AsyncIterator[str]:
-    reader = asyncio.StreamReader(limit=MAX_LINE_BYTES)
-    try:
-        await asyncio.get_running_loop().connect_read_pipe(
-            lambda: asyncio.StreamReaderProtocol(reader), sys.stdin
-        )
-    except ValueError:
-        # A file cannot be waited for; its lines are all there.
-        for line in sys.stdin:
-            yield line
-        return
-    try:
-        while data := await reader.readline():
-            yield data.decode("utf-8", "surrogateescape")
-    except ValueError:
-        raise ConfigError(
-            f"a line of the pipe is longer than {MAX_LINE_BYTES} bytes: write it as blocks"
-        ) from None
+    async for document in piped_documents(sys.stdin):
+        for message in parse_documents(codec, document, now=now):
+            yield message
