@@ -79,7 +79,8 @@ async def open_serial(address: SerialAddress, *, flow_control: bool = False) -> 
             rts_on_close=on_close,
         )
     except (OSError, serialx.SerialException, ValueError) as error:
-        raise explain_open_error(address, error, list_ports) from error
+        # In a thread like the opening itself: it walks through /proc and /sys.
+        raise await asyncio.to_thread(explain_open_error, address, error, list_ports) from error
     return transport
 
 

@@ -1,0 +1,57 @@
+from __future__ import annotations
+
+import errno
+import socket
+
+import pytest
+
+from rostether.transports.sockets import (
+    explain_bind_error,
+    explain_connect_error,
+    explain_reason,
+    tune_stream,
+)
+
+
+@pytest.mark.parametrize(
+    ("host", "code", "said"),
+    [
+        ("127.0.0.1", errno.EADDRINUSE, "port 80 is already in use on 127.0.0.1; stop"),
+        ("127.0.0.1", errno.EADDRINUSE, "choose another port with tcp://:PORT"),
+        ("0.0.0.0", errno.EADDRINUSE, "choose another port with tcp://0.0.0.0:PORT"),
+        ("10.9.9.9", errno.EADDRNOTAVAIL, "write tcp://0.0.0.0:80 to listen on all it has"),
+        ("127.0.0.1", errno.EACCES, "port 80 is reserved for the system"),
+        ("::1", errno.EMFILE, "cannot listen on [::1]:80: too many files; check the host"),
+    ],
+)
+def test_why_a_port_cannot_be_listened_on(host: str, code: int, said: str) -> None:
+    assert said in str(explain_bind_error("tcp", host, 80, OSError(code, "too many files")))
+
+
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [
+        (ConnectionRefusedError(errno.ECONNREFUSED, "refused"), "nothing listens on robot:1"),
+        (socket.gaierror(-2, "Name or service not known"), "the host of robot:1 is not known"),
+        (OSError(errno.EHOSTUNREACH, "No route to host"), "cannot reach robot:1: No route to host"),
+    ],
+)
+def test_why_a_peer_cannot_be_reached(error: OSError, said: str) -> None:
+    assert said in str(explain_connect_error("robot:1", error))
+
+
+def test_the_shortest_words_of_an_error() -> None:
+    assert explain_reason(OSError(5, "Input/output error", "/dev/x")) == "Input/output error"
+    assert explain_reason(ValueError("odd")) == "odd"
+    assert explain_reason(ValueError()) == "ValueError"
+
+
+@pytest.mark.skipif(not hasattr(socket, "TCP_KEEPIDLE"), reason="this system names its options otherwise")
+def test_a_vanished_peer_is_noticed_within_about_eleven_seconds() -> None:
+    with socket.socket() as sock:
+        tune_stream(sock)
+        idle, interval, probes = (
+            sock.getsockopt(socket.IPPROTO_TCP, option)
+            for option in (socket.TCP_KEEPIDLE, socket.TCP_KEEPINTVL, socket.TCP_KEEPCNT)
+        )
+    assert idle + interval * probes == 11
