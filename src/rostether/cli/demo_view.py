@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shutil
+import sys
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from math import atan2, degrees
@@ -19,8 +21,8 @@ if TYPE_CHECKING:
 RATE_WINDOW_S = 2.0
 SHOWN_LINES = 4
 
-NEXT_STEPS = """In a second terminal:  rostether topic echo /ultrasound
-                       rostether topic pub -1 /toggle_led std_msgs/Empty"""
+NEXT_STEPS = """In a second terminal:  {us} topic echo /ultrasound
+                       {us} topic pub -1 /toggle_led std_msgs/Empty"""
 
 SUMMARIES: Mapping[str, Callable[[Any], str]] = {
     "sensor_msgs/Range": lambda message: f"{message.range:.2f} m",
@@ -129,7 +131,12 @@ class DemoView:
             )
         return Panel(
             Group(
-                table, "", self._health(), Text("\n".join(self._recent.lines), style="dim"), "", NEXT_STEPS
+                table,
+                "",
+                self._health(),
+                Text("\n".join(self._recent.lines), style="dim"),
+                "",
+                NEXT_STEPS.format(us=_our_command()),
             ),
             title=f"a simulated board in the ROS graph of {self._master_uri}",
             subtitle="Ctrl-C ends it",
@@ -158,6 +165,11 @@ class DemoView:
             return ""
         codec, payload = last
         return SUMMARIES[endpoint.type](codec.decode(payload))
+
+
+def _our_command() -> str:
+    """Return what to type to run us again: our name where PATH has it, else the path we were run by."""
+    return "rostether" if shutil.which("rostether") else sys.argv[0]
 
 
 def _key(endpoint: EndpointView) -> str:
