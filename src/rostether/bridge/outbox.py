@@ -33,6 +33,8 @@ TURN_BYTES = 4 * 1024
 WRITE_BYTES = 256 * 1024
 # A link that takes nothing keeps getting answers until this much waits in it, and is then as good as gone.
 MAX_UNSENT_BYTES = 1024 * 1024
+# What comes after a pause this long is written at once; what comes sooner is gathered for one write a turn.
+EAGER_AFTER_S = 0.0005
 # How often a paused source looks whether the board still takes bytes.
 STALL_CHECK_S = 0.1
 
@@ -94,6 +96,7 @@ class Outbox:
         self._drained: list[Lane] = []
         self._answers: list[bytes] = []
         self._scheduled = False
+        self._flushed_s = 0.0
         self._paced: TimerHandle | None = None
         self._blocked = False
         self._stalled = False
@@ -108,7 +111,8 @@ class Outbox:
         return sum(lane.queued_bytes for lane in self._ready)
 
     def put(self, lane: Lane, payloads: Sequence[bytes]) -> None:
-        """Queue messages of one topic; they leave in this turn of the event loop if the link takes them."""
+        """Queue messages of one topic; they leave by the end of this turn of the event loop if the link
+        takes them."""
         if not lane.payloads:
             self._ready.append(lane)
         lane.payloads.extend(payloads)
@@ -116,7 +120,10 @@ class Outbox:
         if lane.queued_bytes > self._limit_bytes:
             self._overflow(lane)
         if not self._scheduled:
-            self._schedule()
+            if self._pacer is None and self._loop.time() - self._flushed_s > EAGER_AFTER_S:
+                self.flush()
+            else:
+                self._schedule()
 
     def answer(self, topic_id: int, payload: bytes) -> None:
         """Send what the board, or the one caller of its service, waits for: ahead of all topics.
@@ -153,6 +160,7 @@ class Outbox:
             elif (room := self._pacer.room_bytes(self._loop.time())) > 0:
                 self._take_turns(pieces, room)
         if pieces:
+            self._flushed_s = self._loop.time()
             self._write(pieces)
         if self._drained:
             # Only now: a source may bring more at once, and that must come behind what was just written.
