@@ -43,6 +43,15 @@ def steps(page: Path) -> list[Step]:
     return found
 
 
+def programs(page: Path) -> dict[str, str]:
+    """Return the Python programs that the page tells to save, by file name."""
+    titled = (
+        (re.search(r'title="([\w.]+\.py)"', match["info"]), match)
+        for match in _FENCE.finditer(page.read_text())
+    )
+    return {title[1]: match["body"] for title, match in titled if title is not None}
+
+
 def missing_lines(expected: tuple[str, ...], printed: str) -> list[str]:
     """Return the expected lines that have not been printed, in order, so far."""
     position = 0

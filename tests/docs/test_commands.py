@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from docs.page import Step, missing_lines, steps
+from docs.page import Step, missing_lines, programs, steps
 from interop.ros1_peers import free_port
 
 REPOSITORY = Path(__file__).parents[2]
@@ -115,6 +115,8 @@ class Terminal:
 def test_page(page: Path, tmp_path: Path) -> None:
     # Only the README speaks to someone who stands in a clone.
     terminal = Terminal(REPOSITORY if page.name == "README.md" else tmp_path, tmp_path)
+    for name, text in programs(page).items():
+        (tmp_path / name).write_text(text)
     try:
         for step in steps(page):
             _type_step(terminal, step)
@@ -127,6 +129,11 @@ def _type_step(terminal: Terminal, step: Step) -> None:
     for command in commands:
         last = command is commands[-1]
         terminal.type(command, step.expected if last else (), leave_running=last and step.leave_running)
+
+
+def test_command_reference_is_up_to_date() -> None:
+    script = REPOSITORY / "scripts" / "write-command-reference"
+    subprocess.run([sys.executable, str(script), "--check"], check=True)
 
 
 def test_there_are_pages() -> None:
