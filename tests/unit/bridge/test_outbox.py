@@ -49,6 +49,19 @@ def test_one_write_a_turn() -> None:
     assert len(bench.transport.writes) == 1
 
 
+def test_after_a_pause_nothing_waits_for_the_next_turn() -> None:
+    bench = Bench()
+    bench.loop.run_until(1.0)
+    lane = Lane(101, "a")
+    bench.outbox.put(lane, [b"1"])
+    assert bench.transport.writes == [b"101:1;"]
+    bench.outbox.put(lane, [b"2"])
+    bench.outbox.put(lane, [b"3"])
+    assert len(bench.transport.writes) == 1
+    bench.loop.turn()
+    assert bench.transport.writes[1:] == [b"101:2;101:3;"]
+
+
 def test_answers_and_control_traffic_go_first() -> None:
     bench = Bench()
     bench.outbox.put(Lane(101, "a"), [b"1"])
