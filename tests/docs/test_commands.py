@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import xmlrpc.client
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -81,6 +82,8 @@ class Terminal:
                 pytest.fail(f"`{command}` did not end; it printed:\n{printed.read_text(errors='replace')}")
             time.sleep(0.02)
         if leave_running:
+            if not expected:
+                self._wait_for_board(deadline)
             assert process.poll() is None, f"`{command}` ended:\n{printed.read_text(errors='replace')}"
             return
         status = self._end(process)
@@ -88,6 +91,16 @@ class Terminal:
             f"`{command}` gave {status}:\n{printed.read_text(errors='replace')}"
         )
         assert "Traceback" not in printed.read_text(errors="replace")
+
+    def _wait_for_board(self, deadline: float) -> None:
+        """Wait as a reader does who watches the demo until its board is there."""
+        master = xmlrpc.client.ServerProxy(self._environment["ROS_MASTER_URI"])
+        while time.monotonic() < deadline:
+            with contextlib.suppress(OSError):
+                if any(topic == "/ultrasound" for topic, _ in master.getPublishedTopics("/test", "")[2]):
+                    return
+            time.sleep(0.05)
+        pytest.fail("no board came up")
 
     @staticmethod
     def _end(process: subprocess.Popen[bytes]) -> int:
