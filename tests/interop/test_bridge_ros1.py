@@ -1,0 +1,273 @@
+"""Boards through the bridge, as Debian's tools and nodes see them: devices over TCP, a real master."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+import pytest_asyncio
+
+from interop.node_stage import ON_BOTH_MASTERS, Stage, stage_on
+from rostether.bridge.settings import BridgeSettings
+from rostether.bridge.supervisor import Supervisor
+from rostether.device.device import Device
+from rostether.errors import ServiceTimeoutError
+from rostether.graph.ports import Graph
+from rostether.msgdef.registry import Registry
+from rostether.ros1.environment import RosEnvironment
+from rostether.ros1.node.node import join_ros1
+from rostether.serde.store import TypeStore
+from rostether.transports.address import parse_address
+from unit.bridge.doubles import RecordingReporter, until
+
+STORE = TypeStore(Registry())
+
+LOG_ECHO = """
+import rospy
+from rosgraph_msgs.msg import Log
+rospy.init_node("py_log")
+def take(log):
+    if log.name == "/arm" and log.msg == "battery low":
+        print(log.level, log.msg, flush=True)
+        rospy.signal_shutdown("done")
+rospy.Subscriber("/rosout", Log, take)
+print("listening", flush=True)
+rospy.spin()
+"""
+
+ADDER = """
+import rospy
+from std_srvs.srv import SetBool, SetBoolResponse
+rospy.init_node("py_service")
+rospy.Service("/gripper", SetBool, lambda request: SetBoolResponse(request.data, "gripped"))
+print("serving", flush=True)
+rospy.spin()
+"""
+
+
+class Bridged:
+    """A stage with a bridge on it and devices at its TCP port."""
+
+    def __init__(self, stage: Stage) -> None:
+        self.stage = stage
+        self.peers = stage.peers
+        self.reporter = RecordingReporter()
+        self.supervisor = Supervisor(
+            self.join,
+            STORE,
+            reporter=self.reporter,
+            settings=BridgeSettings(grace_s=1.0, service_timeout_s=2.0),
+        )
+        self._stack = contextlib.AsyncExitStack()
+
+    async def join(
+        self, node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
+    ) -> Graph:
+        return await join_ros1(
+            node_name,
+            master_uri=self.peers.master_uri,
+            environment=RosEnvironment.read({}),
+            namespace=namespace,
+            remappings=remappings,
+        )
+
+    async def open(self) -> Bridged:
+        await self.supervisor.start([parse_address("tcp://127.0.0.1:0?name=arm")])
+        return self
+
+    async def device(self) -> Device:
+        """Connect one more device; declare its endpoints afterwards."""
+        return await self._stack.enter_async_context(Device(self.supervisor.listening_on[0], store=STORE))
+
+    async def close(self) -> None:
+        await self._stack.aclose()
+        await self.supervisor.close()
+
+    def has(self, role: str, name: str) -> bool:
+        return any(
+            (each.role, each.name, each.is_attached) == (role, name, True)
+            for view in self.supervisor.boards()
+            for each in view.endpoints
+        )
+
+    async def announced(self, role: str, name: str) -> None:
+        await until(lambda: self.has(role, name), f"{role} {name}", 10.0)
+
+
+@pytest_asyncio.fixture
+async def stage(request: pytest.FixtureRequest, tmp_path: Path) -> AsyncIterator[Stage]:
+    async with stage_on(getattr(request, "param", "our master"), tmp_path) as stage:
+        yield stage
+
+
+@pytest_asyncio.fixture
+async def bridged(stage: Stage) -> AsyncIterator[Bridged]:
+    bridged = Bridged(stage)
+    await bridged.open()
+    yield bridged
+    await bridged.close()
+
+
+async def publish_until_stopped(publisher: Any, **fields: Any) -> None:
+    while True:
+        publisher.publish(**fields)
+        await asyncio.sleep(0.02)
+
+
+@ON_BOTH_MASTERS
+async def test_rostopic_echoes_a_boards_topic(bridged: Bridged) -> None:
+    device = await bridged.device()
+    talking = asyncio.ensure_future(
+        publish_until_stopped(device.publisher("chatter", "std_msgs/String"), data="hi")
+    )
+    await bridged.announced("publisher", "chatter")
+    assert (
+        await bridged.peers.run("rostopic", "echo", "-n", "2", "/chatter")
+        == 'data: "hi"\n---\ndata: "hi"\n---'
+    )
+    assert await bridged.peers.run("rostopic", "type", "/chatter") == "std_msgs/String"
+    info = await bridged.peers.run("rostopic", "info", "/chatter")
+    assert " * /arm (http://" in info
+    talking.cancel()
+
+
+@ON_BOTH_MASTERS
+async def test_rostopic_publishes_to_a_board(bridged: Bridged) -> None:
+    device = await bridged.device()
+    heard: list[Any] = []
+    device.subscriber("velocity", "geometry_msgs/Twist", heard.append)
+    await bridged.announced("subscriber", "velocity")
+    await bridged.peers.run(
+        "rostopic", "pub", "-1", "/velocity", "geometry_msgs/Twist", "{linear: {x: 0.25}}"
+    )
+    await until(lambda: heard, "the message", 10.0)
+    assert heard[0].linear.x == 0.25
+
+
+async def test_a_latched_message_reaches_a_board_that_comes_later(bridged: Bridged) -> None:
+    await bridged.peers.start("rostopic", "pub", "-l", "/mode", "std_msgs/UInt8", "7")
+    device = await bridged.device()
+    heard: list[Any] = []
+    device.subscriber("mode", "std_msgs/UInt8", heard.append)
+    await until(lambda: heard, "the latched message", 20.0)
+    assert heard[0].data == 7
+
+
+@ON_BOTH_MASTERS
+async def test_rosservice_calls_a_board(bridged: Bridged) -> None:
+    device = await bridged.device()
+    device.service_server(
+        "switch", "std_srvs/SetBool", lambda request: {"success": request.data, "message": "done"}
+    )
+    await bridged.announced("service server", "switch")
+    called = await bridged.peers.run("rosservice", "call", "/switch", "true")
+    assert called == 'success: True\nmessage: "done"'
+    assert await bridged.peers.run("rosservice", "type", "/switch") == "std_srvs/SetBool"
+
+
+async def test_rosservice_shows_why_a_board_did_not_answer(bridged: Bridged) -> None:
+    device = await bridged.device()
+
+    async def hang(_request: Any) -> None:
+        await asyncio.sleep(60.0)
+
+    device.service_server("switch", "std_srvs/SetBool", hang)
+    await bridged.announced("service server", "switch")
+    failed = await bridged.peers.run("rosservice", "call", "/switch", "true", check=False)
+    assert "the board did not answer switch within 2 s" in failed
+
+
+async def test_a_board_calls_a_rospy_service(bridged: Bridged) -> None:
+    device = await bridged.device()
+    client = device.service_client("gripper", "std_srvs/SetBool")
+    server = await bridged.peers.rospy(ADDER)
+    await server.wait_for("serving")
+    await bridged.announced("service client", "gripper")
+    response = await client.call(data=True)
+    assert (response.success, response.message) == (True, "gripped")
+
+
+async def test_a_board_that_calls_nobody_is_not_left_waiting(bridged: Bridged) -> None:
+    device = await bridged.device()
+    client = device.service_client("nobody", "std_srvs/SetBool")
+    await bridged.announced("service client", "nobody")
+    try:
+        response = await client.call(data=True)
+        assert (response.success, response.message) == (False, "")
+    except ServiceTimeoutError:
+        pytest.fail("the board waited")
+    assert len(bridged.reporter.having("nobody")) >= 1
+
+
+@ON_BOTH_MASTERS
+async def test_rosparam_sets_what_a_board_gets(bridged: Bridged) -> None:
+    for name, value in (
+        ("/gain", "2.5"),
+        ("/count", "42"),
+        ("/side", "left"),
+        ("/flags", "[true, false]"),
+        ("/arm/own", "[1.5, 2.5]"),
+    ):
+        await bridged.peers.run("rosparam", "set", name, value)
+    device = await bridged.device()
+    await device.wait_connected(10.0)
+    values = [await device.get_param(name) for name in ("gain", "count", "/side", "flags", "~own")]
+    assert values == [2.5, 42, "left", [1, 0], [1.5, 2.5]]
+
+
+async def test_a_boards_log_is_in_rosout_under_its_name(bridged: Bridged) -> None:
+    listener = await bridged.peers.rospy(LOG_ECHO)
+    await listener.wait_for("listening")
+    device = await bridged.device()
+    await device.wait_connected(10.0)
+    async with asyncio.timeout(20.0):
+        while listener.process.returncode is None:
+            device.logwarn("battery low")
+            await asyncio.sleep(0.1)
+    assert "4 battery low" in listener.text
+
+
+async def test_rosnode_sees_each_board_and_ends_one_of_them(bridged: Bridged) -> None:
+    first, second = await bridged.device(), await bridged.device()
+    first.publisher("first", "std_msgs/String")
+    second.publisher("second", "std_msgs/String")
+    await bridged.announced("publisher", "first")
+    await bridged.announced("publisher", "second")
+    nodes = (await bridged.peers.run("rosnode", "list")).splitlines()
+    assert {"/arm", "/arm_2"} <= set(nodes)
+    assert "xmlrpc reply from" in await bridged.peers.run("rosnode", "ping", "-c", "1", "/arm")
+    await bridged.peers.run("rosnode", "kill", "/arm_2")
+    await until(lambda: len(bridged.supervisor.boards()) == 1, "one board to go", 10.0)
+    assert [view.node for view in bridged.supervisor.boards()] == ["/arm"]
+    assert "/arm_2" not in (await bridged.peers.run("rosnode", "list")).splitlines()
+
+
+async def test_a_subscriber_goes_on_hearing_a_board_that_reconnected(bridged: Bridged) -> None:
+    device = await bridged.device()
+    device.publisher("counter", "std_msgs/String")
+    await bridged.announced("publisher", "counter")
+    echo = await bridged.peers.start("rostopic", "echo", "/counter/data")
+    await device.close()
+    again = await bridged.device()
+    talking = asyncio.ensure_future(
+        publish_until_stopped(again.publisher("counter", "std_msgs/String"), data="back")
+    )
+    await echo.wait_for("back")
+    talking.cancel()
+
+
+async def test_closing_leaves_nothing_on_the_master(stage: Stage) -> None:
+    bridged = await Bridged(stage).open()
+    device = await bridged.device()
+    device.publisher("chatter", "std_msgs/String")
+    device.service_server("switch", "std_srvs/SetBool", lambda request: {})
+    await bridged.announced("service server", "switch")
+    await bridged.announced("publisher", "chatter")
+    await bridged.close()
+    assert "/chatter" not in (await stage.peers.run("rostopic", "list")).splitlines()
+    assert "/switch" not in (await stage.peers.run("rosservice", "list")).splitlines()
+    assert "/arm" not in (await stage.peers.run("rosnode", "list")).splitlines()
