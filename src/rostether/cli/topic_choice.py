@@ -7,9 +7,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from rostether.cli.graph_access import resolve
 from rostether.cli.output import warn
 from rostether.cli.topic_list import ANY_TYPE, UNKNOWN_TYPE, TopicView, fetch_topics
 from rostether.errors import ConfigError, DefinitionError
+from rostether.ros1.environment import RosEnvironment
 from rostether.serde.field_path import FieldPath
 
 if TYPE_CHECKING:
@@ -26,6 +28,12 @@ class ChosenTopic:
     topic: str
     type: str
     field: str
+
+
+def resolve_with_field(text: str, environment: RosEnvironment) -> str:
+    """Return the full form of a topic with a field behind it. Raises InvalidNameError."""
+    name, bracket, indices = text.partition("[")
+    return resolve(name, environment) + bracket + indices
 
 
 def choose_topic(name: str, topics: Sequence[TopicView], store: TypeStore) -> ChosenTopic | None:

@@ -101,11 +101,11 @@ def echo(
 
 
 async def _echo(topic: str, options: _Options, msg_paths: tuple[Path, ...], master: str | None) -> None:
-    from rostether.cli.graph_access import joined, read_environment, resolve
-    from rostether.cli.topic_choice import wait_for_topic
+    from rostether.cli.graph_access import joined, read_environment
+    from rostether.cli.topic_choice import resolve_with_field, wait_for_topic
 
     environment = read_environment(master)
-    name = resolve(topic, environment)
+    name = resolve_with_field(topic, environment)
     async with joined(environment, msg_paths, purpose="rostopic") as graph:
         chosen = await wait_for_topic(name, graph.store, master)
         printer = _Printer(graph, chosen.topic, chosen.field, options)

@@ -206,13 +206,13 @@ def unknown_topic(name: str) -> UnknownNameError:
 @master_option
 def type_of(topic: str, msg_paths: tuple[Path, ...], master: str | None) -> None:
     """Print the type of a topic, or of a field: then the topic's type, the field, and the field's type."""
-    from rostether.cli.graph_access import read_environment, resolve
-    from rostether.cli.topic_choice import choose_topic
+    from rostether.cli.graph_access import read_environment
+    from rostether.cli.topic_choice import choose_topic, resolve_with_field
     from rostether.msgdef.registry import Registry
     from rostether.serde.field_path import FieldPath
     from rostether.serde.store import TypeStore
 
-    name = resolve(topic, read_environment(master))
+    name = resolve_with_field(topic, read_environment(master))
     store = TypeStore(Registry.from_environment(msg_paths))
     chosen = choose_topic(name, run(fetch_topics(master)), store)
     if chosen is None:

@@ -1,0 +1,59 @@
+"""Nodes that talk to a command under test, as soon as the command listens."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import Any
+
+from rostether.ros1.node.publication import Publisher
+from rostether.ros1.xmlrpc_client import XmlRpcClient
+from unit.cli.shell import STORE, LiveGraph
+
+
+def call(graph: LiveGraph, action: Callable[[], object]) -> None:
+    """Run a function in the graph's thread."""
+
+    async def work() -> None:
+        action()
+
+    graph.do(work())
+
+
+def in_background(action: Callable[[], object]) -> threading.Thread:
+    """Run a function beside the command."""
+    thread = threading.Thread(target=action, daemon=True)
+    thread.start()
+    return thread
+
+
+def publish(graph: LiveGraph, topic: str, type_name: str, *messages: dict[str, Any]) -> Publisher:
+    """Advertise a topic, and send the messages once somebody listens."""
+    codec = STORE.codec(type_name)
+    node = graph.node(f"talker{topic.replace('/', '_')}")
+    publisher = graph.do(node.advertise(topic, STORE.registry.message_type(type_name)))
+    payloads = [codec.encode(message) for message in messages]
+
+    def send() -> None:
+        graph.wait_until(lambda: publisher.subscriber_count > 0)
+        call(graph, lambda: publisher.publish_raw(payloads))
+
+    in_background(send)
+    return publisher
+
+
+def command_node(graph: LiveGraph) -> str | None:
+    """Return the name of the node that the command under test is, if it is one yet."""
+    names = list(graph.master.api.registrations.nodes)
+    return next((name for name in names if name.startswith("/rostopic_")), None)
+
+
+def shut_down(graph: LiveGraph, name: str) -> None:
+    """Tell a node to end, as `rosnode kill` does."""
+
+    async def ask() -> None:
+        client = XmlRpcClient(graph.master.api.registrations.nodes[name].api)
+        await client.call("shutdown", "/test", "user request")
+        await client.close()
+
+    graph.do(ask())
