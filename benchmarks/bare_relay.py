@@ -13,6 +13,7 @@ import struct
 import sys
 import threading
 import xmlrpc.client
+from typing import Any
 from xmlrpc.server import SimpleXMLRPCServer
 
 from rostether.msgdef.registry import Registry
@@ -58,7 +59,7 @@ def slave(tcpros_port: int) -> str:
     return f"http://127.0.0.1:{server.server_address[1]}/"
 
 
-def relay_out(master: xmlrpc.client.ServerProxy, port: int, topic: str, type_name: str) -> None:
+def relay_out(master: Any, port: int, topic: str, type_name: str) -> None:
     """Publish what comes on `port`, as it is."""
     server, source_server = listen(), listen(port)
     message_type = Registry().message_type(type_name)
@@ -78,14 +79,13 @@ def relay_out(master: xmlrpc.client.ServerProxy, port: int, topic: str, type_nam
     copy(source, subscriber)
 
 
-def relay_in(master: xmlrpc.client.ServerProxy, port: int, topic: str, type_name: str) -> None:
+def relay_in(master: Any, port: int, topic: str, type_name: str) -> None:
     """Subscribe, and copy what comes to who connects to `port`."""
     target_server = listen(port)
     target, _ = target_server.accept()
     publishers = master.registerSubscriber("/bare_relay", topic, type_name, slave(0))[2]
-    _, _, (_, host, tcpros_port) = xmlrpc.client.ServerProxy(publishers[0]).requestTopic(
-        "/bare_relay", topic, [["TCPROS"]]
-    )
+    slave_api: Any = xmlrpc.client.ServerProxy(publishers[0])
+    _, _, (_, host, tcpros_port) = slave_api.requestTopic("/bare_relay", topic, [["TCPROS"]])
     publisher = socket.create_connection((host, tcpros_port))
     md5sum = Registry().message_type(type_name).md5sum
     publisher.sendall(
@@ -97,7 +97,7 @@ def relay_in(master: xmlrpc.client.ServerProxy, port: int, topic: str, type_name
 
 def main(arguments: list[str]) -> None:
     """Relay in the direction that the arguments name."""
-    master = xmlrpc.client.ServerProxy(arguments[0])
+    master: Any = xmlrpc.client.ServerProxy(arguments[0])
     relay = relay_out if arguments[1] == "out" else relay_in
     relay(master, int(arguments[2]), arguments[3], arguments[4])
 

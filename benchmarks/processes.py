@@ -12,6 +12,7 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
+from typing import Any
 
 from interop.ros1_peers import free_port, ros_environment, roscpp_peer
 
@@ -69,7 +70,7 @@ class Bench:
         return True
 
     @property
-    def master(self) -> xmlrpc.client.ServerProxy:
+    def master(self) -> Any:
         """A client of the master, made anew because its connection does not survive an error."""
         return xmlrpc.client.ServerProxy(self.master_uri)
 
@@ -141,10 +142,12 @@ class Bench:
     def wait_for_connection(self, node: str, topic: str) -> None:
         """Wait until a node has a TCPROS connection on a topic (its getBusInfo names it)."""
         uri = self.master.lookupNode("/bench", node)[2]
-        wait_until(
-            lambda: any(row[4] == topic for row in xmlrpc.client.ServerProxy(uri).getBusInfo("/bench")[2]),
-            f"a connection of {node} on {topic}",
-        )
+
+        def connected() -> bool:
+            slave_api: Any = xmlrpc.client.ServerProxy(uri)
+            return any(row[4] == topic for row in slave_api.getBusInfo("/bench")[2])
+
+        wait_until(connected, f"a connection of {node} on {topic}")
 
 
 def output(process: subprocess.Popen[str]) -> list[str]:

@@ -10,9 +10,8 @@ import socket
 import sys
 import time
 
-from rostether.rosserial.frame import encode_frame
-
 from benchmarks.flood_device import PAYLOADS, PUBLISHER_ID, announcement, connect
+from rostether.rosserial.frame import encode_frame
 
 
 def main(arguments: list[str]) -> None:
@@ -28,14 +27,14 @@ def main(arguments: list[str]) -> None:
     due = time.monotonic()
     while True:
         for key, _ in selector.select(max(0.0, due - time.monotonic())):
-            line = key.fileobj
-            assert isinstance(line, socket.socket)
-            received = line.recv(65536)
+            asking = key.fileobj
+            assert isinstance(asking, socket.socket)
+            received = asking.recv(65536)
             if not received:
                 return
             if b"\xff\xfe\x00\x00\xff\x00\x00\xff" in received:
-                line.sendall(encode_frame(10, bytes(8)) + announcements + message)
-                asked.add(line)
+                asking.sendall(encode_frame(10, bytes(8)) + announcements + message)
+                asked.add(asking)
         if time.monotonic() >= due:
             due += period_s
             for line in asked:

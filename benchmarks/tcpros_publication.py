@@ -46,7 +46,8 @@ peer.close()
 
 SOURCE = """
 import socket, sys
-port, header, batch, count = int(sys.argv[1]), bytes.fromhex(sys.argv[2]), bytes.fromhex(sys.argv[3]), int(sys.argv[4])
+port, count = int(sys.argv[1]), int(sys.argv[4])
+header, batch = bytes.fromhex(sys.argv[2]), bytes.fromhex(sys.argv[3])
 server = socket.create_server(("127.0.0.1", port))
 print("ready", flush=True)
 peer, _ = server.accept()

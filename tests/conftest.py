@@ -7,6 +7,7 @@ import os
 from collections.abc import Callable
 
 import pytest
+
 from interop.ros1_peers import missing_ros1, missing_roscpp
 
 PEERS: dict[str, Callable[[], str]] = {

@@ -13,6 +13,7 @@ import time
 import xmlrpc.client
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -94,7 +95,7 @@ class Terminal:
 
     def _wait_for_board(self, deadline: float) -> None:
         """Wait as a reader does who watches the demo until its board is there."""
-        master = xmlrpc.client.ServerProxy(self._environment["ROS_MASTER_URI"])
+        master: Any = xmlrpc.client.ServerProxy(self._environment["ROS_MASTER_URI"])
         while time.monotonic() < deadline:
             with contextlib.suppress(OSError):
                 if any(topic == "/ultrasound" for topic, _ in master.getPublishedTopics("/test", "")[2]):

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 import pytest_asyncio
+
 from interop.ros1_peers import Ros1Peers, debian_roscore
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 DEBIAN_PYTHON = "/usr/bin/python3"
-REFERENCE = Path(__file__).parent / "genpy_reference.py"
+REFERENCE = Path(__file__).parent / "peers" / "genpy_reference.py"
 TIMEOUT_S = 100
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+
 from interop.ros1_peers import Ros1Peers
 
 

@@ -154,7 +154,7 @@ class DemoView:
         )
 
     def _rate_hz(self, endpoint: EndpointView) -> float:
-        history = self._history.get(_key(endpoint), ())
+        history = self._history.get(_key(endpoint), deque())
         if len(history) < 2 or history[-1][0] == history[0][0]:
             return 0.0
         return (history[-1][1] - history[0][1]) / (history[-1][0] - history[0][0])
