@@ -7,6 +7,11 @@ Each subscriber's flow is in one of three states; its backlog is what was publis
     CONGESTED  backlog at or below low water    FLOWING
     CONGESTED  `drained` timed out              SLOW        (pauses nobody, loses its oldest messages)
     SLOW       backlog at or below low water    FLOWING
+    SLOW       took a high-water mark's worth   CONGESTED
+               within the time of a pause
+
+The last line is for a subscriber that keeps up but was kept from running for a moment: without it, a flood
+would not be slowed down again until that subscriber had caught up with a flood.
 """
 
 from __future__ import annotations
@@ -54,7 +59,7 @@ class PublicationFlow:
                 await self._open.wait()
         except TimeoutError:
             for flow in before:
-                flow.give_up()
+                flow.give_up(timeout_s)
 
     def _note(self, flow: SubscriberFlow, *, is_congested: bool) -> None:
         if is_congested:
@@ -74,6 +79,10 @@ class SubscriberFlow:
         self._high_water_bytes = high_water_bytes
         self._low_water_bytes = high_water_bytes // LOW_WATER_SHARE
         self._state = _State.FLOWING
+        # Of a slow one: what it takes, and since when; a new count begins after each pause's time.
+        self._pause_s = 0.0
+        self._counted_bytes = 0
+        self._counted_since_s = 0.0
 
     @property
     def is_slow(self) -> bool:
@@ -89,10 +98,23 @@ class SubscriberFlow:
         elif self._state is not _State.FLOWING and backlog_bytes <= self._low_water_bytes:
             self.end()
 
-    def give_up(self) -> None:
-        """Count it as slow if it is still congested."""
+    def note_taken(self, taken_bytes: int, now_s: float) -> None:
+        """Take how many bytes left the backlog towards the subscriber; tell it before the backlog."""
+        if self._state is _State.SLOW:
+            if now_s - self._counted_since_s > self._pause_s:
+                self._counted_since_s = now_s
+                self._counted_bytes = 0
+            self._counted_bytes += taken_bytes
+            if self._counted_bytes >= self._high_water_bytes:
+                self._state = _State.CONGESTED
+                self._publication._note(self, is_congested=True)
+
+    def give_up(self, pause_s: float) -> None:
+        """Count it as slow if it is still congested after a pause of that length."""
         if self._state is _State.CONGESTED:
             self._state = _State.SLOW
+            self._pause_s = pause_s
+            self._counted_since_s = float("-inf")
             self._publication._note(self, is_congested=False)
 
     def end(self) -> None:

@@ -49,6 +49,32 @@ async def test_who_is_not_drained_in_time_is_slow_until_its_backlog_is_gone() ->
     assert not publication.is_open
 
 
+@pytest.mark.parametrize(
+    ("taken", "is_open"),
+    [
+        # (seconds since it was given up, bytes it took then)
+        ([(0.0, HIGH - 1)], True),
+        ([(0.0, HIGH)], False),
+        ([(0.0, HIGH // 2), (0.09, HIGH // 2)], False),
+        ([(0.0, HIGH // 2), (0.11, HIGH // 2), (0.22, HIGH // 2)], True),
+        ([(0.0, HIGH // 2), (0.11, HIGH // 2), (0.2, HIGH // 2)], False),
+    ],
+)
+async def test_who_takes_much_in_the_time_of_a_pause_is_not_slow(
+    taken: list[tuple[float, int]], is_open: bool
+) -> None:
+    publication = PublicationFlow()
+    flow = SubscriberFlow(publication, HIGH)
+    flow.note_taken(HIGH, 0.0)
+    flow.note_backlog(50 * HIGH)
+    flow.give_up(0.1)
+    assert publication.is_open
+    for time_s, taken_bytes in taken:
+        flow.note_taken(taken_bytes, 1000.0 + time_s)
+        flow.note_backlog(50 * HIGH)
+    assert publication.is_open is is_open
+
+
 async def test_only_who_was_behind_when_the_waiting_began_is_given_up() -> None:
     publication = PublicationFlow()
     first, second = SubscriberFlow(publication, HIGH), SubscriberFlow(publication, HIGH)

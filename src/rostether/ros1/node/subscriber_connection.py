@@ -43,6 +43,8 @@ class SubscriberConnection(asyncio.Protocol):
         self._flow = SubscriberFlow(flow, min(HIGH_WATER_BYTES, queue_bytes // 2))
         self._queue: deque[tuple[bytes, int]] = deque()
         self._queued_bytes = 0
+        self._written_bytes = 0  # of the queue, since the socket last took all
+        self._loop = asyncio.get_running_loop()
         self._takes_more = True
         self._is_losing = False
         self._on_drop = on_drop
@@ -90,6 +92,8 @@ class SubscriberConnection(asyncio.Protocol):
 
     def resume_writing(self) -> None:
         """Write the queue, oldest first, until the socket is full again."""
+        self._flow.note_taken(self._written_bytes, self._loop.time())
+        self._written_bytes = 0
         self._takes_more = True
         while self._queue and self._takes_more:
             parts = []
@@ -99,6 +103,7 @@ class SubscriberConnection(asyncio.Protocol):
                 parts.append(data)
                 size_bytes += len(data)
             self._queued_bytes -= size_bytes
+            self._written_bytes += size_bytes
             self._transport.write(parts[0] if len(parts) == 1 else b"".join(parts))
         if not self._queue:
             self._is_losing = False

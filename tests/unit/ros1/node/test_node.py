@@ -89,7 +89,7 @@ async def test_a_master_that_restarts_gets_everything_again(
     seen: list[ParamValue] = []
     await listener.set_param("/rate", 1)
     await listener.watch_param("/rate", seen.append)
-    await until(lambda: publisher.subscriber_count == 1)
+    await until(lambda: publisher.subscriber_count == subscriber.publisher_count == 1)
     connection = subscriber.connections[0]
 
     await stage.master.close()
