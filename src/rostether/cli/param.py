@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -13,21 +12,19 @@ from rostether.cli.options import master_option
 from rostether.cli.output import json_option, write_json, write_line
 from rostether.cli.running import run
 from rostether.cli.verbs import LazyGroup, Verb, VerbEntry
-from rostether.errors import ConfigError, UnknownNameError
+from rostether.errors import UnknownNameError
 
 _HERE = "rostether.cli.param:"
 _VERBS = {
     "list": VerbEntry(f"{_HERE}list_params", "List the names of parameters."),
     "get": VerbEntry(f"{_HERE}get", "Print a parameter, or all of a namespace."),
-    "set": VerbEntry(f"{_HERE}set_param", "Set a parameter."),
+    "set": VerbEntry("rostether.cli.param_store:set_param", "Set a parameter."),
     "delete": VerbEntry(f"{_HERE}delete", "Delete a parameter, or all of a namespace."),
     "dump": VerbEntry(f"{_HERE}dump_params", "Write parameters to a YAML file."),
-    "load": VerbEntry(f"{_HERE}load", "Set the parameters of a YAML file."),
+    "load": VerbEntry("rostether.cli.param_store:load", "Set the parameters of a YAML file."),
 }
 
 verbose_option = click.option("-v", "--verbose", is_flag=True, help="Say what is done.")
-_NEGATIVE_NUMBERS = {"ignore_unknown_options": True}
-"""`param set /x -5` sets minus five."""
 
 
 @click.group(
@@ -57,10 +54,11 @@ def list_params(namespace: str, as_json: bool, master: str | None) -> None:
 
 
 async def _names_below(namespace: str, master: str | None) -> list[str]:
-    from rostether.cli.graph_access import master_client, read_environment, resolve
+    from rostether.cli.graph_access import master_client, read_environment
+    from rostether.cli.param_access import param_name
 
     environment = read_environment(master)
-    prefix = resolve(namespace, environment).rstrip("/") + "/"
+    prefix = param_name(namespace, environment).rstrip("/") + "/"
     async with master_client(environment) as client:
         return sorted(name for name in await client.param_names() if name.startswith(prefix))
 
@@ -79,7 +77,7 @@ def get(name: str, pretty: bool, verbose: bool, as_json: bool, master: str | Non
     if verbose:
         write_line(f"getting parameter [{full_name}]")
     if as_json:
-        write_json({"name": full_name, "value": value})
+        write_json({"name": full_name, "value": _plain(value)})
     elif pretty and isinstance(value, dict):
         for line in pretty_lines(value):
             write_line(line)
@@ -91,96 +89,29 @@ def get(name: str, pretty: bool, verbose: bool, as_json: bool, master: str | Non
 
 
 async def _fetch(name: str, master: str | None) -> tuple[str, Any]:
-    from rostether.cli.graph_access import master_client, read_environment, resolve
+    from rostether.cli.graph_access import master_client, read_environment
+    from rostether.cli.param_access import not_set, param_name
 
     environment = read_environment(master)
-    full_name = resolve(name, environment)
+    full_name = param_name(name, environment)
     async with master_client(environment) as client:
         try:
             return full_name, await client.get_param(full_name)
-        except UnknownNameError as error:
-            raise UnknownNameError(
-                f"parameter {full_name} is not set; `rostether param list` shows those that are"
-            ) from error
+        except UnknownNameError:
+            raise await not_set(client, full_name) from None
 
 
-@click.command(
-    "set",
-    cls=Verb,
-    context_settings=_NEGATIVE_NUMBERS,
-    examples="""
-    rostether param set /blink_hz 2.5
-    rostether param set /arm "{joints: [0.1, deg(90)], name: left}"
-    rostether param set /robot_description -t robot.urdf
-    """,
-)
-@click.argument("name", shell_complete=complete_params)
-@click.argument("value", required=False)
-@click.option(
-    "-t", "--textfile", type=click.Path(path_type=Path), help="Set it to the contents of a text file."
-)
-@click.option("-b", "--binfile", type=click.Path(path_type=Path), help="Set it to the bytes of a file.")
-@verbose_option
-@master_option
-def set_param(
-    name: str,
-    value: str | None,
-    textfile: Path | None,
-    binfile: Path | None,
-    verbose: bool,
-    master: str | None,
-) -> None:
-    """Set a parameter to a value in YAML.
+def _plain(value: Any) -> Any:
+    """Return a value as JSON can hold it; bytes stay, `write_json` knows them."""
+    if isinstance(value, dict):
+        return {key: _plain(each) for key, each in value.items()}
+    if isinstance(value, list):
+        return [_plain(each) for each in value]
+    if isinstance(value, float):
+        from rostether.serde.plain_form import plain_value
 
-    A mapping sets each parameter it names and leaves the others of the namespace as they are.
-    """
-    from rostether.cli.param_yaml import parse_value
-
-    if (value is not None) + (textfile is not None) + (binfile is not None) != 1:
-        raise click.UsageError("give a value, or a file with -t or -b")
-    if value is not None:
-        content: Any = parse_value(value, "value")
-    else:
-        content = textfile.read_text() if textfile is not None else binfile and binfile.read_bytes()
-    run(_store([(name, content)], verbose, master))
-
-
-@click.command(
-    "load",
-    cls=Verb,
-    examples="rostether param load settings.yaml\nrostether param load settings.yaml /board",
-)
-@click.argument("file", type=click.Path(path_type=Path, allow_dash=True))
-@click.argument("namespace", default="")
-@verbose_option
-@master_option
-def load(file: Path, namespace: str, verbose: bool, master: str | None) -> None:
-    """Set the parameters of a YAML file (- is stdin), in a namespace if one is given."""
-    from rostether.cli.param_yaml import parse_documents
-
-    if str(file) == "-":
-        text = sys.stdin.read()
-    elif file.is_file():
-        text = file.read_text()
-    else:
-        raise ConfigError(f"there is no file {file}")
-    run(_store(list(parse_documents(text, namespace or "", str(file))), verbose, master))
-
-
-async def _store(values: list[tuple[str, Any]], verbose: bool, master: str | None) -> None:
-    from rostether.cli.graph_access import master_client, read_environment, resolve
-    from rostether.cli.param_yaml import leaves
-
-    environment = read_environment(master)
-    async with master_client(environment) as client:
-        for name, value in values:
-            full_name = resolve(name, environment)
-            if full_name == "/" and not isinstance(value, dict):
-                raise ConfigError("/ can only be set to a mapping of names to values")
-            for each, leaf in leaves(full_name, value):
-                await client.set_param(each, leaf)
-                if verbose:
-                    write_line(f"set parameter [{each}] to [{leaf}]")
+        return plain_value(value)
+    return value
 
 
 @click.command("delete", cls=Verb, examples="rostether param delete /blink_hz")
@@ -197,10 +128,11 @@ def delete(name: str, verbose: bool, master: str | None) -> None:
 
 
 async def _delete(name: str, master: str | None) -> str:
-    from rostether.cli.graph_access import master_client, read_environment, resolve
+    from rostether.cli.graph_access import master_client, read_environment
+    from rostether.cli.param_access import not_set, param_name
 
     environment = read_environment(master)
-    full_name = resolve(name, environment)
+    full_name = param_name(name, environment)
     async with master_client(environment) as client:
         if full_name == "/":
             # The root always has a value: deleting it means emptying it.
@@ -208,8 +140,8 @@ async def _delete(name: str, master: str | None) -> str:
             return full_name
         try:
             await client.delete_param(full_name)
-        except UnknownNameError as error:
-            raise UnknownNameError(f"parameter {full_name} is not set") from error
+        except UnknownNameError:
+            raise await not_set(client, full_name) from None
     return full_name
 
 
@@ -228,4 +160,4 @@ def dump_params(file: Path | None, namespace: str, verbose: bool, master: str | 
     if file is None or str(file) == "-":
         write_line(text.removesuffix("\n"))
     else:
-        file.write_text(text)
+        file.write_text(text, "utf-8")

@@ -11,15 +11,26 @@ import yaml
 
 from rostether.cli.expression import compile_expression
 from rostether.errors import ConfigError
-from rostether.names.graph_name import join
+from rostether.graph.ports import ParamValue
+from rostether.names.graph_name import is_private, join
+from rostether.xmlrpc.values import MAX_INT, MIN_INT
+
+MAX_NESTING = 100
+"""XML-RPC documents end there; YAML's anchors can nest without end."""
 
 DOCUMENT_END = "...\n"
 NAMESPACE_KEY = "_ns"
 """A key of a document that says into which namespace it is loaded."""
 
 
-class _Loader(yaml.SafeLoader):
+_Safe: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+
+class _Loader(_Safe):  # type: ignore[misc]
     """YAML with angles: `rad(pi/2)`, `deg(90)`, `!radians pi/2`, `!degrees 90`."""
+
+
+_NEARLY_FLOAT = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+")
 
 
 class _Dumper(yaml.SafeDumper):
@@ -68,15 +79,50 @@ def parse_documents(text: str, namespace: str, source: str) -> Iterator[tuple[st
             yield namespace, document
 
 
-def leaves(name: str, value: Any) -> Iterator[tuple[str, Any]]:
-    """Yield what to set: setting a mapping changes what it names and leaves the rest of the tree."""
+def leaves(name: str, value: Any, nesting: int = 0) -> Iterator[tuple[str, ParamValue]]:
+    """Yield each parameter that a value loaded from YAML sets, with its full name.
+
+    A mapping changes what it names and leaves the rest of the tree; a key with a leading slash is a full
+    name. Raises ConfigError for what no parameter can be, saying how to write it instead.
+    """
     if not isinstance(value, dict):
-        yield name, value
+        yield name, _checked(name, value, nesting)
         return
+    if nesting > MAX_NESTING:
+        raise ConfigError(f"parameters nested deeper than {MAX_NESTING} levels: flatten them")
     for key, each in value.items():
         if not isinstance(key, str):
             raise ConfigError(f"{name}: the key {key!r} is no text; put it in quotes to use it as a name")
-        yield from leaves(join(name, key), each)
+        if is_private(key):
+            raise ConfigError(
+                f"{name}: the key {key!r} belongs to a node; write that node's name instead of ~"
+            )
+        yield from leaves(join(name, key), each, nesting + 1)
+
+
+def _checked(name: str, value: Any, nesting: int) -> ParamValue:
+    """Return a value that a parameter can have."""
+    if nesting > MAX_NESTING:
+        raise ConfigError(f"parameter {name} is nested deeper than {MAX_NESTING} levels: flatten it")
+    if isinstance(value, list):
+        return [_checked(name, each, nesting + 1) for each in value]
+    if isinstance(value, dict):
+        return {str(key): _checked(name, each, nesting + 1) for key, each in value.items()}
+    if isinstance(value, int) and not MIN_INT <= value <= MAX_INT:
+        raise ConfigError(
+            f"parameter {name}: {value} needs more than the 32 bits of a parameter; "
+            f"write {value}.0 for a float or '\"{value}\"' for a text"
+        )
+    if isinstance(value, bool | int | float | str | bytes):
+        return value
+    if value is None:
+        raise ConfigError(f"parameter {name}: YAML reads it as null, which no parameter is; leave it out")
+    raise ConfigError(f"parameter {name}: YAML reads {value} as a {type(value).__name__}; put it in quotes")
+
+
+def looks_like_number(value: object) -> bool:
+    """Tell whether YAML took for text what was meant as a number: `1e-3` lacks its dot."""
+    return isinstance(value, str) and _NEARLY_FLOAT.fullmatch(value) is not None
 
 
 def dump(value: Any) -> str:
@@ -104,7 +150,7 @@ def pretty_lines(tree: dict[str, Any], indent: str = "") -> Iterator[str]:
 def _guarded(load: Any, source: str) -> Any:
     try:
         return load()
-    except yaml.YAMLError as error:
+    except (yaml.YAMLError, RecursionError) as error:
         problem = " ".join(str(getattr(error, "problem", None) or error).split())
         mark = getattr(error, "problem_mark", None)
         place = f":{mark.line + 1}:{mark.column + 1}" if mark is not None else ""
