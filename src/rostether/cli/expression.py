@@ -18,6 +18,9 @@ from rostether.rostime import Duration, Time
 MAX_EXPRESSION_CHARS = 2000
 """Nobody types more; deeper nesting than this allows would only exhaust the stack."""
 
+MAX_INTEGER_BITS = 1024
+"""What a double can hold; `9**9**9` would compute for days."""
+
 Scope: TypeAlias = Mapping[str, Any]
 Evaluate: TypeAlias = Callable[[Scope], Any]
 
@@ -35,6 +38,26 @@ _TIME_ATTRIBUTES: dict[str, Callable[[Any], Any]] = {
 _STRING_METHODS = frozenset(
     ("startswith", "endswith", "lower", "upper", "strip", "find", "count", "isdigit", "split")
 )
+
+
+def _power(base: Any, exponent: Any) -> Any:
+    if isinstance(base, int) and isinstance(exponent, int):
+        # 1**n stays 1.
+        _check_bits(max(abs(base) - 1, 0).bit_length() * exponent)
+    return base**exponent
+
+
+def _shift_left(value: Any, bits: Any) -> Any:
+    if isinstance(bits, int):
+        _check_bits(bits)
+    return value << bits
+
+
+def _check_bits(bits: int) -> None:
+    if bits > MAX_INTEGER_BITS:
+        raise OverflowError(f"a whole number of {bits} bits is beyond all measure")
+
+
 _BINARY: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -42,11 +65,11 @@ _BINARY: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Div: operator.truediv,
     ast.FloorDiv: operator.floordiv,
     ast.Mod: operator.mod,
-    ast.Pow: operator.pow,
+    ast.Pow: _power,
     ast.BitAnd: operator.and_,
     ast.BitOr: operator.or_,
     ast.BitXor: operator.xor,
-    ast.LShift: operator.lshift,
+    ast.LShift: _shift_left,
     ast.RShift: operator.rshift,
 }
 _UNARY: dict[type[ast.unaryop], Callable[[Any], Any]] = {
