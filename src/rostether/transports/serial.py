@@ -105,6 +105,11 @@ class SerialTransport(StreamTransport, asyncio.Protocol):
             self._drain_timer.cancel()
         super().connection_lost(exc)
 
+    @property
+    def write_buffer_bytes(self) -> int:
+        """How many written bytes have not left yet, those that the operating system holds included."""
+        return super().write_buffer_bytes + (0 if self._lost else self._unsent_bytes())
+
     def data_received(self, data: bytes) -> None:
         """Deliver what was read."""
         self._deliver(data)
