@@ -207,6 +207,8 @@ class Outbox:
 
     def _paced_flush(self) -> None:
         self._paced = None
+        if self._pacer is not None:
+            self._pacer.observe(self._transport.write_buffer_bytes, self._loop.time())
         self.flush()
 
     def _take_turns(self, pieces: list[bytes], room_bytes: int) -> None:

@@ -2,6 +2,11 @@
 
 The operating system would take seconds of a slow line's backlog at once, and a time answer would stand behind
 all of it. Here at most 20 ms of line time is on its way; the rest waits in the outbox, where order is ours.
+
+The baud rate alone does not tell a line's speed: boards with USB of their own ignore it. So a port that
+holds nothing any more, before its line can have carried all, is taken to be twice as fast, and so on; one
+that still holds something is taken at its baud rate again. An adapter's own buffer looks like a fast line
+until it is full; the largest common one holds 0.1 s of 57600 baud.
 """
 
 from __future__ import annotations
@@ -12,6 +17,8 @@ BITS_PER_BYTE = 10
 WINDOW_S = 0.020
 # Slow lines still take a handful of small frames at once.
 MIN_WINDOW_BYTES = 64
+# 57600 baud taken at 370 kB/s: what USB of full speed carries.
+MAX_SPEED_FACTOR = 64.0
 
 
 class LinePacer:
@@ -19,21 +26,34 @@ class LinePacer:
 
     def __init__(self, baud: int) -> None:
         self.bytes_per_s = baud / BITS_PER_BYTE
-        self._window_bytes = max(MIN_WINDOW_BYTES, int(self.bytes_per_s * WINDOW_S))
+        self._speed_factor = 1.0
         self._idle_at_s = 0.0
 
     def room_bytes(self, now_s: float) -> int:
         """Return how many bytes may be written now; one message may overshoot it."""
-        waiting_s = self._idle_at_s - now_s
-        if waiting_s <= 0.0:
-            return self._window_bytes
-        return self._window_bytes - int(waiting_s * self.bytes_per_s)
+        waiting_s = max(0.0, self._idle_at_s - now_s)
+        return self._window_bytes() - int(waiting_s * self._speed())
 
     def written(self, count_bytes: int, now_s: float) -> None:
-        """Learn that bytes were given to the line."""
-        self._idle_at_s = max(self._idle_at_s, now_s) + count_bytes / self.bytes_per_s
+        """Learn that bytes were given to the port."""
+        self._idle_at_s = max(self._idle_at_s, now_s) + count_bytes / self._speed()
+
+    def observe(self, unsent_bytes: int, now_s: float) -> None:
+        """Learn how much of what was written the port still holds."""
+        if unsent_bytes:
+            self._speed_factor = 1.0
+            self._idle_at_s = now_s + unsent_bytes / self.bytes_per_s
+        elif self._idle_at_s > now_s:
+            self._speed_factor = min(self._speed_factor * 2, MAX_SPEED_FACTOR)
+            self._idle_at_s = now_s
 
     def wait_s(self, now_s: float) -> float:
         """Return how long until half the window is free, at least a millisecond."""
-        half_s = self._window_bytes / self.bytes_per_s / 2
+        half_s = self._window_bytes() / self._speed() / 2
         return max(0.001, self._idle_at_s - now_s - half_s)
+
+    def _speed(self) -> float:
+        return self.bytes_per_s * self._speed_factor
+
+    def _window_bytes(self) -> int:
+        return max(MIN_WINDOW_BYTES, int(self._speed() * WINDOW_S))

@@ -114,6 +114,28 @@ class FakeTransport:
         return b"".join(self.writes)
 
 
+class FakeSerialPort(FakeTransport):
+    """A port whose line carries `bytes_per_s` on the manual clock; it knows what it still holds."""
+
+    def __init__(self, loop: ManualLoop, bytes_per_s: float) -> None:
+        self._loop = loop
+        self._bytes_per_s = bytes_per_s
+        self._idle_at_s = 0.0
+        super().__init__(can_pause=False)
+
+    def write(self, data: bytes | bytearray | memoryview) -> None:
+        super().write(data)
+        self._idle_at_s = max(self._idle_at_s, self._loop.time()) + len(data) / self._bytes_per_s
+
+    @property
+    def write_buffer_bytes(self) -> int:
+        return int(max(0.0, self._idle_at_s - self._loop.time()) * self._bytes_per_s)
+
+    @write_buffer_bytes.setter
+    def write_buffer_bytes(self, count_bytes: int) -> None:
+        assert count_bytes == 0
+
+
 class FakeLink:
     """Encodes a message as `<id>:payload;`, so that tests can read what left."""
 

@@ -8,15 +8,19 @@ from rostether.bridge.lane import Lane
 from rostether.bridge.outbox import MIN_QUEUE_BYTES, QUEUE_BYTES, Outbox
 from rostether.bridge.settings import BridgeSettings
 from rostether.errors import LocalProtocolError
-from unit.bridge.doubles import FakeLink, FakeSource, FakeTransport, ManualLoop
+from unit.bridge.doubles import FakeLink, FakeSerialPort, FakeSource, FakeTransport, ManualLoop
 
 
 class Bench:
     """An outbox with everything around it in the test's hands."""
 
-    def __init__(self, *, can_pause: bool = True, baud: int | None = None) -> None:
+    def __init__(
+        self, *, can_pause: bool = True, baud: int | None = None, bytes_per_s: float | None = None
+    ) -> None:
         self.loop = ManualLoop()
         self.transport = FakeTransport(can_pause=can_pause)
+        if baud is not None:
+            self.transport = FakeSerialPort(self.loop, bytes_per_s or baud / 10)
         self.link = FakeLink()
         self.dropped: list[tuple[str, int]] = []
         self.outbox = Outbox(
@@ -199,7 +203,7 @@ def test_a_resumed_source_that_brings_more_at_once_keeps_the_order() -> None:
 
 
 def test_a_serial_line_gets_little_at_a_time_and_all_of_it() -> None:
-    bench = Bench(can_pause=False, baud=57600)
+    bench = Bench(baud=57600)
     lane = Lane(101, "commands")
     bench.outbox.put(lane, [b"x" * 56] * 100)
     bench.loop.turn()
@@ -210,8 +214,16 @@ def test_a_serial_line_gets_little_at_a_time_and_all_of_it() -> None:
     assert bench.ids_written().count(101) == 100
 
 
+def test_a_board_with_usb_of_its_own_gets_more_than_its_baud_rate_says() -> None:
+    bench = Bench(baud=57600, bytes_per_s=1_000_000)
+    lane = Lane(101, "images")
+    bench.outbox.put(lane, [b"x" * 492] * 20)
+    bench.loop.run_until(0.2)
+    assert bench.ids_written().count(101) == 20
+
+
 def test_on_a_busy_serial_line_answers_wait_for_nothing() -> None:
-    bench = Bench(can_pause=False, baud=57600)
+    bench = Bench(baud=57600)
     bench.outbox.put(Lane(101, "commands"), [b"x" * 56] * 100)
     bench.loop.turn()
     bench.link.control.append(b"time;")
@@ -220,7 +232,7 @@ def test_on_a_busy_serial_line_answers_wait_for_nothing() -> None:
 
 
 def test_a_serial_line_drops_the_oldest_of_the_topic_that_floods() -> None:
-    bench = Bench(can_pause=False, baud=9600)
+    bench = Bench(baud=9600)
     flood, quiet, source = Lane(101, "flood"), Lane(102, "quiet"), FakeSource()
     flood.set_source(source)
     bench.outbox.put(quiet, [b"command"])
