@@ -39,7 +39,7 @@ class MemoryNetwork:
         self, node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
     ) -> MemoryGraph:
         """Join as `node_name`; a node that has the name leaves. Raises InvalidNameError."""
-        full_name = validate_name(join(namespace, node_name))
+        full_name = join(namespace, validate_name(node_name))
         if before := self.nodes.get(full_name):
             await before.close("new node registered with same name")
         graph = MemoryGraph(self, full_name, namespace, remappings or {})

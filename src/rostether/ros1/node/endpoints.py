@@ -14,7 +14,7 @@ from rostether.ros1.environment import RosEnvironment, format_uri
 from rostether.ros1.node.master_client import MasterClient
 from rostether.ros1.node.parameters import ParameterWatches
 from rostether.ros1.node.publication import Publication, Publisher
-from rostether.ros1.node.registrations import Registrations
+from rostether.ros1.node.registrations import Kind, Registrations
 from rostether.ros1.node.service_server import ServiceConnection, ServiceServer
 from rostether.ros1.node.slave_api import slave_dispatch
 from rostether.ros1.node.subscriber_connection import SubscriberConnection
@@ -65,9 +65,11 @@ class Endpoints:
         await self._listener.start(self._environment.listen_hosts)
         await self._server.start()
         self.watches = ParameterWatches(self._master, self.node_uri)
+        host, port = self.tcpros_address
         self._registrations = Registrations(
             self._master,
-            self.node_uri,
+            node_uri=self.node_uri,
+            service_uri=format_uri(host, port, scheme="rosrpc"),
             on_publishers=self._add_publishers,
             register_more=self.watches.subscribe_again,
             on_replaced=self._on_shutdown,
@@ -121,7 +123,7 @@ class Endpoints:
         self._publications[publication.topic] = publication
         publisher = Publisher(publication, self._release_publication)
         try:
-            await self._registrations.add_publisher(publication.topic, publication.type.name)
+            await self._registrations.add(Kind.PUBLISHER, publication.topic, publication.type.name)
         except GraphError:
             await publisher.close()
             raise
@@ -152,7 +154,7 @@ class Endpoints:
         # The master keeps one type a topic: rather the one we know than `*`.
         known = next((each.type.name for each in together if each.type.name != ANY_TYPE), ANY_TYPE)
         try:
-            await self._registrations.add_subscriber(topic, known)
+            await self._registrations.add(Kind.SUBSCRIBER, topic, known)
         except GraphError:
             await subscription.close()
             raise
@@ -168,9 +170,8 @@ class Endpoints:
             service, service_type, handler, node_name=self.node_name, on_close=self._release_service
         )
         self._services[service] = server
-        host, port = self.tcpros_address
         try:
-            await self._registrations.add_service(service, format_uri(host, port, scheme="rosrpc"))
+            await self._registrations.add(Kind.SERVICE, service)
         except GraphError:
             await server.close()
             raise
@@ -227,15 +228,17 @@ class Endpoints:
     async def _release_publication(self, publication: Publication) -> None:
         if publication.handle_count == 0:
             del self._publications[publication.topic]
-            await asyncio.gather(self._registrations.remove_publisher(publication.topic), publication.close())
+            await asyncio.gather(
+                self._registrations.remove(Kind.PUBLISHER, publication.topic), publication.close()
+            )
 
     async def _release_subscription(self, subscription: Subscription) -> None:
         together = self._subscriptions[subscription.topic]
         together.remove(subscription)
         if not together:
             del self._subscriptions[subscription.topic]
-            await self._registrations.remove_subscriber(subscription.topic)
+            await self._registrations.remove(Kind.SUBSCRIBER, subscription.topic)
 
     async def _release_service(self, server: ServiceServer) -> None:
         del self._services[server.service]
-        await self._registrations.remove_service(server.service)
+        await self._registrations.remove(Kind.SERVICE, server.service)

@@ -10,6 +10,8 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import Awaitable, Callable
+from enum import Enum
+from weakref import WeakValueDictionary
 
 from rostether.errors import GraphError, MasterUnreachableError, UnknownNameError
 from rostether.ros1.node.master_client import MasterClient
@@ -18,6 +20,14 @@ DEFAULT_CHECK_INTERVAL_S = 2.0
 """One small call each; a master that came back has our topics again within about this time."""
 
 _log = logging.getLogger("rostether.ros1")
+
+
+class Kind(Enum):
+    """What can be registered."""
+
+    PUBLISHER = "publisher"
+    SUBSCRIBER = "subscriber"
+    SERVICE = "service"
 
 
 class Registrations:
@@ -30,20 +40,22 @@ class Registrations:
     def __init__(
         self,
         master: MasterClient,
-        node_uri: str,
         *,
+        node_uri: str,
+        service_uri: str,
         on_publishers: Callable[[str, list[str]], None],
         register_more: Callable[[], Awaitable[None]],
         on_replaced: Callable[[str], None],
     ) -> None:
         self._master = master
         self._node_uri = node_uri
+        self._service_uri = service_uri
         self._on_publishers = on_publishers
         self._register_more = register_more
         self._on_replaced = on_replaced
-        self._publishers: dict[str, str] = {}
-        self._subscribers: dict[str, str] = {}
-        self._services: dict[str, str] = {}
+        # The type's name for each; a service has none at the master.
+        self._wanted: dict[tuple[Kind, str], str] = {}
+        self._locks: WeakValueDictionary[tuple[Kind, str], asyncio.Lock] = WeakValueDictionary()
         self._is_behind = False
         self._watch: asyncio.Task[None] | None = None
 
@@ -51,69 +63,56 @@ class Registrations:
         """Begin to look after the registrations."""
         self._watch = asyncio.ensure_future(self._watch_master(interval_s))
 
-    async def add_publisher(self, topic: str, type_name: str) -> None:
-        """Register a publisher; a master that is away gets it later."""
-        self._publishers[topic] = type_name
-        await self._try(self._register_publisher(topic))
+    async def add(self, kind: Kind, name: str, type_name: str = "") -> None:
+        """Register; a master that is away gets it later. Raises GraphError when it refuses."""
+        self._wanted[kind, name] = type_name
+        try:
+            await self._settle(kind, name)
+        except MasterUnreachableError as error:
+            if not self._is_behind:
+                self._is_behind = True
+                _log.warning("%s: %s; registering when it is back", self._master.caller_id, error)
 
-    async def add_subscriber(self, topic: str, type_name: str) -> None:
-        """Register a subscriber; a master that is away gets it later."""
-        self._subscribers[topic] = type_name
-        await self._try(self._register_subscriber(topic))
-
-    async def add_service(self, service: str, service_uri: str) -> None:
-        """Register a service; a master that is away gets it later."""
-        self._services[service] = service_uri
-        await self._try(self._master.register_service(service, service_uri, self._node_uri))
-
-    async def remove_publisher(self, topic: str) -> None:
-        """Unregister a publisher."""
-        if self._publishers.pop(topic, None) is not None:
-            await _quietly(self._master.unregister_publisher(topic, self._node_uri))
-
-    async def remove_subscriber(self, topic: str) -> None:
-        """Unregister a subscriber."""
-        if self._subscribers.pop(topic, None) is not None:
-            await _quietly(self._master.unregister_subscriber(topic, self._node_uri))
-
-    async def remove_service(self, service: str) -> None:
-        """Unregister a service."""
-        if (service_uri := self._services.pop(service, None)) is not None:
-            await _quietly(self._master.unregister_service(service, service_uri))
+    async def remove(self, kind: Kind, name: str) -> None:
+        """Unregister."""
+        if self._wanted.pop((kind, name), None) is not None:
+            try:
+                await self._settle(kind, name)
+            except GraphError as error:
+                # A master that is gone, or has forgotten us, needs no unregistering.
+                _log.debug("%s", error)
 
     async def close(self) -> None:
         """Stop looking, and unregister what is left, all at once."""
         if self._watch is not None:
             self._watch.cancel()
             await asyncio.wait((self._watch,))
-        await asyncio.gather(
-            *(self.remove_publisher(topic) for topic in list(self._publishers)),
-            *(self.remove_subscriber(topic) for topic in list(self._subscribers)),
-            *(self.remove_service(service) for service in list(self._services)),
-        )
+        await asyncio.gather(*(self.remove(kind, name) for kind, name in list(self._wanted)))
 
-    async def _register_publisher(self, topic: str) -> None:
-        await self._master.register_publisher(topic, self._publishers[topic], self._node_uri)
-
-    async def _register_subscriber(self, topic: str) -> None:
-        uris = await self._master.register_subscriber(topic, self._subscribers[topic], self._node_uri)
-        self._on_publishers(topic, uris)
-
-    async def _try(self, registration: Awaitable[None]) -> None:
-        try:
-            await registration
-        except MasterUnreachableError as error:
-            if not self._is_behind:
-                self._is_behind = True
-                _log.warning("%s: %s; registering when it is back", self._master.caller_id, error)
+    async def _settle(self, kind: Kind, name: str) -> None:
+        """Make the master's entry what we want now; one call at a time, or the last one need not win."""
+        lock = self._locks.setdefault((kind, name), asyncio.Lock())
+        async with lock:
+            type_name = self._wanted.get((kind, name))
+            if kind is Kind.PUBLISHER:
+                if type_name is None:
+                    await self._master.unregister_publisher(name, self._node_uri)
+                else:
+                    await self._master.register_publisher(name, type_name, self._node_uri)
+            elif kind is Kind.SUBSCRIBER:
+                if type_name is None:
+                    await self._master.unregister_subscriber(name, self._node_uri)
+                else:
+                    uris = await self._master.register_subscriber(name, type_name, self._node_uri)
+                    self._on_publishers(name, uris)
+            elif type_name is None:
+                await self._master.unregister_service(name, self._service_uri)
+            else:
+                await self._master.register_service(name, self._service_uri, self._node_uri)
 
     async def _register_all(self) -> None:
-        for topic in list(self._publishers):
-            await self._register_publisher(topic)
-        for topic in list(self._subscribers):
-            await self._register_subscriber(topic)
-        for service, service_uri in list(self._services.items()):
-            await self._master.register_service(service, service_uri, self._node_uri)
+        for kind, name in list(self._wanted):
+            await self._settle(kind, name)
         await self._register_more()
 
     async def _watch_master(self, interval_s: float) -> None:
@@ -149,11 +148,3 @@ class Registrations:
         await self._register_all()
         self._is_behind = False
         return True
-
-
-async def _quietly(call: Awaitable[None]) -> None:
-    try:
-        await call
-    except GraphError as error:
-        # A master that is gone, or has forgotten us, needs no unregistering.
-        _log.debug("%s", error)
