@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import asyncio
 from typing import Any
 
 from rostether.errors import GraphError, MasterUnreachableError, UnknownNameError
-from rostether.ros1.xmlrpc_client import XmlRpcClient
+from rostether.ros1.xmlrpc_client import MAX_IDLE_CONNECTIONS, StatusTriplet, XmlRpcClient
 from rostether.xmlrpc.values import XmlRpcValue
 
 
@@ -18,6 +19,9 @@ class MasterClient:
     def __init__(self, uri: str, caller_id: str) -> None:
         self.uri = uri
         self.caller_id = caller_id
+        # A burst, such as a board announcing fifty topics, goes over the connections that are kept:
+        # opening one for each call takes three times as long.
+        self._turns = asyncio.Semaphore(MAX_IDLE_CONNECTIONS)
         self._client = XmlRpcClient(uri, peer="the ROS master", unreachable=MasterUnreachableError)
 
     async def register_publisher(self, topic: str, type_name: str, node_uri: str) -> list[str]:
@@ -114,16 +118,20 @@ class MasterClient:
         await self._client.close()
 
     async def _call(self, method: str, *args: object) -> XmlRpcValue:
-        code, text, value = await self._client.call_status(method, self.caller_id, *args)
+        code, text, value = await self._call_status(method, *args)
         if code != 1:
             raise GraphError(f"the ROS master refused {method}: {text}")
         return value
 
     async def _look_up(self, method: str, name: str) -> XmlRpcValue:
-        code, text, value = await self._client.call_status(method, self.caller_id, name)
+        code, text, value = await self._call_status(method, name)
         if code != 1:
             raise UnknownNameError(text)
         return value
+
+    async def _call_status(self, method: str, *args: object) -> StatusTriplet:
+        async with self._turns:
+            return await self._client.call_status(method, self.caller_id, *args)
 
 
 def _strings(value: XmlRpcValue) -> list[str]:
