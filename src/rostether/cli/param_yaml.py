@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import yaml
@@ -13,6 +13,7 @@ from rostether.cli.expression import compile_expression
 from rostether.errors import ConfigError
 from rostether.graph.ports import ParamValue
 from rostether.names.graph_name import is_private, join
+from rostether.serde.yaml_nesting import refuse_deep_nesting
 from rostether.xmlrpc.values import MAX_INT, MIN_INT
 
 MAX_NESTING = 100
@@ -65,12 +66,12 @@ for _tag, _construct, _prefix in (("!radians", _radians, "rad"), ("!degrees", _d
 
 def parse_value(text: str, source: str) -> Any:
     """Return one value; an empty text is the empty string. Raises ConfigError."""
-    return _guarded(lambda: yaml.load(text, Loader=_Loader), source) if text else ""  # noqa: S506
+    return _guarded(lambda: yaml.load(text, Loader=_Loader), text, source) if text else ""  # noqa: S506
 
 
 def parse_documents(text: str, namespace: str, source: str) -> Iterator[tuple[str, Any]]:
     """Yield each document with the namespace it goes into. Raises ConfigError naming `source`."""
-    documents = _guarded(lambda: list(yaml.load_all(text, Loader=_Loader)), source)
+    documents = _guarded(lambda: list(yaml.load_all(text, Loader=_Loader)), text, source)
     for document in documents:
         if isinstance(document, dict) and NAMESPACE_KEY in document:
             below = document.pop(NAMESPACE_KEY)
@@ -147,8 +148,9 @@ def pretty_lines(tree: dict[str, Any], indent: str = "") -> Iterator[str]:
             yield f"{indent}{key}: {dump(value).removesuffix(DOCUMENT_END).rstrip()}"
 
 
-def _guarded(load: Any, source: str) -> Any:
+def _guarded(load: Callable[[], Any], text: str, source: str) -> Any:
     try:
+        refuse_deep_nesting(text)
         return load()
     except (yaml.YAMLError, RecursionError) as error:
         problem = " ".join(str(getattr(error, "problem", None) or error).split())

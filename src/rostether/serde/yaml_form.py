@@ -21,6 +21,7 @@ from rostether.rostime import Duration, Time
 from rostether.serde.codec import Codec
 from rostether.serde.type_tree import Array, Node, Number, Stamp, Struct, Text
 from rostether.serde.values import Message, does_not_fit
+from rostether.serde.yaml_nesting import refuse_deep_nesting
 
 _FLOAT_TEXT: Final = re.compile(r"[-+]?(nan|inf|infinity|\d+(\.\d*)?e[-+]?\d+|\.\d+e[-+]?\d+)", re.IGNORECASE)
 _HEADER: Final = "std_msgs/Header"
@@ -160,6 +161,7 @@ def _load(text: str, *, many: bool) -> Iterator[Any]:
 
     loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
     try:
+        refuse_deep_nesting(text)
         if many:
             yield from yaml.load_all(text, Loader=loader)
         else:

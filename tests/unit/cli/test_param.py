@@ -71,6 +71,7 @@ def test_a_mapping_changes_what_it_names(graph: LiveGraph, shell: Shell) -> None
         ("&a {b: *a}", "nested deeper than"),
         ("&a [*a]", "nested deeper than"),
         ("[" * 5000, "not YAML"),
+        ("[" * 100_000, "not YAML"),
         ("!!python/object:os.system {}", "could not determine a constructor"),
         ("rad(__import__)", "__import__"),
         ("!degrees north", "'north' is no angle"),
@@ -126,6 +127,23 @@ def test_get_prints_yaml(graph: LiveGraph, shell: Shell) -> None:
     assert shell.output("param", "get", "-v", "/tree/a/t") == "getting parameter [/tree/a/t]\ntrue\n"
 
 
+@pytest.mark.parametrize(
+    ("typed", "printed"),
+    [
+        ("hello", "hello\n"),
+        ("", "''\n\n"),
+        ("'5'", "'5'\n\n"),
+        ("rad(pi/2)", "1.5707963267948966\n"),
+        ("[1, two, 3.5]", "- 1\n- two\n- 3.5\n\n"),
+        ("[]", "[]\n\n"),
+        ("!!binary aGVsbG8=", "!!binary |\n  aGVsbG8=\n\n"),
+    ],
+)
+def test_get_prints_what_was_set(shell: Shell, typed: str, printed: str) -> None:
+    shell.output("param", "set", "/value", typed)
+    assert shell.output("param", "get", "/value") == printed
+
+
 def test_get_pretty(graph: LiveGraph, shell: Shell) -> None:
     graph.master.api.parameters.set("/tree", {"b": 2.5, "a": {"s": "x: y", "m": "one\ntwo"}})
     assert shell.output("param", "get", "-p", "/tree") == (
@@ -168,7 +186,7 @@ def test_delete(graph: LiveGraph, shell: Shell) -> None:
 
 
 def test_dump_and_load_are_each_others_inverse(graph: LiveGraph, shell: Shell, tmp_path: Path) -> None:
-    tree = {
+    tree: dict[str, Any] = {
         "i": 1,
         "f": 1.5,
         "s": "deg(1)x",
