@@ -1,0 +1,157 @@
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Iterator
+from importlib.metadata import version
+
+import click
+import pytest
+
+from rostether.cli import failures
+from rostether.cli.failures import exit_code_of, one_line
+from rostether.cli.main import rostether
+from rostether.cli.verbs import LazyGroup, Verb
+from rostether.errors import ConfigError, RostetherError
+from unit.cli.shell import LiveGraph, Shell
+
+
+def all_verbs(group: LazyGroup, path: str = "rostether") -> Iterator[tuple[str, click.Command, str]]:
+    """Yield every command with what to type for it and its line in its group's help."""
+    context = click.Context(group)
+    for name, entry in group.verbs.items():
+        command = group.get_command(context, name)
+        assert command is not None
+        yield f"{path} {name}", command, entry.summary
+        if isinstance(command, LazyGroup):
+            yield from all_verbs(command, f"{path} {name}")
+
+
+assert isinstance(rostether, LazyGroup)
+VERBS = {path: (command, summary) for path, command, summary in all_verbs(rostether)}
+
+
+@pytest.mark.parametrize("path", VERBS)
+def test_every_command_says_what_it_is_for_and_how_it_is_typed(path: str, shell: Shell) -> None:
+    command, summary = VERBS[path]
+    text = shell.output(*path.split()[1:], "--help")
+    assert summary.endswith(".")
+    assert text == shell.output(*path.split()[1:], "-h")
+    assert isinstance(command, Verb | LazyGroup)
+    for line in command.examples.splitlines():
+        assert line in text
+    own = path if not path.endswith(" info") else path.removesuffix("info")
+    assert own in command.examples or (path.split()[1] in ("msg", "srv") and "show" in command.examples)
+
+
+def test_version(shell: Shell) -> None:
+    assert shell.output("--version") == f"rostether, version {version('rostether')}\n"
+
+
+def test_what_is_typed_wrong_is_told_with_the_nearest_command(shell: Shell) -> None:
+    assert shell.failure("topc", code=2) == "no such command 'topc'; did you mean topic?"
+    assert shell.failure("topic", "ecko", code=2) == "no such command 'ecko'; did you mean echo?"
+    assert "see `rostether --help`" in shell.failure("xyzzy", code=2)
+    assert "--nope" in shell.failure("topic", "list", "--nope", code=2)
+
+
+def test_arguments_that_roslaunch_adds(graph: LiveGraph, shell: Shell) -> None:
+    master = f"__master:={graph.uri}"
+    assert (
+        shell("topic", "list", "__log:=/tmp/x.log", "__name:=lister", "__master:=http://127.0.0.1:9").code
+        == 1
+    )
+    assert shell.output("param", "set", "speed", "1", "__ns:=/arm", master) == ""
+    assert shell.output("param", "get", "/arm/speed", master) == "1\n"
+
+
+def test_only_what_is_used_is_imported() -> None:
+    code = (
+        "import sys; from rostether.cli.main import main; "
+        "main(['msg', '-h']); print(*sys.modules, file=sys.stderr)"
+    )
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stderr
+    assert not {"asyncio", "yaml", "rich", "serialx", "rostether.msgdef.registry"} & set(loaded.split())
+
+
+def fail(error: BaseException) -> int:
+    raise error
+
+
+@pytest.mark.parametrize(
+    ("error", "code"),
+    [
+        (ConfigError("wrong"), 1),
+        (OSError(2, "No such file or directory", "/nope"), 1),
+        (ZeroDivisionError("division by zero"), 1),
+        (ExceptionGroup("several", [ConfigError("wrong")]), 1),
+        (click.UsageError("wrong"), 2),
+        (KeyboardInterrupt(), 130),
+        (click.exceptions.Exit(3), 3),
+        (SystemExit(1), 0),
+    ],
+)
+def test_exit_codes(error: BaseException, code: int, capsys: pytest.CaptureFixture[str]) -> None:
+    assert exit_code_of(lambda: fail(error)) == code
+    assert "Traceback" not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("error", "text"),
+    [
+        (ConfigError("a\n  b"), "a b"),
+        (OSError(2, "No such file or directory", "/nope"), "/nope: No such file or directory"),
+        (OSError(98, "Address in use"), "Address in use"),
+        (
+            ExceptionGroup(
+                "several", [ExceptionGroup("more", [ConfigError("first"), ConfigError("second")])]
+            ),
+            "first",
+        ),
+    ],
+)
+def test_one_line(error: Exception, text: str) -> None:
+    assert one_line(error) == text
+
+
+def test_what_nobody_expected_says_how_to_see_more(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert one_line(RostetherError()).startswith("RostetherError")
+    assert failures.TRACEBACK_VARIABLE in one_line(ZeroDivisionError("division by zero"))
+    monkeypatch.setenv(failures.TRACEBACK_VARIABLE, "1")
+    assert exit_code_of(lambda: fail(ZeroDivisionError("division by zero"))) == 1
+    assert "Traceback" in capsys.readouterr().err
+
+
+def test_completion_of_verbs_and_names(
+    graph: LiveGraph, shell: Shell, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    graph.do(graph.node("setter").set_param("/blink_hz", 2))
+
+    def complete(words: str) -> str:
+        monkeypatch.setenv("_ROSTETHER_COMPLETE", "bash_complete")
+        monkeypatch.setenv("COMP_WORDS", words)
+        monkeypatch.setenv("COMP_CWORD", str(len(words.split(" ")) - 1))
+        return shell("ignored").out
+
+    assert complete("rostether to") == "plain,topic\n"
+    assert "plain,echo" in complete("rostether topic e")
+    assert complete("rostether param get /b") == "plain,/blink_hz\n"
+    assert complete("rostether param get b") == "plain,/blink_hz\n"
+    assert complete("rostether topic echo /ros") == "plain,/rosout\n"
+    assert complete("rostether node info /set") == "plain,/setter\n"
+    assert (
+        complete("rostether topic pub /a std_msgs/UInt1")
+        == "plain,std_msgs/UInt16\nplain,std_msgs/UInt16MultiArray\n"
+    )
+    assert complete("rostether service find std_srvs/S") == "plain,std_srvs/SetBool\n"
+    assert complete("rostether service type /nope") == "\n"
+
+
+def test_completion_without_a_master_is_silent(shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("_ROSTETHER_COMPLETE", "bash_complete")
+    monkeypatch.setenv("COMP_WORDS", "rostether topic echo /")
+    monkeypatch.setenv("COMP_CWORD", "3")
+    result = shell("ignored")
+    assert (result.out.strip(), result.err) == ("", "")
