@@ -276,6 +276,8 @@ class HostLink:
     def _judge(self, verdict: Verdict | None, now_s: float, events: list[HostEvent]) -> None:
         if verdict is Verdict.PROBE:
             self._output.probe()
+        elif verdict is Verdict.ASK:
+            self._negotiation.ask(now_s)
         elif verdict is Verdict.RESET:
             self.statistics.resets += 1
             self._table.distrust()

@@ -2,7 +2,8 @@
 
 A board that has been reset is silent on user ids while we go on talking to it. A frame begun with a wrong
 version byte (`ff 00`) makes an unconfigured board ask for the time; a configured one ignores it and asks
-only every 2.5 s. Boards of protocol version 1 answer no probe: their reset shows as silence.
+only every 2.5 s. When even that fails to come, the topic request is the question that every board answers,
+those of protocol version 1 too, which know no probe.
 
     state     input      next      verdict
     ABSENT    SIGN       PRESENT             a sign of a configured board: a message, an announcement
@@ -18,7 +19,16 @@ only every 2.5 s. Boards of protocol version 1 answer no probe: their reset show
     ACCUSED   QUIET      PRESENT             no answer to the second probe: it is configured
     ACCUSED   EARLY      PRESENT   RESET     two time requests in a row
     ACCUSED   ON_TIME    ACCUSED   PROBE
-    any       SILENCE    ABSENT    SILENT    not even a time request
+    PRESENT   OVERDUE    MISSED    ASK       its time request did not come
+    DOUBTED   OVERDUE    MISSED    ASK
+    ACCUSED   OVERDUE    MISSED    ASK
+    MISSED    SIGN       PRESENT
+    MISSED    EARLY      PRESENT
+    MISSED    ON_TIME    PRESENT
+    PRESENT   SILENCE    ABSENT    SILENT    no answer either
+    DOUBTED   SILENCE    ABSENT    SILENT
+    ACCUSED   SILENCE    ABSENT    SILENT
+    MISSED    SILENCE    ABSENT    SILENT
 """
 
 from __future__ import annotations
@@ -28,14 +38,20 @@ from enum import Enum, auto
 PROBE_AFTER_S = 1.0
 """A reset is found this long after the last message, so that messages flow again well within two seconds."""
 
+NEXT_PROBE_S = 0.4
+"""Probes and their answers get lost too; two bytes that often disturb nobody."""
+
 SECOND_PROBE_S = 0.5
 """How long the answer to a second probe may take; sketches spin more often than twice a second."""
 
 EARLY_S = 2.0
 """A configured board asks for the time every 2.5 s; half a second for the jitter of networks."""
 
-SILENT_AFTER_S = 3.5
+OVERDUE_S = 3.0
 """A healthy board may be silent for 3 s: it asks for the time every 2.5 s, and sketches sleep."""
+
+SILENT_AFTER_S = 4.0
+"""A second for the answers to several topic requests, in case some are lost."""
 
 MAX_QUARANTINE_S = 60.0
 """A device that answers probes though configured looks reset each time; it is believed ever more rarely."""
@@ -48,6 +64,7 @@ class State(Enum):
     PRESENT = auto()
     DOUBTED = auto()
     ACCUSED = auto()
+    MISSED = auto()
 
 
 class Input(Enum):
@@ -57,13 +74,15 @@ class Input(Enum):
     EARLY = auto()
     ON_TIME = auto()
     QUIET = auto()
+    OVERDUE = auto()
     SILENCE = auto()
 
 
 class Verdict(Enum):
-    """What to do: send a probe, take the device for reset, or for gone."""
+    """What to do: send a probe, ask for topics, take the device for reset, or for gone."""
 
     PROBE = auto()
+    ASK = auto()
     RESET = auto()
     SILENT = auto()
 
@@ -74,19 +93,34 @@ TRANSITIONS: dict[tuple[State, Input], tuple[State, Verdict | None]] = {
     (State.ABSENT, Input.ON_TIME): (State.PRESENT, None),
     (State.PRESENT, Input.EARLY): (State.DOUBTED, Verdict.PROBE),
     (State.PRESENT, Input.QUIET): (State.DOUBTED, Verdict.PROBE),
+    (State.PRESENT, Input.OVERDUE): (State.MISSED, Verdict.ASK),
     (State.PRESENT, Input.SILENCE): (State.ABSENT, Verdict.SILENT),
     (State.DOUBTED, Input.SIGN): (State.PRESENT, None),
     (State.DOUBTED, Input.QUIET): (State.DOUBTED, Verdict.PROBE),
     (State.DOUBTED, Input.EARLY): (State.PRESENT, Verdict.RESET),
     (State.DOUBTED, Input.ON_TIME): (State.ACCUSED, Verdict.PROBE),
+    (State.DOUBTED, Input.OVERDUE): (State.MISSED, Verdict.ASK),
     (State.DOUBTED, Input.SILENCE): (State.ABSENT, Verdict.SILENT),
     (State.ACCUSED, Input.SIGN): (State.PRESENT, None),
     (State.ACCUSED, Input.QUIET): (State.PRESENT, None),
     (State.ACCUSED, Input.EARLY): (State.PRESENT, Verdict.RESET),
     (State.ACCUSED, Input.ON_TIME): (State.ACCUSED, Verdict.PROBE),
+    (State.ACCUSED, Input.OVERDUE): (State.MISSED, Verdict.ASK),
     (State.ACCUSED, Input.SILENCE): (State.ABSENT, Verdict.SILENT),
+    (State.MISSED, Input.SIGN): (State.PRESENT, None),
+    (State.MISSED, Input.EARLY): (State.PRESENT, None),
+    (State.MISSED, Input.ON_TIME): (State.PRESENT, None),
+    (State.MISSED, Input.SILENCE): (State.ABSENT, Verdict.SILENT),
 }
 """Every other pair changes nothing."""
+
+
+_PATIENCE_S = {
+    State.PRESENT: PROBE_AFTER_S,
+    State.DOUBTED: NEXT_PROBE_S,
+    State.ACCUSED: SECOND_PROBE_S,
+}
+"""How long a state lasts before QUIET."""
 
 
 class Presence:
@@ -135,11 +169,13 @@ class Presence:
         return verdict
 
     def get_timer(self, *, probes: bool) -> float | None:
-        """Return when to call `handle_timer`. `probes`: whether probing makes sense now."""
+        """Return when to call `handle_timer`. `probes`: whether asking the device makes sense now."""
         if self.state is State.ABSENT:
             return None
         silent_s = self.heard_s + SILENT_AFTER_S
-        return min(silent_s, self._quiet_s()) if probes else silent_s
+        if not probes or self.state is State.MISSED:
+            return silent_s
+        return min(silent_s, self.heard_s + OVERDUE_S, self._changed_s + _PATIENCE_S[self.state])
 
     def handle_timer(self, now_s: float, *, probes: bool) -> Verdict | None:
         """Do what is due."""
@@ -147,12 +183,13 @@ class Presence:
             return None
         if now_s >= self.heard_s + SILENT_AFTER_S:
             return self._step(Input.SILENCE, now_s)
-        if probes and now_s >= self._quiet_s():
+        if not probes or self.state is State.MISSED:
+            return None
+        if now_s >= self.heard_s + OVERDUE_S:
+            return self._step(Input.OVERDUE, now_s)
+        if now_s >= self._changed_s + _PATIENCE_S[self.state]:
             return self._step(Input.QUIET, now_s)
         return None
-
-    def _quiet_s(self) -> float:
-        return self._changed_s + (SECOND_PROBE_S if self.state is State.ACCUSED else PROBE_AFTER_S)
 
     def _step(self, what: Input, now_s: float) -> Verdict | None:
         self.state, verdict = TRANSITIONS.get((self.state, what), (self.state, None))

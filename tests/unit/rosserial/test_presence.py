@@ -5,6 +5,8 @@ import pytest
 from rostether.rosserial import presence as module
 from rostether.rosserial.presence import (
     EARLY_S,
+    NEXT_PROBE_S,
+    OVERDUE_S,
     PROBE_AFTER_S,
     SECOND_PROBE_S,
     SILENT_AFTER_S,
@@ -19,9 +21,7 @@ from unit.rosserial.state_tables import drawn_transitions
 def test_the_table_is_the_one_that_is_drawn() -> None:
     drawn = {}
     for state, what, following, verdict in drawn_transitions(module):
-        states = ["PRESENT", "DOUBTED", "ACCUSED"] if state == "any" else [state]
-        for one in states:
-            drawn[one, what] = following, verdict if verdict in Verdict.__members__ else ""
+        drawn[state, what] = following, verdict if verdict in Verdict.__members__ else ""
     assert drawn == {
         (state.name, what.name): (following.name, verdict.name if verdict else "")
         for (state, what), (following, verdict) in TRANSITIONS.items()
@@ -47,15 +47,15 @@ def test_a_board_that_publishes_is_not_probed() -> None:
         assert presence.handle_timer(tenth / 10, probes=True) is None
 
 
-def test_silence_leads_to_a_probe_each_second() -> None:
+def test_silence_leads_to_probes() -> None:
     presence = present()
     probes: list[float] = []
-    while len(probes) < 3:
+    while len(probes) < 4:
         due_s = presence.get_timer(probes=True)
         assert due_s is not None
         assert presence.handle_timer(due_s, probes=True) is Verdict.PROBE
         probes.append(due_s)
-    assert probes == pytest.approx([PROBE_AFTER_S, 2 * PROBE_AFTER_S, 3 * PROBE_AFTER_S])
+    assert probes == pytest.approx([PROBE_AFTER_S + NEXT_PROBE_S * number for number in range(4)])
 
 
 def test_an_answer_to_the_probe_means_reset() -> None:
@@ -88,8 +88,7 @@ def test_a_healthy_silent_board_is_never_taken_for_reset() -> None:
 
 def test_a_second_probe_without_answer_acquits() -> None:
     presence = present()
-    presence.handle_timer(1.0, probes=True)
-    presence.handle_timer(2.0, probes=True)
+    assert presence.handle_timer(2.0, probes=True) is Verdict.PROBE
     assert presence.time_request(2.5) is Verdict.PROBE
     assert presence.handle_timer(2.5 + SECOND_PROBE_S, probes=True) is None
     assert presence.state is State.PRESENT
@@ -99,6 +98,15 @@ def test_an_early_time_request_is_only_probed() -> None:
     presence = present()
     assert presence.time_request(EARLY_S - 0.1) is Verdict.PROBE
     presence.message(EARLY_S)
+    assert presence.state is State.PRESENT
+
+
+def test_an_overdue_time_request_is_asked_for_once() -> None:
+    presence = present()
+    assert presence.handle_timer(OVERDUE_S, probes=True) is Verdict.ASK
+    assert presence.get_timer(probes=True) == SILENT_AFTER_S
+    assert presence.handle_timer(OVERDUE_S + 0.5, probes=True) is None
+    presence.answered(OVERDUE_S + 0.6)
     assert presence.state is State.PRESENT
 
 
