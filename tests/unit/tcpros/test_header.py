@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import struct
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from rostether.errors import RemoteProtocolError
 from rostether.tcpros.header import MAX_HEADER_BYTES, HeaderDecoder, decode_fields, encode_header
@@ -54,3 +57,13 @@ def test_a_length_above_the_limit_is_refused_before_its_bytes_come() -> None:
         HeaderDecoder().feed(struct.pack("<I", MAX_HEADER_BYTES + 1))
     with pytest.raises(RemoteProtocolError):
         HeaderDecoder().feed(b"GET / HTTP/1.1\r\n")
+
+
+@given(st.binary(max_size=200))
+def test_garbage_is_refused_or_read_but_nothing_else_happens(data: bytes) -> None:
+    with contextlib.suppress(RemoteProtocolError):
+        HeaderDecoder().feed(data)
+    with contextlib.suppress(RemoteProtocolError):
+        fields = decode_fields(data)
+        # A key that comes twice has its last value; the others come back.
+        assert decode_fields(encode_header(fields)[4:]) == fields
