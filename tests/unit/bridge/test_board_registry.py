@@ -1,0 +1,117 @@
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+import pytest
+
+from rostether.bridge.board_registry import Board, BoardRegistry
+from rostether.errors import SessionError
+from unit.bridge.doubles import until
+
+
+class FakeNode:
+    """A node that leaves when the test lets it."""
+
+    def __init__(self) -> None:
+        self.may_leave = asyncio.Event()
+        self.may_leave.set()
+        self.is_closed = False
+
+    async def close(self) -> None:
+        await self.may_leave.wait()
+        self.is_closed = True
+
+
+class FakeSession:
+    def __init__(self, heard_at_s: float = 0.0) -> None:
+        self.heard_at_s = heard_at_s
+        self.is_abandoned = False
+
+    def abandon(self) -> None:
+        self.is_abandoned = True
+
+
+async def served(boards: BoardRegistry, name: str) -> tuple[Board, Any]:
+    board = await boards.claim(name)
+    node: Any = FakeNode()
+    session: Any = FakeSession()
+    board.node, board.session = node, session
+    return board, node
+
+
+async def test_a_lost_board_keeps_its_node_for_the_grace_period() -> None:
+    boards = BoardRegistry(60.0, lambda: 0.0)
+    board, node = await served(boards, "arm")
+    boards.lose(board, board.session)
+    assert await boards.claim("arm") is board
+    assert (board.node,) == (node,)
+    assert list(boards) == [board]
+    await boards.close()
+    assert node.is_closed
+
+
+async def test_after_the_grace_period_the_name_is_free() -> None:
+    boards = BoardRegistry(0.01, lambda: 0.0)
+    board, node = await served(boards, "arm")
+    boards.lose(board, board.session)
+    await until(lambda: node.is_closed and not list(boards), "the node to leave")
+    assert (await boards.claim("arm")).node is None
+
+
+async def test_a_name_that_is_just_leaving_is_waited_for() -> None:
+    boards = BoardRegistry(0.0, lambda: 0.0)
+    board, node = await served(boards, "arm")
+    node.may_leave.clear()
+    boards.lose(board, board.session)
+    await until(lambda: board.leaving is not None, "the node to begin to leave")
+    claim = asyncio.ensure_future(boards.claim("arm"))
+    await asyncio.sleep(0)
+    assert not claim.done()
+    node.may_leave.set()
+    fresh = await claim
+    assert (fresh.name, fresh.node) == ("arm", None)
+
+
+async def test_a_board_that_never_joined_leaves_nothing() -> None:
+    boards = BoardRegistry(60.0, lambda: 0.0)
+    board = await boards.claim("arm")
+    boards.lose(board, None)
+    assert await boards.claim("arm") is not board
+
+
+async def test_a_connection_that_was_taken_over_ends_nothing() -> None:
+    now = [0.0]
+    boards = BoardRegistry(0.0, lambda: now[0])
+    board, node = await served(boards, "tcp_robot")
+    old: Any = board.session
+    assert (await boards.claim("tcp_robot", replaces_silent=True)).name == "tcp_robot_2"
+    now[0] = 10.0
+    assert await boards.claim("tcp_robot", replaces_silent=True) is board
+    assert old.is_abandoned
+    new: Any = FakeSession()
+    board.session = new
+    boards.lose(board, old)
+    assert board.session is new
+    assert board.farewell is None
+    assert not node.is_closed
+
+
+async def test_a_node_that_was_shut_down_is_not_served_again() -> None:
+    boards = BoardRegistry(60.0, lambda: 0.0)
+    board, node = await served(boards, "arm")
+    boards.dismiss(board)
+    await until(lambda: node.is_closed, "the node to leave")
+    with pytest.raises(SessionError, match="/arm was shut down"):
+        await boards.claim("arm")
+
+
+async def test_closing_waits_for_no_node_that_hangs(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rostether.bridge.board_registry.NODE_CLOSE_LIMIT_S", 0.02)
+    boards = BoardRegistry(60.0, lambda: 0.0)
+    _, hanging = await served(boards, "left")
+    _, leaving = await served(boards, "right")
+    hanging.may_leave.clear()
+    await boards.close()
+    assert leaving.is_closed
+    assert list(boards) == []
