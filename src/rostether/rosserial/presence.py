@@ -14,20 +14,14 @@ those of protocol version 1 too, which know no probe.
     DOUBTED   SIGN       PRESENT
     DOUBTED   QUIET      DOUBTED   PROBE
     DOUBTED   EARLY      PRESENT   RESET     it answered the probe
-    DOUBTED   ON_TIME    ACCUSED   PROBE     an answer, or just the time request that was due?
-    ACCUSED   SIGN       PRESENT
-    ACCUSED   QUIET      PRESENT             no answer to the second probe: it is configured
-    ACCUSED   EARLY      PRESENT   RESET     two time requests in a row
-    ACCUSED   ON_TIME    ACCUSED   PROBE
+    DOUBTED   ON_TIME    DOUBTED   PROBE     an answer, or just the time request that was due?
     PRESENT   OVERDUE    MISSED    ASK       its time request did not come
     DOUBTED   OVERDUE    MISSED    ASK
-    ACCUSED   OVERDUE    MISSED    ASK
     MISSED    SIGN       PRESENT
     MISSED    EARLY      PRESENT
     MISSED    ON_TIME    PRESENT
     PRESENT   SILENCE    ABSENT    SILENT    no answer either
     DOUBTED   SILENCE    ABSENT    SILENT
-    ACCUSED   SILENCE    ABSENT    SILENT
     MISSED    SILENCE    ABSENT    SILENT
 """
 
@@ -40,9 +34,6 @@ PROBE_AFTER_S = 1.0
 
 NEXT_PROBE_S = 0.4
 """Probes and their answers get lost too; two bytes that often disturb nobody."""
-
-SECOND_PROBE_S = 0.5
-"""How long the answer to a second probe may take; sketches spin more often than twice a second."""
 
 EARLY_S = 2.0
 """A configured board asks for the time every 2.5 s; half a second for the jitter of networks."""
@@ -63,7 +54,6 @@ class State(Enum):
     ABSENT = auto()
     PRESENT = auto()
     DOUBTED = auto()
-    ACCUSED = auto()
     MISSED = auto()
 
 
@@ -98,15 +88,9 @@ TRANSITIONS: dict[tuple[State, Input], tuple[State, Verdict | None]] = {
     (State.DOUBTED, Input.SIGN): (State.PRESENT, None),
     (State.DOUBTED, Input.QUIET): (State.DOUBTED, Verdict.PROBE),
     (State.DOUBTED, Input.EARLY): (State.PRESENT, Verdict.RESET),
-    (State.DOUBTED, Input.ON_TIME): (State.ACCUSED, Verdict.PROBE),
+    (State.DOUBTED, Input.ON_TIME): (State.DOUBTED, Verdict.PROBE),
     (State.DOUBTED, Input.OVERDUE): (State.MISSED, Verdict.ASK),
     (State.DOUBTED, Input.SILENCE): (State.ABSENT, Verdict.SILENT),
-    (State.ACCUSED, Input.SIGN): (State.PRESENT, None),
-    (State.ACCUSED, Input.QUIET): (State.PRESENT, None),
-    (State.ACCUSED, Input.EARLY): (State.PRESENT, Verdict.RESET),
-    (State.ACCUSED, Input.ON_TIME): (State.ACCUSED, Verdict.PROBE),
-    (State.ACCUSED, Input.OVERDUE): (State.MISSED, Verdict.ASK),
-    (State.ACCUSED, Input.SILENCE): (State.ABSENT, Verdict.SILENT),
     (State.MISSED, Input.SIGN): (State.PRESENT, None),
     (State.MISSED, Input.EARLY): (State.PRESENT, None),
     (State.MISSED, Input.ON_TIME): (State.PRESENT, None),
@@ -118,7 +102,6 @@ TRANSITIONS: dict[tuple[State, Input], tuple[State, Verdict | None]] = {
 _PATIENCE_S = {
     State.PRESENT: PROBE_AFTER_S,
     State.DOUBTED: NEXT_PROBE_S,
-    State.ACCUSED: SECOND_PROBE_S,
 }
 """How long a state lasts before QUIET."""
 

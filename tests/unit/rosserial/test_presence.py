@@ -8,7 +8,6 @@ from rostether.rosserial.presence import (
     NEXT_PROBE_S,
     OVERDUE_S,
     PROBE_AFTER_S,
-    SECOND_PROBE_S,
     SILENT_AFTER_S,
     TRANSITIONS,
     Presence,
@@ -86,12 +85,12 @@ def test_a_healthy_silent_board_is_never_taken_for_reset() -> None:
             assert presence.handle_timer(now_s, probes=True) in (None, Verdict.PROBE)
 
 
-def test_a_second_probe_without_answer_acquits() -> None:
+def test_the_answer_to_a_second_probe_may_be_lost() -> None:
     presence = present()
     assert presence.handle_timer(2.0, probes=True) is Verdict.PROBE
     assert presence.time_request(2.5) is Verdict.PROBE
-    assert presence.handle_timer(2.5 + SECOND_PROBE_S, probes=True) is None
-    assert presence.state is State.PRESENT
+    assert presence.handle_timer(2.5 + NEXT_PROBE_S, probes=True) is Verdict.PROBE
+    assert presence.time_request(2.51 + NEXT_PROBE_S) is Verdict.RESET
 
 
 def test_an_early_time_request_is_only_probed() -> None:
