@@ -1,0 +1,67 @@
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import AsyncIterator
+
+import pytest
+import pytest_asyncio
+
+import rostether
+from rostether.errors import MasterUnreachableError
+from rostether.ros1.master.server import MasterServer
+
+
+@pytest_asyncio.fixture
+async def master() -> AsyncIterator[MasterServer]:
+    server = await MasterServer.start(port=0)
+    yield server
+    await server.close()
+
+
+async def test_join_as_a_program_does(master: MasterServer) -> None:
+    async with rostether.join("/talker", master=master.uri) as talker:
+        publisher = await talker.publisher("/chatter", "std_msgs/String", latch=True)
+        publisher.publish(data="hello")
+        async with rostether.join(master=master.uri) as listener:
+            assert listener.node_name.startswith("/rostether_")
+            message = await listener.wait_for_message("/chatter", timeout_s=10.0)
+            assert message.data == "hello"
+        assert master.api.registrations.nodes.keys() == {"/talker"}
+    assert not master.api.registrations.nodes
+
+
+async def test_names_and_environment(master: MasterServer) -> None:
+    environ = {"ROS_MASTER_URI": master.uri, "ROS_NAMESPACE": "/arm"}
+    async with rostether.join("mover", environ=environ, remappings={"speed": "fast"}) as graph:
+        assert graph.node_name == "/arm/mover"
+        assert graph.resolve("speed") == "/arm/fast"
+    async with rostether.join("mover", environ=environ, namespace="/leg") as graph:
+        assert graph.node_name == "/leg/mover"
+
+
+async def test_a_failure_inside_the_block_still_leaves(master: MasterServer) -> None:
+    with pytest.raises(ZeroDivisionError):
+        async with rostether.join("/talker", master=master.uri):
+            raise ZeroDivisionError
+    assert not master.api.registrations.nodes
+
+
+async def test_no_master() -> None:
+    with pytest.raises(MasterUnreachableError):
+        async with rostether.join("/talker", master="http://127.0.0.1:9"):
+            pass
+
+
+def test_the_package_starts_without_what_is_not_asked_for() -> None:
+    code = (
+        "import sys, rostether; print(*sys.modules); "
+        "rostether.join; import rostether.joining; rostether.join('/x')"
+    )
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert not {"asyncio", "rostether.device", "rostether.joining"} & set(loaded.split())
+
+
+def test_an_unknown_name() -> None:
+    with pytest.raises(AttributeError, match="nope"):
+        _ = rostether.nope
