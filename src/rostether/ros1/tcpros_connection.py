@@ -114,7 +114,7 @@ async def connect(host: str, port: int, request: Mapping[str, str], accept: Acce
             return await handshake.outcome
     except TimeoutError:
         raise TransportTimeoutError(f"{host}:{port} gave no answer for {HANDSHAKE_TIMEOUT_S:g} s") from None
-    except (OSError, UnicodeError) as error:
+    except (OSError, UnicodeError, OverflowError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise TransportOpenError(f"{host}:{port} cannot be reached ({reason})") from error
     finally:

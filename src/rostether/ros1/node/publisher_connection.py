@@ -18,6 +18,9 @@ FIRST_RETRY_S = 0.1
 MAX_RETRY_S = 5.0
 """One that is registered but gone costs a refused connection each time, and nobody likes to wait longer."""
 
+PATIENT_FAILURES = 4
+"""Failures in a row before a word is said, after 0.7 s: a publisher that ends is unregistered by then."""
+
 _log = logging.getLogger("rostether.ros1")
 
 
@@ -86,8 +89,9 @@ class PublisherConnection(asyncio.Protocol):
 class PublisherLink:
     """Keeps one publisher connected: asks it where to connect, and again when the connection breaks.
 
-    `accept` makes the connection of its header, as in `HandshakeProtocol`. A type that does not match is
-    told once through `on_mismatch`, and not tried again: a publisher that changes its type registers anew.
+    `accept` makes the connection of its header, as in `HandshakeProtocol`. `tell` gets one line for people
+    when the publisher cannot be reached for a while, and when its type does not match; that is not tried
+    again, because a publisher that changes its type registers anew.
     """
 
     def __init__(
@@ -97,14 +101,14 @@ class PublisherLink:
         caller_id: str,
         request: dict[str, str],
         accept: Callable[[str, dict[str, str], asyncio.Transport], PublisherConnection],
-        on_mismatch: Callable[[TypeMismatchError], None],
+        tell: Callable[[str], None],
     ) -> None:
         self.uri = uri
         self.connection: PublisherConnection | None = None
         self._caller_id = caller_id
         self._request = request
         self._accept = accept
-        self._on_mismatch = on_mismatch
+        self._tell = tell
         self._task = asyncio.ensure_future(self._run())
 
     async def close(self) -> None:
@@ -114,19 +118,26 @@ class PublisherLink:
 
     async def _run(self) -> None:
         retry_s = FIRST_RETRY_S
+        failures = 0
         loop = asyncio.get_running_loop()
         while True:
             try:
                 self.connection = await self._connect()
+                failures = 0
                 began_s = loop.time()
                 await self.connection.lost.wait()
                 if loop.time() - began_s > MAX_RETRY_S:
                     retry_s = FIRST_RETRY_S
             except TypeMismatchError as error:
-                self._on_mismatch(error)
+                self._tell(str(error))
                 return
             except (GraphError, TransportError, ProtocolError, ConfigError) as error:
-                _log.debug("%s at %s: %s", self._request["topic"], self.uri, error)
+                failures += 1
+                if failures == PATIENT_FAILURES:
+                    self._tell(
+                        f"{error}; still trying. If it runs, check ROS_IP or ROS_HOSTNAME there, "
+                        "else remove it with `rosnode cleanup`"
+                    )
             finally:
                 if self.connection is not None:
                     self.connection.abort()

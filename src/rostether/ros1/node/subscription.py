@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Awaitable, Callable, Mapping, Sequence
 
-from rostether.errors import TypeMismatchError
 from rostether.graph.callbacks import call_contained
 from rostether.graph.ports import Level, OnMessages
 from rostether.msgdef.interface import MessageType
@@ -78,7 +77,7 @@ class Subscription:
                     caller_id=self._node_name,
                     request=self._request,
                     accept=self._accept,
-                    on_mismatch=self._tell_mismatch,
+                    tell=self._tell,
                 )
 
     def pause(self) -> None:
@@ -117,5 +116,5 @@ class Subscription:
         if not self._is_closed:
             call_contained(self._what, self._on_messages, payloads)
 
-    def _tell_mismatch(self, error: TypeMismatchError) -> None:
-        self._report(Level.WARN, f"cannot subscribe to {self.topic}: {error}")
+    def _tell(self, trouble: str) -> None:
+        self._report(Level.WARN, f"cannot subscribe to {self.topic}: {trouble}")

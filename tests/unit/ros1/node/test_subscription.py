@@ -122,6 +122,8 @@ async def test_a_length_beyond_reason_ends_the_connection_not_the_subscription(
         [1, "", ["TCPROS"]],
         [1, "", []],
         [1, "", ["TCPROS", "127.0.0.1", "port"]],
+        [1, "", ["TCPROS", "127.0.0.1", 99999]],
+        [1, "", ["TCPROS", "no such host", 9]],
         "nonsense",
     ],
 )
@@ -184,12 +186,18 @@ async def test_publishers_come_and_go_with_the_masters_list() -> None:
 
 
 @pytest.mark.parametrize("uri", ["http://127.0.0.1:1/", "nonsense", "rosrpc://127.0.0.1:1"])
-async def test_a_publisher_that_is_not_there_is_left_without_a_word(uri: str) -> None:
+async def test_a_publisher_that_is_not_there_is_told_once(uri: str) -> None:
     async with fake() as publisher, subscribed() as stage:
         stage.topic.set_publishers([uri, publisher.uri])
-        await until(lambda: stage.topic.publisher_count == 1)
+        await until(lambda: stage.topic.publisher_count == 1 and stage.reports)
+        assert uri in stage.reports[0][1]
+        assert "ROS_IP" in stage.reports[0][1]
+        # It would be told again before three rounds of somebody who breaks all the time.
+        for count in range(1, 4):
+            await until(lambda: len(publisher.peers) == count)  # noqa: B023 - awaited at once
+            await publisher.peers[-1].close()
+        assert len(stage.reports) == 1
         stage.topic.set_publishers([publisher.uri])
-        assert stage.reports == []
 
 
 async def test_a_message_right_behind_the_header_waits_for_a_paused_subscriber() -> None:
