@@ -186,6 +186,9 @@ class Negotiation:
             return False
         if self._completeness.close_round():
             return self._settle(is_confirmed=True)
+        if self.requests == 0:
+            # What comes unasked need not be all there is, so what is missing in it was not lost.
+            self._completeness.begin(is_lossy=False)
         self._send(Input.MORE_NEEDED, now_s)
         return False
 

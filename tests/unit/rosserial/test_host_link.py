@@ -168,6 +168,18 @@ class TestNegotiation:
         line.reset_device()
         assert line.run_until(lambda: bool(line.events_of(TopicAnnounced)), 1.1)
 
+    def test_a_topic_declared_late_is_announced_and_confirmed(self) -> None:
+        device, _, _ = small_device()
+        line = line_to(device)
+        assert line.run_until(lambda: line.host.is_settled, 1.0)
+        late = device.add_subscriber("late", EMPTY, EMPTY_MD5)
+        line.flush()
+        line.run(1.0)
+        assert line.host.can_send(late)
+        assert line.host.is_settled
+        assert line.host.statistics.topic_requests == 4
+        assert not line.events_of(TopicWithdrawn)
+
     def test_version_1_is_found_after_a_version_2_request(self) -> None:
         device, publisher, subscriber = small_device(version=1)
         line = line_to(device)
