@@ -35,6 +35,7 @@ WRITE_BYTES = 256 * 1024
 MAX_UNSENT_BYTES = 1024 * 1024
 # What comes after a pause this long is written at once; what comes sooner is gathered for one write a turn.
 EAGER_AFTER_S = 0.0005
+EAGER_MESSAGES = 16
 # How often a paused source looks whether the board still takes bytes.
 STALL_CHECK_S = 0.1
 
@@ -113,6 +114,9 @@ class Outbox:
     def put(self, lane: Lane, payloads: Sequence[bytes]) -> None:
         """Queue messages of one topic; they leave by the end of this turn of the event loop if the link
         takes them."""
+        if len(payloads) <= EAGER_MESSAGES and self._is_idle():
+            self._send_now(lane, payloads)
+            return
         if not lane.payloads:
             self._ready.append(lane)
         lane.payloads.extend(payloads)
@@ -120,10 +124,7 @@ class Outbox:
         if lane.queued_bytes > self._limit_bytes:
             self._overflow(lane)
         if not self._scheduled:
-            if self._pacer is None and self._loop.time() - self._flushed_s > EAGER_AFTER_S:
-                self.flush()
-            else:
-                self._schedule()
+            self._schedule()
 
     def answer(self, topic_id: int, payload: bytes) -> None:
         """Send what the board, or the one caller of its service, waits for: ahead of all topics.
@@ -193,6 +194,30 @@ class Outbox:
             lane.resume_source()
         self._ready.clear()
 
+    def _is_idle(self) -> bool:
+        return (
+            not (self._ready or self._scheduled or self._blocked)
+            and self._pacer is None
+            and self._loop.time() - self._flushed_s > EAGER_AFTER_S
+        )
+
+    def _send_now(self, lane: Lane, payloads: Sequence[bytes]) -> None:
+        self._flushed_s = self._loop.time()
+        frames = self._encode(lane, payloads)
+        if frames:
+            self.sent_bytes += len(frames)
+            self._transport.write(frames)
+
+    def _encode(self, lane: Lane, payloads: Sequence[bytes]) -> bytes:
+        try:
+            frames = self._link.encode_messages(lane.topic_id, payloads)
+        except LocalProtocolError:
+            # The board no longer takes the topic, for instance after a reset with another sketch.
+            lane.dropped_count += len(payloads)
+            return b""
+        lane.sent_count += len(payloads)
+        return frames
+
     def _schedule(self) -> None:
         if self._blocked and not self._answers:
             return
@@ -218,13 +243,9 @@ class Outbox:
             payloads = lane.take(room_bytes if not ready else min(room_bytes, TURN_BYTES))
             if lane.payloads:
                 ready.append(lane)
-            try:
-                frames = self._link.encode_messages(lane.topic_id, payloads)
-            except LocalProtocolError:
-                # The board no longer takes the topic, for instance after a reset with another sketch.
-                lane.dropped_count += len(payloads)
+            frames = self._encode(lane, payloads)
+            if not frames:
                 continue
-            lane.sent_count += len(payloads)
             room_bytes -= len(frames)
             pieces.append(frames)
             if lane.source_paused and lane.queued_bytes <= self._limit_bytes // 2:

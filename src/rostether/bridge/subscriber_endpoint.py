@@ -31,6 +31,7 @@ class SubscriberEndpoint:
         self.has_latched_source = False
         self._type = message_type
         self._layout = layout
+        self._accepts_all = layout.accepts_all
         self._graph = graph
         self._notices = notices
         self._line: BoardLine | None = None
@@ -88,7 +89,7 @@ class SubscriberEndpoint:
         line, lane = self._line, self._lane
         if line is None or lane is None:
             return
-        if not self._layout.accepts_all(payloads):
+        if not self._accepts_all(payloads):
             payloads = self._drop_misfits(payloads)
         if payloads and max(map(len, payloads)) > self.info.buffer_size:
             payloads = self._drop_oversize(payloads)
