@@ -102,6 +102,10 @@ class FrameDecoder:
         pending = self._pending
         if not pending:
             buffer = bytes(data)
+            only = self._scanner.only_frame(buffer)
+            if only is not None:
+                topic_id, payload = only
+                return [Frames(topic_id, [payload])]
             return self._accept(buffer, self._scanner.scan(buffer), now_s)
         pending += data
         if len(pending) < self._needed_bytes:

@@ -129,7 +129,8 @@ class Presence:
     def sign(self, now_s: float) -> None:
         """Take another sign of a configured board."""
         self.heard_s = now_s
-        self._step(Input.SIGN, now_s)
+        if self.state is not State.PRESENT:
+            self._step(Input.SIGN, now_s)
         self._changed_s = now_s
 
     def answered(self, now_s: float) -> None:
