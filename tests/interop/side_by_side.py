@@ -1,0 +1,73 @@
+"""Our commands beside Debian's, on one graph: what one prints, the other prints."""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from interop.ros1_peers import Ros1Peers
+
+OURS = {"rosparam": "param", "rosmsg": "msg", "rossrv": "srv", "rosnode": "node", "rosservice": "service"}
+
+
+@dataclass(frozen=True)
+class Output:
+    """How a program ended."""
+
+    code: int
+    out: str
+    err: str
+
+
+class SideBySide:
+    """Runs commands of both in the same environment."""
+
+    def __init__(self, peers: Ros1Peers) -> None:
+        self._environment = peers.environment
+
+    async def theirs(self, tool: str, *arguments: str, stdin: str = "") -> Output:
+        """Run Debian's tool."""
+        return await self._run(tool, *arguments, stdin=stdin)
+
+    async def ours(self, tool: str, *arguments: str, stdin: str = "") -> Output:
+        """Run our command in the tool's place."""
+        return await self._run(sys.executable, "-m", "rostether", OURS[tool], *arguments, stdin=stdin)
+
+    async def same(
+        self, tool: str, *arguments: str, stdin: str = "", blur: Callable[[str], str] = str
+    ) -> str:
+        """Run both, see that they print and end alike, and return what they print.
+
+        `blur` makes alike what differs from one run to the next, such as times.
+        """
+        theirs, ours = await asyncio.gather(
+            self.theirs(tool, *arguments, stdin=stdin), self.ours(tool, *arguments, stdin=stdin)
+        )
+        assert (ours.code, blur(ours.out)) == (theirs.code, blur(theirs.out)), (arguments, ours, theirs)
+        return ours.out
+
+    async def both_fail(self, tool: str, *arguments: str) -> str:
+        """Run both, see that both fail, and return our one line."""
+        theirs, ours = await asyncio.gather(self.theirs(tool, *arguments), self.ours(tool, *arguments))
+        assert theirs.code != 0, (arguments, theirs)
+        assert ours.code != 0, (arguments, ours)
+        return ours.err.splitlines()[-1]
+
+    async def _run(self, *command: str, stdin: str) -> Output:
+        process = await asyncio.create_subprocess_exec(
+            *command,
+            env=self._environment,
+            stdin=asyncio.subprocess.PIPE,
+            stdout=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.PIPE,
+        )
+        try:
+            out, err = await asyncio.wait_for(process.communicate(stdin.encode()), 30)
+        except BaseException:
+            process.kill()
+            await process.wait()
+            raise
+        assert process.returncode is not None
+        return Output(process.returncode, out.decode(), err.decode())

@@ -1,0 +1,97 @@
+"""`rostether node` beside rosnode."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+import pytest
+import pytest_asyncio
+
+from contract.graphs import STRING, until
+from interop.node_stage import ON_BOTH_MASTERS, Stage, stage_on
+from interop.side_by_side import SideBySide
+from rostether.ros1.node.master_client import MasterClient
+
+TALKER = """
+import rospy
+from std_msgs.msg import String
+rospy.init_node("talker")
+publisher = rospy.Publisher("/chatter", String, queue_size=1, latch=True)
+subscriber = rospy.Subscriber("/orders", String, lambda message: None)
+publisher.publish("hello")
+print("ready", flush=True)
+rospy.spin()
+print("over", flush=True)
+"""
+
+
+@pytest_asyncio.fixture
+async def stage(request: pytest.FixtureRequest, tmp_path: Path) -> AsyncIterator[Stage]:
+    async with stage_on(getattr(request, "param", "our master"), tmp_path) as stage:
+        yield stage
+
+
+def without_times(text: str) -> str:
+    return re.sub(r"\d+\.\d+ms", "#ms", text)
+
+
+def sorted_lines(text: str) -> str:
+    # rosnode pings in the order of a hash.
+    return "\n".join(sorted(without_times(text).splitlines()))
+
+
+async def join_board(stage: Stage) -> None:
+    """Have a node of ours connected to the talker in both directions."""
+    board = await stage.join("/lab/board")
+    orders = await board.advertise("/orders", STRING)
+    chatter = await board.subscribe("/chatter", STRING, lambda _: None)
+    talker = await stage.peers.rospy(TALKER)
+    await talker.wait_for("ready")
+    await until(lambda: orders.subscriber_count == chatter.publisher_count == 1)
+
+
+@ON_BOTH_MASTERS
+async def test_nodes_print_alike(stage: Stage) -> None:
+    tools = SideBySide(stage.peers)
+    await join_board(stage)
+
+    assert {"/lab/board", "/talker"} <= set((await tools.same("rosnode", "list")).splitlines())
+    await tools.same("rosnode", "list", "-a")
+    await tools.same("rosnode", "list", "-u", "lab")
+    # rospy does not describe its inbound connections, we do.
+    for name, direction in (("/talker", "outbound"), ("lab/board", "inbound")):
+        info = await tools.same("rosnode", "info", name)
+        assert re.search(rf" \* direction: {direction} \(\d+ - 127\.0\.0\.1:\d+\) \[\d+\]\n", info)
+    await tools.same("rosnode", "info", "-q", "/talker", "/lab/board")
+    await tools.same("rosnode", "ping", "-c", "2", "talker", blur=without_times)
+    await tools.same("rosnode", "ping", "--all", blur=sorted_lines)
+    await tools.same("rosnode", "machine")
+    assert "did you mean /talker?" in await tools.both_fail("rosnode", "kill", "/talkr")
+
+
+@ON_BOTH_MASTERS
+async def test_kill_ends_a_rospy_node(stage: Stage) -> None:
+    tools = SideBySide(stage.peers)
+    talker = await stage.peers.rospy(TALKER)
+    await talker.wait_for("ready")
+    killed = await tools.ours("rosnode", "kill", "/talker")
+    assert (killed.code, killed.out, killed.err) == (0, "killing /talker\nkilled\n", "")
+    await talker.wait_for("over")
+    assert "/talker" not in (await tools.theirs("rosnode", "list")).out
+
+
+@ON_BOTH_MASTERS
+async def test_cleanup_forgets_what_is_gone(stage: Stage) -> None:
+    tools = SideBySide(stage.peers)
+    master = MasterClient(stage.peers.master_uri, "/gone")
+    await master.register_publisher("/chatter", STRING.name, "http://127.0.0.1:9/")
+    await master.register_service("/reset", "rosrpc://127.0.0.1:9", "http://127.0.0.1:9/")
+    await master.close()
+    board = await stage.join("/board")
+    cleaned = await tools.ours("rosnode", "cleanup", stdin="y\n")
+    assert cleaned.out.endswith("Unregistering /gone\ndone\n"), cleaned
+    assert "/gone" not in (await tools.same("rosnode", "list")).splitlines()
+    assert "/reset" not in (await tools.theirs("rosservice", "list")).out
+    assert board.node_name in (await tools.theirs("rosnode", "list")).out

@@ -1,0 +1,109 @@
+"""`rostether param` beside rosparam."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Awaitable, Callable
+from pathlib import Path
+
+import pytest
+import pytest_asyncio
+
+from interop.node_stage import ON_BOTH_MASTERS, Stage, stage_on
+from interop.side_by_side import Output, SideBySide
+
+PARAMETERS = """\
+number: 1
+float: 2.5
+exponent: 1.0e+20
+text_with_digits: '5'
+text: "with: colon"
+empty: ''
+flag: true
+multi: |
+  line one
+  line two
+long: lorem ipsum dolor sit amet consectetur adipiscing elit sed do eiusmod tempor incididunt ut labore et
+tab: "a\\tb"
+unicode: "äö€ \\U0001F600"
+list: [1, 2.5, x, [true, '']]
+structs: [{x: 1}, {y: [1, 2]}]
+space: {below: {deeper: -7}, other: no number}
+degrees: deg(90)
+radians: rad(pi/2)
+tagged: [!degrees 45, !radians 2*pi]
+---
+_ns: second
+gain: 3
+"""
+
+
+@pytest_asyncio.fixture
+async def stage(request: pytest.FixtureRequest, tmp_path: Path) -> AsyncIterator[Stage]:
+    async with stage_on(getattr(request, "param", "our master"), tmp_path) as stage:
+        yield stage
+
+
+async def test_what_is_read_prints_alike(stage: Stage, tmp_path: Path) -> None:
+    tools = SideBySide(stage.peers)
+    file = tmp_path / "parameters.yaml"
+    file.write_text(PARAMETERS)
+    await tools.same("rosparam", "load", str(file), "/board")
+
+    assert "/board/space/below/deeper" in (await tools.same("rosparam", "list")).splitlines()
+    await tools.same("rosparam", "list", "board/space")
+    # A lone value has another end than a tree.
+    for name in ("/", "/board/number", "/board/empty", "/board/multi", "/board/long", "/board/list"):
+        await tools.same("rosparam", "get", name)
+    for name in ("/board", "/board/multi", "/board/list"):
+        await tools.same("rosparam", "get", "-p", name)
+
+
+@ON_BOTH_MASTERS
+async def test_what_is_written_is_the_same(stage: Stage, tmp_path: Path) -> None:
+    tools = SideBySide(stage.peers)
+    file = tmp_path / "parameters.yaml"
+    file.write_text(PARAMETERS)
+
+    async def write(run: Callable[..., Awaitable[Output]], space: str) -> str:
+        steps: tuple[tuple[str, ...], ...] = (
+            ("load", str(file), space),
+            ("set", f"{space}/negative", "-5"),
+            ("set", f"{space}/space", "{below: {deeper: 8}, new: [deg(180)]}"),
+            ("set", f"{space}/empty_text", ""),
+            ("set", f"{space}/quoted", "'5'"),
+            ("set", f"{space}/file", "-t", str(file)),
+            ("delete", f"{space}/second"),
+            ("dump", str(tmp_path / f"{space}.yaml"), space),
+        )
+        for step in steps:
+            output = await run("rosparam", *step)
+            assert (output.code, output.out, output.err) == (0, "", "")
+        return (tmp_path / f"{space}.yaml").read_text()
+
+    ours, theirs = await asyncio.gather(write(tools.ours, "ours"), write(tools.theirs, "theirs"))
+    assert ours == theirs
+    assert "negative: -5" in ours
+
+
+async def test_bytes_go_both_ways(stage: Stage, tmp_path: Path) -> None:
+    # Debian's rosparam cannot print them.
+    tools = SideBySide(stage.peers)
+    file = tmp_path / "picture.bin"
+    file.write_bytes(bytes(range(256)))
+    for run in (tools.ours, tools.theirs):
+        assert (await run("rosparam", "set", "/picture", "-b", str(file))).code == 0
+        printed = (await tools.ours("rosparam", "get", "/picture")).out
+        assert printed.startswith("!!binary |\n  AAECAwQF")
+
+
+async def test_mistakes_fail_in_both(stage: Stage) -> None:
+    tools = SideBySide(stage.peers)
+    assert "did you mean /rosversion?" in await tools.both_fail("rosparam", "get", "/rosversio")
+    for arguments in (
+        ("delete", "/nothing"),
+        ("set", "/", "5"),
+        ("set", "/big", "5000000000"),
+        ("load", "/no/file"),
+    ):
+        await tools.both_fail("rosparam", *arguments)
