@@ -16,7 +16,7 @@ from rostether.ros1.node.node import Ros1Graph
 CALL = """
 import sys, rospy
 from std_srvs.srv import SetBool
-rospy.init_node("py_client")
+rospy.init_node("py_client", anonymous=True)
 rospy.wait_for_service(sys.argv[1], 20)
 proxy = rospy.ServiceProxy(sys.argv[1], SetBool, persistent=sys.argv[2] == "persistent")
 for value in (True, False, True):

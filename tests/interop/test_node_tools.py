@@ -98,3 +98,20 @@ async def test_logs_reach_rosout(stage: Stage) -> None:
     board.log(Level.ERROR, "too hot: 90 °C")
     peer = await stage.peers.rospy(LOG_ECHO)
     assert await peer.finish() == "8 /board too hot: 90 °C ['/chat', '/rosout'] True"
+
+
+@ON_BOTH_MASTERS
+async def test_roswtf_finds_no_error_in_our_nodes(stage: Stage, tmp_path: Path) -> None:
+    board, other = await stage.join("/board"), await stage.join("/other")
+    publisher = await board.advertise("/chat", STRING)
+    subscriber = await other.subscribe("/chat", STRING, lambda _: None)
+    await board.advertise_service("/switch", SET_BOOL, no_answer)
+    await until(lambda: publisher.subscriber_count == subscriber.publisher_count == 1)
+    # Debian has no ROS_ROOT folder; roswtf would call that an error.
+    (tmp_path / "ros").mkdir()
+    stage.peers.environment["ROS_ROOT"] = str(tmp_path / "ros")
+    text = await stage.peers.run("roswtf", timeout_s=60)
+    online = text.partition("Beginning tests of your ROS graph")[2]
+    assert "... done running graph rules" in online
+    assert "ERROR" not in online
+    assert "WARNING" not in online
