@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Awaitable, Callable, Iterable
 from typing import TYPE_CHECKING
 
@@ -69,6 +68,9 @@ def complete_service_types(_ctx: click.Context, _param: click.Parameter, incompl
 
 
 def _complete(names: Callable[[MasterClient], Awaitable[Iterable[str]]], incomplete: str) -> list[str]:
+    # Not at import: it takes a quarter of a command's start, and not all commands need it.
+    import asyncio
+
     from rostether.cli.graph_access import master_client, read_environment
 
     async def ask() -> Iterable[str]:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from rostether.cli.completions import complete_message_types, complete_service_types
 from rostether.cli.options import msg_path_option
 from rostether.cli.output import json_option, write_json, write_line
 from rostether.cli.verbs import LazyGroup, Verb, VerbEntry
@@ -138,6 +139,10 @@ def _matches(kind: _Kind, registry: Registry, name: str) -> list[str]:
     return found
 
 
+def _complete(kind: _Kind) -> Callable[..., list[str]]:
+    return complete_message_types if kind is _MESSAGES else complete_service_types
+
+
 def _show_verb(kind: _Kind) -> click.Command:
     examples = f"""
     rostether {kind.group} show {kind.example}
@@ -146,7 +151,7 @@ def _show_verb(kind: _Kind) -> click.Command:
     """
 
     @click.command("show", cls=Verb, examples=examples)
-    @click.argument("name", required=False, metavar="TYPE")
+    @click.argument("name", required=False, metavar="TYPE", shell_complete=_complete(kind))
     @click.option("-r", "--raw", is_flag=True, help="Show the text as it was written.")
     @json_option
     @msg_path_option
@@ -172,7 +177,7 @@ def _show_verb(kind: _Kind) -> click.Command:
 
 def _md5_verb(kind: _Kind) -> click.Command:
     @click.command("md5", cls=Verb, examples=f"rostether {kind.group} md5 {kind.example}")
-    @click.argument("name", required=False, metavar="TYPE")
+    @click.argument("name", required=False, metavar="TYPE", shell_complete=_complete(kind))
     @msg_path_option
     def md5(name: str | None, msg_paths: tuple[Path, ...]) -> None:
         registry = _registry(msg_paths)
