@@ -102,7 +102,9 @@ class ServiceClient:
             else:
                 connection.close()
         if not answer.ok:
-            raise ServiceCallError(f"service {self.service} responded with an error: {answer.error_text}")
+            # roscpp's servers give none when their callback returns false.
+            reason = answer.error_text or "it gave no reason, see its node's log"
+            raise ServiceCallError(f"service {self.service} responded with an error: {reason}")
         return answer.payload
 
     async def _probe(self) -> None:
