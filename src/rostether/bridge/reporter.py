@@ -32,6 +32,34 @@ class SilentReporter:
         """Drop the line."""
 
 
+class LimitedReporter:
+    """Passes lines on, at most `count` of them in `period_s`: for what strangers bring about."""
+
+    def __init__(
+        self, reporter: Reporter, clock: Callable[[], float], *, count: int = 20, period_s: float = 10.0
+    ) -> None:
+        self._reporter = reporter
+        self._clock = clock
+        self._count = count
+        self._period_s = period_s
+        self._began_s = clock()
+        self._said = 0
+        self._unsaid = 0
+
+    def line(self, level: Level, text: str, *, node: str = "") -> None:
+        """Show one line, or count it."""
+        now_s = self._clock()
+        if now_s - self._began_s >= self._period_s:
+            if self._unsaid:
+                self._reporter.line(Level.WARN, f"{self._unsaid} lines like the next one were left out")
+            self._began_s, self._said, self._unsaid = now_s, 0, 0
+        if self._said < self._count:
+            self._said += 1
+            self._reporter.line(level, printable(text), node=node)
+        else:
+            self._unsaid += 1
+
+
 def printable(text: str) -> str:
     """Return the text as one line that cannot steer a terminal, cut at 500 characters."""
     text = text.rstrip("\r\n")

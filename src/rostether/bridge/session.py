@@ -165,7 +165,8 @@ class Session:
 
     def resume_writing(self) -> None:
         """Learn from the transport that it takes more."""
-        self.outbox.resume_writing()
+        if not self._ended.done():
+            self.outbox.resume_writing()
 
     def congested(self, wait: Callable[[], Awaitable[object]]) -> bool:
         """Read nothing from the board until `wait()` ends; False, and nothing awaited, if it cannot pause."""
@@ -293,7 +294,8 @@ class Session:
         )
 
     def _fail(self, error: Exception) -> None:
-        self._notices.say(
+        self._notices.episode(
+            "defect",
             Level.ERROR,
             f"the session broke down ({type(error).__name__}: {error}) and starts again; please report it",
         )

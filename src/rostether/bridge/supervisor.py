@@ -16,7 +16,7 @@ from rostether.bridge.board_registry import Board, BoardRegistry
 from rostether.bridge.diagnostics import BoardView, view_board
 from rostether.bridge.identity import node_base_name
 from rostether.bridge.link_keeper import LinkKeeper
-from rostether.bridge.reporter import Reporter, SilentReporter
+from rostether.bridge.reporter import LimitedReporter, Reporter, SilentReporter
 from rostether.bridge.session import Session
 from rostether.bridge.settings import DEFAULT_SETTINGS, BridgeSettings
 from rostether.errors import MasterUnreachableError, RostetherError, SessionError, TransportError
@@ -76,6 +76,8 @@ class Supervisor:
         self._open_transport = open_transport
         self._listen = listen
         self._clock = asyncio.get_running_loop().time
+        # Anybody can connect, and connect again.
+        self._door = LimitedReporter(self._reporter, self._clock)
         self._boards = BoardRegistry(settings.grace_s, self._clock)
         self._listeners: list[Listener] = []
         self._tasks: set[asyncio.Task[None]] = set()
@@ -145,9 +147,9 @@ class Supervisor:
         self._reporter.line(Level.INFO, f"Waiting for boards on {listener.address}")
 
     async def _serve_peer(self, address: Address, transport: Transport) -> None:
-        self._reporter.line(Level.INFO, f"Connection from {transport.peer}")
+        self._door.line(Level.INFO, f"Connection from {transport.peer}")
         error = await self._serve(address, transport, None)
-        self._reporter.line(Level.INFO, str(error) if error is not None else f"{transport.peer} is closed")
+        self._door.line(Level.INFO, str(error) if error is not None else f"{transport.peer} is closed")
 
     async def _serve(
         self, address: Address, transport: Transport, serial_number: str | None
@@ -227,9 +229,9 @@ class Supervisor:
             # Somebody shut its node down; `_watch` has said so.
             return
         except RostetherError as error:
-            self._reporter.line(Level.ERROR, str(error))
+            self._door.line(Level.ERROR, str(error))
         except Exception as error:  # noqa: BLE001 - one link's failure stays with that link
-            self._reporter.line(
+            self._door.line(
                 Level.ERROR, f"a link broke down: {type(error).__name__}: {error}; please report it"
             )
 

@@ -6,6 +6,7 @@ from rostether.bridge.reporter import (
     EPISODE_QUIET_S,
     MAX_KINDS,
     MAX_LINE_CHARS,
+    LimitedReporter,
     Notices,
     SilentReporter,
     printable,
@@ -100,6 +101,16 @@ def test_kinds_are_bounded(notices: Notices, reporter: RecordingReporter) -> Non
 )
 def test_a_peers_text_cannot_steer_a_terminal(text: str, shown: str) -> None:
     assert printable(text) == shown
+
+
+def test_strangers_bring_about_few_lines(reporter: RecordingReporter, clock: Clock) -> None:
+    door = LimitedReporter(reporter, clock, count=3, period_s=10.0)
+    for number in range(100):
+        door.line(Level.INFO, f"connection {number}")
+    assert reporter.texts == ["connection 0", "connection 1", "connection 2"]
+    clock.now_s = 10.0
+    door.line(Level.INFO, "connection 100")
+    assert reporter.texts[3:] == ["97 lines like the next one were left out", "connection 100"]
 
 
 def test_silence() -> None:
