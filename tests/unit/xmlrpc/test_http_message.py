@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from rostether.errors import LocalProtocolError, RemoteProtocolError
 from rostether.xmlrpc.http_message import HttpClientSide, HttpServerSide
@@ -249,3 +251,39 @@ def test_one_exchange_at_a_time() -> None:
     client.send_request(b"")
     with pytest.raises(LocalProtocolError, match="no request can be sent now"):
         client.send_request(b"")
+
+
+@st.composite
+def damaged(draw: st.DrawFn, messages: dict[str, bytes]) -> list[bytes]:
+    """Draw messages with some bytes replaced, removed or added, cut into pieces."""
+    stream = bytearray(b"".join(draw(st.lists(st.sampled_from(sorted(messages.values())), max_size=3))))
+    for _ in range(draw(st.integers(0, 4))):
+        place = draw(st.integers(0, len(stream)))
+        stream[place : place + draw(st.integers(0, 3))] = draw(st.binary(max_size=3))
+    size = draw(st.integers(1, 200))
+    return [bytes(stream[start : start + size]) for start in range(0, len(stream), size)]
+
+
+@given(damaged(REQUESTS))
+def test_a_damaged_request_never_raises(pieces: list[bytes]) -> None:
+    server = HttpServerSide()
+    for piece in [*pieces, b""]:
+        server.receive_data(piece)
+        while not server.ended and server.next_request() is not None:
+            server.send_response(b"x")
+        server.data_to_send()
+        if server.ended:
+            break
+    assert server.ended or pieces == []
+
+
+@given(damaged(RESPONSES))
+def test_a_damaged_response_raises_only_our_error(pieces: list[bytes]) -> None:
+    client = HttpClientSide("x")
+    client.send_request(b"")
+    try:
+        for piece in [*pieces, b""]:
+            if client.receive_data(piece) is not None:
+                break
+    except RemoteProtocolError as error:
+        assert "\n" not in str(error)
