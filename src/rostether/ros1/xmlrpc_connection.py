@@ -8,9 +8,14 @@ from typing import cast
 
 from rostether.xmlrpc.http_message import HttpServerSide
 
+# Nearly all requests are below; larger ones are counted together, so that many cannot fill the memory.
+_LARGE_BODY_BYTES = 256 * 1024
+
 
 class ServerConnection(asyncio.Protocol):
     """Reads requests, hands each body to `answer`, writes what comes back; `on_lost` is called at the end.
+
+    A large body goes on only while `has_room` says so.
 
     While an answer is computed, or the client does not take what was written, at most one more chunk is read
     (to notice that the client has gone): what a client can make us hold is bounded.
@@ -20,8 +25,10 @@ class ServerConnection(asyncio.Protocol):
         self,
         answer: Callable[[bytes], bytes | Awaitable[bytes]],
         on_lost: Callable[[ServerConnection], None],
+        has_room: Callable[[], bool],
     ) -> None:
         self._answer = answer
+        self._has_room = has_room
         self._on_lost = on_lost
         self._http = HttpServerSide()
         self._transport: asyncio.Transport | None = None
@@ -34,6 +41,11 @@ class ServerConnection(asyncio.Protocol):
     def is_idle(self) -> bool:
         """Whether no request is under way."""
         return self._task is None and not self._is_congested and self._http.is_idle
+
+    @property
+    def body_bytes(self) -> int:
+        """How much of a request's body it holds."""
+        return self._http.body_bytes
 
     @property
     def is_answering(self) -> bool:
@@ -72,6 +84,8 @@ class ServerConnection(asyncio.Protocol):
             self._serve()
         else:
             self._pause()
+        if self._http.body_bytes > _LARGE_BODY_BYTES and not self._has_room():
+            self.abort()
 
     def pause_writing(self) -> None:
         """Stop: the client does not read."""

@@ -16,6 +16,7 @@ from typing import Any, TypeAlias
 from rostether.errors import ConfigError, GraphError, RemoteProtocolError, RostetherError, SerializationError
 from rostether.ros1.environment import LOOPBACK, connect_host, format_uri
 from rostether.ros1.xmlrpc_connection import ServerConnection
+from rostether.xmlrpc.http_message import MAX_BODY_BYTES
 from rostether.xmlrpc.values import FaultError, XmlRpcValue, dump_fault, dump_response, load_call
 
 Method: TypeAlias = Callable[..., Any]
@@ -29,6 +30,8 @@ IDLE_TIMEOUT_S = 90.0
 MAX_MULTICALL = 10_000
 # A client that reads has its answer within milliseconds; one that does not read is not waited for.
 _CLOSE_GRACE_S = 1.0
+# What all requests that are being received may take together: a few of the largest at once.
+MAX_BODIES_BYTES = 4 * MAX_BODY_BYTES
 # Trying to get one free port on several addresses: a clash is rare, two in a row are no accident.
 _BIND_ATTEMPTS = 5
 _FAULT = 1
@@ -127,11 +130,14 @@ class XmlRpcServer:
         if len(self._connections) >= self._max_connections:
             idlest = min(self._connections, key=lambda each: (not each.is_idle, each.last_active_s))
             idlest.abort()
-        connection = ServerConnection(self._answer, self._forget)
+        connection = ServerConnection(self._answer, self._forget, self._has_room)
         self._connections[connection] = None
         if self._sweep is None:
             self._sweep_later()
         return connection
+
+    def _has_room(self) -> bool:
+        return sum(connection.body_bytes for connection in self._connections) <= MAX_BODIES_BYTES
 
     def _forget(self, connection: ServerConnection) -> None:
         self._connections.pop(connection, None)

@@ -12,7 +12,7 @@ import h11
 from rostether.errors import LocalProtocolError, RemoteProtocolError
 
 # The largest documents in the field are robot descriptions and whole parameter dumps, of a few MB.
-MAX_BODY_BYTES = 32 * 1024 * 1024
+MAX_BODY_BYTES = 16 * 1024 * 1024
 
 _TEXT_XML = (b"Content-Type", b"text/xml")
 _REASONS = {400: b"Bad Request", 403: b"Forbidden", 405: b"Method Not Allowed", 413: b"Content Too Large"}
@@ -36,6 +36,11 @@ class HttpServerSide:
     def is_idle(self) -> bool:
         """Whether no request has begun."""
         return self._connection.their_state is h11.IDLE and not self._connection.trailing_data[0]
+
+    @property
+    def body_bytes(self) -> int:
+        """How much of the request's body has come."""
+        return len(self._body)
 
     def data_to_send(self) -> bytes:
         """Return the bytes to write now."""

@@ -242,6 +242,25 @@ async def test_who_does_not_read_is_not_read_from() -> None:
         await raw.close()
 
 
+async def test_many_large_requests_cannot_fill_the_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rostether.ros1.xmlrpc_server.MAX_BODIES_BYTES", 1_000_000)
+    async with serving({"size": len}) as server:
+        begin = request("size", "x" * 900_000)[:-100]
+        first = await RawClient.connect(server)
+        first.writer.write(begin)
+        async with asyncio.timeout(10):
+            while sum(each.body_bytes for each in server._connections) < 800_000:
+                await asyncio.sleep(0.002)
+        second = await RawClient.connect(server)
+        second.writer.write(begin)
+        with contextlib.suppress(ConnectionError):
+            assert await asyncio.wait_for(second.reader.read(), 10) == b"", "no room for it"
+        first.writer.write(request("size", "x" * 900_000)[-100:])
+        assert await first.answer() == 900_000
+        await first.close()
+        await second.close()
+
+
 async def test_the_idlest_connection_makes_room() -> None:
     async with serving({"ping": lambda: 1}, max_connections=2) as server:
         first = await RawClient.connect(server)
