@@ -6,6 +6,7 @@ import sys
 import time
 from collections.abc import Callable
 
+from rostether.cli.output import forget
 from rostether.graph.ports import Level
 
 _NAMES = {
@@ -40,5 +41,9 @@ class ConsoleReporter:
             return
         place = f"{node}: " if node and self._show_node else ""
         stream = sys.stdout if level < Level.WARN else sys.stderr
-        stream.write(f"[{_NAMES[level]}] [{self._clock():.6f}]: {place}{text}\n")
-        stream.flush()
+        try:
+            stream.write(f"[{_NAMES[level]}] [{self._clock():.6f}]: {place}{text}\n")
+            stream.flush()
+        except OSError:
+            # Nobody reads the lines any more (`| head`, a closed terminal): boards are served all the same.
+            forget(stream)

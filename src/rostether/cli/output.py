@@ -7,7 +7,7 @@ import json
 import os
 import sys
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, TextIO
 
 import click
 
@@ -27,14 +27,14 @@ def write_line(text: str = "") -> None:
         sys.stdout.write(text + "\n")
         sys.stdout.flush()
     except BrokenPipeError:
-        forget_stdout()
+        forget(sys.stdout)
         raise click.exceptions.Exit(EXIT_DONE) from None
 
 
-def forget_stdout() -> None:
-    """Let what is still written to stdout go nowhere; the interpreter flushes it once more at its end."""
+def forget(stream: TextIO) -> None:
+    """Let what is still written to a stream go nowhere; the interpreter flushes it once more at its end."""
     devnull = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(devnull, sys.stdout.fileno())
+    os.dup2(devnull, stream.fileno())
     os.close(devnull)
 
 
