@@ -17,6 +17,7 @@ from typing import Any, TypeVar
 import click
 
 from rostether.cli.failures import EXIT_DONE, EXIT_INTERRUPTED
+from rostether.cli.library_logs import show_library_logs
 from rostether.errors import ConfigError
 
 T = TypeVar("T")
@@ -30,6 +31,7 @@ def run(main: Coroutine[Any, Any, T], *, is_service: bool = False, uvloop: bool 
 
     `uvloop`: True demands it, None takes it when it is installed.
     """
+    show_library_logs()
     try:
         with asyncio.Runner(loop_factory=_loop_factory(uvloop)) as runner:
             return runner.run(_until_terminated(main, EXIT_DONE if is_service else EXIT_TERMINATED))

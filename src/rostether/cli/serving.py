@@ -7,6 +7,7 @@ from contextlib import asynccontextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from rostether.cli.library_logs import show_library_logs
 from rostether.ros1.environment import RosEnvironment, is_loopback
 from rostether.transports.address import Address, TcpAddress, UdpAddress, parse_address
 
@@ -70,6 +71,7 @@ async def bridge(
     ) -> Ros1Graph:
         return await join_ros1(node_name, environment=environment, namespace=namespace, remappings=remappings)
 
+    show_library_logs(reporter.line)
     supervisor = Supervisor(
         join,
         TypeStore(Registry.from_environment(msg_paths)),

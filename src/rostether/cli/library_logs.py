@@ -1,0 +1,50 @@
+"""What our own rooms, and asyncio, tell Python's logging: shown as one line each, never as a traceback."""
+
+from __future__ import annotations
+
+import logging
+import os
+from collections.abc import Callable
+
+from rostether.cli.failures import TRACEBACK_VARIABLE
+from rostether.cli.output import warn
+from rostether.graph.ports import Level
+
+_LEVELS = {
+    logging.DEBUG: Level.DEBUG,
+    logging.INFO: Level.INFO,
+    logging.WARNING: Level.WARN,
+    logging.ERROR: Level.ERROR,
+    logging.CRITICAL: Level.FATAL,
+}
+_ROOMS = logging.getLogger("rostether")
+_ASYNCIO = logging.getLogger("asyncio")
+
+
+class _Lines(logging.Handler):
+    def __init__(self, show: Callable[[Level, str], None]) -> None:
+        super().__init__()
+        self.show = show
+
+    def emit(self, record: logging.LogRecord) -> None:
+        text = " ".join(record.getMessage().split())
+        error = record.exc_info[1] if record.exc_info else None
+        if error is not None and not os.environ.get(TRACEBACK_VARIABLE):
+            text = f"{text} ({type(error).__name__}: {error}); please report it"
+        elif error is not None:
+            text = self.format(record)
+        self.show(_LEVELS.get(record.levelno, Level.ERROR), text)
+
+
+def show_library_logs(show: Callable[[Level, str], None] | None = None) -> None:
+    """Send warnings and worse to `show`, to stderr as `WARNING: text` without one. The last call counts."""
+    handler = _Lines(show or (lambda level, text: warn(f"{logging.getLevelName(_python(level))}: {text}")))
+    handler.setLevel(logging.WARNING)
+    for logger in (_ROOMS, _ASYNCIO):
+        for earlier in [each for each in logger.handlers if isinstance(each, _Lines)]:
+            logger.removeHandler(earlier)
+        logger.addHandler(handler)
+
+
+def _python(level: Level) -> int:
+    return next(number for number, ours in _LEVELS.items() if ours is level)
