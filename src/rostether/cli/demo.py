@@ -84,9 +84,9 @@ async def _show_live(view: DemoView) -> None:
 
 async def _show_lines(view: DemoView) -> None:
     while True:
-        view.look()
-        await asyncio.sleep(PLAIN_LINE_S)
-        view.look()
+        for _ in range(round(PLAIN_LINE_S / REFRESH_S)):
+            await asyncio.sleep(REFRESH_S)
+            view.look()
         write_line(view.line())
 
 

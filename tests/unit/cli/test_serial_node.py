@@ -1,0 +1,94 @@
+"""`serial-node`: the arguments of serial_node.py, and its lines."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rostether import Device
+from rostether.cli.serial_node import choose_link
+from rostether.errors import ConfigError
+from rostether.joining import join
+from rostether.ros1.master.server import MasterServer
+from unit.cli.serving_process import started
+
+
+def _link(*rest: str, namespace: str = "/", node_name: str = "/serial_node", **parameters: object) -> str:
+    return choose_link(list(rest), parameters, node_name=node_name, namespace=namespace)
+
+
+@pytest.mark.parametrize(
+    ("link", "expected"),
+    [
+        (_link(), "/dev/ttyUSB0?name=serial_node&baud=57600"),
+        (_link("/dev/ttyACM0"), "/dev/ttyACM0?name=serial_node&baud=57600"),
+        (_link("/dev/ttyACM0", "115200"), "/dev/ttyACM0?name=serial_node&baud=115200"),
+        (_link(port="/dev/ttyACM1", baud=115200), "/dev/ttyACM1?name=serial_node&baud=115200"),
+        (_link("/dev/ttyACM0", port="/dev/ttyACM1"), "/dev/ttyACM0?name=serial_node&baud=57600"),
+        (_link("/dev/ttyACM0?reset=no"), "/dev/ttyACM0?name=serial_node&reset=no"),
+        (_link("tcp"), "tcp://:11411?name=serial_node"),
+        (_link("tcp", "11412"), "tcp://:11412?name=serial_node"),
+        (_link("tcp", tcp_port=11413), "tcp://:11413?name=serial_node"),
+        (_link(port="tcp"), "tcp://:11411?name=serial_node"),
+        (_link("tcp", namespace="/lab", node_name="/lab/arm"), "tcp://:11411?name=arm&ns=/lab"),
+    ],
+)
+def test_link(link: str, expected: str) -> None:
+    assert link == expected
+
+
+@pytest.mark.parametrize("baud", ["fast", "", True, -9600, 9.5])
+def test_baud_that_is_no_number(baud: object) -> None:
+    with pytest.raises(ConfigError, match="baud must be a whole number"):
+        _link(baud=baud)
+
+
+def test_too_many_arguments() -> None:
+    with pytest.raises(ConfigError, match="one argument too many"):
+        _link("/dev/ttyACM0", "57600", "more")
+
+
+async def test_well_known_lines_over_a_pseudo_terminal(tmp_path: Path) -> None:
+    master = await MasterServer.start(port=0)
+    port = tmp_path / "ttyACM0"
+    try:
+        async with Device(f"pty:{port}") as device:
+            device.publisher("chatter", "std_msgs/String")
+            device.subscriber("led_out", "std_msgs/Byte", lambda _message: None)
+            arguments = (f"_port:={port}", "_baud:=115200", "__name:=opencr", "chatter:=talk")
+            async with started("serial-node", *arguments, ROS_MASTER_URI=master.uri) as node:
+                await node.wait_for("Setup subscriber on led_out [std_msgs/Byte]")
+                await node.wait_for("Setup publisher on chatter [std_msgs/String]")
+                lines = [line.partition("]: ")[2] for line in node.lines]
+                assert lines[0] == "ROS Serial Python Node"
+                assert f"Connecting to {port} at 115200 baud" in lines
+                assert any(line.startswith("Note: publish buffer size is ") for line in lines)
+                assert all(line.startswith(("[INFO] [", "[WARN] [")) for line in node.lines)
+                async with join("looker", environ={"ROS_MASTER_URI": master.uri}) as graph:
+                    topics = (await graph.snapshot()).topics
+                assert topics["/talk"].publishers == ("/opencr",)
+                assert "/chatter" not in topics
+    finally:
+        await master.close()
+
+
+async def test_parameters_of_the_server(tmp_path: Path) -> None:
+    master = await MasterServer.start(port=0)
+    port = str(tmp_path / "nothing")
+    master.api.parameters.set("/lab/opencr/port", port)
+    try:
+        arguments = ("__name:=opencr", "__ns:=lab")
+        async with started("serial-node", *arguments, ROS_MASTER_URI=master.uri) as node:
+            await node.wait_for(f"{port} is not there")
+    finally:
+        await master.close()
+
+
+async def test_unknown_private_parameter_is_said() -> None:
+    master = await MasterServer.start(port=0)
+    try:
+        async with started("serial-node", "tcp", "0", "_bauds:=1", ROS_MASTER_URI=master.uri) as node:
+            await node.wait_for("_bauds is not known here")
+    finally:
+        await master.close()
