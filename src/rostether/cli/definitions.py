@@ -131,11 +131,14 @@ def _type_argument(kind: _Kind, given: str | None) -> str:
 
 def _matches(kind: _Kind, registry: Registry, name: str) -> list[str]:
     """Return the full names that a type name without its package stands for."""
-    found = [each for each in kind.names(registry) if each.partition("/")[2] == name]
+    names = kind.names(registry)
+    found = [each for each in names if each.partition("/")[2] == name]
     if not found:
-        raise UnknownTypeError(
-            f"no package has a {kind.what} {name!r}; `rostether {kind.group} list` shows all"
-        )
+        from difflib import get_close_matches
+
+        near = get_close_matches(name, {each.partition("/")[2] for each in names}, n=1)
+        hint = f"did you mean {near[0]}?" if near else f"`rostether {kind.group} list` shows all"
+        raise UnknownTypeError(f"no package has a {kind.what} {name!r}; {hint}")
     return found
 
 

@@ -109,13 +109,16 @@ async def _requests(graph: TypedGraph, type_name: str, arguments: tuple[str, ...
     texts = [argument or "''" for argument in arguments]
     if texts or not codec.message_class._fields:
         yield parse_values(codec, texts, now=graph.now)
-    elif sys.stdin.isatty():
-        fields = ", ".join(f"{name}: {field_type}" for name, field_type in codec.message_class._fields)
-        raise click.UsageError(f"give the request as YAML: {type_name} takes {{{fields}}}")
-    else:
+        return
+    is_any = False
+    if not sys.stdin.isatty():
         async for text in piped_documents(sys.stdin):
             for request in parse_documents(codec, text, now=graph.now):
+                is_any = True
                 yield request
+    if not is_any:
+        fields = ", ".join(f"{name}: {field_type}" for name, field_type in codec.message_class._fields)
+        raise click.UsageError(f"give the request as YAML: {type_name} takes {{{fields}}}")
 
 
 async def _wait_for_service(client: MasterClient, name: str, timeout_s: float | None) -> None:

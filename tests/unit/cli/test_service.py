@@ -120,6 +120,11 @@ def test_call_of_a_service_whose_type_is_not_known_here(
     assert shell.output("service", "args", "--msg-path", str(tmp_path), "/add") == "a b\n"
 
 
+def test_call_without_a_request_names_the_fields(board: Ros1Graph, shell: Shell) -> None:
+    line = shell.failure("service", "call", "/set_led", code=2)
+    assert line == "give the request as YAML: std_srvs/SetBool takes {data: bool}"
+
+
 def test_wrong_fields_name_the_right_ones(board: Ros1Graph, shell: Shell) -> None:
     assert "data" in shell.failure("service", "call", "/set_led", "{dta: true}")
     assert "1 value (data)" in shell.failure("service", "call", "/set_led", "1", "2")
@@ -149,6 +154,11 @@ def test_the_servers_own_error_is_told(graph: LiveGraph, shell: Shell) -> None:
     async def fail(_request: bytes) -> bytes:
         raise ServiceCallError("the motor is hot")
 
+    async def fail_silently(_request: bytes) -> bytes:
+        raise ServiceCallError("")
+
+    serve(graph, "/turn", fail_silently)
+    assert "it gave no reason" in shell.failure("service", "call", "/turn")
     serve(graph, "/move", fail)
     assert "the motor is hot" in shell.failure("service", "call", "/move")
 
