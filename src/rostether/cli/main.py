@@ -57,7 +57,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _split_special(arguments: Sequence[str]) -> tuple[list[str], dict[str, str]]:
     # roslaunch adds them to every command it starts. serial-node sorts all of its ROS arguments itself.
-    if arguments[:1] == ["serial-node"]:
+    if arguments and arguments[0] == "serial-node":
         return list(arguments), {}
     specials = {match[1]: match[2] for each in arguments if (match := _SPECIAL.fullmatch(each))}
     return [each for each in arguments if not _SPECIAL.fullmatch(each)], specials

@@ -3,45 +3,18 @@ from __future__ import annotations
 import asyncio
 import os
 import signal
-import subprocess
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 
 import pytest
 
 from rostether.cli.main import main
 from rostether.cli.running import run
 from rostether.errors import ConfigError
+from unit.cli.processes import started
 from unit.cli.shell import LiveGraph
 from unit.cli.talking import command_node
 
 ECHO = ("topic", "echo", "/ultrasound/range")
-
-
-@contextmanager
-def started(
-    graph: LiveGraph, *arguments: str, ignores_sigint: bool = False
-) -> Iterator[subprocess.Popen[str]]:
-    """Run a command in a process of its own."""
-
-    def ignore() -> None:
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-    process = subprocess.Popen(
-        [sys.executable, "-m", "rostether", *arguments],
-        env={**os.environ, "ROS_MASTER_URI": graph.uri},
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        preexec_fn=ignore if ignores_sigint else None,
-    )
-    try:
-        yield process
-    finally:
-        process.kill()
-        process.communicate()
 
 
 @pytest.mark.parametrize(
@@ -51,7 +24,7 @@ def started(
 def test_a_signal_ends_a_command_that_then_leaves_the_graph(
     graph: LiveGraph, number: signal.Signals, code: int, ignores_sigint: bool
 ) -> None:
-    with started(graph, *ECHO, ignores_sigint=ignores_sigint) as process:
+    with started(graph.uri, *ECHO, ignores_sigint=ignores_sigint) as process:
         graph.wait_until(lambda: command_node(graph) is not None)
         process.send_signal(number)
         _, errors = process.communicate(timeout=20)
@@ -61,7 +34,7 @@ def test_a_signal_ends_a_command_that_then_leaves_the_graph(
 
 
 def test_a_service_that_is_told_to_end_has_done_its_work(graph: LiveGraph) -> None:
-    with started(graph, "core", "--port", "0") as process:
+    with started(graph.uri, "core", "--port", "0") as process:
         assert process.stdout is not None
         assert process.stdout.readline().startswith("ROS_MASTER_URI=http://")
         process.send_signal(signal.SIGTERM)
@@ -71,7 +44,7 @@ def test_a_service_that_is_told_to_end_has_done_its_work(graph: LiveGraph) -> No
 
 @pytest.mark.parametrize("command", [["msg", "list"], ["msg", "show", "--help"], ["topic", "list"]])
 def test_a_reader_that_has_had_enough_is_no_error(graph: LiveGraph, command: list[str]) -> None:
-    with started(graph, *command) as process:
+    with started(graph.uri, *command) as process:
         assert process.stdout is not None
         process.stdout.close()
         process.stdout = None
