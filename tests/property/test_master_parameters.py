@@ -99,9 +99,10 @@ class MasterUnderChanges(RuleBasedStateMachine):
     def watch(self, name: str, watcher: str) -> None:
         api = f"http:/{watcher}/"
         _, _, value = self.methods["subscribeParam"](watcher, api, name)
-        if name == "/" and not isinstance(value, dict):
-            raise AssertionError("the root is a namespace")
-        self.watchers.param_update(api, watch_key(name), value)
+        # `{}` means unset: nothing new to who knows a plain value above.
+        view = self.watchers.views.setdefault(api, ParameterTree())
+        if value != {} or view.has(name):
+            self.watchers.param_update(api, watch_key(name), value)
         self.watched.add((api, name))
 
     @rule(name=NAMES, watcher=WATCHERS)

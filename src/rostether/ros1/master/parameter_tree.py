@@ -125,7 +125,8 @@ class ParameterTree:
 def updates(watched: Iterable[str], name: str, value: XmlRpcValue) -> list[Update]:
     """Return what the watchers of each watched key are told when `name` becomes `value`, `{}` for deleted.
 
-    Watchers of the name and above hear of the change itself; those below hear of their own new value.
+    Watchers of the name and above hear of the change itself; those below hear of their own new value. The
+    deepest come first: who watches on several levels, and keeps a tree, has the right one in the end.
     """
     key = watch_key(name)
     found: list[Update] = []
@@ -137,7 +138,7 @@ def updates(watched: Iterable[str], name: str, value: XmlRpcValue) -> list[Updat
             if below is None:
                 below = {watch_key(inner): item for inner, item in _walk(key, value)}
             found.append(Update(each, each, below.get(each, {}), is_own_change=False))
-    return found
+    return sorted(found, key=lambda update: -len(update.key))
 
 
 def _walk(prefix: str, value: XmlRpcValue) -> Iterator[tuple[str, XmlRpcValue]]:

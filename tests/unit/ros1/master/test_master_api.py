@@ -144,12 +144,12 @@ def test_watchers_of_a_parameter(master: Master) -> None:
     assert master.call("subscribeParam", "/p", A, "/a") == (1, "Subscribed to parameter [/a]", {})
     assert master.call("subscribeParam", "/s", B, "/a/b")[2] == {}
     master.call("setParam", "/x", "/a", {"b": 1})
-    assert master.told.take() == [(A, "/a/", {"b": 1}), (B, "/a/b/", 1)]
+    assert master.told.take() == [(B, "/a/b/", 1), (A, "/a/", {"b": 1})]
     assert master.call("subscribeParam", "/p", A, "/a")[2] == {"b": 1}
     master.call("setParam", "/p", "/a/b", 2)
     assert master.told.take() == [(B, "/a/b/", 2)], "who sets a value knows it"
     master.call("deleteParam", "/p", "/a")
-    assert master.told.take() == [(A, "/a/", {}), (B, "/a/b/", {})]
+    assert master.told.take() == [(B, "/a/b/", {}), (A, "/a/", {})]
     assert master.call("unsubscribeParam", "/p", A, "/a/") == (1, "Unsubscribe to parameter [/a]", 1)
     master.call("setParam", "/x", "/a", 7)
     assert master.told.take() == [(B, "/a/b/", {})], "unset, and told so"

@@ -139,27 +139,27 @@ def test_size_is_bounded_and_given_back(monkeypatch: pytest.MonkeyPatch) -> None
 
 def test_watchers_at_and_above_hear_the_change_itself() -> None:
     assert updates(["/", "/a/", "/a/b/", "/ab/", "/a/b/c/", "/x/"], "/a/b", 5) == [
+        Update("/a/b/c/", "/a/b/c/", {}, is_own_change=False),
         Update("/", "/a/b/", 5, is_own_change=True),
         Update("/a/", "/a/b/", 5, is_own_change=True),
         Update("/a/b/", "/a/b/", 5, is_own_change=True),
-        Update("/a/b/c/", "/a/b/c/", {}, is_own_change=False),
     ]
 
 
 def test_watchers_below_hear_their_own_new_value() -> None:
     value: XmlRpcValue = {"b": {"c": 1}, "d": 2}
     assert updates(["/a/b/", "/a/b/c/", "/a/d/", "/a/gone/"], "/a", value) == [
-        Update("/a/b/", "/a/b/", {"c": 1}, is_own_change=False),
-        Update("/a/b/c/", "/a/b/c/", 1, is_own_change=False),
-        Update("/a/d/", "/a/d/", 2, is_own_change=False),
         Update("/a/gone/", "/a/gone/", {}, is_own_change=False),
+        Update("/a/b/c/", "/a/b/c/", 1, is_own_change=False),
+        Update("/a/b/", "/a/b/", {"c": 1}, is_own_change=False),
+        Update("/a/d/", "/a/d/", 2, is_own_change=False),
     ]
 
 
 def test_watchers_of_everything_hear_of_a_new_root() -> None:
     assert updates(["/", "/a/"], "/", {"a": 1}) == [
-        Update("/", "/", {"a": 1}, is_own_change=True),
         Update("/a/", "/a/", 1, is_own_change=False),
+        Update("/", "/", {"a": 1}, is_own_change=True),
     ]
 
 
