@@ -47,19 +47,17 @@ class _Outbox:
 class NodeCallQueue:
     """Delivers a master's calls to nodes; `on_gone(api)` is told of a URI where nobody listens any more.
 
-    `on_refused_watch(api, key)` is told when a node answers that it does not watch a parameter.
+    What nodes answer does not matter: rospy says that it does not watch a parameter while it is about to.
     """
 
     def __init__(
         self,
         on_gone: Callable[[str], None],
-        on_refused_watch: Callable[[str, str], None],
         *,
         first_retry_s: float = _FIRST_RETRY_S,
         call_timeout_s: float = _CALL_TIMEOUT_S,
     ) -> None:
         self._on_gone = on_gone
-        self._on_refused_watch = on_refused_watch
         self._first_retry_s = first_retry_s
         self._call_timeout_s = call_timeout_s
         self._outboxes: dict[str, _Outbox] = {}
@@ -157,7 +155,7 @@ class NodeCallQueue:
     ) -> None:
         method, key = what
         try:
-            answer = await outbox.client.call(method, _CALLER, *arguments)
+            await outbox.client.call(method, _CALLER, *arguments)
         except SerializationError as error:
             _log.warning("%s cannot be sent to %s: %s", key, api, error)
             return
@@ -168,9 +166,6 @@ class NodeCallQueue:
                 raise _NotDeliveredError(is_refused=isinstance(cause, ConnectionRefusedError)) from error
             # It is there, and answered a fault or nonsense: trying again would not help.
             _log.debug("%s", error)
-            return
-        if method == "paramUpdate" and isinstance(answer, list) and answer[:1] == [-1]:
-            self._on_refused_watch(api, key)
 
 
 class _NotDeliveredError(Exception):

@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from rostether.ros1.environment import DEFAULT_MASTER_PORT, LOOPBACK
 from rostether.ros1.master.master_api import MasterApi
 from rostether.ros1.master.node_calls import PING_INTERVAL_S, NodeCallQueue
-from rostether.ros1.master.registrations import Kind
 from rostether.ros1.xmlrpc_server import XmlRpcServer
 
 # What roscore of the last ROS 1 distribution sets; the trailing newlines are part of the values.
@@ -24,7 +23,7 @@ class MasterServer:
     """A ROS master, with the parameters roscore sets; `start` makes one that listens."""
 
     def __init__(self, hosts: Sequence[str], port: int, advertised_host: str) -> None:
-        self._node_calls = NodeCallQueue(self._drop_gone, self._unwatch)
+        self._node_calls = NodeCallQueue(self._drop_gone)
         self.api = MasterApi(self._node_calls, self._stop)
         self._server = XmlRpcServer(
             self.api.dispatch(), hosts=hosts, port=port, advertised_host=advertised_host
@@ -105,12 +104,6 @@ class MasterServer:
                 api,
             )
             self.api.drop_node(name)
-
-    def _unwatch(self, api: str, key: str) -> None:
-        registrations = self.api.registrations
-        for name, each in list(registrations.members(Kind.PARAM, key).items()):
-            if each == api:
-                registrations.unregister(Kind.PARAM, key, name, api)
 
 
 def _new_run_id() -> str:

@@ -97,20 +97,6 @@ async def test_nodes_are_pinged(
     await node.close()
 
 
-async def test_a_denied_watch_ends(client: XmlRpcClient, master: MasterServer) -> None:
-    node = XmlRpcServer(
-        {
-            "getPid": lambda _caller: [1, "", 1],
-            "paramUpdate": lambda _caller, _key, _value: [-1, "not subscribed", 0],
-        }
-    )
-    await node.start()
-    await client.call("subscribeParam", "/p", node.uri, "/a")
-    await client.call("setParam", "/x", "/a", 1)
-    await until(lambda: not master.api.registrations.nodes)
-    await node.close()
-
-
 async def test_it_stops_when_asked_to(client: XmlRpcClient, master: MasterServer) -> None:
     assert await client.call("shutdown", "/x", "enough") == [1, "shutdown", 0]
     await asyncio.wait_for(master.wait_closed(), 10)
