@@ -11,14 +11,6 @@ from unit.cli.processes import read_until, started
 from unit.cli.shell import STORE, LiveGraph
 
 
-def test_the_demo_ends_by_itself(graph: LiveGraph) -> None:
-    with started(graph.uri, "demo", "--seconds", "3") as process:
-        printed, errors = process.communicate(timeout=30)
-    assert (process.returncode, errors) == (0, "")
-    assert "Setup publisher on ultrasound [sensor_msgs/Range]" in printed
-    assert "ultrasound 0.0 Hz" in printed or "ultrasound 19" in printed or "ultrasound 20" in printed
-
-
 def test_the_demo_is_interrupted(graph: LiveGraph) -> None:
     with started(graph.uri, "demo") as process:
         read_until(process, "virtual board ready")

@@ -1,134 +1,148 @@
+"""`serve`, `core` and `demo` as processes: what they print, whom they join, how they end."""
+
 from __future__ import annotations
 
-import re
+import asyncio
 import signal
-import sys
+import socket
+from collections.abc import Awaitable, Callable
 from pathlib import Path
 
 import pytest
 
-from rostether.cli.serving import loopback_lines, read_links
-from rostether.device import Device
-from rostether.ros1.environment import RosEnvironment
-from rostether.ros1.master.registrations import Kind
-from rostether.transports.address import TcpAddress, UdpAddress, parse_address
-from unit.cli.processes import read_until, started
-from unit.cli.shell import LiveGraph, Shell
-
-LOOPBACK = RosEnvironment.read({})
-WIDE = RosEnvironment.read({"ROS_IP": "192.0.2.5"})
+from interop.ros1_peers import free_port
+from rostether import Device
+from rostether.joining import join
+from rostether.ros1.master.server import MasterServer
+from unit.cli.serving_process import started
 
 
-class Board:
-    """A device that counts, plugged in at an address."""
-
-    def __init__(self, graph: LiveGraph, address: str) -> None:
-        self._graph = graph
-
-        async def plug_in() -> Device:
-            device = Device(address)
-            device.publisher("count", "std_msgs/UInt16")
-            device.subscriber("led", "std_msgs/Bool", lambda _message: None)
-            await device.__aenter__()
-            return device
-
-        self.device = graph.do(plug_in())
-
-    def close(self) -> None:
-        self._graph.do(self.device.close())
+async def _until(condition: Callable[[], Awaitable[bool]]) -> None:
+    async with asyncio.timeout(15):
+        while not await condition():
+            await asyncio.sleep(0.02)
 
 
-def serial_node_of(graph: LiveGraph) -> list[str]:
-    return sorted(graph.master.api.registrations.nodes)
+async def test_is_the_master_when_there_is_none(tmp_path: Path) -> None:
+    port = free_port()
+    uri = f"http://localhost:{port}"
+    async with started("serve", f"pty:{tmp_path}/board", ROS_MASTER_URI=uri) as serve:
+        await serve.wait_for("Being the ROS master: ROS_MASTER_URI=http://127.0.0.1")
+        async with join("looker", environ={"ROS_MASTER_URI": uri}) as graph:
+            assert await graph.get_param("/rosdistro") == "noetic\n"
+            assert "/rosout_agg" in (await graph.snapshot()).topics
 
 
-def test_serve_a_board_until_it_is_told_to_end(graph: LiveGraph) -> None:
-    command = ("serve", "tcp://:0?name=arm", "--ns-per-board")
-    with started(graph.uri, *command) as process:
-        lines = read_until(process, "Waiting for boards on")
-        assert "Joining the ROS master at" in lines[0]
-        assert any("--listen 0.0.0.0 lets boards on the network in" in line for line in lines)
-        board = Board(graph, lines[-1].rpartition(" ")[2])
-        lines = read_until(process, "Setup subscriber on led [std_msgs/Bool]")
-        assert any(
-            re.fullmatch(r"\[INFO\] \[\d+\.\d{6}\]: /arm: Setup publisher on count \[std_msgs/UInt16\]", line)
-            for line in lines
-        )
-        graph.wait_until(lambda: "/arm/led" in graph.master.api.registrations.keys(Kind.SUBSCRIBER))
-        process.send_signal(signal.SIGINT)
-        process.communicate(timeout=20)
-        assert process.returncode == 130
-        assert serial_node_of(graph) == []
-        board.close()
+async def test_joins_the_master_that_answers() -> None:
+    master = await MasterServer.start(port=0)
+    try:
+        async with started("serve", "tcp://:0", ROS_MASTER_URI=master.uri) as serve:
+            await serve.wait_for("Joining the ROS master at")
+    finally:
+        await master.close()
 
 
-def test_serial_node_as_scripts_start_it(graph: LiveGraph) -> None:
-    graph.do(graph.node("setter").set_param("/lab/opencr/tcp_port", 0))
-    command = ("serial-node", "tcp", "__name:=opencr", "__ns:=/lab", "led:=lamp")
-    with started(graph.uri, *command) as process:
-        lines = read_until(process, "Waiting for boards on")
-        assert re.fullmatch(r"\[INFO\] \[\d+\.\d{6}\]: ROS Serial Python Node", lines[0])
-        board = Board(graph, lines[-1].rpartition(" ")[2])
-        lines = read_until(process, "Setup subscriber on led [std_msgs/Bool]")
-        assert any("]: Note: publish buffer size is" in line for line in lines)
-        graph.wait_until(lambda: "/lab/opencr" in serial_node_of(graph))
-        process.send_signal(signal.SIGTERM)
-        process.communicate(timeout=20)
-        assert process.returncode == 0
-        board.close()
+async def test_waits_for_a_chosen_master() -> None:
+    port, board_port = free_port(), free_port()
+    uri = f"http://localhost:{port}"
+    async with started("serve", "--master", uri, f"tcp://:{board_port}?name=patient") as serve:
+        await serve.wait_for("Waiting for boards")
+        async with Device(f"tcp://127.0.0.1:{board_port}") as device:
+            device.publisher("count", "std_msgs/UInt32")
+            await serve.wait_for("waiting for it")
+            master = await MasterServer.start(port=port)
+            try:
+                async with join("looker", environ={"ROS_MASTER_URI": uri}) as graph:
+
+                    async def published() -> bool:
+                        return "/count" in (await graph.snapshot()).topics
+
+                    await _until(published)
+            finally:
+                await master.close()
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
-def test_a_pseudo_terminal_for_a_simulator(graph: LiveGraph, tmp_path: Path) -> None:
-    link = tmp_path / "board"
-    with started(graph.uri, "serve", f"pty:{link}") as process:
-        read_until(process, f"Connecting to pty:{link}")
-        board = Board(graph, str(link))
-        read_until(process, "/board: Setup publisher on count [std_msgs/UInt16]")
-        process.send_signal(signal.SIGTERM)
-        process.communicate(timeout=20)
-        assert process.returncode == 0
-        assert not link.is_symlink()
-        board.close()
+async def test_port_of_something_else_is_said() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as other:
+        port = other.getsockname()[1]
+        async with started("serve", "tcp://:0", "--master-port", str(port)) as serve:
+            text = await serve.finish()
+    assert serve.process.returncode == 1
+    assert f"{port}" in text.splitlines()[-1]
+    assert text.splitlines()[-1].startswith("rostether: error: ")
 
 
-def test_a_listener_without_a_host_listens_where_the_environment_lets_us() -> None:
-    assert read_links("tcp://:11411", LOOPBACK) == [TcpAddress("127.0.0.1", 11411)]
-    hosts = [link.host for link in read_links("udp://:11411?name=a", WIDE) if isinstance(link, UdpAddress)]
-    assert hosts == ["192.0.2.5", "127.0.0.1"]
-    assert read_links("tcp://127.0.0.1:11411", WIDE) == [TcpAddress("127.0.0.1", 11411)]
-    assert read_links("/dev/ttyACM0", WIDE) == [parse_address("/dev/ttyACM0")]
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+async def test_end_tells_the_board_and_leaves_the_graph(number: signal.Signals) -> None:
+    master = await MasterServer.start(port=0)
+    try:
+        async with started("serve", "tcp://:0?name=arm", ROS_MASTER_URI=master.uri) as serve:
+            await serve.wait_for("Waiting for boards on tcp://127.0.0.1:")
+            port = serve.text.rpartition(":")[2].split()[0]
+            async with Device(f"tcp://127.0.0.1:{port}") as device:
+                device.publisher("count", "std_msgs/UInt32")
+                await serve.wait_for("/arm: Setup publisher on count [std_msgs/UInt32]")
+                await serve.wait_for("Note: publish buffer size is")
+                await device.wait_connected()
+                serve.process.send_signal(number)
+                async with asyncio.timeout(2.5):
+                    await serve.process.wait()
+                    while device.connected:
+                        await asyncio.sleep(0.01)
+            assert serve.process.returncode == (130 if number == signal.SIGINT else 0)
+        assert "/arm" not in master.api.registrations.nodes
+    finally:
+        await master.close()
 
 
-@pytest.mark.parametrize(
-    ("environment", "addresses", "count"),
-    [
-        (LOOPBACK, ["/dev/ttyACM0"], 0),
-        (LOOPBACK, ["tcp://:11411", "udp://:11411"], 2),
-        (LOOPBACK, ["tcp://0.0.0.0:11411"], 0),
-        (WIDE, ["tcp://:11411"], 0),
-        (RosEnvironment.read({"ROS_MASTER_URI": "http://192.0.2.1:11311"}), ["/dev/ttyACM0"], 1),
-    ],
-)
-def test_one_line_says_what_is_on_loopback_only(
-    environment: RosEnvironment, addresses: list[str], count: int
-) -> None:
-    links = [link for address in addresses for link in read_links(address, environment)]
-    lines = loopback_lines(environment, links)
-    assert len(lines) == count
-    assert all("--listen 0.0.0.0" in line for line in lines)
+async def test_listener_on_loopback_names_the_flag() -> None:
+    port = str(free_port())
+    async with started("serve", "tcp://:0", "--master-port", port) as serve:
+        await serve.wait_for("--listen 0.0.0.0")
 
 
-@pytest.mark.parametrize(
-    ("arguments", "code", "text"),
-    [
-        ([], 2, "ADDRESS"),
-        (["/dev/ttyACM0?bad=1"], 1, "bad"),
-        (["usb:/dev/ttyACM0"], 1, "unknown kind of link 'usb'"),
-        (["/dev/ttyACM0", "--master", "nonsense"], 1, "nonsense"),
-        (["/dev/ttyACM0", "--master", "http://a:1", "--master-port", "5"], 1, "give one of them"),
-        (["/dev/ttyACM0", "--msg-path", "/no/such/folder"], 1, "no such folder"),
-    ],
-)
-def test_mistakes(graph: LiveGraph, shell: Shell, arguments: list[str], code: int, text: str) -> None:
-    assert text in shell.failure("serve", *arguments, code=code)
+async def test_no_such_option_of_an_address() -> None:
+    async with started("serve", "/dev/ttyACM0?bud=9600") as serve:
+        text = await serve.finish()
+    assert serve.process.returncode == 1
+    assert "unknown option 'bud'" in text
+    assert len(text.splitlines()) == 1
+
+
+async def test_two_ways_to_the_master_are_one_too_many() -> None:
+    arguments = ("--master", "http://localhost:11311", "--master-port", "11312")
+    async with started("serve", "tcp://:0", *arguments) as serve:
+        assert "give one of them" in await serve.finish()
+
+
+async def test_core_serves_its_uri() -> None:
+    async with started("core", "--port", "0") as core:
+        await core.wait_for("ROS_MASTER_URI=http://127.0.0.1:")
+        uri = core.lines[0].partition("=")[2]
+        async with join("looker", environ={"ROS_MASTER_URI": uri}) as graph:
+            assert "/rosout" in (await graph.snapshot()).nodes
+
+
+async def test_second_core_says_the_port_is_taken() -> None:
+    master = await MasterServer.start(port=0)
+    try:
+        port = master.uri.rstrip("/").rpartition(":")[2]
+        async with started("core", "--port", port) as core:
+            text = await core.finish()
+        assert core.process.returncode == 1
+        assert port in text
+    finally:
+        await master.close()
+
+
+async def test_demo_ends_by_itself_with_messages() -> None:
+    uri = f"http://localhost:{free_port()}"
+    async with started("demo", "--seconds", "2", ROS_MASTER_URI=uri) as demo:
+        text = await demo.finish(30)
+    assert demo.process.returncode == 0
+    assert "Setup publisher on ultrasound [sensor_msgs/Range]" in text
+    last = next(line for line in reversed(text.splitlines()) if "discarded" in line)
+    rate_hz = float(last.partition("ultrasound ")[2].partition(" Hz")[0])
+    assert 5 < rate_hz < 40
+    assert last.endswith(" 0 discarded")
+    assert "WARN" not in text
