@@ -49,8 +49,8 @@ def test_version(shell: Shell) -> None:
 
 
 def test_what_is_typed_wrong_is_told_with_the_nearest_command(shell: Shell) -> None:
-    assert shell.failure("topc", code=2) == "no such command 'topc'; did you mean topic?"
-    assert shell.failure("topic", "ecko", code=2) == "no such command 'ecko'; did you mean echo?"
+    assert "no such command 'topc'; did you mean topic?" in shell.failure("topc", code=2)
+    assert "no such command 'ecko'; did you mean echo?" in shell.failure("topic", "ecko", code=2)
     assert "see `rostether --help`" in shell.failure("xyzzy", code=2)
     assert "--nope" in shell.failure("topic", "list", "--nope", code=2)
 
