@@ -16,6 +16,13 @@ EXIT_DONE = 0
 EXIT_FAILED = 1
 EXIT_USAGE = 2
 EXIT_INTERRUPTED = 130
+# How click calls the types of our options, and what a person would call them.
+_PLAINER = {
+    "is not a valid float range": "is not a number",
+    "is not a valid integer range": "is not a whole number",
+    "is not a valid float": "is not a number",
+    "is not a valid integer": "is not a whole number",
+}
 TRACEBACK_VARIABLE = "ROSTETHER_TRACEBACK"
 
 
@@ -57,10 +64,17 @@ def print_error(text: str) -> None:
 
 
 def _report_usage(error: click.ClickException) -> int:
+    if isinstance(error, click.exceptions.NoArgsIsHelpError):
+        click.echo(error.format_message(), err=True)
+        return error.exit_code
     context = getattr(error, "ctx", None)
-    if context is not None:
-        click.echo(f"{context.get_usage()}\nTry `{context.command_path} --help`.", err=True)
-    print_error(" ".join(error.format_message().split()))
+    text = " ".join(error.format_message().split()).rstrip(".")
+    for clicks, ours in _PLAINER.items():
+        text = text.replace(clicks, ours)
+    # Our own usage errors say what to do; click's say what is wrong.
+    if context is not None and (type(error) is not click.UsageError or "unexpected extra" in text):
+        text = f"{text}; see `{context.command_path} --help`"
+    print_error(text)
     return error.exit_code
 
 

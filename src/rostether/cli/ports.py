@@ -23,6 +23,7 @@ def ports(as_json: bool) -> None:
     """
     from rostether.cli.usb_boards import board_of
     from rostether.transports.serial import list_ports
+    from rostether.transports.serial_errors import explain_permission
 
     found = list_ports()
     for port in found:
@@ -34,7 +35,10 @@ def ports(as_json: bool) -> None:
     if not found:
         warn("no serial port found; plug a board in with a USB cable that carries data, not only power")
     elif not as_json and any(not _is_accessible(port) for port in found):
-        warn(f"no permission: sudo usermod -aG {_group_of(found)} $USER, then log out and in again")
+        for advice in dict.fromkeys(
+            explain_permission(port.path) for port in found if not _is_accessible(port)
+        ):
+            warn(advice)
 
 
 def _format(port: SerialPort, board: str) -> str:
@@ -65,17 +69,3 @@ def _usb_id(port: SerialPort) -> str:
 def _is_accessible(port: SerialPort) -> bool:
     # Windows has no files for its ports.
     return os.name == "nt" or os.access(port.path, os.R_OK | os.W_OK)
-
-
-def _group_of(found: list[SerialPort]) -> str:
-    """Return the group that may use the first port we may not: dialout on Debian, uucp on Arch."""
-    import grp
-    from pathlib import Path
-
-    for port in found:
-        if not _is_accessible(port):
-            try:
-                return grp.getgrgid(Path(port.path).stat().st_gid).gr_name
-            except (OSError, KeyError):
-                break
-    return "dialout"

@@ -31,7 +31,7 @@ from rostether.transports.address import Address
     rostether serve /dev/ttyACM0 /dev/ttyACM1 --ns-per-board
     """,
 )
-@click.argument("addresses", nargs=-1, required=True, metavar="ADDRESS...")
+@click.argument("addresses", nargs=-1, metavar="ADDRESS...")
 @click.option("--master", metavar="URI", help="The ROS master to join; it is waited for.")
 @click.option(
     "--master-port",
@@ -60,6 +60,13 @@ def serve(
     pseudo-terminal made there, xbee:PORT. Options go behind a question mark: baud=115200, name=arm, ns=lab,
     reset=no. A port that does not exist yet is waited for.
     """
+    if not addresses:
+        raise click.UsageError(
+            "name the board's port, for instance /dev/ttyACM0; `rostether ports` lists them"
+        )
+    twice = next((address for address in addresses if addresses.count(address) > 1), None)
+    if twice is not None:
+        raise click.UsageError(f"{twice} is given twice; one address serves one port")
     if master is not None and master_port is not None:
         raise ConfigError("--master joins a master and --master-port is one: give one of them")
     environment = read_environment(master)

@@ -124,6 +124,7 @@ _KNOWN_OPTIONS = {
     "xbee": ("baud", "peers"),
 }
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):(.*)", re.DOTALL)
+_HOST_PORT = re.compile(r"[^\s:]+:[0-9]{1,5}")
 _WINDOWS_PORT = re.compile(r"(?:\\\\\.\\)?COM[0-9]+", re.IGNORECASE)
 _YES = ("yes", "true", "on", "1")
 _NO = ("no", "false", "off", "0")
@@ -234,6 +235,11 @@ def _split_scheme(text: str, place: str) -> tuple[str, str]:
         return "serial", place
     if not place:
         raise ConfigError("empty link address; write for instance /dev/ttyACM0 or tcp://:11411")
+    if _HOST_PORT.fullmatch(place):
+        raise ConfigError(
+            f"no link address: {text!r}; write tcp://{place}?connect=yes to connect there, "
+            f"or tcp://{place} to listen there"
+        )
     raise ConfigError(f"no link address: {text!r}; a serial port is written with its path, /dev/{place}")
 
 

@@ -15,6 +15,7 @@ from rostether.transports.address import SerialAddress
 
 # What is told of the ports that are there: more do not fit a line.
 _LISTED_PORTS = 6
+_GROUP_MAY_USE = 0o060
 _PTY_NAME = re.compile(r"/dev/pts/[0-9]+|/dev/tty[p-za-e][0-9a-f]|/dev/ttys[0-9]{3,}")
 
 
@@ -46,7 +47,7 @@ def explain_open_error(
             f"{path} is in use by {find_holder(path) or 'another program'}; close that program"
         )
     if isinstance(error, PermissionError):
-        return TransportOpenError(_explain_permission(path))
+        return TransportOpenError(explain_permission(path))
     if isinstance(error, OSError) and code in (errno.ENOTTY, errno.EISDIR):
         return TransportOpenError(f"{path} is not a serial port; {_say_what_is_there(list_ports)}")
     if isinstance(error, OSError) and code in (errno.ENXIO, errno.ENODEV, errno.EIO):
@@ -93,15 +94,19 @@ def _link_target(path: str) -> str:
         return ""
 
 
-def _explain_permission(path: str) -> str:
+def explain_permission(path: str) -> str:
+    """Say who may open a port, and what to type."""
     group = "dialout"
+    group_may = True
     try:
         import grp
 
-        group = grp.getgrgid(Path(path).stat().st_gid).gr_name
+        status = Path(path).stat()
+        group = grp.getgrgid(status.st_gid).gr_name
+        group_may = status.st_mode & _GROUP_MAY_USE == _GROUP_MAY_USE
     except (ImportError, OSError, KeyError):
         pass
-    if group == "root":
+    if group == "root" or not group_may:
         return f"no permission to open {path}, which only root may use; type sudo chmod a+rw {path}"
     return (
         f"no permission to open {path}, it belongs to group {group}; "

@@ -13,6 +13,8 @@ def shell(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -
     for name in ("ROS_NAMESPACE", "ROS_IP", "ROS_HOSTNAME", "ROS_PACKAGE_PATH"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("ROS_MASTER_URI", "http://127.0.0.1:9")
+    # What the nodes of the test's own process log is none of the command's output.
+    monkeypatch.setattr("rostether.cli.running.show_library_logs", lambda: None)
     return Shell(capsys, monkeypatch)
 
 

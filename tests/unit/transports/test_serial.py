@@ -253,12 +253,16 @@ def test_no_permission_names_the_group_and_the_command(
     assert "sudo usermod -aG dialout $USER" in str(explained(error))
     import grp
 
+    port = tmp_path / "ttyACM0"
+    port.touch()
+    port.chmod(0o660)
     monkeypatch.setattr(grp, "getgrgid", lambda _gid: grp.struct_group(("uucp", "x", 14, [])))
-    assert "belongs to group uucp; type sudo usermod -aG uucp $USER" in str(
-        explained(error, path=str(tmp_path))
-    )
+    assert "belongs to group uucp; type sudo usermod -aG uucp $USER" in str(explained(error, path=str(port)))
+    port.chmod(0o600)
+    assert "sudo chmod a+rw" in str(explained(error, path=str(port)))
+    port.chmod(0o660)
     monkeypatch.setattr(grp, "getgrgid", lambda _gid: grp.struct_group(("root", "x", 0, [])))
-    assert "sudo chmod a+rw" in str(explained(error, path=str(tmp_path)))
+    assert "sudo chmod a+rw" in str(explained(error, path=str(port)))
 
 
 def test_windows_says_access_denied_of_a_busy_port(monkeypatch: pytest.MonkeyPatch) -> None:
