@@ -39,14 +39,6 @@ class Listener:
         shut_down(graph, name)
 
 
-def until_shut_down(shell: Shell, *arguments: str) -> str:
-    """Run a command that a listener ends; returns what it printed."""
-    result = shell(*arguments)
-    assert result.code == 0, result
-    assert "asked for it: user request" in result.err
-    return result.out
-
-
 @pytest.fixture
 def brief(monkeypatch: pytest.MonkeyPatch) -> None:
     """`-1` stays no longer than a subscriber of the same machine needs."""
@@ -70,7 +62,7 @@ def test_once_as_a_printed_book_spells_it(graph: LiveGraph, shell: Shell) -> Non
 
 def test_latched_until_told_to_end(graph: LiveGraph, shell: Shell) -> None:
     listener = Listener(graph, "/name", "std_msgs/String", enough=1)
-    printed = until_shut_down(shell, "topic", "pub", "-v", "/name", "std_msgs/String", "data: hi")
+    printed = shell.output("topic", "pub", "-v", "/name", "std_msgs/String", "data: hi")
     assert printed == 'publishing and latching message [data: "hi"]. Press ctrl-C to terminate\n'
     assert listener.values == ["hi"]
 
@@ -106,7 +98,7 @@ def test_stamps_are_filled_in_each_time(graph: LiveGraph, shell: Shell, argument
 
 def test_without_substitution_the_first_stamp_stays(graph: LiveGraph, shell: Shell) -> None:
     listener = Listener(graph, "/point", "geometry_msgs/PointStamped", enough=3)
-    until_shut_down(shell, *STAMPED)
+    shell.output(*STAMPED)
     assert len({message.header.stamp for message in listener.messages}) == 1
 
 
@@ -137,7 +129,7 @@ def test_one_message_in_a_file_is_repeated(graph: LiveGraph, shell: Shell, tmp_p
     file = tmp_path / "name.yaml"
     file.write_text("data: a\n")
     listener = Listener(graph, "/name", "std_msgs/String", enough=3)
-    printed = until_shut_down(shell, "topic", "pub", "-r", "50", "-f", str(file), "/name", "std_msgs/String")
+    printed = shell.output("topic", "pub", "-r", "50", "-f", str(file), "/name", "std_msgs/String")
     assert printed == "Got one message and a rate, publishing repeatedly\n"
     assert listener.values[:3] == ["a"] * 3
 
