@@ -26,6 +26,8 @@ class SideBySide:
 
     def __init__(self, peers: Ros1Peers) -> None:
         self._environment = peers.environment
+        # More of them would only push each other towards their time limits.
+        self._slots = asyncio.Semaphore(4)
 
     async def theirs(self, tool: str, *arguments: str, stdin: str = "") -> Output:
         """Run Debian's tool."""
@@ -48,6 +50,10 @@ class SideBySide:
         assert (ours.code, blur(ours.out)) == (theirs.code, blur(theirs.out)), (arguments, ours, theirs)
         return ours.out
 
+    async def all_same(self, tool: str, *commands: tuple[str, ...]) -> list[str]:
+        """See that they print alike for several commands, at once: Debian's tools mostly wait."""
+        return await asyncio.gather(*(self.same(tool, *command) for command in commands))
+
     async def both_fail(self, tool: str, *arguments: str) -> str:
         """Run both, see that both fail, and return our one line."""
         theirs, ours = await asyncio.gather(self.theirs(tool, *arguments), self.ours(tool, *arguments))
@@ -56,6 +62,10 @@ class SideBySide:
         return ours.err.splitlines()[-1]
 
     async def _run(self, *command: str, stdin: str) -> Output:
+        async with self._slots:
+            return await self._run_now(*command, stdin=stdin)
+
+    async def _run_now(self, *command: str, stdin: str) -> Output:
         process = await asyncio.create_subprocess_exec(
             *command,
             env=self._environment,

@@ -54,23 +54,21 @@ async def test_all_types_are_shown_alike(peers: Ros1Peers) -> None:
 
 async def test_the_commands_print_alike(peers: Ros1Peers) -> None:
     tools = SideBySide(peers)
-    for arguments in (
+    await tools.all_same(
+        "rosmsg",
         ("show", "sensor_msgs/Imu"),
         ("show", "-r", "sensor_msgs/BatteryState"),
         ("info", "geometry_msgs/Twist.msg"),
         ("md5", "sensor_msgs/Imu"),
-        ("package", "std_msgs"),
         ("package", "-s", "geometry_msgs"),
-    ):
-        await tools.same("rosmsg", *arguments)
-    for arguments in (
-        ("show", "std_srvs/SetBool"),
+    )
+    await tools.all_same(
+        "rossrv",
         ("show", "-r", "sensor_msgs/SetCameraInfo"),
         ("show", "SetBool"),
         ("md5", "std_srvs/SetBool"),
         ("package", "std_srvs"),
-    ):
-        await tools.same("rossrv", *arguments)
+    )
     assert (
         await tools.same("rosmsg", "md5", stdin="std_msgs/String\n") == "992ce8a1687cec8c8bd883ec73ca41d1\n"
     )

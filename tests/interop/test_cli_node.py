@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import re
 from collections.abc import AsyncIterator
 from pathlib import Path
@@ -57,17 +58,24 @@ async def test_nodes_print_alike(stage: Stage) -> None:
     tools = SideBySide(stage.peers)
     await join_board(stage)
 
-    assert {"/lab/board", "/talker"} <= set((await tools.same("rosnode", "list")).splitlines())
-    await tools.same("rosnode", "list", "-a")
-    await tools.same("rosnode", "list", "-u", "lab")
+    listed, _, _, of_talker, of_board, _, _ = await tools.all_same(
+        "rosnode",
+        ("list",),
+        ("list", "-a"),
+        ("list", "-u", "lab"),
+        ("info", "/talker"),
+        ("info", "lab/board"),
+        ("info", "-q", "/talker", "/lab/board"),
+        ("machine",),
+    )
+    assert {"/lab/board", "/talker"} <= set(listed.splitlines())
     # rospy does not describe its inbound connections, we do.
-    for name, direction in (("/talker", "outbound"), ("lab/board", "inbound")):
-        info = await tools.same("rosnode", "info", name)
+    for info, direction in ((of_talker, "outbound"), (of_board, "inbound")):
         assert re.search(rf" \* direction: {direction} \(\d+ - 127\.0\.0\.1:\d+\) \[\d+\]\n", info)
-    await tools.same("rosnode", "info", "-q", "/talker", "/lab/board")
-    await tools.same("rosnode", "ping", "-c", "2", "talker", blur=without_times)
-    await tools.same("rosnode", "ping", "--all", blur=sorted_lines)
-    await tools.same("rosnode", "machine")
+    await asyncio.gather(
+        tools.same("rosnode", "ping", "-c", "2", "talker", blur=without_times),
+        tools.same("rosnode", "ping", "--all", blur=sorted_lines),
+    )
     assert "did you mean /talker?" in await tools.both_fail("rosnode", "kill", "/talkr")
 
 

@@ -50,13 +50,20 @@ async def test_what_is_read_prints_alike(stage: Stage, tmp_path: Path) -> None:
     file.write_text(PARAMETERS)
     await tools.same("rosparam", "load", str(file), "/board")
 
-    assert "/board/space/below/deeper" in (await tools.same("rosparam", "list")).splitlines()
-    await tools.same("rosparam", "list", "board/space")
-    # A lone value has another end than a tree.
-    for name in ("/", "/board/number", "/board/empty", "/board/multi", "/board/long", "/board/list"):
-        await tools.same("rosparam", "get", name)
-    for name in ("/board", "/board/multi", "/board/list"):
-        await tools.same("rosparam", "get", "-p", name)
+    listed, *_ = await tools.all_same(
+        "rosparam",
+        ("list",),
+        ("list", "board/space"),
+        ("get", "/"),
+        # A lone value has another end than a tree.
+        ("get", "/board/number"),
+        ("get", "/board/multi"),
+        ("get", "/board/long"),
+        ("get", "/board/list"),
+        ("get", "-p", "/board"),
+        ("get", "-p", "/board/multi"),
+    )
+    assert "/board/space/below/deeper" in listed.splitlines()
 
 
 @ON_BOTH_MASTERS

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import AsyncIterator
 from pathlib import Path
 
@@ -60,13 +61,21 @@ async def test_what_services_are_prints_alike(stage: Stage) -> None:
     server = await stage.peers.rospy(RPC_SERVER)
     await server.wait_for("ready")
 
-    listed = await tools.same("rosservice", "list")
+    listed, with_nodes, info, _, _, found, *_ = await tools.all_same(
+        "rosservice",
+        ("list",),
+        ("list", "-n"),
+        ("info", "/plan"),
+        ("type", "/set_led"),
+        ("uri", "/set_led"),
+        ("find", "std_srvs/SetBool"),
+        ("node", "/set_led"),
+        ("args", "/set_led"),
+    )
     assert {"/set_led", "/plan", "/server/get_loggers"} <= set(listed.splitlines())
-    assert "/set_led /board\n" in await tools.same("rosservice", "list", "-n")
-    for verb in ("type", "uri", "node", "args", "info"):
-        await tools.same("rosservice", verb, "/set_led")
-    assert "Args: start goal tolerance\n" in await tools.same("rosservice", "info", "/plan")
-    assert await tools.same("rosservice", "find", "std_srvs/SetBool") == "/set_led\n"
+    assert "/set_led /board\n" in with_nodes
+    assert "Args: start goal tolerance\n" in info
+    assert found == "/set_led\n"
     assert "did you mean /plan?" in await tools.both_fail("rosservice", "type", "/plann")
 
 
@@ -77,17 +86,23 @@ async def test_calls_print_alike(stage: Stage) -> None:
     server = await stage.peers.rospy(RPC_SERVER)
     await server.wait_for("ready")
 
-    assert await tools.same("rosservice", "call", "/set_led", "{data: true}") == (
-        'success: True\nmessage: "on: \\xE4"\n'
+    printed, *_ = await asyncio.gather(
+        tools.same("rosservice", "call", "set_led", "{data: true}"),
+        tools.same("rosservice", "call", "-v", "/plan", REQUEST),
+        tools.same("rosservice", "call", "/server/reset"),
+        tools.same("rosservice", "call", "/server/get_loggers"),
+        # Of several documents that come at once, rosservice loses all but the first.
+        tools.same("rosservice", "call", "/set_led", stdin="data: true\n---\n"),
     )
-    await tools.same("rosservice", "call", "-v", "/plan", REQUEST)
-    await tools.same("rosservice", "call", "/server/reset")
-    await tools.same("rosservice", "call", "/server/get_loggers")
-    # Of several documents that come at once, rosservice loses all but the first.
-    await tools.same("rosservice", "call", "/set_led", stdin="data: true\n---\n")
-    assert "the motor is hot" in await tools.both_fail("rosservice", "call", "/fail")
-    assert "data" in await tools.both_fail("rosservice", "call", "/set_led", "{dta: true}")
-    assert "`rostether service list`" in await tools.both_fail("rosservice", "call", "/nothing_like_it")
+    assert printed == 'success: True\nmessage: "on: \\xE4"\n'
+    failed, refused, missing = await asyncio.gather(
+        tools.both_fail("rosservice", "call", "/fail"),
+        tools.both_fail("rosservice", "call", "/set_led", "{dta: true}"),
+        tools.both_fail("rosservice", "call", "/nothing_like_it"),
+    )
+    assert "the motor is hot" in failed
+    assert "it has data" in refused
+    assert "`rostether service list`" in missing
 
 
 @pytest.mark.roscpp
