@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator
 
 import pytest
@@ -14,7 +15,10 @@ def shell(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("ROS_MASTER_URI", "http://127.0.0.1:9")
     # What the nodes of the test's own process log is none of the command's output.
-    monkeypatch.setattr("rostether.cli.running.show_library_logs", lambda: None)
+    for name in ("rostether", "asyncio"):
+        monkeypatch.setattr(logging.getLogger(name), "handlers", [])
+    for name in ("running", "serving"):
+        monkeypatch.setattr(f"rostether.cli.{name}.show_library_logs", lambda *_: None)
     return Shell(capsys, monkeypatch)
 
 

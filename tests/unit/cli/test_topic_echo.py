@@ -1,7 +1,11 @@
 from __future__ import annotations
 
+import threading
+
 import pytest
 
+from rostether.cli import topic_choice
+from rostether.cli.output import warn
 from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore
 from unit.cli.shell import LiveGraph, Shell
@@ -91,9 +95,24 @@ def test_an_element_that_is_not_there_is_told_once(graph: LiveGraph, shell: Shel
     assert result.err.count("selects element 1 of 'ranges', which has 1") == 1
 
 
-def test_a_topic_that_is_not_there_yet_is_waited_for(graph: LiveGraph, shell: Shell) -> None:
+@pytest.fixture
+def warned(monkeypatch: pytest.MonkeyPatch) -> threading.Event:
+    """Is set when the command has said that it waits."""
+    event = threading.Event()
+
+    def warn_and_tell(text: str) -> None:
+        warn(text)
+        event.set()
+
+    monkeypatch.setattr(topic_choice, "warn", warn_and_tell)
+    return event
+
+
+def test_a_topic_that_is_not_there_yet_is_waited_for(
+    graph: LiveGraph, shell: Shell, warned: threading.Event
+) -> None:
     def appear() -> None:
-        graph.wait_until(lambda: command_node(graph) is not None)
+        assert warned.wait(20)
         publish(graph, "/late", "std_msgs/Bool", {"data": True})
 
     in_background(appear)
@@ -102,11 +121,13 @@ def test_a_topic_that_is_not_there_yet_is_waited_for(graph: LiveGraph, shell: Sh
     assert result.err == "WARNING: topic [/late] does not appear to be published yet\n"
 
 
-def test_a_wrong_field_of_a_topic_is_explained(graph: LiveGraph, shell: Shell) -> None:
+def test_a_wrong_field_of_a_topic_is_explained(
+    graph: LiveGraph, shell: Shell, warned: threading.Event
+) -> None:
     publish(graph, "/r", "sensor_msgs/Range")
 
     def appear() -> None:
-        graph.wait_until(lambda: command_node(graph) is not None)
+        assert warned.wait(20)
         publish(graph, "/r/rnage", "std_msgs/Bool", {"data": True})
 
     in_background(appear)

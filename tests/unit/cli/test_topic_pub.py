@@ -70,9 +70,7 @@ def test_latched_until_told_to_end(graph: LiveGraph, shell: Shell) -> None:
 def test_at_a_rate(graph: LiveGraph, shell: Shell) -> None:
     listener = Listener(graph, "/cmd_vel", "geometry_msgs/Twist", enough=3)
     assert (
-        until_shut_down(
-            shell, "topic", "pub", "-r", "50", "/cmd_vel", "geometry_msgs/Twist", "{linear: {x: 0.2}}"
-        )
+        shell.output("topic", "pub", "-r", "50", "/cmd_vel", "geometry_msgs/Twist", "{linear: {x: 0.2}}")
         == ""
     )
     assert [message.linear.x for message in listener.messages[:3]] == [0.2] * 3
@@ -81,8 +79,7 @@ def test_at_a_rate(graph: LiveGraph, shell: Shell) -> None:
 @pytest.mark.parametrize("arguments", [["-s"], ["-s", "--use-rostime"]])
 def test_stamps_are_filled_in_each_time(graph: LiveGraph, shell: Shell, arguments: list[str]) -> None:
     listener = Listener(graph, "/point", "geometry_msgs/PointStamped", enough=3)
-    until_shut_down(
-        shell,
+    shell.output(
         "topic",
         "pub",
         "-r",
