@@ -2,51 +2,40 @@
 
 An endpoint outlives the connection it was announced on. When the board comes back and announces the same
 name and type, the endpoint is attached to the new connection and its publisher or subscription never left
-the graph; what the board did not announce again by the end of the negotiation is closed.
+the graph; what the board did not announce again by the end of the negotiation is closed. A sketch that was
+flashed anew may give a name another type, under any id: the old endpoint ends before the new one opens.
 """
 
 from __future__ import annotations
 
-import asyncio
-from collections.abc import Callable, Coroutine, Iterator
+from collections.abc import Callable, Iterator
 from typing import TypeAlias
 
 from rostether.bridge.board_line import BoardLine
 from rostether.bridge.endpoint_factory import EndpointFactory
-from rostether.bridge.publisher_endpoint import PublisherEndpoint
+from rostether.bridge.endpoint_openings import (
+    Endpoint,
+    EndpointOpenings,
+    Role,
+    ServiceEndpoint,
+    TopicEndpoint,
+    name_of,
+)
 from rostether.bridge.reporter import Notices
-from rostether.bridge.service_client_endpoint import ServiceClientEndpoint
 from rostether.bridge.service_server_endpoint import ServiceServerEndpoint
 from rostether.bridge.subscriber_endpoint import SubscriberEndpoint
-from rostether.errors import (
-    DefinitionError,
-    GraphError,
-    InvalidNameError,
-    RostetherError,
-    TypeMismatchError,
-)
+from rostether.errors import RostetherError
 from rostether.graph.ports import Level
 from rostether.rosserial.events import (
     ServiceAnnounced,
-    ServiceRole,
     ServiceWithdrawn,
     TopicAnnounced,
-    TopicRole,
     TopicWithdrawn,
 )
-from rostether.transports.backoff import Backoff
+from rostether.rosserial.packets import TopicInfo
 
-TopicEndpoint: TypeAlias = PublisherEndpoint | SubscriberEndpoint
-ServiceEndpoint: TypeAlias = ServiceServerEndpoint | ServiceClientEndpoint
-Endpoint: TypeAlias = TopicEndpoint | ServiceEndpoint
-Role: TypeAlias = TopicRole | ServiceRole
 # Topics may come twice under one name, each with its id; a service has one server or caller on a board.
 _Key: TypeAlias = tuple[Role, str, int]
-
-# A graph that refuses an endpoint is asked again: first soon, then at most this seldom.
-MAX_RETRY_S = 5.0
-# Leaving must not hang on a master that does not answer.
-CLOSE_LIMIT_S = 1.0
 
 
 class EndpointTable:
@@ -57,9 +46,10 @@ class EndpointTable:
         self._notices = notices
         self._endpoints: dict[_Key, Endpoint] = {}
         self._attached: set[_Key] = set()
-        self._opening: dict[Endpoint, asyncio.Task[None]] = {}
-        self._closing: dict[tuple[Role, str], asyncio.Task[None]] = {}
-        self._tasks: set[asyncio.Task[None]] = set()
+        self._openings = EndpointOpenings(notices)
+        # What gave way to another type of its name and was not withdrawn yet: until the negotiation is over
+        # nobody knows whether the board still has it.
+        self._displaced: dict[_Key, Endpoint] = {}
 
     def __iter__(self) -> Iterator[tuple[Role, Endpoint]]:
         """Yield every endpoint with its role, in the order of their announcement."""
@@ -74,13 +64,13 @@ class EndpointTable:
         """Serve a topic through a connection; False, and a line that says why, if that is impossible."""
         info = event.info
         key: _Key = (event.role, info.topic_name, info.topic_id)
+        self._displaced.pop(key, None)
+        self._displace_other_types(key, info)
         found = self._endpoints.get(key) or self._adopt(key)
         if isinstance(found, TopicEndpoint):
-            if (found.info.message_type, found.info.md5sum) == (info.message_type, info.md5sum):
-                found.attach(line, info)
-                self._attach(key, found)
-                return True
-            self._retire(key)
+            found.attach(line, info)
+            self._attach(key, found)
+            return True
         made = self._make(info.topic_name, lambda: self._factory.topic(event))
         if isinstance(made, TopicEndpoint):
             made.attach(line, info)
@@ -106,20 +96,36 @@ class EndpointTable:
     def withdraw(self, event: TopicWithdrawn | ServiceWithdrawn) -> None:
         """Close what the board no longer has."""
         if isinstance(event, TopicWithdrawn):
-            self._retire((event.role, event.info.topic_name, event.info.topic_id))
-        else:
-            self._retire((event.role, event.name, 0))
+            key: _Key = (event.role, event.info.topic_name, event.info.topic_id)
+            self._displaced.pop(key, None)
+            self._retire(key)
+            return
+        key = (event.role, event.name, 0)
+        endpoint = self._endpoints.get(key)
+        # A service that came back under other ids, or with another type, stands here by now.
+        if isinstance(endpoint, ServiceEndpoint) and _service_ids(endpoint.info) == _service_ids(event):
+            self._retire(key)
 
     def settle(self) -> None:
         """The negotiation is over: close what was kept from an earlier connection and not announced again."""
         for key in [key for key in self._endpoints if key not in self._attached]:
             self._retire(key)
+        displaced, self._displaced = self._displaced, {}
+        for endpoint in displaced.values():
+            name = name_of(endpoint)
+            self._notices.episode(
+                f"two types {name}",
+                Level.ERROR,
+                f"the board has {name} twice with two types, and only the last is bridged: "
+                "give one of them another name in the sketch",
+            )
 
     def detach_all(self) -> None:
         """The connection ended; keep everything for the next one."""
         for endpoint in self._endpoints.values():
             endpoint.detach()
         self._attached.clear()
+        self._displaced.clear()
 
     def renew_latched(self) -> None:
         """The board has forgotten everything: bring latched messages to it again."""
@@ -136,14 +142,7 @@ class EndpointTable:
         """Close all, in a second at most."""
         for key in list(self._endpoints):
             self._retire(key)
-        for task in self._opening.values():
-            task.cancel()
-        if self._tasks:
-            _, late = await asyncio.wait(list(self._tasks), timeout=CLOSE_LIMIT_S)
-            for task in late:
-                task.cancel()
-            if late:
-                await asyncio.wait(late)
+        await self._openings.finish()
 
     def _adopt(self, key: _Key) -> Endpoint | None:
         """Find an endpoint that was announced under another id on an earlier connection."""
@@ -152,6 +151,14 @@ class EndpointTable:
                 endpoint = self._endpoints[key] = self._endpoints.pop(other)
                 return endpoint
         return None
+
+    def _displace_other_types(self, key: _Key, info: TopicInfo) -> None:
+        """A node has one type for each topic: end every endpoint of this name and role with another one."""
+        for other, endpoint in list(self._endpoints.items()):
+            if other[:2] == key[:2] and isinstance(endpoint, TopicEndpoint) and not _is_type(endpoint, info):
+                if other in self._attached and other != key:
+                    self._displaced[other] = endpoint
+                self._retire(other)
 
     def _make(self, name: str, make: Callable[[], Endpoint]) -> Endpoint | None:
         try:
@@ -164,7 +171,7 @@ class EndpointTable:
     def _add(self, key: _Key, endpoint: Endpoint) -> None:
         self._endpoints[key] = endpoint
         self._attached.add(key)
-        self._opening[endpoint] = self._run(self._open(key, endpoint))
+        self._openings.open(key[:2], endpoint)
 
     def _attach(self, key: _Key, endpoint: Endpoint) -> None:
         newly = key not in self._attached
@@ -173,80 +180,23 @@ class EndpointTable:
             self._renew_latched(endpoint)
 
     def _renew_latched(self, endpoint: Endpoint) -> None:
-        if (
-            isinstance(endpoint, SubscriberEndpoint)
-            and endpoint.has_latched_source
-            and endpoint not in self._opening
-        ):
-            self._opening[endpoint] = self._run(self._reopen(endpoint))
+        if isinstance(endpoint, SubscriberEndpoint) and endpoint.has_latched_source:
+            self._openings.renew(endpoint)
 
     def _retire(self, key: _Key) -> None:
         endpoint = self._endpoints.pop(key, None)
         self._attached.discard(key)
         if endpoint is not None:
             endpoint.detach()
-            before = self._closing.get(key[:2])
-            self._closing[key[:2]] = self._run(self._close(key[:2], endpoint, before))
-
-    def _run(self, work: Coroutine[object, object, None]) -> asyncio.Task[None]:
-        task = asyncio.get_running_loop().create_task(work)
-        self._tasks.add(task)
-        task.add_done_callback(self._tasks.discard)
-        return task
-
-    async def _open(self, key: _Key, endpoint: Endpoint) -> None:
-        try:
-            if key[:2] in self._closing:
-                # The graph must see the end of the old before the new of the same name.
-                await asyncio.wait([self._closing[key[:2]]])
-            await self._keep_opening(endpoint, endpoint.open)
-        finally:
-            del self._opening[endpoint]
-
-    async def _reopen(self, endpoint: SubscriberEndpoint) -> None:
-        try:
-            await self._keep_opening(endpoint, endpoint.renew)
-        finally:
-            del self._opening[endpoint]
-
-    async def _keep_opening(
-        self, endpoint: Endpoint, open_it: Callable[[], Coroutine[object, object, None]]
-    ) -> None:
-        backoff = Backoff(first_s=0.2, limit_s=MAX_RETRY_S)
-        name = _name_of(endpoint)
-        while endpoint in self._endpoints.values():
-            try:
-                await open_it()
-            except (DefinitionError, InvalidNameError, TypeMismatchError) as error:
-                self._notices.episode(f"refused {name}", Level.ERROR, f"{name} is not bridged: {error}")
-                return
-            except GraphError as error:
-                self._notices.episode(
-                    f"refused {name}", Level.ERROR, f"{name} is not bridged yet: {error}; trying again"
-                )
-                await asyncio.sleep(backoff.next_delay_s())
-            else:
-                self._notices.end_episode(f"refused {name}")
-                return
-
-    async def _close(
-        self, name: tuple[Role, str], endpoint: Endpoint, before: asyncio.Task[None] | None
-    ) -> None:
-        if before is not None:
-            await asyncio.wait([before])
-        opening = self._opening.get(endpoint)
-        if opening is not None:
-            await asyncio.wait([opening])
-        try:
-            await endpoint.close()
-        except GraphError as error:
-            self._notices.episode(
-                "withdraw", Level.WARN, f"{_name_of(endpoint)} may still be listed: {error}"
-            )
+            self._openings.close(key[:2], endpoint)
 
 
-def _name_of(endpoint: Endpoint) -> str:
-    return endpoint.info.name if isinstance(endpoint.info, ServiceAnnounced) else endpoint.info.topic_name
+def _is_type(endpoint: TopicEndpoint, info: TopicInfo) -> bool:
+    return (endpoint.info.message_type, endpoint.info.md5sum) == (info.message_type, info.md5sum)
+
+
+def _service_ids(info: ServiceAnnounced | ServiceWithdrawn) -> tuple[int, int]:
+    return info.request.topic_id, info.response.topic_id
 
 
 def _service_type(info: ServiceAnnounced) -> tuple[str, str, str]:

@@ -153,6 +153,58 @@ async def test_another_type_replaces_the_topic(world: Table) -> None:
     assert len(list(world.table)) == 1
 
 
+async def test_a_sketch_flashed_anew_gives_a_name_another_type_under_another_id(world: Table) -> None:
+    heard, line = await world.listen("/level", "std_msgs/UInt16"), FakeLine()
+    world.table.announce_topic(publisher("gone", topic_id=125), line)
+    world.table.announce_topic(publisher("level", topic_id=126), line)
+    await world.advertised("/level")
+    # As the link tells of a reset: the ids that changed, and at the end what was not announced again.
+    world.table.withdraw(TopicWithdrawn(TopicRole.PUBLISHER, topic_info("gone", topic_id=125)))
+    world.table.announce_topic(publisher("level", "std_msgs/UInt16", topic_id=125), line)
+    world.table.withdraw(TopicWithdrawn(TopicRole.PUBLISHER, topic_info("level", topic_id=126)))
+    world.table.settle()
+    line.receivers[125]([b"\x07\x00"])
+    await until(lambda: heard == [b"\x07\x00"], "the message of the new type")
+    assert world.reporter.texts == []
+    assert set(line.receivers) == {125}
+
+
+async def test_two_ids_of_a_lost_board_both_give_way_to_another_type(world: Table) -> None:
+    old, new = FakeLine(), FakeLine()
+    world.table.announce_topic(publisher("level", topic_id=125), old)
+    world.table.announce_topic(publisher("level", topic_id=126), old)
+    await world.advertised("/level")
+    world.table.detach_all()
+    world.table.announce_topic(publisher("level", "std_msgs/UInt16", topic_id=125), new)
+    await until(lambda: world.network.snapshot().topics["/level"].type == "std_msgs/UInt16", "the new type")
+    assert world.reporter.texts == []
+    assert len(list(world.table)) == 1
+
+
+async def test_one_name_with_two_types_is_one_line_and_the_last_is_served(world: Table) -> None:
+    line = FakeLine()
+    # In one chunk: the first is still on its way into the graph when it must leave it.
+    world.table.announce_topic(publisher("level", topic_id=125), line)
+    world.table.announce_topic(publisher("level", "std_msgs/UInt16", topic_id=126), line)
+    world.table.settle()
+    await world.advertised("/level")
+    assert world.network.snapshot().topics["/level"].type == "std_msgs/UInt16"
+    (said,) = world.reporter.texts
+    assert "level twice with two types" in said
+
+
+async def test_a_name_that_another_spelling_held_is_bridged_when_that_has_gone(world: Table) -> None:
+    heard, line = await world.listen("/level", "std_msgs/UInt16"), FakeLine()
+    world.table.announce_topic(publisher("/level", topic_id=126), line)
+    await world.advertised("/level")
+    world.table.announce_topic(publisher("level", "std_msgs/UInt16", topic_id=125), line)
+    await until(lambda: world.reporter.having("level is not bridged"), "the refusal")
+    world.table.withdraw(TopicWithdrawn(TopicRole.PUBLISHER, topic_info("/level", topic_id=126)))
+    line.receivers[125]([b"\x07\x00"])
+    await until(lambda: heard == [b"\x07\x00"], "the message of the new type")
+    await until(lambda: world.reporter.texts[-1] == "level is bridged now", "the good news")
+
+
 async def test_the_device_withdraws_a_topic(world: Table) -> None:
     line = FakeLine()
     world.table.announce_topic(publisher(), line)
@@ -187,6 +239,18 @@ async def test_a_service_that_comes_back_under_other_ids_is_the_same(world: Tabl
     world.table.detach_all()
     world.table.announce_service(service(ServiceRole.SERVER, first_id=120), new)
     assert set(new.receivers) == {121}
+    assert len(list(world.table)) == 1
+
+
+async def test_the_old_ids_of_a_service_go_and_it_stays(world: Table) -> None:
+    line = FakeLine()
+    old = service(ServiceRole.SERVER, first_id=110)
+    world.table.announce_service(old, line)
+    await until(lambda: "/switch" in world.network.snapshot().services, "the service")
+    world.table.announce_service(service(ServiceRole.SERVER, first_id=120), line)
+    world.table.withdraw(ServiceWithdrawn(old.role, old.name, old.type, old.request, old.response))
+    world.table.settle()
+    assert set(line.receivers) == {121}
     assert len(list(world.table)) == 1
 
 
