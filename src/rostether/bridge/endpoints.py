@@ -132,17 +132,24 @@ class EndpointTable:
         for endpoint in self._endpoints.values():
             self._renew_latched(endpoint)
 
-    def board_is_past_calls(self) -> None:
-        """The board showed that it is not busy with a service call."""
-        for endpoint in self._endpoints.values():
-            if isinstance(endpoint, ServiceServerEndpoint):
-                endpoint.board_is_past_call()
+    def time_requested(self, now_s: float) -> None:
+        """The board asked for the time: it may be past a service call that it never answered."""
+        for endpoint in self._servers():
+            endpoint.time_requested(now_s)
+
+    def fail_calls(self, reason: str) -> None:
+        """The board was `reason` (lost, reset): it will answer no call that is in flight."""
+        for endpoint in self._servers():
+            endpoint.fail_call(reason)
 
     async def close(self) -> None:
         """Close all, in a second at most."""
         for key in list(self._endpoints):
             self._retire(key)
         await self._openings.finish()
+
+    def _servers(self) -> list[ServiceServerEndpoint]:
+        return [each for each in self._endpoints.values() if isinstance(each, ServiceServerEndpoint)]
 
     def _adopt(self, key: _Key) -> Endpoint | None:
         """Find an endpoint that was announced under another id on an earlier connection."""

@@ -68,6 +68,11 @@ def printable(text: str) -> str:
     return text if len(text) <= MAX_LINE_CHARS else f"{text[: MAX_LINE_CHARS - 3]}..."
 
 
+def byte_count(number: int) -> str:
+    """Return `1 byte`, `2 bytes`."""
+    return f"{number} byte{'' if number == 1 else 's'}"
+
+
 class Notices:
     """The lines of one board: to the reporter, and to the graph's log once the board has a node there."""
 

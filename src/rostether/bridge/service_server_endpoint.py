@@ -2,7 +2,9 @@
 
 The wire has no correlation id, so a response belongs to the one call in flight. After a call that timed out
 the board may still answer, and that answer must not become the next call's: until it came and was thrown
-away, or the board shows that it is past the call, no other call is sent.
+away, or the board shows that it is past the call, no other call is sent. The established device library
+serves a call in its loop, and asks for the time again only when it is done; a board that asks for the time
+all along serves calls beside it, and its asking shows nothing.
 """
 
 from __future__ import annotations
@@ -10,7 +12,7 @@ from __future__ import annotations
 import asyncio
 
 from rostether.bridge.board_line import BoardLine
-from rostether.bridge.reporter import Notices
+from rostether.bridge.reporter import Notices, byte_count
 from rostether.bridge.settings import BridgeSettings
 from rostether.errors import LocalProtocolError, ServiceCallError, ServiceTimeoutError
 from rostether.graph.ports import Graph, Level, ServiceServer
@@ -21,6 +23,8 @@ from rostether.serde.layout import Layout
 # A board that never shows that it is past a call that timed out (it asks for the time every 2.5 s, and takes
 # its host for gone after 11 s) is believed to have lost the request.
 QUARANTINE_S = 15.0
+# A board that was busy with a call left out more than two of its time requests, which the line may have lost.
+BUSY_S = 6.0
 
 
 class ServiceServerEndpoint:
@@ -51,6 +55,8 @@ class ServiceServerEndpoint:
         self._turn = asyncio.Lock()
         self._waiting = 0
         self._response: asyncio.Future[bytes] | None = None
+        self._sent_s = 0.0
+        self._asked_s = 0.0
         self._past_call = asyncio.Event()
         self._past_call.set()
         self._quarantine: asyncio.TimerHandle | None = None
@@ -64,15 +70,26 @@ class ServiceServerEndpoint:
 
     def detach(self) -> None:
         """Let go of the connection; a call in flight fails."""
+        self.fail_call("lost")
         if self._line is not None:
             if self._line.receivers.get(self.info.response.topic_id) == self.receive:
                 del self._line.receivers[self.info.response.topic_id]
             self._line = None
+
+    def fail_call(self, reason: str) -> None:
+        """Fail the call in flight: the board was `reason` (lost, reset), and will not answer it."""
         if self._response is not None and not self._response.done():
             self._response.set_exception(
-                ServiceCallError(f"the board was lost during the call of {self.info.name}; call it again")
+                ServiceCallError(f"the board was {reason} during the call of {self.info.name}; call it again")
             )
-        self.board_is_past_call()
+        self._end_quarantine()
+
+    def time_requested(self, now_s: float) -> None:
+        """Note that the board asked for the time: after a silence as long as a call it is past that call."""
+        silence_s = now_s - max(self._asked_s, self._sent_s)
+        self._asked_s = now_s
+        if silence_s >= BUSY_S:
+            self._end_quarantine()
 
     async def open(self) -> None:
         """Advertise. Raises GraphError, InvalidNameError."""
@@ -83,8 +100,7 @@ class ServiceServerEndpoint:
         if self._server is not None:
             await self._server.close()
 
-    def board_is_past_call(self) -> None:
-        """The board did something that it cannot do within a call: an overdue response will not come."""
+    def _end_quarantine(self) -> None:
         if self._quarantine is not None:
             self._quarantine.cancel()
             self._quarantine = None
@@ -96,7 +112,7 @@ class ServiceServerEndpoint:
             response = self._response
             if response is None or response.done():
                 self.dropped_count += 1
-                self.board_is_past_call()
+                self._end_quarantine()
             elif self._response_layout.accepts(payload):
                 self.message_count += 1
                 response.set_result(payload)
@@ -151,13 +167,24 @@ class ServiceServerEndpoint:
         line, name = self._line, self.info.name
         if line is None:
             raise ServiceCallError(f"{name}: the board is not connected; call again when it is back")
+        limit_bytes = self.info.request.buffer_size
+        if len(request) > limit_bytes:
+            reason = (
+                f"the request has {byte_count(len(request))}, and the board's buffer takes {limit_bytes}; "
+                "enlarge it in the sketch or send less"
+            )
+            self._notices.episode(f"request {name}", Level.ERROR, f"a call of {name} failed: {reason}")
+            raise ServiceCallError(f"{name}: {reason}")
         try:
             line.outbox.answer(self.info.request.topic_id, request)
         except LocalProtocolError as error:
-            self._notices.episode(f"request {name}", Level.ERROR, f"service {name}: {error}")
-            raise ServiceCallError(f"{name}: {error}") from error
-        response: asyncio.Future[bytes] = asyncio.get_running_loop().create_future()
+            raise ServiceCallError(
+                f"{name}: the board was reset and has not announced it again yet; call again in a moment"
+            ) from error
+        loop = asyncio.get_running_loop()
+        response: asyncio.Future[bytes] = loop.create_future()
         self._response = response
+        self._sent_s = loop.time()
         try:
             async with asyncio.timeout(limit_s):
                 return await response
@@ -177,4 +204,4 @@ class ServiceServerEndpoint:
 
     def _quarantine_call(self) -> None:
         self._past_call.clear()
-        self._quarantine = asyncio.get_running_loop().call_later(QUARANTINE_S, self.board_is_past_call)
+        self._quarantine = asyncio.get_running_loop().call_later(QUARANTINE_S, self._end_quarantine)

@@ -17,6 +17,8 @@ from rostether.bridge.lane import Lane
 from rostether.bridge.log_relay import relay_log
 from rostether.bridge.outbox import Outbox
 from rostether.bridge.parameter_relay import ParameterRelay
+from rostether.bridge.reading_pause import ReadingPause
+from rostether.bridge.setup_lines import SetupLines
 from rostether.bridge.sync_report import SyncReport
 from rostether.errors import TransportError
 from rostether.graph.ports import Level
@@ -31,11 +33,9 @@ from rostether.rosserial.events import (
     ParameterRequested,
     ProtocolDetected,
     ServiceAnnounced,
-    ServiceRole,
     ServiceWithdrawn,
     TimeRequested,
     TopicAnnounced,
-    TopicRole,
     TopicWithdrawn,
     UnknownTopicId,
 )
@@ -85,9 +85,8 @@ class Session:
         self._no_answer: asyncio.TimerHandle | None = None
         self._timer: asyncio.TimerHandle | None = None
         self._timer_due_s = 0.0
-        self._waits: list[Callable[[], Awaitable[object]]] = []
-        self._draining: asyncio.Task[None] | None = None
-        self._noted_sizes: set[TopicRole] = set()
+        self._pause = ReadingPause(transport)
+        self._setup = SetupLines(node.notices)
         self._was_reset = False
         self._ended: asyncio.Future[TransportError | None] = self._loop.create_future()
         self._handlers: dict[type[Any], Callable[[Any], None]] = {
@@ -143,14 +142,7 @@ class Session:
         now_s = self.heard_at_s = self._loop.time()
         try:
             for event in self.link.receive_data(data, now_s):
-                if type(event) is MessagesReceived:
-                    receive = self.receivers.get(event.topic_id)
-                    if receive is not None:
-                        receive(event.payloads)
-                    else:
-                        self.unbridged_count += len(event.payloads)
-                else:
-                    self._handlers[type(event)](event)
+                self._handle(event)
             self._after_link()
         except Exception as error:  # noqa: BLE001 - whatever one board brings about ends with its session
             self._fail(error)
@@ -170,13 +162,7 @@ class Session:
 
     def congested(self, wait: Callable[[], Awaitable[object]]) -> bool:
         """Read nothing from the board until `wait()` ends; False, and nothing awaited, if it cannot pause."""
-        if not self.transport.can_pause or self._ended.done():
-            return False
-        self._waits.append(wait)
-        if self._draining is None:
-            self.transport.pause_reading()
-            self._draining = self._loop.create_task(self._drain())
-        return True
+        return not self._ended.done() and self._pause.until(wait)
 
     def call_started(self) -> None:
         """Tell that the board itself waits for a response."""
@@ -186,15 +172,6 @@ class Session:
         """Tell that the response is on its way or given up."""
         self.link.service_call_finished(self._loop.time())
         self._after_link()
-
-    async def _drain(self) -> None:
-        try:
-            while self._waits:
-                waits, self._waits = self._waits, []
-                await asyncio.gather(*(wait() for wait in waits))
-        finally:
-            self._draining = None
-            self.transport.resume_reading()
 
     def _after_link(self) -> None:
         """Send what the link has ready and keep its time."""
@@ -219,10 +196,12 @@ class Session:
             self._fail(error)
 
     def _handle(self, event: HostEvent) -> None:
-        if isinstance(event, MessagesReceived):
+        if type(event) is MessagesReceived:
             receive = self.receivers.get(event.topic_id)
             if receive is not None:
                 receive(event.payloads)
+            else:
+                self.unbridged_count += len(event.payloads)
         else:
             self._handlers[type(event)](event)
 
@@ -231,19 +210,13 @@ class Session:
             self._sync.silent(DeviceSilent(NO_ANSWER_S))
 
     def _topic_announced(self, event: TopicAnnounced) -> None:
-        info = event.info
-        if event.role not in self._noted_sizes:
-            self._noted_sizes.add(event.role)
-            what = "publish" if event.role is TopicRole.PUBLISHER else "subscribe"
-            self._notices.say(Level.INFO, f"Note: {what} buffer size is {info.buffer_size} bytes")
+        self._setup.note_size(event)
         if self.node.endpoints.announce_topic(event, self):
-            what = event.role.value
-            self._notices.say(Level.INFO, f"Setup {what} on {info.topic_name} [{info.message_type}]")
+            self._setup.topic(event)
 
     def _service_announced(self, event: ServiceAnnounced) -> None:
         if self.node.endpoints.announce_service(event, self):
-            what = "server" if event.role is ServiceRole.SERVER else "client"
-            self._notices.say(Level.INFO, f"Setup service {what} on {event.name} [{event.type}]")
+            self._setup.service(event)
 
     def _withdrawn(self, event: TopicWithdrawn | ServiceWithdrawn) -> None:
         self.node.endpoints.withdraw(event)
@@ -255,8 +228,9 @@ class Session:
             self.node.endpoints.renew_latched()
 
     def _time_requested(self, _event: TimeRequested) -> None:
-        self.link.answer_time(self.node.graph.now(), self._loop.time())
-        self.node.endpoints.board_is_past_calls()
+        now_s = self._loop.time()
+        self.link.answer_time(self.node.graph.now(), now_s)
+        self.node.endpoints.time_requested(now_s)
         self._sync.alive()
 
     def _log_received(self, event: LogReceived) -> None:
@@ -275,6 +249,7 @@ class Session:
 
     def _device_reset(self, _event: DeviceReset) -> None:
         self._was_reset = True
+        self.node.endpoints.fail_calls("reset")
         self._notices.episode("reset", Level.INFO, "the board was reset: asking for its topics")
 
     def _device_silent(self, event: DeviceSilent) -> None:
@@ -308,8 +283,7 @@ class Session:
         for timer in (self._timer, self._no_answer):
             if timer is not None:
                 timer.cancel()
-        if self._draining is not None:
-            self._draining.cancel()
+        self._pause.close()
         self._parameters.close()
         self.outbox.close()
         self.node.endpoints.detach_all()

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from rostether.bridge.board_line import BoardLine
 from rostether.bridge.lane import Lane
-from rostether.bridge.reporter import Notices
+from rostether.bridge.reporter import Notices, byte_count
 from rostether.graph.ports import Graph, Level, Subscriber
 from rostether.msgdef.interface import MessageType
 from rostether.rosserial.packets import TopicInfo
@@ -128,7 +128,8 @@ class SubscriberEndpoint:
         self._notices.episode(
             f"oversize {self.info.topic_name}",
             Level.ERROR,
-            f"not sent: a message of {self.info.topic_name} [{self._type.name}] has {size} bytes, and the "
-            f"board's buffer takes {self.info.buffer_size}; enlarge it in the sketch or send less",
+            f"not sent: a message of {self.info.topic_name} [{self._type.name}] has "
+            f"{byte_count(size)}, and the board's buffer takes {self.info.buffer_size}; "
+            "enlarge it in the sketch or send less",
             count=count,
         )

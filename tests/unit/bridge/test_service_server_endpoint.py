@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import asyncio
+from dataclasses import replace
 
 import pytest
 
@@ -98,13 +99,33 @@ async def test_a_late_response_is_nobodys(world: World) -> None:
     assert switch.dropped_count == 1
 
 
-async def test_a_board_that_shows_it_is_past_the_call_gets_the_next(world: World) -> None:
-    line, switch = FakeLine(), endpoint(world, timeout_s=0.05)
+async def test_a_board_that_was_silent_for_a_call_and_asks_for_the_time_again_gets_the_next(
+    world: World,
+) -> None:
+    line, switch, loop = FakeLine(), endpoint(world, timeout_s=0.05), asyncio.get_running_loop()
+    switch.attach(line, switch.info)
+    switch.time_requested(loop.time())
+    with pytest.raises(ServiceTimeoutError):
+        await switch.call(YES)
+    second = asyncio.ensure_future(switch.call(NO))
+    switch.time_requested(loop.time() + service_server_endpoint.BUSY_S)
+    await until(lambda: requests(line) == 2, "the second request")
+    line.receivers[111]([DONE])
+    assert await second == DONE
+
+
+async def test_a_board_that_asks_for_the_time_all_along_may_still_answer(world: World) -> None:
+    line, switch, loop = FakeLine(), endpoint(world, timeout_s=0.05), asyncio.get_running_loop()
     switch.attach(line, switch.info)
     with pytest.raises(ServiceTimeoutError):
         await switch.call(YES)
     second = asyncio.ensure_future(switch.call(NO))
-    switch.board_is_past_call()
+    now_s = loop.time()
+    for asked in range(5):
+        switch.time_requested(now_s + 2.5 * asked)
+    await asyncio.sleep(0.01)
+    assert requests(line) == 1, "a second request would take the first one's response"
+    line.receivers[111]([b"\x01\x04\0\0\0late"])
     await until(lambda: requests(line) == 2, "the second request")
     line.receivers[111]([DONE])
     assert await second == DONE
@@ -192,12 +213,39 @@ async def test_after_it_came_back_the_board_is_called_again(world: World) -> Non
     assert await call == DONE
 
 
-async def test_a_request_that_the_board_does_not_take_fails_with_the_reason(world: World) -> None:
+async def test_a_board_that_was_reset_fails_the_call_at_once(world: World) -> None:
+    line, switch = FakeLine(), endpoint(world)
+    switch.attach(line, switch.info)
+    call = asyncio.ensure_future(switch.call(YES))
+    await until(lambda: requests(line), "the request")
+    switch.fail_call("reset")
+    with pytest.raises(ServiceCallError, match="was reset during the call of switch"):
+        await call
+    again = asyncio.ensure_future(switch.call(YES))
+    await until(lambda: requests(line) == 2, "the next request")
+    line.receivers[111]([DONE])
+    assert await again == DONE
+
+
+async def test_a_board_that_has_not_announced_its_service_again_is_called_in_a_moment(world: World) -> None:
     line, switch = FakeLine(), endpoint(world)
     switch.attach(line, switch.info)
     line.link.refused.add(110)
-    with pytest.raises(ServiceCallError, match="110 is not announced"):
+    with pytest.raises(ServiceCallError, match="switch: the board was reset and has not announced it again"):
         await switch.call(YES)
+
+
+async def test_a_request_larger_than_the_boards_buffer_names_the_service_and_the_limit(world: World) -> None:
+    line, switch = FakeLine(), endpoint(world)
+    info = replace(switch.info, request=replace(switch.info.request, buffer_size=0))
+    switch.attach(line, info)
+    with pytest.raises(
+        ServiceCallError, match="switch: the request has 1 byte, and the board's buffer takes 0; enlarge"
+    ):
+        await switch.call(YES)
+    assert line.transport.written == b""
+    (said,) = world.reporter.texts
+    assert "switch" in said
 
 
 async def test_closing_leaves_the_graph(world: World) -> None:

@@ -191,7 +191,10 @@ async def test_a_call_from_the_board_to_ros(bridge: Bridge) -> None:
     assert board.order.index(100) < len(board.order) - 1 - board.order[::-1].index(ids.TIME)
 
 
-async def test_a_time_request_shows_that_the_board_is_past_a_call(bridge: Bridge) -> None:
+async def test_a_time_request_after_silence_shows_that_the_board_is_past_a_call(
+    bridge: Bridge, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rostether.bridge.service_server_endpoint.BUSY_S", 0.05)
     settings = BridgeSettings(service_timeout_s=0.1)
     board = await bridge.connect(
         *service_announcements(ids.SERVICE_SERVER_RESPONSE, "switch", 125, 100), settings=settings
@@ -207,6 +210,22 @@ async def test_a_time_request_shows_that_the_board_is_past_a_call(bridge: Bridge
     await until(lambda: len(board.received[100]) == 2, "the second request")
     board.send(125, b"\x01\x02\0\0\0ok")
     assert await second == b"\x01\x02\0\0\0ok"
+
+
+async def test_a_reset_ends_the_call_in_flight(bridge: Bridge) -> None:
+    board = await bridge.connect(*service_announcements(ids.SERVICE_SERVER_RESPONSE, "switch", 125, 100))
+    await until(lambda: "/switch" in bridge.network.snapshot().services, "the service")
+    await bridge.settled()
+    call = asyncio.ensure_future(bridge.peer.call_service("/switch", SET_BOOL, b"\x01"))
+    await until(lambda: board.received[100], "the request")
+    asked = len(board.received[ids.TOPIC_REQUEST])
+    # A board that is up and configured asks for the time every 2.5 s; two at once are a board that boots.
+    for _ in range(3):
+        board.ask_time()
+        await asyncio.sleep(0.01)
+    await until(lambda: len(board.received[ids.TOPIC_REQUEST]) > asked, "the bridge to notice")
+    with pytest.raises(ServiceCallError, match="was reset during the call"):
+        await asyncio.wait_for(call, 1.0)
 
 
 async def test_stopping_tells_the_board_to_stop(bridge: Bridge) -> None:

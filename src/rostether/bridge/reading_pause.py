@@ -1,0 +1,41 @@
+"""Reading nothing from a board while something behind us is full, so that the board itself waits."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+
+from rostether.transports.transport import Transport
+
+
+class ReadingPause:
+    """Pauses one transport for as long as anybody asked for it."""
+
+    def __init__(self, transport: Transport) -> None:
+        self._transport = transport
+        self._waits: list[Callable[[], Awaitable[object]]] = []
+        self._draining: asyncio.Task[None] | None = None
+
+    def until(self, wait: Callable[[], Awaitable[object]]) -> bool:
+        """Read nothing until `wait()` ends; False, and nothing awaited, if the transport cannot pause."""
+        if not self._transport.can_pause:
+            return False
+        self._waits.append(wait)
+        if self._draining is None:
+            self._transport.pause_reading()
+            self._draining = asyncio.get_running_loop().create_task(self._drain())
+        return True
+
+    def close(self) -> None:
+        """Wait for nobody any more."""
+        if self._draining is not None:
+            self._draining.cancel()
+
+    async def _drain(self) -> None:
+        try:
+            while self._waits:
+                waits, self._waits = self._waits, []
+                await asyncio.gather(*(wait() for wait in waits))
+        finally:
+            self._draining = None
+            self._transport.resume_reading()
