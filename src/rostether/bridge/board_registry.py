@@ -1,4 +1,4 @@
-"""Which boards there are: each name once, and a lost board's node kept for a while in case it comes back."""
+"""Which boards there are: each node name once, and a lost board's node kept a while in case it comes back."""
 
 from __future__ import annotations
 
@@ -20,11 +20,16 @@ HALF_OPEN_S = 3.0
 
 @dataclass(slots=True, eq=False)
 class Board:
-    """One name that is taken: no node while it still joins, no session while the board is lost."""
+    """One node name that is taken: no node while it still joins, no session while the board is lost.
+
+    A node that `is_kept` stays in the graph without its board: before that has come, and after it is lost.
+    """
 
     name: str
     node: BoardNode | None = None
     session: Session | None = None
+    is_lost: bool = False
+    is_kept: bool = False
     farewell: asyncio.TimerHandle | None = None
     leaving: asyncio.Task[None] | None = None
 
@@ -42,17 +47,19 @@ class BoardRegistry:
         """Yield the boards that have a node now, connected or not."""
         return iter([board for board in self._boards.values() if board.node is not None])
 
-    async def claim(self, base_name: str, *, replaces_silent: bool = False) -> Board:
+    async def claim(self, node_name: str, *, replaces_silent: bool = False) -> Board:
         """Return the board that a new connection is: a lost one that came back, else a new one.
+
+        `node_name` is the full name, to which a number is added while others have it.
 
         With `replaces_silent` a connection that has fallen silent gives way, since its peer has come anew.
         Raises SessionError for a name whose node was shut down from outside.
         """
         number = 1
         while True:
-            name = numbered(base_name, number)
+            name = numbered(node_name, number)
             if name in self._dismissed:
-                raise SessionError(f"node /{name} was shut down from outside; start again to serve its board")
+                raise SessionError(f"node {name} was shut down from outside; start again to serve its board")
             board = self._boards.get(name)
             if board is None:
                 board = self._boards[name] = Board(name)
@@ -61,9 +68,9 @@ class BoardRegistry:
                 # A graph has no place for two nodes of one name.
                 await asyncio.wait([board.leaving])
                 continue
-            if board.farewell is not None:
-                board.farewell.cancel()
-                board.farewell = None
+            if board.is_lost:
+                board.is_lost = False
+                self._cancel_farewell(board)
                 return board
             session = board.session
             if replaces_silent and session is not None and self._clock() - session.heard_at_s > HALF_OPEN_S:
@@ -72,14 +79,15 @@ class BoardRegistry:
             number += 1
 
     def lose(self, board: Board, session: Session | None) -> None:
-        """The board's connection ended: keep its node for the grace period."""
+        """The board's connection ended: keep its node for the grace period, or for good if it is kept."""
         if board.session is not session or board.leaving is not None:
             return
         board.session = None
         if board.node is None:
             self._boards.pop(board.name, None)
         elif self._boards.get(board.name) is board:
-            board.farewell = asyncio.get_running_loop().call_later(self._grace_s, self._leave, board)
+            board.is_lost = True
+            board.farewell = asyncio.get_running_loop().call_later(self._grace_s, self._part, board)
 
     def dismiss(self, board: Board) -> None:
         """The board's node was shut down from outside: whoever did it would be fought by serving it again."""
@@ -94,10 +102,20 @@ class BoardRegistry:
         if leaving:
             await asyncio.wait(leaving)
 
-    def _leave(self, board: Board) -> None:
+    def _part(self, board: Board) -> None:
+        if board.is_kept and board.node is not None:
+            # Nothing is attached: all that the board announced leaves the graph.
+            board.node.endpoints.settle()
+        else:
+            self._leave(board)
+
+    def _cancel_farewell(self, board: Board) -> None:
         if board.farewell is not None:
             board.farewell.cancel()
             board.farewell = None
+
+    def _leave(self, board: Board) -> None:
+        self._cancel_farewell(board)
         if board.node is None:
             self._boards.pop(board.name, None)
         elif board.leaving is None:

@@ -36,7 +36,7 @@ def node_base_name(address: Address, peer: str, serial_number: str | None = None
 
 
 def numbered(base_name: str, number: int) -> str:
-    """Return the name of the `number`th board of one base name, counted from 1."""
+    """Return the name of the `number`th board of one name, counted from 1."""
     return base_name if number == 1 else f"{base_name}_{number}"
 
 

@@ -53,6 +53,8 @@ class Supervisor:
     """Serves boards at many addresses at once; each board is a node of its own, made by `join`.
 
     With `ns_per_board` a board's topics go into a namespace of its name, unless its address has `ns=`.
+    With `keeps_node` the one address's node, which has a `name=`, is there from the start and stays while no
+    board is; when it is shut down from outside, all is done.
     """
 
     def __init__(
@@ -63,6 +65,7 @@ class Supervisor:
         reporter: Reporter | None = None,
         settings: BridgeSettings = DEFAULT_SETTINGS,
         ns_per_board: bool = False,
+        keeps_node: bool = False,
         remappings: Mapping[str, str] | None = None,
         open_transport: OpenTransport = open_transport,
         listen: Listen = listen,
@@ -72,6 +75,7 @@ class Supervisor:
         self._reporter = reporter if reporter is not None else SilentReporter()
         self._settings = settings
         self._ns_per_board = ns_per_board
+        self._keeps_node = keeps_node
         self._remappings = remappings
         self._open_transport = open_transport
         self._listen = listen
@@ -95,7 +99,7 @@ class Supervisor:
         return sorted(views, key=lambda view: view.node)
 
     async def start(self, addresses: Sequence[Address]) -> None:
-        """Begin to serve; links that are not there yet are waited for.
+        """Begin to serve; links that are not there yet are waited for, a node to keep before all else.
 
         Raises TransportOpenError for an address that cannot be listened on, InvalidNameError for a name= or
         ns= that is no ROS name.
@@ -104,6 +108,8 @@ class Supervisor:
             for name in (address.name, address.ns):
                 if name is not None:
                     validate_name(name)
+        if self._keeps_node:
+            await self._join_early(addresses[0])
         for address in addresses:
             if address.listens:
                 await self._start_listening(address)
@@ -114,7 +120,7 @@ class Supervisor:
     async def wait_done(self) -> None:
         """Wait until nothing is served any more: closed, or every board's node was shut down from outside.
 
-        An address that is listened on always serves.
+        An address that is listened on always serves, but for the node to keep.
         """
         await self._done.wait()
 
@@ -155,24 +161,22 @@ class Supervisor:
         self, address: Address, transport: Transport, serial_number: str | None
     ) -> TransportError | None:
         """Serve one connection until it ends; returns why. Raises SessionError, InvalidNameError."""
-        base_name = node_base_name(address, transport.peer, serial_number)
+        name = _node_name(address, transport.peer, serial_number)
         is_remote = isinstance(address, TcpAddress | UdpAddress) and not _is_loopback(transport.peer)
         try:
-            board = await self._boards.claim(base_name, replaces_silent=is_remote and address.listens)
+            board = await self._boards.claim(name, replaces_silent=is_remote and address.listens)
         except SessionError:
             transport.close()
             raise
         session: Session | None = None
         try:
-            if board.node is None:
-                board.node = await self._make_node(address, board)
-                self._run(self._watch(board, board.node))
+            node = board.node or await self._give_node(address, board)
             baud = address.baud if isinstance(address, SerialAddress | XbeeAddress) else None
-            session = board.session = Session(transport, board.node, baud=baud)
+            session = board.session = Session(transport, node, baud=baud)
             session.start()
             error = await session.wait_ended()
             if board.leaving is not None:
-                raise SessionError(f"node /{board.name} was shut down from outside")
+                raise SessionError(f"node {board.name} was shut down from outside")
             return error
         finally:
             transport.close()
@@ -192,13 +196,24 @@ class Supervisor:
         )
         if session is not None:
             await session.stop()
+        if board.is_kept:
+            self._done.set()
 
-    async def _make_node(self, address: Address, board: Board) -> BoardNode:
-        namespace = address.ns or ("/" + board.name if self._ns_per_board else "/")
-        namespace = namespace if namespace.startswith("/") else "/" + namespace
-        node_name = join_names((address.ns and namespace) or "/", board.name)
-        graph = await self._join_graph(node_name, namespace)
-        return BoardNode(graph, self._store, self._reporter, self._clock, self._settings)
+    async def _join_early(self, address: Address) -> None:
+        board = await self._boards.claim(_node_name(address))
+        board.is_kept = True
+        try:
+            await self._give_node(address, board)
+        finally:
+            self._boards.lose(board, None)
+
+    async def _give_node(self, address: Address, board: Board) -> BoardNode:
+        """Join the graph for a board, and obey from then on when the graph ends that."""
+        namespace = join_names("/", address.ns or (board.name if self._ns_per_board else "/"))
+        graph = await self._join_graph(board.name, namespace)
+        node = board.node = BoardNode(graph, self._store, self._reporter, self._clock, self._settings)
+        self._run(self._watch(board, node))
+        return node
 
     async def _join_graph(self, node_name: str, namespace: str) -> Graph:
         backoff = Backoff(first_s=0.2, limit_s=MAX_JOIN_WAIT_S)
@@ -234,6 +249,10 @@ class Supervisor:
             self._door.line(
                 Level.ERROR, f"a link broke down: {type(error).__name__}: {error}; please report it"
             )
+
+
+def _node_name(address: Address, peer: str = "", serial_number: str | None = None) -> str:
+    return join_names(join_names("/", address.ns or "/"), node_base_name(address, peer, serial_number))
 
 
 def _is_loopback(peer: str) -> bool:

@@ -17,6 +17,11 @@ class FakeNode:
         self.may_leave = asyncio.Event()
         self.may_leave.set()
         self.is_closed = False
+        self.endpoints = self
+        self.settled = 0
+
+    def settle(self) -> None:
+        self.settled += 1
 
     async def close(self) -> None:
         await self.may_leave.wait()
@@ -42,9 +47,9 @@ async def served(boards: BoardRegistry, name: str) -> tuple[Board, Any]:
 
 async def test_a_lost_board_keeps_its_node_for_the_grace_period() -> None:
     boards = BoardRegistry(60.0, lambda: 0.0)
-    board, node = await served(boards, "arm")
+    board, node = await served(boards, "/arm")
     boards.lose(board, board.session)
-    assert await boards.claim("arm") is board
+    assert await boards.claim("/arm") is board
     assert (board.node,) == (node,)
     assert list(boards) == [board]
     await boards.close()
@@ -53,41 +58,59 @@ async def test_a_lost_board_keeps_its_node_for_the_grace_period() -> None:
 
 async def test_after_the_grace_period_the_name_is_free() -> None:
     boards = BoardRegistry(0.01, lambda: 0.0)
-    board, node = await served(boards, "arm")
+    board, node = await served(boards, "/arm")
     boards.lose(board, board.session)
     await until(lambda: node.is_closed and not list(boards), "the node to leave")
-    assert (await boards.claim("arm")).node is None
+    assert (await boards.claim("/arm")).node is None
+
+
+async def test_a_kept_node_stays_without_its_board_and_without_its_topics() -> None:
+    boards = BoardRegistry(0.01, lambda: 0.0)
+    board, node = await served(boards, "/arm")
+    board.is_kept = True
+    boards.lose(board, board.session)
+    await until(lambda: node.settled == 1, "the topics to leave")
+    assert not node.is_closed
+    assert await boards.claim("/arm") is board
+    assert (await boards.claim("/arm")).name == "/arm_2"
+
+
+async def test_one_name_in_two_namespaces_is_two_names() -> None:
+    boards = BoardRegistry(60.0, lambda: 0.0)
+    left, right = await boards.claim("/left/arm"), await boards.claim("/right/arm")
+    assert (left.name, right.name) == ("/left/arm", "/right/arm")
+    assert (await boards.claim("/right/arm")).name == "/right/arm_2"
 
 
 async def test_a_name_that_is_just_leaving_is_waited_for() -> None:
     boards = BoardRegistry(0.0, lambda: 0.0)
-    board, node = await served(boards, "arm")
+    board, node = await served(boards, "/arm")
     node.may_leave.clear()
     boards.lose(board, board.session)
     await until(lambda: board.leaving is not None, "the node to begin to leave")
-    claim = asyncio.ensure_future(boards.claim("arm"))
+    claim = asyncio.ensure_future(boards.claim("/arm"))
     await asyncio.sleep(0)
     assert not claim.done()
     node.may_leave.set()
     fresh = await claim
-    assert (fresh.name, fresh.node) == ("arm", None)
+    assert (fresh.name, fresh.node) == ("/arm", None)
 
 
 async def test_a_board_that_never_joined_leaves_nothing() -> None:
     boards = BoardRegistry(60.0, lambda: 0.0)
-    board = await boards.claim("arm")
+    board = await boards.claim("/arm")
     boards.lose(board, None)
-    assert await boards.claim("arm") is not board
+    assert await boards.claim("/arm") is not board
 
 
 async def test_a_connection_that_was_taken_over_ends_nothing() -> None:
     now = [0.0]
     boards = BoardRegistry(0.0, lambda: now[0])
-    board, node = await served(boards, "tcp_robot")
+    board, node = await served(boards, "/tcp_robot")
     old: Any = board.session
-    assert (await boards.claim("tcp_robot", replaces_silent=True)).name == "tcp_robot_2"
+    assert (await boards.claim("/tcp_robot", replaces_silent=True)).name == "/tcp_robot_2"
     now[0] = 10.0
-    assert await boards.claim("tcp_robot", replaces_silent=True) is board
+    assert await boards.claim("/tcp_robot", replaces_silent=True) is board
     assert old.is_abandoned
     new: Any = FakeSession()
     board.session = new
@@ -99,18 +122,18 @@ async def test_a_connection_that_was_taken_over_ends_nothing() -> None:
 
 async def test_a_node_that_was_shut_down_is_not_served_again() -> None:
     boards = BoardRegistry(60.0, lambda: 0.0)
-    board, node = await served(boards, "arm")
+    board, node = await served(boards, "/arm")
     boards.dismiss(board)
     await until(lambda: node.is_closed, "the node to leave")
     with pytest.raises(SessionError, match="/arm was shut down"):
-        await boards.claim("arm")
+        await boards.claim("/arm")
 
 
 async def test_closing_waits_for_no_node_that_hangs(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("rostether.bridge.board_registry.NODE_CLOSE_LIMIT_S", 0.02)
     boards = BoardRegistry(60.0, lambda: 0.0)
-    _, hanging = await served(boards, "left")
-    _, leaving = await served(boards, "right")
+    _, hanging = await served(boards, "/left")
+    _, leaving = await served(boards, "/right")
     hanging.may_leave.clear()
     await boards.close()
     assert leaving.is_closed

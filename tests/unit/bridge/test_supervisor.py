@@ -132,6 +132,11 @@ async def test_boards_of_one_name_are_numbered(site: Site) -> None:
     await site.serving("/arm", "/arm_2", "/arm_3")
 
 
+async def test_one_name_in_two_namespaces_is_no_clash(site: Site) -> None:
+    await site.start(f"{PORT}?name=opencr&ns=tb3_0", f"{PORT}?name=opencr&ns=tb3_1")
+    await site.serving("/tb3_0/opencr", "/tb3_1/opencr")
+
+
 async def test_topics_go_into_the_links_namespace(site: Site) -> None:
     await site.start(f"{PORT}?name=arm&ns=robot1")
     await site.serving("/robot1/arm")
@@ -256,6 +261,54 @@ async def test_a_board_of_a_node_that_was_shut_down_is_sent_away(site: Site) -> 
     await until(lambda: again.is_lost, "the board to be sent away")
     assert site.network.nodes["/arm"] is other
     assert len(site.reporter.lines) <= lines + 1
+
+
+async def test_a_node_to_keep_is_there_before_its_board_and_its_end_is_ours(site: Site) -> None:
+    supervisor = Supervisor(
+        site.join,
+        STORE,
+        reporter=site.reporter,
+        keeps_node=True,
+        listen=site.listen,
+        open_transport=site.open,
+    )
+    await supervisor.start([parse_address("tcp://:11411?name=arm&ns=lab")])
+    assert site.nodes() == {"/lab/arm"}
+    node = site.network.nodes["/lab/arm"]
+    board = site.connect()
+    await until(lambda: "/lab/chatter" in site.network.snapshot().topics, "the topic")
+    assert site.network.nodes["/lab/arm"] is node
+    second = site.connect()
+    await until(lambda: "/lab/arm_2" in site.nodes(), "the second board")
+    await site.network.nodes["/lab/arm_2"].close()
+    await until(lambda: second.is_lost, "the second board to be sent away")
+    done = asyncio.ensure_future(supervisor.wait_done())
+    await asyncio.sleep(0.01)
+    assert not done.done(), "only the node to keep ends it all"
+    await site.network.join("/lab/arm")
+    await asyncio.wait_for(done, 5.0)
+    assert board.order[-1] == ids.TX_STOP
+    await supervisor.close()
+
+
+async def test_a_node_to_keep_waits_for_the_master_before_anything_listens(site: Site) -> None:
+    supervisor = Supervisor(
+        site.join,
+        STORE,
+        reporter=site.reporter,
+        keeps_node=True,
+        listen=site.listen,
+        open_transport=site.open,
+    )
+    site.join_errors = [MasterUnreachableError("no ROS master answers") for _ in range(1000)]
+    start = asyncio.ensure_future(supervisor.start([parse_address("tcp://:11411?name=arm")]))
+    await until(lambda: site.reporter.having("no ROS master answers"), "the line")
+    assert site.listeners == []
+    site.join_errors.clear()
+    await asyncio.wait_for(start, 5.0)
+    assert site.nodes() == {"/arm"}
+    await supervisor.close()
+    assert site.nodes() == set()
 
 
 async def test_names_that_are_none_are_refused_at_the_start(site: Site) -> None:
