@@ -23,6 +23,7 @@ from rostether.bridge.sync_report import SyncReport
 from rostether.errors import TransportError
 from rostether.graph.ports import Level
 from rostether.rosserial.events import (
+    AnnouncementRefused,
     DeviceReset,
     DeviceSilent,
     FrameDiscarded,
@@ -94,6 +95,7 @@ class Session:
             TopicWithdrawn: self._withdrawn,
             ServiceAnnounced: self._service_announced,
             ServiceWithdrawn: self._withdrawn,
+            AnnouncementRefused: self._refused,
             NegotiationSettled: self._settled,
             TimeRequested: self._time_requested,
             LogReceived: self._log_received,
@@ -220,6 +222,10 @@ class Session:
 
     def _withdrawn(self, event: TopicWithdrawn | ServiceWithdrawn) -> None:
         self.node.endpoints.withdraw(event)
+
+    def _refused(self, event: AnnouncementRefused) -> None:
+        name = event.topic_name or "a topic without a name"
+        self._notices.say(Level.ERROR, f"{name} [{event.message_type}] is not bridged: {event.reason}")
 
     def _settled(self, _event: NegotiationSettled) -> None:
         self.node.endpoints.settle()

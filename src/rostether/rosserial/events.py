@@ -1,8 +1,8 @@
 """What links report, as frozen values. Directions and roles are the device's.
 
 `HostLink` reports: MessagesReceived, TopicAnnounced, TopicWithdrawn, ServiceAnnounced, ServiceWithdrawn,
-NegotiationSettled, TimeRequested, LogReceived, ParameterRequested, FrameDiscarded, UnknownTopicId,
-DeviceReset, DeviceSilent, ProtocolDetected.
+AnnouncementRefused, NegotiationSettled, TimeRequested, LogReceived, ParameterRequested, FrameDiscarded,
+UnknownTopicId, DeviceReset, DeviceSilent, ProtocolDetected.
 
 `DeviceLink` reports: MessagesReceived, TopicsRequested, Unconfigured, TimeAnswered, ParameterReceived,
 ParameterTimedOut, StopReceived, FrameDiscarded, UnknownTopicId.
@@ -43,6 +43,7 @@ class DiscardReason(Enum):
     UNFINISHED = "frame that began and never ended"
     PACKET = "control packet that does not have its layout"
     UNEXPECTED = "frame on a topic id that means nothing in this direction"
+    REFUSED = "announcement of what cannot be meant"
     TOO_MANY = "announcement beyond the limit of endpoints"
 
 
@@ -94,6 +95,18 @@ class ServiceWithdrawn:
     type: str
     request: TopicInfo
     response: TopicInfo
+
+
+@dataclass(frozen=True, slots=True)
+class AnnouncementRefused:
+    """The device has announced twice, so it was no damage, what cannot be bridged; reported once each.
+
+    `reason` tells people what is wrong and what to change in the sketch.
+    """
+
+    topic_name: str
+    message_type: str
+    reason: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -210,6 +223,7 @@ HostEvent: TypeAlias = (
     | TopicWithdrawn
     | ServiceAnnounced
     | ServiceWithdrawn
+    | AnnouncementRefused
     | NegotiationSettled
     | TimeRequested
     | LogReceived
