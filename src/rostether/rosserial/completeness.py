@@ -31,6 +31,9 @@ LOSSY_CONFIRMATIONS = 3
 EMPTY_CONFIRMATIONS = 2
 """A device without endpoints is rare, one whose only announcement was lost is not."""
 
+MAX_HEARD = 4096
+"""Sixteen times as many as a link bridges; a device that makes up ever new ids fills no memory."""
+
 
 class Completeness:
     """What one device has announced, in this negotiation and at the end of the last."""
@@ -43,6 +46,7 @@ class Completeness:
         self._round: set[EndpointKey] = set()
         self._has_news = False
         self._quiet_rounds = 0
+        self._before_close = (0, 0)
 
     @property
     def complete(self) -> frozenset[EndpointKey]:
@@ -67,9 +71,23 @@ class Completeness:
         self._round = set()
         self._has_news = False
 
+    def resume_round(self) -> None:
+        """Go on with the round that was closed last: more of its burst came late."""
+        self.rounds, self._quiet_rounds = self._before_close
+
+    def is_known(self, kind: int, info: TopicInfo) -> bool:
+        """Whether the announcement says what was last taken for complete."""
+        return self._complete.get(key_of(kind, info)) == (kind, info)
+
+    def is_continued_by(self, kind: int, info: TopicInfo) -> bool:
+        """Whether the announcement can belong to the last round's burst: that had others only."""
+        return bool(self._round) and key_of(kind, info) not in self._round
+
     def take(self, kind: int, info: TopicInfo) -> None:
         """Take one announcement of this round."""
         key = key_of(kind, info)
+        if key not in self._heard and len(self._heard) >= MAX_HEARD:
+            return
         self._round.add(key)
         if self._heard.get(key) != (kind, info):
             self._heard[key] = kind, info
@@ -80,6 +98,7 @@ class Completeness:
         if not self._round and (self._heard or self._complete):
             self.is_lossy = True
             return False
+        self._before_close = self.rounds, self._quiet_rounds
         self.rounds += 1
         is_missing = len(self._heard) > len(self._round) or not self._complete.keys() <= self._heard.keys()
         self.is_lossy = self.is_lossy or is_missing
@@ -91,11 +110,13 @@ class Completeness:
         self._complete = dict(self._heard) if is_confirmed else self._complete | self._heard
 
     def _needed_rounds(self) -> int:
-        if self.is_lossy or not _looks_whole(self._heard):
+        if self.is_lossy:
             return LOSSY_CONFIRMATIONS
         if not self._heard:
             return EMPTY_CONFIRMATIONS
-        return 0 if self._heard == self._complete else CLEAN_CONFIRMATIONS
+        if self._heard == self._complete:
+            return 0
+        return CLEAN_CONFIRMATIONS if _looks_whole(self._heard) else LOSSY_CONFIRMATIONS
 
 
 def _looks_whole(heard: dict[EndpointKey, Announcement]) -> bool:

@@ -7,7 +7,8 @@ request and the burst that answers it.
     IDLE        ASK           ASKED       send a request, begin a negotiation
     ASKED       UNANSWERED    ASKED       send the next request
     ASKED       ENOUGH        SETTLED     it answered once and never again: be content
-    ASKED       ANSWER        LISTENING   a burst begins: a time request first, then the announcements
+    ASKED       ANSWER        LISTENING   a burst begins: a time request first, then the announcements (or
+                                          the burst before goes on after all, and the round with it)
     LISTENING   ANSWER        LISTENING   the burst goes on: wait until it has been quiet for a while
     LISTENING   MORE_NEEDED   ASKED       the round is over, send the next request
     LISTENING   ENOUGH        SETTLED
@@ -15,7 +16,8 @@ request and the burst that answers it.
     SETTLED     ASK           ASKED       send a request, begin a negotiation
 
 While the burst flows nothing is sent: at 57600 baud fifty announcements take 0.8 s, and the board listens
-badly while it talks. A device that has not been heard at all is asked in both protocol versions in turn.
+badly while it talks. How long a pause ends a burst is learned from the pauses within it. A device that has
+not been heard at all is asked in both protocol versions in turn.
 """
 
 from __future__ import annotations
@@ -28,6 +30,15 @@ from rostether.rosserial.topic_table import EndpointKey
 
 QUIET_S = 0.1
 """A burst is over after this long without a sign of it: one announcement takes 0.1 s at 9600 baud."""
+
+QUIET_MARGIN = 1.5
+"""On a line with longer pauses between announcements: after this many times the longest one seen."""
+
+MAX_QUIET_S = 1.0
+"""Announcements further apart than this are taken for answers to two requests."""
+
+MAX_ROUNDS = 12
+"""At 30 % loss one announcement in two million is missed each time; whoever still differs is left alone."""
 
 SEARCH_STEPS = ((2, 0.2), (2, 0.2), (1, 0.3), (2, 0.3), (1, 0.5), (2, 0.5))
 """(version to ask in, wait after it) while nothing is heard; the last two go on forever.
@@ -107,6 +118,9 @@ class Negotiation:
         self._answer_delay_s = 0.0
         self._search_step = 0
         self._has_rechecked = False
+        self._quiet_s = QUIET_S
+        self._heard_s = float("-inf")
+        self._bursts = 0
         self._request: int | None = None
         self._due_s: float | None = None
 
@@ -114,6 +128,11 @@ class Negotiation:
     def is_settled(self) -> bool:
         """Whether all topics are taken to be known."""
         return self.phase is Phase.SETTLED
+
+    @property
+    def is_listening(self) -> bool:
+        """Whether a burst goes on."""
+        return self.phase is Phase.LISTENING
 
     @property
     def rounds(self) -> int:
@@ -142,7 +161,9 @@ class Negotiation:
         """Learn the device's version (ask at once if the last request was in the other one), or forget it."""
         self.version = version
         self._search_step = 0
-        if version is not None and self.phase is Phase.ASKED and self._asked_in != version:
+        if version is None:
+            self._quiet_s = QUIET_S
+        elif self.phase is Phase.ASKED and self._asked_in != version:
             self._send(Input.UNANSWERED, now_s)
 
     def take_request(self) -> int | None:
@@ -160,14 +181,28 @@ class Negotiation:
 
     def answered(self, now_s: float) -> None:
         """Take the time request that begins an answer."""
-        if self.phase is Phase.LISTENING and self._late_answers > 0:
+        if self.phase is Phase.LISTENING and self._unanswered > 0:
+            self._late_answers += self._unanswered - 1
+            self._unanswered = 0
+        elif self.phase is Phase.LISTENING and self._late_answers > 0:
             # So the requests before were not lost, the sketch is slow: it takes all at once when it spins.
             self._late_answers -= 1
             self._answer_delay_s = max(self._answer_delay_s, now_s - self._first_asked_s)
         self._hear(now_s)
 
     def announced(self, kind: int, info: TopicInfo, now_s: float) -> None:
-        """Take one announcement."""
+        """Take one announcement, sound or not: both are seen, none is missing."""
+        if self.phase is Phase.SETTLED and self._completeness.is_known(kind, info):
+            return
+        pause_s = now_s - self._heard_s
+        is_same_burst = self.phase is not Phase.ASKED
+        if self.phase is Phase.ASKED and pause_s <= MAX_QUIET_S:
+            is_same_burst = self._completeness.is_continued_by(kind, info)
+            if is_same_burst:
+                self._completeness.resume_round()
+                self._advance(Input.ANSWER)
+        if is_same_burst and pause_s <= MAX_QUIET_S:
+            self._quiet_s = max(self._quiet_s, min(QUIET_MARGIN * pause_s, MAX_QUIET_S))
         self._hear(now_s)
         self._completeness.take(kind, info)
 
@@ -182,10 +217,13 @@ class Negotiation:
         if self.phase is Phase.ASKED:
             return self._go_unanswered(now_s)
         if is_flowing:
-            self._due_s = now_s + QUIET_S
+            self._due_s = now_s + self._quiet_s
             return False
         if self._completeness.close_round():
             return self._settle(is_confirmed=True)
+        self._bursts += 1
+        if self._bursts >= MAX_ROUNDS and self._completeness.has_heard_anything:
+            return self._settle(is_confirmed=False)
         if self.requests == 0:
             # What comes unasked need not be all there is, so what is missing in it was not lost.
             self._completeness.begin(is_lossy=False)
@@ -204,7 +242,8 @@ class Negotiation:
         elif self.phase is Phase.SETTLED:
             self._begin(now_s, is_lossy=False)
         if self._advance(Input.ANSWER):
-            self._due_s = now_s + QUIET_S
+            self._due_s = now_s + self._quiet_s
+        self._heard_s = now_s
 
     def _go_unanswered(self, now_s: float) -> bool:
         if self.version is not None:
@@ -218,6 +257,8 @@ class Negotiation:
     def _settle(self, *, is_confirmed: bool) -> bool:
         self._advance(Input.ENOUGH)
         self._completeness.accept(is_confirmed=is_confirmed)
+        self._late_answers += self._unanswered
+        self._unanswered = 0
         self._due_s = None
         return True
 
@@ -226,6 +267,7 @@ class Negotiation:
         self._completeness.begin(is_lossy=is_lossy)
         self.began_s = self._asked_s = self._first_asked_s = now_s
         self.requests = 0
+        self._bursts = 0
         self._unanswered = 0
 
     def _send(self, why: Input, now_s: float) -> None:

@@ -133,9 +133,10 @@ class Presence:
             self._step(Input.SIGN, now_s)
         self._changed_s = now_s
 
-    def answered(self, now_s: float) -> None:
-        """Take the time request that answers a topic request."""
-        self._time_request_s = now_s
+    def answered(self, now_s: float, *, is_timely: bool = True) -> None:
+        """Take the time request that answers a topic request; `is_timely`: it came when it was sent."""
+        if is_timely:
+            self._time_request_s = now_s
         self.sign(now_s)
 
     def time_request(self, now_s: float, *, is_excused: bool = False) -> Verdict | None:

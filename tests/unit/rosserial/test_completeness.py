@@ -1,7 +1,12 @@
 from __future__ import annotations
 
 from rostether.rosserial import topic_id as ids
-from rostether.rosserial.completeness import EMPTY_CONFIRMATIONS, LOSSY_CONFIRMATIONS, Completeness
+from rostether.rosserial.completeness import (
+    EMPTY_CONFIRMATIONS,
+    LOSSY_CONFIRMATIONS,
+    MAX_HEARD,
+    Completeness,
+)
 from rostether.rosserial.packets import TopicInfo
 from rostether.rosserial.topic_table import EndpointKey
 from unit.rosserial.sessions import STRING, STRING_MD5
@@ -75,6 +80,41 @@ def test_what_was_complete_before_needs_no_confirmation() -> None:
     completeness.accept(is_confirmed=True)
     completeness.begin(is_lossy=False)
     assert play(completeness, [ONE, TWO]) == [True]
+
+
+def test_half_a_service_that_was_complete_before_needs_no_confirmation() -> None:
+    completeness = Completeness()
+    response = half(ids.SERVICE_SERVER_RESPONSE, 125, "ask")
+    play(completeness, *[[response]] * 4)
+    completeness.accept(is_confirmed=True)
+    completeness.begin(is_lossy=False)
+    assert play(completeness, [response]) == [True]
+
+
+def test_a_round_that_was_closed_too_early_goes_on() -> None:
+    completeness = Completeness()
+    assert play(completeness, [ONE]) == [False]
+    assert completeness.is_continued_by(*TWO)
+    assert not completeness.is_continued_by(*ONE)
+    completeness.resume_round()
+    completeness.take(*TWO)
+    assert not completeness.close_round()
+    assert completeness.rounds == 1
+    assert play(completeness, [ONE, TWO]) == [True]
+
+
+def test_nothing_continues_a_negotiation_that_has_begun_anew() -> None:
+    completeness = Completeness()
+    play(completeness, [ONE])
+    completeness.begin(is_lossy=False)
+    assert not completeness.is_continued_by(*TWO)
+
+
+def test_a_device_that_makes_up_ids_fills_no_memory() -> None:
+    completeness = Completeness()
+    play(completeness, [publisher(100 + number) for number in range(MAX_HEARD + 9)])
+    completeness.accept(is_confirmed=True)
+    assert len(completeness.complete) == MAX_HEARD
 
 
 def test_less_than_before_needs_more() -> None:

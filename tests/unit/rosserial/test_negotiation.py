@@ -9,7 +9,10 @@ from rostether.rosserial import negotiation as module
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.negotiation import (
     LATE_ANSWER_S,
+    MAX_QUIET_S,
+    MAX_ROUNDS,
     MAX_UNANSWERED,
+    QUIET_MARGIN,
     QUIET_S,
     RETRY_S,
     TRANSITIONS,
@@ -74,11 +77,11 @@ def test_nothing_is_asked_while_the_burst_flows() -> None:
     negotiation.ask(0.0)
     assert negotiation.take_request() == 2
     for number in range(50):
-        now_s = 0.01 + number * 0.09
+        now_s = 0.01 + number * 0.06
         assert not negotiation.handle_timer(now_s, is_flowing=False)
         negotiation.announced(ids.PUBLISHER, TopicInfo(125 + number, "a", STRING, STRING_MD5, 280), now_s)
         assert negotiation.take_request() is None
-    assert negotiation.get_timer() == pytest.approx(0.01 + 49 * 0.09 + QUIET_S)
+    assert negotiation.get_timer() == pytest.approx(0.01 + 49 * 0.06 + QUIET_S)
 
 
 def test_an_announcement_that_is_just_coming_in_prolongs_the_burst() -> None:
@@ -178,10 +181,8 @@ def test_late_answers_are_not_mistaken() -> None:
     assert not negotiation.take_late_answer(now_s + LATE_ANSWER_S + 10)
     assert negotiation.take_late_answer(now_s)
     negotiation.announced(ids.PUBLISHER, INFO, now_s + 0.5)
-    assert negotiation.phase is Phase.LISTENING
-    _, done = tick(negotiation)
-    assert done
-    assert negotiation.requests == 0
+    assert negotiation.phase is Phase.SETTLED
+    assert negotiation.get_timer() is None
 
 
 def test_announcements_nobody_asked_for_that_bring_news_are_confirmed() -> None:
@@ -208,3 +209,95 @@ def test_damage_on_a_line_that_looked_clean_leads_to_one_question() -> None:
     negotiation.note_damage(now_s + 9)
     assert negotiation.take_request() is None
     assert negotiation.is_settled
+
+
+def burst(count: int, first_s: float, pause_s: float) -> list[tuple[float, TopicInfo]]:
+    """Return announcements this far apart, and when they come."""
+    return [(first_s + number * pause_s, replace(INFO, topic_id=125 + number)) for number in range(count)]
+
+
+def settle_against(pause_s: float, count: int = 4, limit_s: float = 60.0) -> tuple[Negotiation, float]:
+    """Negotiate with a board that answers requests one after the other, pausing between announcements."""
+    negotiation = Negotiation()
+    negotiation.set_version(2, 0.0)
+    negotiation.ask(0.0)
+    negotiation.take_request()
+    coming: list[tuple[float, TopicInfo | None]] = [(0.01, None), *burst(count, 0.02, pause_s)]
+    while not negotiation.is_settled:
+        due_s = negotiation.get_timer()
+        assert due_s is not None
+        assert due_s < limit_s
+        if coming and coming[0][0] <= due_s:
+            now_s, info = coming.pop(0)
+            if info is None:
+                negotiation.answered(now_s)
+            else:
+                negotiation.announced(ids.PUBLISHER, info, now_s)
+            continue
+        now_s, _ = tick(negotiation)
+        if negotiation.take_request() is not None:
+            free_s = max([now_s] + [at_s + pause_s for at_s, _ in coming[-1:]])
+            coming += [(free_s + 0.01, None), *burst(count, free_s + 0.02, pause_s)]
+    return negotiation, now_s
+
+
+@pytest.mark.parametrize(
+    ("pause_s", "most_requests"), [(0.05, 2), (0.09, 2), (0.15, 3), (0.19, 3), (0.3, 8), (0.6, 8), (1.2, 30)]
+)
+def test_pauses_between_announcements_are_learned(pause_s: float, most_requests: int) -> None:
+    negotiation, _ = settle_against(pause_s)
+    assert len(negotiation.complete) == 4
+    assert negotiation.requests <= most_requests
+
+
+def test_learned_pauses_serve_the_next_negotiation_and_are_forgotten_with_the_board() -> None:
+    negotiation, now_s = settle_against(0.15)
+    negotiation.ask(now_s)
+    assert negotiation.take_request() == 2
+    for at_s, info in burst(4, now_s + 0.01, 0.15):
+        assert not negotiation.handle_timer(at_s, is_flowing=False)
+        negotiation.announced(ids.PUBLISHER, info, at_s)
+    due_s, done = tick(negotiation)
+    assert done
+    assert negotiation.requests == 1
+    assert due_s == pytest.approx(at_s + QUIET_MARGIN * 0.15)
+    negotiation.set_version(None, due_s)
+    negotiation.ask(due_s)
+    negotiation.answered(due_s)
+    assert negotiation.get_timer() == pytest.approx(due_s + QUIET_S)
+
+
+def test_no_pause_is_waited_for_longer_than_the_bound() -> None:
+    negotiation, _ = settle_against(0.95)
+    assert negotiation.get_timer() is None
+    negotiation.ask(100.0)
+    negotiation.answered(100.0)
+    assert negotiation.get_timer() == pytest.approx(100.0 + MAX_QUIET_S)
+
+
+def test_a_board_that_announces_something_else_each_time_is_left_in_peace() -> None:
+    negotiation = Negotiation()
+    negotiation.set_version(2, 0.0)
+    negotiation.ask(0.0)
+    now_s, done = 0.0, False
+    while not done:
+        if negotiation.take_request() is not None:
+            negotiation.answered(now_s + 0.01)
+            negotiation.announced(
+                ids.PUBLISHER, replace(INFO, topic_name=f"t{negotiation.requests}"), now_s + 0.01
+            )
+        now_s, done = tick(negotiation)
+    assert negotiation.requests == MAX_ROUNDS
+    assert negotiation.get_timer() is None
+
+
+def test_a_board_that_answers_without_announcing_any_more_is_left_in_peace() -> None:
+    negotiation, now_s = settled()
+    negotiation.ask(now_s)
+    done = False
+    while not done:
+        if negotiation.take_request() is not None:
+            negotiation.answered(now_s + 0.01)
+        now_s, done = tick(negotiation)
+    assert negotiation.requests <= MAX_ROUNDS
+    assert len(negotiation.complete) == 1

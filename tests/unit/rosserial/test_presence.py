@@ -100,6 +100,18 @@ def test_an_early_time_request_is_only_probed() -> None:
     assert presence.state is State.PRESENT
 
 
+def test_announcements_do_not_move_the_time_request_that_is_due() -> None:
+    presence = present()
+    presence.sign(1.0)
+    assert presence.time_request(2.5) is None
+
+
+def test_a_time_request_that_waited_behind_others_makes_the_next_one_not_early() -> None:
+    presence = present()
+    presence.answered(3.3, is_timely=False)
+    assert presence.time_request(5.0) is None
+
+
 def test_an_overdue_time_request_is_asked_for_once() -> None:
     presence = present()
     assert presence.handle_timer(OVERDUE_S, probes=True) is Verdict.ASK
