@@ -5,7 +5,7 @@ The link itself has no states of its own; it joins machines that have:
     ProtocolDetector, FrameDecoder   bytes to frames
     Negotiation                      when to ask for topics, when to believe they are all known
     Presence                         whether the device is there and still knows us
-    TopicTable                       what it announced
+    TopicTable, Refusals             what it announced, and what of that cannot be bridged
     HostOutput                       what goes to it, and what must wait
 
 A device is never sent a payload larger than the buffer it announced, nor an id it did not announce since its
@@ -15,7 +15,6 @@ last reset: either can crash the established library.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.control_events import control_event
@@ -31,29 +30,20 @@ from rostether.rosserial.events import (
     TimeRequested,
     UnknownTopicId,
 )
-from rostether.rosserial.frame import MAX_PAYLOAD_BYTES
 from rostether.rosserial.frame_decoder import Decoded, FrameDecoder, Frames
+from rostether.rosserial.host_link_config import HostLinkConfig as HostLinkConfig
 from rostether.rosserial.host_output import HostOutput
 from rostether.rosserial.link_statistics import LinkStatistics
 from rostether.rosserial.negotiation import Negotiation
 from rostether.rosserial.packets import TIME_BYTES, ParameterResponse, TopicInfo
 from rostether.rosserial.presence import Presence, Verdict
 from rostether.rosserial.protocol_detector import ProtocolDetector
+from rostether.rosserial.refusals import Refusals
 from rostether.rosserial.topic_table import TopicTable
 from rostether.rosserial.unknown_ids import UnknownIds
 from rostether.rostime import Time
 
 _DAMAGE = frozenset({DiscardReason.LENGTH_CHECKSUM, DiscardReason.PAYLOAD_CHECKSUM, DiscardReason.PACKET})
-
-
-@dataclass(frozen=True, slots=True)
-class HostLinkConfig:
-    """Limits of a host link; the defaults suit every board known."""
-
-    max_payload_bytes: int = MAX_PAYLOAD_BYTES
-    """All that a frame can say: Linux devices send images in one frame."""
-    max_endpoints: int = 256
-    """The established library has at most 50; each costs a registration on the ROS side."""
 
 
 class HostLink:
@@ -72,6 +62,7 @@ class HostLink:
         self._negotiation = Negotiation()
         self._presence = Presence()
         self._unknown_ids = UnknownIds()
+        self._refusals = Refusals()
         self._is_stopped = False
 
     @property
@@ -198,34 +189,39 @@ class HostLink:
             events.append(MessagesReceived(topic_id, payloads))
             return
         self.statistics.unannounced_messages += len(payloads)
-        if self.is_settled:
+        if self.is_settled and not self._refusals.is_sender(topic_id):
             events.append(UnknownTopicId(topic_id, len(payloads)))
             if self._unknown_ids.should_ask(topic_id, now_s):
                 self._negotiation.ask(now_s, is_lossy=True)
 
     def _take_control(self, frames: Frames, now_s: float, events: list[HostEvent]) -> None:
-        topic_id = frames.topic_id
-        if topic_id == ids.TIME:
+        if frames.topic_id == ids.TIME:
             self._on_time_requests(frames.payloads, now_s, events)
             return
         for payload in frames.payloads:
-            if topic_id in ids.ANNOUNCEMENTS:
-                self._on_announcement(topic_id, payload, now_s, events)
+            if frames.topic_id in ids.ANNOUNCEMENTS:
+                self._on_announcement(frames.topic_id, payload, now_s, events)
             else:
-                self._report(control_event(topic_id, payload), now_s, events)
+                self._report(control_event(frames.topic_id, payload), now_s, events)
 
     def _on_announcement(self, kind: int, payload: bytes, now_s: float, events: list[HostEvent]) -> None:
-        info = TopicInfo.decode(payload)
+        info = TopicInfo.read(payload)
         if info is None:
             self._report(FrameDiscarded(DiscardReason.PACKET, payload), now_s, events)
             return
-        changes = self._table.announce(kind, info)
-        if changes is None:
-            self._report(FrameDiscarded(DiscardReason.TOO_MANY, payload), now_s, events)
-            return
-        events += changes
-        self._unknown_ids.forget(info.topic_id)
-        self._presence.answered(now_s)
+        fault = info.fault()
+        if fault is not None:
+            self._report(FrameDiscarded(DiscardReason.REFUSED, payload), now_s, events)
+            events += self._refusals.take(kind, info, fault)
+        else:
+            changes = self._table.announce(kind, info)
+            if changes is None:
+                self._report(FrameDiscarded(DiscardReason.TOO_MANY, payload), now_s, events)
+                return
+            events += changes
+            self._unknown_ids.forget(info.topic_id)
+            self._refusals.forget(kind, info)
+        self._presence.sign(now_s)
         self._negotiation.announced(kind, info, now_s)
 
     def _on_time_requests(self, payloads: list[bytes], now_s: float, events: list[HostEvent]) -> None:
@@ -239,7 +235,8 @@ class HostLink:
                 is_excused = self._negotiation.take_late_answer(now_s)
                 self._judge(self._presence.time_request(now_s, is_excused=is_excused), now_s, events)
             else:
-                self._presence.answered(now_s)
+                # One behind the announcements may have waited for them: it tells not when the next is due.
+                self._presence.answered(now_s, is_timely=not self._negotiation.is_listening)
                 self._negotiation.answered(now_s)
 
     def _report(self, event: HostEvent, now_s: float, events: list[HostEvent]) -> None:
@@ -257,8 +254,10 @@ class HostLink:
 
     def _settle(self, now_s: float, events: list[HostEvent]) -> None:
         negotiation = self._negotiation
-        changes = self._table.withdraw_all_but(negotiation.complete)
+        changes = self._table.withdraw_all_but(negotiation.complete - self._refusals.keys)
         events += changes
+        if negotiation.rounds > 1:
+            events += self._refusals.take_lone_halves(self._table.lone_halves())
         self._presence.sign(now_s)
         if negotiation.round_trip_s is not None:
             self.statistics.count_round_trip(negotiation.round_trip_s)

@@ -71,20 +71,42 @@ class TopicInfo:
     @classmethod
     def decode(cls, payload: bytes) -> TopicInfo | None:
         """Read an announcement; None unless names, type, md5sum, id and size can all be meant."""
+        info = cls.read(payload)
+        return info if info is not None and info.fault() is None else None
+
+    @classmethod
+    def read(cls, payload: bytes) -> TopicInfo | None:
+        """Read an announcement, whatever it says; None if the payload does not have the layout of one."""
         reader = _Reader(payload)
         topic_id = reader.number(_ID)
-        name, message_type, md5sum = (reader.text(MAX_NAME_BYTES) for _ in range(3))
+        name, message_type, md5sum = (reader.text(MAX_NAME_BYTES, errors="replace") for _ in range(3))
         buffer_size = reader.number(_BUFFER_SIZE)
-        sound = (
-            reader.is_spent
-            and FIRST_USER_ID <= topic_id <= LAST_ID
-            and len(name.strip("~/")) > 0
-            and _NAME.match(name)
-            and _TYPE.match(message_type)
-            and _MD5SUM.match(md5sum)
-            and 0 <= buffer_size <= MAX_BUFFER_BYTES
-        )
-        return cls(topic_id, name, message_type, md5sum, buffer_size) if sound else None
+        return cls(topic_id, name, message_type, md5sum, buffer_size) if reader.is_spent else None
+
+    def fault(self) -> str | None:
+        """Return what cannot be meant and what to change in the sketch, None if all can."""
+        if not FIRST_USER_ID <= self.topic_id <= LAST_ID:
+            return (
+                f"its topic id is {self.topic_id}, but those below {FIRST_USER_ID} are reserved; use a larger"
+            )
+        if not _is_name(self.topic_name):
+            return (
+                f"a name begins with a letter and holds letters, digits, _ and / only; {_better_name(self)}"
+                " in the sketch"
+            )
+        if not _TYPE.match(self.message_type):
+            return f"a type is written package/Type; {_better_type(self.message_type)} in the sketch"
+        if not _MD5SUM.match(self.md5sum):
+            return (
+                f"its md5sum {self.md5sum!r} is not 32 digits of 0-9a-f; generate the message headers of the"
+                " sketch again"
+            )
+        if not 0 <= self.buffer_size <= MAX_BUFFER_BYTES:
+            return (
+                f"its buffer size is {self.buffer_size} bytes; choose 0 to {MAX_BUFFER_BYTES} in the sketch's"
+                " NodeHandle_"
+            )
+        return None
 
 
 class Log(NamedTuple):
@@ -99,12 +121,12 @@ class Log(NamedTuple):
 
     @classmethod
     def decode(cls, payload: bytes) -> Log | None:
-        """Read a log line; text that is not UTF-8 is shown with replacement characters."""
-        if not payload or payload[0] > LogLevel.FATAL:
+        """Read a log line; a level above FATAL is FATAL, bytes that are not UTF-8 are replaced."""
+        if not payload:
             return None
         reader = _Reader(payload, 1)
         text = reader.text(len(payload), errors="replace")
-        return cls(LogLevel(payload[0]), text) if reader.is_spent else None
+        return cls(LogLevel(min(payload[0], LogLevel.FATAL)), text) if reader.is_spent else None
 
 
 class ParameterRequest(NamedTuple):
@@ -166,6 +188,22 @@ def decode_time(payload: bytes) -> Time | None:
         return None
     secs, nsecs = _TIME.unpack(payload)
     return Time(secs, nsecs) if nsecs < NS_PER_S else None
+
+
+def _is_name(name: str) -> bool:
+    return bool(_NAME.match(name)) and len(name.strip("~/")) > 0
+
+
+def _better_name(info: TopicInfo) -> str:
+    better = re.sub(r"/{2,}", "/", re.sub(r"[^A-Za-z0-9_/]", "_", info.topic_name)).lstrip("_0123456789")
+    return f"write {better}" if _is_name(better) else "choose another"
+
+
+def _better_type(message_type: str) -> str:
+    words = [word for word in re.findall(r"[A-Za-z]\w*", message_type) if word not in ("msg", "srv")]
+    if len(words) == 2:
+        return "write " + "/".join(words)
+    return "write the package too, as in std_msgs/String," if len(words) == 1 else "write one"
 
 
 def _string(text: str) -> bytes:

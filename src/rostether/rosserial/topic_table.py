@@ -88,10 +88,21 @@ class TopicTable:
         """How many services have both halves."""
         return len(self._services)
 
-    @property
-    def has_half_service(self) -> bool:
-        """Whether a service lacks its other half."""
-        return self.topic_count + 2 * self.service_count != len(self._endpoints)
+    def lone_halves(self) -> list[tuple[int, TopicInfo]]:
+        """Return the halves of services that lack the other half, with the ids they were announced on."""
+        paired = {
+            key
+            for pair in self._services.values()
+            for key in (
+                key_of(_SERVICES[pair.role][0], pair.request),
+                key_of(_SERVICES[pair.role][1], pair.response),
+            )
+        }
+        return [
+            (endpoint.kind, endpoint.info)
+            for key, endpoint in self._endpoints.items()
+            if endpoint.kind not in _ROLES and key not in paired
+        ]
 
     @property
     def input_buffer_bytes(self) -> int | None:

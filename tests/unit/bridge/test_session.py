@@ -285,6 +285,15 @@ async def test_topics_without_an_endpoint_are_counted(bridge: Bridge) -> None:
     assert len(bridge.reporter.having("my_robot")) == 1
 
 
+async def test_what_cannot_be_bridged_is_said_in_one_line(bridge: Bridge) -> None:
+    wheel = TopicInfo(126, "left-wheel", "std_msgs/String", STRING.md5sum, 280)
+    await bridge.connect(CHATTER, (ids.PUBLISHER, wheel))
+    await bridge.settled()
+    (line,) = bridge.reporter.having("left-wheel")
+    assert "left-wheel [std_msgs/String] is not bridged: " in line
+    assert "write left_wheel in the sketch" in line
+
+
 async def test_a_slow_subscriber_pauses_a_board_that_can_be_paused(bridge: Bridge) -> None:
     subscription = await bridge.peer.subscribe("/chatter", STRING, lambda _: None)
     board = await bridge.connect(CHATTER)

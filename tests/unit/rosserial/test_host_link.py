@@ -2,6 +2,8 @@ from __future__ import annotations
 
 import random
 from collections import Counter
+from dataclasses import replace
+from typing import Any
 
 import pytest
 
@@ -9,6 +11,7 @@ from rostether.errors import LocalProtocolError
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.device_link import DeviceLink, DeviceLinkConfig
 from rostether.rosserial.events import (
+    AnnouncementRefused,
     DeviceReset,
     DeviceSilent,
     DiscardReason,
@@ -67,18 +70,30 @@ def small_device(version: int = 2) -> tuple[DeviceLink, int, int]:
 
 def settled_link() -> tuple[HostLink, float]:
     """Return a link that has settled on CHATTER and LED, and the time."""
+    link, now_s, _ = settle_on(BURST)
+    return link, now_s
+
+
+def settle_on(burst: bytes) -> tuple[HostLink, float, list[HostEvent]]:
+    """Return a new link that has settled on what is announced here, the time, and what was reported."""
     link = HostLink()
     link.start(0.0)
-    now_s = 0.0
+    now_s, events = run_to_settled(link, 0.0, burst)
+    return link, now_s, events
+
+
+def run_to_settled(link: HostLink, now_s: float, burst: bytes) -> tuple[float, list[HostEvent]]:
+    """Answer each request with this burst until the link is settled; return the time and the events."""
+    events: list[HostEvent] = []
     while not link.is_settled:
         if REQUEST in link.data_to_send():
-            link.receive_data(BURST, now_s + 0.01)
+            events += link.receive_data(burst, now_s + 0.01)
         due_s = link.get_timer()
         assert due_s is not None
         now_s = due_s
-        link.handle_timer(now_s)
+        events += link.handle_timer(now_s)
     link.data_to_send()
-    return link, now_s
+    return now_s, events
 
 
 def only(events: list[HostEvent], *kinds: type) -> list[HostEvent]:
@@ -239,6 +254,51 @@ class TestNegotiation:
         link.handle_timer(0.2)
         assert link.data_to_send() == REQUEST
 
+    @pytest.mark.parametrize(
+        "wrong", [{"topic_name": "left-wheel"}, {"message_type": "String"}, {"buffer_size": -5}]
+    )
+    def test_what_cannot_be_bridged_is_said_once_and_not_asked_for_again(self, wrong: dict[str, Any]) -> None:
+        bad = replace(CHATTER, topic_id=126, **wrong)
+        burst = BURST + frame(ids.PUBLISHER, bad.encode())
+        link, now_s, events = settle_on(burst)
+        assert link.statistics.topic_requests == 2
+        (refused,) = only(events, AnnouncementRefused)
+        assert isinstance(refused, AnnouncementRefused)
+        assert (refused.topic_name, refused.message_type) == (bad.topic_name, bad.message_type)
+        assert link.statistics.damaged_frames == 0
+        assert link.receive_data(frame(126, b"\0\0\0\0"), now_s) == []
+        link.receive_data(frame(130, b""), now_s)
+        assert not only(run_to_settled(link, now_s, burst)[1], AnnouncementRefused)
+
+    def test_a_refused_announcement_that_came_once_is_noise(self) -> None:
+        link, now_s = settled_link()
+        bad = replace(LED, topic_name="l-d")
+        link.receive_data(TIME + frame(ids.SUBSCRIBER, bad.encode()), now_s)
+        _, events = run_to_settled(link, now_s, BURST)
+        assert not only(events, AnnouncementRefused, TopicWithdrawn)
+        assert link.can_send(100)
+
+    def test_a_topic_that_is_renamed_to_what_cannot_be_bridged_is_withdrawn(self) -> None:
+        link, now_s = settled_link()
+        link.receive_data(frame(130, b""), now_s)
+        burst = TIME + frame(ids.PUBLISHER, CHATTER.encode())
+        burst += frame(ids.SUBSCRIBER, replace(LED, topic_name="l-d").encode())
+        _, events = run_to_settled(link, now_s, burst)
+        assert len(only(events, AnnouncementRefused)) == 1
+        assert [event.info for event in events if isinstance(event, TopicWithdrawn)] == [LED]
+        assert not link.can_send(100)
+
+    def test_half_a_service_is_reported_when_its_other_half_is_certain_not_to_come(self) -> None:
+        half = TopicInfo(126, "ask", TEST_SRV, TEST_RESPONSE_MD5, 280)
+        burst = BURST + frame(ids.SERVICE_SERVER_RESPONSE, half.encode())
+        link, now_s, events = settle_on(burst)
+        (refused,) = only(events, AnnouncementRefused)
+        assert isinstance(refused, AnnouncementRefused)
+        assert "no request half" in refused.reason
+        assert link.statistics.topic_requests == 4
+        link.receive_data(frame(130, b""), now_s)
+        assert not only(run_to_settled(link, now_s, burst)[1], AnnouncementRefused)
+
     def test_topics_that_are_gone_are_withdrawn_only_when_that_is_certain(self) -> None:
         link, now_s = settled_link()
         link.receive_data(frame(126, b""), now_s)
@@ -309,6 +369,24 @@ class TestResetAndSilence:
         assert line.host.statistics.topic_requests == 2
         assert not line.events_of(DeviceReset, DeviceSilent)
         assert line.host.statistics.probes < 200
+
+    @pytest.mark.parametrize(("baud", "count"), [(57600, 25), (9600, 6), (9600, 20)])
+    def test_a_healthy_board_on_a_slow_line_is_not_taken_for_reset(self, baud: float, count: int) -> None:
+        device = DeviceLink()
+        declare_many(device, count, count, 0)
+        line = line_to(device, baud=baud)
+        line.run(60.0)
+        assert line.host.is_settled
+        assert line.host.statistics.topic_requests == 2
+        assert not line.events_of(DeviceReset, DeviceSilent)
+
+    def test_a_board_on_a_slow_line_that_is_reset_is_found(self) -> None:
+        device = DeviceLink()
+        declare_many(device, 20, 20, 0)
+        line = line_to(device, baud=57600)
+        line.run_until(lambda: line.host.is_settled, 5.0)
+        line.reset_device()
+        assert line.run_until(lambda: device.is_configured, 1.5)
 
     def test_a_board_that_logs_but_publishes_nothing_after_its_reset(self) -> None:
         device, _, _ = small_device()

@@ -68,6 +68,42 @@ def test_announcements_that_must_be_damage(wrong: dict[str, object]) -> None:
     assert TopicInfo.decode(TopicInfo(**{**fields, **wrong}).encode()) is None
 
 
+@pytest.mark.parametrize(
+    ("wrong", "reason"),
+    [
+        ({"topic_name": "left-wheel"}, "holds letters, digits, _ and / only; write left_wheel in the sketch"),
+        ({"topic_name": "2 wheels//a"}, "write wheels/a in the sketch"),
+        ({"topic_name": "---"}, "choose another in the sketch"),
+        ({"message_type": "String"}, "package/Type; write the package too, as in std_msgs/String, in the"),
+        ({"message_type": "std_msgs/msg/String"}, "write std_msgs/String in the sketch"),
+        ({"message_type": "std_msgs::String"}, "write std_msgs/String in the sketch"),
+        ({"message_type": ""}, "package/Type; write one in the sketch"),
+        ({"md5sum": "*"}, "md5sum '*' is not 32 digits"),
+        ({"buffer_size": -5}, "buffer size is -5 bytes; choose 0 to 1048576"),
+        ({"topic_id": 12}, "topic id is 12, but those below 100 are reserved"),
+    ],
+    ids=str,
+)
+def test_the_fault_says_what_to_change(wrong: dict[str, object], reason: str) -> None:
+    fields = {name: getattr(CHATTER, name) for name in CHATTER.__slots__}
+    info = TopicInfo.read(TopicInfo(**{**fields, **wrong}).encode())
+    assert info is not None
+    fault = info.fault()
+    assert fault is not None
+    assert reason in fault
+    assert "\n" not in fault
+
+
+def test_a_name_that_is_no_utf_8_is_read_and_faulty() -> None:
+    info = TopicInfo.read(CHATTER_BYTES.replace(b"chatter", b"t\xfcr_auf"))
+    assert info is not None
+    assert "write t_r_auf in the sketch" in (info.fault() or "")
+
+
+def test_a_sound_announcement_has_no_fault() -> None:
+    assert CHATTER.fault() is None
+
+
 def test_announcement_of_another_length() -> None:
     assert TopicInfo.decode(b"") is None
     assert TopicInfo.decode(CHATTER_BYTES + b"\0") is None
@@ -94,7 +130,12 @@ def test_log_with_bytes_that_are_no_text() -> None:
     assert Log.decode(b"\x02\x02\0\0\0a\xff") == Log(LogLevel.WARN, "a\N{REPLACEMENT CHARACTER}")
 
 
-@pytest.mark.parametrize("payload", [b"", b"\x01", b"\x05\0\0\0\0", b"\x01\x02\0\0\0a", b"\x01\x01\0\0\0ab"])
+@pytest.mark.parametrize("level", [5, 16, 255])
+def test_log_of_an_unknown_level_is_as_grave_as_can_be(level: int) -> None:
+    assert Log.decode(bytes([level]) + b"\x02\0\0\0hi") == Log(LogLevel.FATAL, "hi")
+
+
+@pytest.mark.parametrize("payload", [b"", b"\x01", b"\x01\x02\0\0\0a", b"\x01\x01\0\0\0ab"])
 def test_log_that_must_be_damage(payload: bytes) -> None:
     assert Log.decode(payload) is None
 
