@@ -9,7 +9,9 @@ from rostether.cli.options import listen_option
 from rostether.cli.output import write_line
 from rostether.cli.running import run
 from rostether.cli.verbs import Verb
-from rostether.ros1.environment import RosEnvironment
+from rostether.cli.which_master import master_answers
+from rostether.errors import GraphError
+from rostether.ros1.environment import RosEnvironment, format_uri
 
 
 @click.command(
@@ -35,7 +37,15 @@ def core(port: int | None, listen: str | None) -> None:
 async def _serve(environment: RosEnvironment, port: int) -> None:
     from rostether.ros1.roscore import Roscore
 
-    roscore = await Roscore.start(environment, port=port)
+    try:
+        roscore = await Roscore.start(environment, port=port)
+    except GraphError:
+        there = environment.with_master(format_uri("localhost", port))
+        if not await master_answers(there):
+            raise
+        raise GraphError(
+            f"a ROS master already runs at {there.master_uri}; use it, or choose another with --port"
+        ) from None
     try:
         write_line(f"ROS_MASTER_URI={roscore.uri}")
         if environment.listens_on_loopback_only:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import os
 import sys
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import AsyncExitStack, asynccontextmanager
 from functools import partial
 
 import click
@@ -20,14 +21,17 @@ from rostether.cli.running import run
 from rostether.cli.serving import bridge
 from rostether.cli.verbs import Verb
 from rostether.cli.which_master import used_master
-from rostether.errors import GraphError
+from rostether.errors import GraphError, UnknownNameError
 from rostether.graph.ports import Level, ParamValue
 from rostether.msgdef.registry import Registry
 from rostether.ros1.environment import RosEnvironment
+from rostether.ros1.node.master_client import MasterClient
 from rostether.serde.store import TypeStore
 from rostether.transports.address import parse_address
 
 BOARD_NAME = "virtual_board"
+# More than a class room's worth on one master is a mistake.
+MAX_DEMOS = 100
 WATCHED_TOPICS = {
     "/ultrasound": "sensor_msgs/Range",
     "/led": "std_msgs/Bool",
@@ -54,22 +58,40 @@ def demo(seconds: float | None) -> None:
 
 
 async def _demo(environment: RosEnvironment, seconds: float | None) -> None:
-    is_live = sys.stdout.isatty()
+    is_live = sys.stdout.isatty() and os.environ.get("TERM") not in ("dumb", "unknown")
     recent = RecentLines()
     reporter = recent if is_live else ConsoleReporter()
-    address = parse_address(f"tcp://127.0.0.1:0?name={BOARD_NAME}")
     store = TypeStore(Registry())
-    async with used_master(environment) as used, bridge(used.environment, [address], reporter) as supervisor:
+    async with AsyncExitStack() as stack:
+        used = await stack.enter_async_context(used_master(environment))
         reporter.line(Level.INFO, used.line)
+        board_name = await _free_name(used.environment)
+        address = parse_address(f"tcp://127.0.0.1:0?name={board_name}")
+        supervisor = await stack.enter_async_context(bridge(used.environment, [address], reporter))
         view = DemoView(
             supervisor.boards, asyncio.get_running_loop().time, recent, used.environment.master_uri
         )
-        async with _watch(used.environment, store, view), _virtual_board(supervisor):
-            show = _show_live(view) if is_live else _show_lines(view)
-            with contextlib.suppress(TimeoutError):
-                await asyncio.wait_for(show, seconds)
+        await stack.enter_async_context(_watch(used.environment, store, view, board_name))
+        await stack.enter_async_context(_virtual_board(supervisor))
+        show = _show_live(view) if is_live else _show_lines(view)
+        with contextlib.suppress(TimeoutError):
+            await asyncio.wait_for(show, seconds)
     if not view.has_flowed:
         raise GraphError("no message of the simulated board came through the ROS graph; please report it")
+
+
+async def _free_name(environment: RosEnvironment) -> str:
+    """Return a name that no other demo's board has: a node that joins under its name would end it."""
+    client = MasterClient(environment.master_uri, "/rostether")
+    try:
+        for number in range(1, MAX_DEMOS):
+            name = BOARD_NAME if number == 1 else f"{BOARD_NAME}_{number}"
+            await client.lookup_node(f"/{name}")
+    except UnknownNameError:
+        return name
+    finally:
+        await client.close()
+    raise GraphError(f"{MAX_DEMOS - 1} demos run already; end one first")
 
 
 async def _show_live(view: DemoView) -> None:
@@ -106,7 +128,9 @@ async def _virtual_board(supervisor: Supervisor) -> AsyncIterator[None]:
 
 
 @asynccontextmanager
-async def _watch(environment: RosEnvironment, store: TypeStore, view: DemoView) -> AsyncIterator[None]:
+async def _watch(
+    environment: RosEnvironment, store: TypeStore, view: DemoView, board_name: str
+) -> AsyncIterator[None]:
     """Subscribe like any other node, so that what is shown went all the way."""
     from rostether.joining import anonymous_name
     from rostether.ros1.node.node import join_ros1
@@ -114,7 +138,7 @@ async def _watch(environment: RosEnvironment, store: TypeStore, view: DemoView) 
     graph = await join_ros1(anonymous_name("demo_view"), environment=environment)
     try:
         for name, value in BOARD_PARAMETERS.items():
-            await graph.set_param(f"/{BOARD_NAME}/{name}", value)
+            await graph.set_param(f"/{board_name}/{name}", value)
         for topic, type_name in WATCHED_TOPICS.items():
             message_type = store.registry.message_type(type_name)
             await graph.subscribe(topic, message_type, partial(view.saw, topic, store.codec(type_name)))

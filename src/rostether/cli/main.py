@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import sys
 from collections.abc import Sequence
@@ -64,6 +65,10 @@ def _split_special(arguments: Sequence[str]) -> tuple[list[str], dict[str, str]]
 
 
 def _make_output_forgiving() -> None:
+    # A caller may have closed them (`>&-`); Python then leaves None.
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "w"))  # noqa: PTH123, SIM115 - for the rest of the process
     # Strings from boards may hold bytes that are no UTF-8 (kept as surrogates): give them back as they came.
     for stream in (sys.stdout, sys.stderr):
         reconfigure = getattr(stream, "reconfigure", None)

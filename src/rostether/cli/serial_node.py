@@ -2,13 +2,14 @@
 
     serial-node [PORT | tcp [TCP_PORT]] [_port:=... _baud:=... _tcp_port:=...] [__name:=... __ns:=...] [a:=b]
 
-Private parameters may also stand on the parameter server: ~port, ~baud, ~tcp_port.
+Private parameters may also stand on the parameter server: ~port, ~baud, ~tcp_port. As with serial_node.py
+the node is in the graph before a board is, and the process ends with its node.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import click
 
@@ -22,7 +23,7 @@ from rostether.errors import ConfigError, GraphError, UnknownNameError
 from rostether.graph.ports import Level
 from rostether.names.graph_name import canonical, join, validate_name
 from rostether.names.remap import Arguments, parse_arguments
-from rostether.ros1.environment import RosEnvironment
+from rostether.ros1.environment import LOOPBACK, RosEnvironment
 from rostether.ros1.node.master_client import MasterClient
 from rostether.transports.address import DEFAULT_BAUD, DEFAULT_PORT, TcpAddress
 
@@ -61,22 +62,28 @@ def serial_node(arguments: tuple[str, ...], listen: str | None) -> None:
     environment = RosEnvironment.read(os.environ | variables)
     if listen is not None:
         environment = environment.listening_on(listen)
-    run(_serve(environment, parsed, reporter), is_service=True)
+    hosts = environment.listen_hosts if listen is not None else (LOOPBACK,)
+    run(_serve(environment, parsed, reporter, hosts), is_service=True)
 
 
-async def _serve(environment: RosEnvironment, arguments: Arguments, reporter: ConsoleReporter) -> None:
+async def _serve(
+    environment: RosEnvironment, arguments: Arguments, reporter: ConsoleReporter, hosts: Sequence[str]
+) -> None:
     reporter.line(Level.INFO, "ROS Serial Python Node")
     namespace = canonical(join("/", arguments.special.get("__ns", environment.namespace)))
     node_name = validate_name(join(namespace, arguments.special.get("__name", DEFAULT_NODE_NAME)))
     async with used_master(environment, is_chosen="__master" in arguments.special) as used:
         parameters = await _server_parameters(used.environment, node_name) | arguments.private_params
         link = choose_link(arguments.rest, parameters, node_name=node_name, namespace=namespace)
-        links = read_links(link, used.environment)
+        links = read_links(link, hosts)
         for line in loopback_lines(used.environment, links):
             reporter.line(Level.INFO, line)
         if isinstance(links[0], TcpAddress):
             reporter.line(Level.INFO, f"Waiting for socket connections on port {links[0].port}")
-        async with bridge(used.environment, links, reporter, remappings=arguments.remappings) as supervisor:
+        async with bridge(
+            used.environment, links, reporter, keeps_node=True, remappings=arguments.remappings
+        ) as supervisor:
+            # A node that was killed, or that another one replaced, ends the process: respawn waits for that.
             await supervisor.wait_done()
 
 

@@ -16,7 +16,7 @@ from rostether.cli.verbs import Verb
 from rostether.cli.which_master import used_master
 from rostether.errors import ConfigError
 from rostether.graph.ports import Level
-from rostether.ros1.environment import RosEnvironment
+from rostether.ros1.environment import LOOPBACK, RosEnvironment
 from rostether.transports.address import Address
 
 
@@ -72,7 +72,8 @@ def serve(
     environment = read_environment(master)
     if listen is not None:
         environment = environment.listening_on(listen)
-    links = [link for address in addresses for link in read_links(address, environment)]
+    hosts = environment.listen_hosts if listen is not None else (LOOPBACK,)
+    links = [link for address in addresses for link in read_links(address, hosts)]
     reporter = ConsoleReporter(lowest=Level.DEBUG if verbose else Level.INFO)
     run(
         _serve(environment, links, reporter, master is not None, master_port, msg_paths, ns_per_board),

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from rostether.cli.library_logs import show_library_logs
-from rostether.ros1.environment import RosEnvironment, is_loopback
+from rostether.ros1.environment import LOOPBACK, RosEnvironment, is_loopback
 from rostether.transports.address import Address, TcpAddress, UdpAddress, parse_address
 
 if TYPE_CHECKING:
@@ -19,27 +19,28 @@ if TYPE_CHECKING:
     from rostether.ros1.node.node import Ros1Graph
 
 
-def read_links(text: str, environment: RosEnvironment) -> list[Address]:
-    """Read a link address; a listener whose host was left out listens where the environment lets us.
+def read_links(text: str, hosts: Sequence[str] = (LOOPBACK,)) -> list[Address]:
+    """Read a link address; a listener whose host was left out listens on `hosts`, what --listen gave.
 
+    ROS_IP and ROS_HOSTNAME are no consent to take boards from the network: scripts set them for the graph.
     Raises ConfigError.
     """
     link = parse_address(text)
     if isinstance(link, TcpAddress | UdpAddress) and link.listens and "://:" in text:
-        return [replace(link, host=host) for host in environment.listen_hosts]
+        return [replace(link, host=host) for host in hosts]
     return [link]
 
 
 def loopback_lines(environment: RosEnvironment, links: Sequence[Address]) -> list[str]:
     """Return a line for each listener that others would need and that is on loopback only."""
+    listeners = [link for link in links if isinstance(link, TcpAddress | UdpAddress) and link.listens]
+    wide = {(type(link), link.port) for link in listeners if not is_loopback(link.host)}
     lines = [
         f"{link} takes boards of this machine only; --listen 0.0.0.0 lets boards on the network in"
-        for link in links
-        if isinstance(link, TcpAddress | UdpAddress) and link.listens and is_loopback(link.host)
+        for link in listeners
+        if (type(link), link.port) not in wide
     ]
-    if not environment.listens_on_loopback_only:
-        return []
-    if not environment.master.is_loopback:
+    if environment.listens_on_loopback_only and not environment.master.is_loopback:
         lines.append(
             "the master is on another machine, whose nodes cannot reach us; "
             "--listen 0.0.0.0, or ROS_IP with our address, lets them"
@@ -55,10 +56,12 @@ async def bridge(
     *,
     msg_paths: Sequence[Path] = (),
     ns_per_board: bool = False,
+    keeps_node: bool = False,
     remappings: Mapping[str, str] | None = None,
 ) -> AsyncIterator[Supervisor]:
     """Serve boards as long as the block lasts; its end tells them to stop and leaves the graph.
 
+    With `keeps_node` the one link's node is there from the start, and its end ends `wait_done`.
     Raises TransportOpenError for an address that cannot be listened on, InvalidNameError.
     """
     from rostether.bridge.supervisor import Supervisor
@@ -77,6 +80,7 @@ async def bridge(
         TypeStore(Registry.from_environment(msg_paths)),
         reporter=reporter,
         ns_per_board=ns_per_board,
+        keeps_node=keeps_node,
         remappings=remappings,
     )
     try:

@@ -17,11 +17,12 @@ from rostether.cli.options import master_option, msg_path_option
 from rostether.cli.output import write_line
 from rostether.cli.running import run
 from rostether.cli.verbs import Verb
-from rostether.errors import ConfigError
+from rostether.errors import ConfigError, DefinitionError, TypeMismatchError
+from rostether.msgdef.interface import ANY_TYPE
 from rostether.rostime import Time
 
 if TYPE_CHECKING:
-    from rostether.graph.typed_graph import TypedPublisher
+    from rostether.graph.typed_graph import TypedGraph, TypedPublisher
     from rostether.serde.codec import Codec
     from rostether.serde.values import Message
 
@@ -130,6 +131,7 @@ async def _pub(
         fields = " ".join(field for field, _ in codec.message_class._fields)
         raise click.UsageError(f"{type_name} wants values: {fields}")
     async with joined(environment, store=store, purpose="rostopic") as graph:
+        await _check_type(graph, name, codec)
         now = graph.now if options.use_rostime else _wall_time
         is_latched = options.rate_hz is None or options.latch
         publisher = await graph.publisher(name, type_name, latch=is_latched)
@@ -144,6 +146,23 @@ async def _pub(
             await output.repeat(
                 (lambda: fill_message(codec, values, now=now)) if again else lambda: first, options.rate_hz
             )
+
+
+async def _check_type(graph: TypedGraph, topic: str, codec: Codec) -> None:
+    """Refuse a type that the topic does not have: nobody would get the message."""
+    known = (await graph.snapshot()).topics.get(topic)
+    if known is None or known.type in (ANY_TYPE, codec.type_name):
+        return
+    registry = graph.store.registry
+    try:
+        # tf/tfMessage and tf2_msgs/TFMessage are one type under two names.
+        if registry.message_type(known.type).md5sum == registry.message_type(codec.type_name).md5sum:
+            return
+    except DefinitionError:
+        pass
+    raise TypeMismatchError(
+        f"{topic} is {known.type}, not {codec.type_name}; publish that type, or on another topic"
+    )
 
 
 class _Output:

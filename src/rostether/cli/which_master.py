@@ -42,7 +42,7 @@ async def used_master(
         return
     if port is not None:
         environment = replace(environment, master_uri=format_uri("localhost", port))
-    if await _answers(environment):
+    if await master_answers(environment):
         yield UsedMaster(environment, f"Joining the ROS master at {environment.master_uri}")
         return
     from rostether.ros1.roscore import Roscore
@@ -51,7 +51,7 @@ async def used_master(
         core = await Roscore.start(environment, port=environment.master.port)
     except GraphError:
         # Somebody else took the port since we asked: joined if it is a master.
-        if not await _answers(environment):
+        if not await master_answers(environment):
             raise
         yield UsedMaster(environment, f"Joining the ROS master at {environment.master_uri}")
         return
@@ -61,7 +61,8 @@ async def used_master(
         await core.close()
 
 
-async def _answers(environment: RosEnvironment) -> bool:
+async def master_answers(environment: RosEnvironment) -> bool:
+    """Tell whether a ROS master answers where the environment says."""
     client = MasterClient(environment.master_uri, "/rostether")
     try:
         async with asyncio.timeout(_ANSWER_LIMIT_S):

@@ -104,6 +104,10 @@ class RosEnvironment:
         for variable in ("ROS_HOSTNAME", "ROS_IP"):
             if host := variables.get(variable, "").strip():
                 _check_host(variable, host)
+                if variable == "ROS_IP" and not (_is_ip_address(host) or is_loopback(host)):
+                    raise ConfigError(
+                        f"ROS_IP={host!r:.200} is no IP address; a host name goes into ROS_HOSTNAME"
+                    )
                 advertised = _network_address() if _is_wildcard(host) else host
                 return replace(environment, advertised_host=advertised, listen_hosts=_listen_hosts(host))
         return environment

@@ -10,6 +10,7 @@ import asyncio
 import errno
 import inspect
 import logging
+import os
 from collections.abc import Awaitable, Callable, Mapping, Sequence
 from typing import Any, TypeAlias
 
@@ -89,9 +90,10 @@ class XmlRpcServer:
                         "check ROS_IP, ROS_HOSTNAME and --listen"
                     ) from None
                 if self.port or error.errno != errno.EADDRINUSE or attempt == _BIND_ATTEMPTS - 1:
+                    reason = os.strerror(error.errno) if error.errno else error
                     raise GraphError(
-                        f"cannot listen on port {self.port} of {', '.join(self._hosts)} "
-                        f"({error.strerror or error}): stop who uses it or choose another port"
+                        f"cannot listen on port {self.port} of {', '.join(self._hosts)} ({reason}): "
+                        "stop who uses it or choose another port"
                     ) from error
             else:
                 return

@@ -11,12 +11,13 @@ LOOPBACK = RosEnvironment.read({})
 WIDE = RosEnvironment.read({"ROS_IP": "192.0.2.5"})
 
 
-def test_a_listener_without_a_host_listens_where_the_environment_lets_us() -> None:
-    assert read_links("tcp://:11411", LOOPBACK) == [TcpAddress("127.0.0.1", 11411)]
-    hosts = [link.host for link in read_links("udp://:11411?name=a", WIDE) if isinstance(link, UdpAddress)]
-    assert hosts == ["192.0.2.5", "127.0.0.1"]
-    assert read_links("tcp://127.0.0.1:11411", WIDE) == [TcpAddress("127.0.0.1", 11411)]
-    assert read_links("/dev/ttyACM0", WIDE) == [parse_address("/dev/ttyACM0")]
+def test_a_listener_without_a_host_listens_where_it_is_told() -> None:
+    hosts = WIDE.listen_hosts
+    assert read_links("tcp://:11411") == [TcpAddress("127.0.0.1", 11411)]
+    udp_links = read_links("udp://:11411?name=a", hosts)
+    assert [link.host for link in udp_links if isinstance(link, UdpAddress)] == ["192.0.2.5", "127.0.0.1"]
+    assert read_links("tcp://127.0.0.1:11411", hosts) == [TcpAddress("127.0.0.1", 11411)]
+    assert read_links("/dev/ttyACM0", hosts) == [parse_address("/dev/ttyACM0")]
 
 
 @pytest.mark.parametrize(
@@ -32,7 +33,7 @@ def test_a_listener_without_a_host_listens_where_the_environment_lets_us() -> No
 def test_one_line_says_what_is_on_loopback_only(
     environment: RosEnvironment, addresses: list[str], count: int
 ) -> None:
-    links = [link for address in addresses for link in read_links(address, environment)]
+    links = [link for address in addresses for link in read_links(address, environment.listen_hosts)]
     lines = loopback_lines(environment, links)
     assert len(lines) == count
     assert all("--listen 0.0.0.0" in line for line in lines)
@@ -41,7 +42,7 @@ def test_one_line_says_what_is_on_loopback_only(
 @pytest.mark.parametrize(
     ("arguments", "code", "text"),
     [
-        ([], 2, "ADDRESS"),
+        ([], 2, "rostether ports"),
         (["/dev/ttyACM0?bad=1"], 1, "bad"),
         (["usb:/dev/ttyACM0"], 1, "unknown kind of link 'usb'"),
         (["/dev/ttyACM0", "--master", "nonsense"], 1, "nonsense"),
