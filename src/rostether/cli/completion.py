@@ -21,8 +21,8 @@ _VARIABLE = "_ROSTETHER_COMPLETE"
     "completion",
     cls=Verb,
     examples="""
-    eval "$(rostether completion bash)"                                   in this shell
-    rostether completion bash >> ~/.bashrc                                for good
+    eval "$(rostether completion bash)"                   in this shell
+    rostether completion bash >> ~/.bashrc                for good
     rostether completion zsh >> ~/.zshrc
     rostether completion fish > ~/.config/fish/completions/rostether.fish
     """,

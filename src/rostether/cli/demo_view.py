@@ -21,23 +21,22 @@ if TYPE_CHECKING:
 RATE_WINDOW_S = 2.0
 SHOWN_LINES = 4
 
-NEXT_STEPS = """In a second terminal:  {us} topic echo /ultrasound
-                       {us} topic pub -1 /toggle_led std_msgs/Empty"""
+NEXT_STEPS = """In a second terminal:
+  {us} topic echo /ultrasound
+  {us} topic pub -1 /toggle_led std_msgs/Empty"""
 
 SUMMARIES: Mapping[str, Callable[[Any], str]] = {
     "sensor_msgs/Range": lambda message: f"{message.range:.2f} m",
     "std_msgs/Bool": lambda message: "on" if message.data else "off",
     "std_msgs/UInt32": lambda message: str(message.data),
-    "sensor_msgs/Imu": lambda message: f"turning {degrees(message.angular_velocity.z):+.0f} deg/s",
+    "sensor_msgs/Imu": lambda message: f"{degrees(message.angular_velocity.z):+.0f} deg/s",
     "tf/tfMessage": lambda message: _pose(message.transforms[0].transform),
 }
 
 
 def _pose(transform: Any) -> str:
     yaw = 2 * atan2(transform.rotation.z, transform.rotation.w)
-    return (
-        f"x {transform.translation.x:+.2f} m, y {transform.translation.y:+.2f} m, yaw {degrees(yaw):+.0f} deg"
-    )
+    return f"{transform.translation.x:+.1f} {transform.translation.y:+.1f} m {degrees(yaw):+.0f} deg"
 
 
 class RecentLines:
@@ -114,7 +113,7 @@ class DemoView:
             Column("type", no_wrap=True, style="cyan"),
             Column("Hz", justify="right"),
             Column("messages", justify="right"),
-            Column("last value, as ROS got it", ratio=1, no_wrap=True, style="green"),
+            Column("last value", ratio=1, no_wrap=True, style="green"),
             expand=True,
             box=None,
         )
@@ -148,8 +147,8 @@ class DemoView:
             return "link: waiting for the board"
         return (
             f"link: {board.peer}, {'negotiated' if board.is_settled else 'negotiating'}, "
-            f"protocol {board.protocol_version}, {board.received_frames} frames, "
-            f"{board.discarded_frames} damaged, {board.reset_count} resets, "
+            f"protocol {board.protocol_version}, {board.received_frames} frames,\n"
+            f"      {board.discarded_frames} damaged, {board.reset_count} resets, "
             f"{board.received_bytes / 1000:.0f} kB in, {board.sent_bytes / 1000:.1f} kB out"
         )
 

@@ -25,9 +25,9 @@ from rostether.transports.address import Address
     examples="""
     rostether serve /dev/ttyACM0                      a board on USB, 57600 baud
     rostether serve "/dev/ttyUSB0?baud=115200&name=arm"
-    rostether serve tcp://:11411 udp://:11411         boards and programs of this machine
+    rostether serve tcp://:11411 udp://:11411         boards on this machine
     rostether serve tcp://0.0.0.0:11411               boards on the network
-    rostether serve pty:/tmp/board                    a simulator that opens a serial port
+    rostether serve pty:/tmp/board                    for a simulator
     rostether serve /dev/ttyACM0 /dev/ttyACM1 --ns-per-board
     """,
 )

@@ -54,7 +54,7 @@ class _Options:
     rostether topic pub -1 /toggle_led std_msgs/Empty
     rostether topic pub -r 10 /cmd_vel geometry_msgs/Twist "{linear: {x: 0.2}}"
     rostether topic pub -1 /servo std_msgs/UInt16 90
-    rostether topic pub -r 1 -s /stamped geometry_msgs/PointStamped "{header: auto}"
+    rostether topic pub -r 1 -s /a geometry_msgs/PointStamped "{header: auto}"
     """,
 )
 @click.argument("topic", shell_complete=complete_topics)
