@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from pathlib import Path
 
 import pytest
@@ -69,6 +70,21 @@ async def test_well_known_lines_over_a_pseudo_terminal(tmp_path: Path) -> None:
                     topics = (await graph.snapshot()).topics
                 assert topics["/talk"].publishers == ("/opencr",)
                 assert "/chatter" not in topics
+    finally:
+        await master.close()
+
+
+async def test_the_node_is_there_before_a_board_and_the_process_ends_with_it() -> None:
+    master = await MasterServer.start(port=0)
+    environ = {"ROS_MASTER_URI": master.uri}
+    try:
+        async with started("serial-node", "tcp", "0", **environ) as node:
+            await node.wait_for("Waiting for boards on ")
+            async with join("looker", environ=environ) as graph:
+                assert "/serial_node" in (await graph.snapshot()).nodes
+            async with join("serial_node", environ=environ) as graph:
+                assert await asyncio.wait_for(node.process.wait(), 10.0) == 0
+                assert (await graph.snapshot()).nodes.count("/serial_node") == 1
     finally:
         await master.close()
 
