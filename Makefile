@@ -34,7 +34,8 @@ docs: $(VENV)/.dev
 
 $(VENV)/.installed: pyproject.toml
 	scripts/make-venv "$(PYTHON)" $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --retries 1 --editable . || \
+		{ echo "pip could not install what rostether needs; is the network up?" >&2; exit 1; }
 	touch $@
 
 $(VENV)/.dev: $(VENV)/.installed

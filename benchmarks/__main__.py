@@ -1,6 +1,6 @@
 """Runs every benchmark and prints a table: what we reach, what was asked, and the bare relay of the same run.
 
-python -m benchmarks [throughput|round-trip|footprint ...]
+python -m benchmarks [throughput|round-trip|footprint|frames|codec ...]
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks import footprint, round_trip, throughput
+from benchmarks import footprint, rosserial_frames, round_trip, serde_codec, throughput
 
 
 def throughput_table() -> Table:
@@ -77,7 +77,31 @@ def footprint_table() -> Table:
     return table
 
 
-TABLES = {"throughput": throughput_table, "round-trip": round_trip_table, "footprint": footprint_table}
+def frames_table() -> Table:
+    """Measure the frame loop alone."""
+    table = Table("frame loop", "a second", "wanted", title="Frames")
+    for row in rosserial_frames.measure():
+        table.add_row(row.operation, f"{row.rate_hz:,.0f}", f"{row.wanted_hz:,.0f}")
+    return table
+
+
+def codec_table() -> Table:
+    """Measure values to bytes and back, beside rosbags."""
+    table = Table("codec", "ours ns", "rosbags ns", "ratio", title="Codec")
+    for row in serde_codec.compare():
+        theirs = "" if row.theirs_ns is None else f"{row.theirs_ns:,.0f}"
+        ratio = "" if row.theirs_ns is None else f"{row.theirs_ns / row.ours_ns:.1f}"
+        table.add_row(row.operation, f"{row.ours_ns:,.0f}", theirs, ratio)
+    return table
+
+
+TABLES = {
+    "throughput": throughput_table,
+    "round-trip": round_trip_table,
+    "footprint": footprint_table,
+    "frames": frames_table,
+    "codec": codec_table,
+}
 
 
 def main(names: list[str]) -> None:
