@@ -9,12 +9,11 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from rostether.msgdef.registry import Registry
-from rostether.ros1.node.node import join_ros1
-
 from benchmarks.processes import Bench
 from interop.ros1_peers import free_port
+from rostether.msgdef.registry import Registry
 from rostether.ros1.environment import RosEnvironment
+from rostether.ros1.node.node import join_ros1
 
 
 @dataclass(frozen=True, slots=True)
