@@ -8,7 +8,7 @@ from typing import TypeAlias, cast
 
 from rostether.errors import GraphError, ProtocolError, RemoteProtocolError
 from rostether.ros1.environment import connect_host, parse_rpc_uri
-from rostether.xmlrpc.http_message import HttpClientSide
+from rostether.xmlrpc.http_message import HttpClientSide, HttpStatusError
 from rostether.xmlrpc.values import FaultError, XmlRpcValue, dump_call, load_response
 
 StatusTriplet: TypeAlias = tuple[int, str, XmlRpcValue]
@@ -69,6 +69,9 @@ class XmlRpcClient:
             ) from error
         except FaultError as error:
             raise GraphError(f"{self.peer} at {self.uri} refused {method}: {error.text}") from error
+        except HttpStatusError as error:
+            kind = self.peer.replace("the ", "a ", 1)
+            raise GraphError(f"{self.uri} is not {kind}: it answered {method} with {error}") from error
         except ProtocolError as error:
             raise GraphError(f"{self.peer} at {self.uri} answered {method} with nonsense: {error}") from error
 

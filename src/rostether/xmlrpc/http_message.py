@@ -18,6 +18,10 @@ _TEXT_XML = (b"Content-Type", b"text/xml")
 _REASONS = {400: b"Bad Request", 403: b"Forbidden", 405: b"Method Not Allowed", 413: b"Content Too Large"}
 
 
+class HttpStatusError(RemoteProtocolError):
+    """The peer answered with another HTTP status than 200: it speaks HTTP, but not our XML-RPC."""
+
+
 class HttpServerSide:
     """One connection's server half: `receive_data`, then `next_request` and `send_response` in turns."""
 
@@ -153,7 +157,7 @@ class HttpClientSide:
     def receive_data(self, data: bytes) -> bytes | None:
         """Take bytes, `b""` for the end of the stream; return the body once the response is complete.
 
-        Raises RemoteProtocolError for what is no HTTP, another status than 200, or too large a body.
+        Raises HttpStatusError for another status than 200, RemoteProtocolError for no HTTP or too large a body.
         """
         try:
             self._connection.receive_data(data)
@@ -181,7 +185,9 @@ class HttpClientSide:
     def _finish(self) -> bytes:
         if self._status != 200:
             text = self._body[:200].decode("utf-8", "replace").strip().replace("\n", " ")
-            raise RemoteProtocolError(f"the answer is HTTP status {self._status}: {text}")
+            # A web page says nothing in one line.
+            reason = "" if not text or text.startswith("<") else f": {text}"
+            raise HttpStatusError(f"HTTP status {self._status}{reason}")
         # Bytes beyond the answer were not asked for: they would be taken for the next answer.
         is_done = self._connection.our_state is h11.DONE and self._connection.their_state is h11.DONE
         if is_done and not self._connection.trailing_data[0]:

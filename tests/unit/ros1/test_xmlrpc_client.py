@@ -223,7 +223,15 @@ async def test_a_name_that_cannot_be_resolved() -> None:
     ("answer", "reason"),
     [
         (b"SSH-2.0-OpenSSH_9.2\r\n\r\n", "nonsense: the answer is not HTTP"),
-        (b"HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n", "status 404"),
+        (
+            b"HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n",
+            "is not a node: it answered x with HTTP status 404$",
+        ),
+        (
+            b"HTTP/1.1 501 Unsupported\r\nContent-Length: 22\r\n\r\n<!DOCTYPE HTML>\n<html>",
+            "is not a node: it answered x with HTTP status 501$",
+        ),
+        (b"HTTP/1.1 403 Forbidden\r\nContent-Length: 7\r\n\r\ngo away", "HTTP status 403: go away$"),
         (b"HTTP/1.1 200 OK\r\nContent-Length: 5\r\n\r\nhello", "nonsense: the XML-RPC document"),
     ],
 )
