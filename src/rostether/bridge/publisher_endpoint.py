@@ -48,11 +48,10 @@ class PublisherEndpoint:
         self._opened = asyncio.Event()
         self._held: list[bytes] = []
         self._held_bytes = 0
-        self._lost_count = 0
 
     @property
     def slow_count(self) -> int:
-        """How many messages slow subscribers have lost."""
+        """How many messages slow subscribers have lost; the graph, which knows them, says who."""
         return self._publisher.dropped_count if self._publisher is not None else 0
 
     def attach(self, line: BoardLine, info: TopicInfo) -> None:
@@ -98,19 +97,6 @@ class PublisherEndpoint:
     def _publish(self, publisher: Publisher, payloads: list[bytes]) -> None:
         if not publisher.publish_raw(payloads) and self._line is not None:
             self._line.congested(partial(publisher.drained, self._settings.drain_pause_s))
-        if publisher.dropped_count != self._lost_count:
-            self._report_slow(publisher)
-
-    def _report_slow(self, publisher: Publisher) -> None:
-        lost = publisher.dropped_count - self._lost_count
-        self._lost_count = publisher.dropped_count
-        self._notices.episode(
-            f"slow {self.info.topic_name}",
-            Level.WARN,
-            f"a subscriber of {self.info.topic_name} takes messages more slowly than the board sends them: "
-            "it loses the oldest ones",
-            count=lost,
-        )
 
     def _drop_misfits(self, payloads: list[bytes]) -> list[bytes]:
         accepts = self._layout.accepts

@@ -322,7 +322,6 @@ async def test_a_subscriber_that_hangs_pauses_the_board_for_a_moment_only(bridge
             await asyncio.sleep(0.001)
         board.send(125, text("x" * 1000))
     await until(lambda: len(heard) == total, "all at the quick subscriber")
-    assert len(bridge.reporter.having("more slowly")) == 1
 
 
 async def test_a_hanging_board_stops_no_publisher_for_long(bridge: Bridge) -> None:

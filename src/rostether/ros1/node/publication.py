@@ -96,7 +96,7 @@ class Publication:
         self._report(
             Level.WARN,
             f"{connection.record.peer} is too slow for {self.topic} and loses its oldest messages: "
-            f"{self._queue_bytes} bytes wait for it",
+            f"{self._queue_bytes} bytes wait for it, {connection.dropped_count} messages are lost so far",
         )
 
 

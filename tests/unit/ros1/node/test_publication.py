@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import re
 import socket
 from collections.abc import AsyncIterator
 
@@ -153,6 +154,7 @@ async def test_a_peer_that_hangs_gets_whole_messages_and_loses_the_oldest(per_ba
         assert connection.dropped_count == stage.topic.dropped_count
         assert len(stage.reports) == 1
         assert "/raw is too slow for /chat" in stage.reports[0][1]
+        assert re.search(r", [1-9]\d* messages are lost so far$", stage.reports[0][1])
         # Another episode is another report.
         await until(lambda: connection._takes_more)
         before = stage.topic.dropped_count
