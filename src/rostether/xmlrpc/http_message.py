@@ -157,7 +157,7 @@ class HttpClientSide:
     def receive_data(self, data: bytes) -> bytes | None:
         """Take bytes, `b""` for the end of the stream; return the body once the response is complete.
 
-        Raises HttpStatusError for another status than 200, RemoteProtocolError for no HTTP or too large a body.
+        Raises HttpStatusError for another status than 200, RemoteProtocolError for no HTTP or too much of it.
         """
         try:
             self._connection.receive_data(data)
