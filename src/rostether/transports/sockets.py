@@ -17,6 +17,9 @@ _KEEPALIVE_INTERVAL_S = 2
 _KEEPALIVE_PROBES = 3
 # The same for a board that vanished while we were writing to it.
 _UNACKNOWLEDGED_LIMIT_MS = 11_000
+# What a slow board has not taken waits with us, where it is counted and commands that are too old can go; the
+# kernel keeps enough unsent to fill the line until we are woken.
+_UNSENT_BYTES = 16 * 1024
 
 # By name, because every system lacks one or the other; macOS calls TCP_KEEPIDLE TCP_KEEPALIVE.
 _STREAM_OPTIONS = (
@@ -27,11 +30,12 @@ _STREAM_OPTIONS = (
     (socket.IPPROTO_TCP, "TCP_KEEPINTVL", _KEEPALIVE_INTERVAL_S),
     (socket.IPPROTO_TCP, "TCP_KEEPCNT", _KEEPALIVE_PROBES),
     (socket.IPPROTO_TCP, "TCP_USER_TIMEOUT", _UNACKNOWLEDGED_LIMIT_MS),
+    (socket.IPPROTO_TCP, "TCP_NOTSENT_LOWAT", _UNSENT_BYTES),
 )
 
 
 def tune_stream(sock: socket.socket) -> None:
-    """Send at once, and notice a peer that vanished without a word within about eleven seconds."""
+    """Send at once, hold little back, and notice a peer that vanished without a word in eleven seconds."""
     for level, name, value in _STREAM_OPTIONS:
         option = getattr(socket, name, None)
         if option is not None:

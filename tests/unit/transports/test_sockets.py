@@ -55,3 +55,10 @@ def test_a_vanished_peer_is_noticed_within_about_eleven_seconds() -> None:
             for option in (socket.TCP_KEEPIDLE, socket.TCP_KEEPINTVL, socket.TCP_KEEPCNT)
         )
     assert idle + interval * probes == 11
+
+
+@pytest.mark.skipif(not hasattr(socket, "TCP_NOTSENT_LOWAT"), reason="this system cannot be told")
+def test_what_a_slow_board_has_not_taken_waits_with_us() -> None:
+    with socket.socket() as sock:
+        tune_stream(sock)
+        assert sock.getsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT) == 16 * 1024
