@@ -158,9 +158,10 @@ async def test_a_sketch_flashed_anew_gives_a_name_another_type_under_another_id(
     world.table.announce_topic(publisher("gone", topic_id=125), line)
     world.table.announce_topic(publisher("level", topic_id=126), line)
     await world.advertised("/level")
-    # As the link tells of a reset: the ids that changed, and at the end what was not announced again.
+    # As the link tells of a reset: the ids that changed, and, some time later, what was not announced again.
     world.table.withdraw(TopicWithdrawn(TopicRole.PUBLISHER, topic_info("gone", topic_id=125)))
     world.table.announce_topic(publisher("level", "std_msgs/UInt16", topic_id=125), line)
+    await asyncio.sleep(0.01)
     world.table.withdraw(TopicWithdrawn(TopicRole.PUBLISHER, topic_info("level", topic_id=126)))
     world.table.settle()
     line.receivers[125]([b"\x07\x00"])
