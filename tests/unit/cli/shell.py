@@ -30,6 +30,7 @@ class LiveGraph:
     """A master and nodes; everything of theirs runs in the thread."""
 
     def __init__(self) -> None:
+        self.is_closed = False
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
         self._thread.start()
@@ -62,6 +63,7 @@ class LiveGraph:
             time.sleep(0.002)
 
     def close(self) -> None:
+        self.is_closed = True
         for node in self._nodes:
             self.do(node.close())
         self.do(self.master.close())

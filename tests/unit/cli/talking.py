@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -35,7 +36,12 @@ def publish(graph: LiveGraph, topic: str, type_name: str, *messages: dict[str, A
     payloads = [codec.encode(message) for message in messages]
 
     def send() -> None:
-        graph.wait_until(lambda: publisher.subscriber_count > 0)
+        # Not every command that is tried out gets as far as subscribing.
+        deadline_s = time.monotonic() + 20
+        while publisher.subscriber_count == 0:
+            if graph.is_closed or time.monotonic() > deadline_s:
+                return
+            time.sleep(0.002)
         call(graph, lambda: publisher.publish_raw(payloads))
 
     in_background(send)
