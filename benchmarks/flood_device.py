@@ -3,7 +3,6 @@
     flood_device.py PORT send TYPE COUNT   announces a publisher of TYPE on `flood`, waits for a line on
                                            stdin, then sends COUNT frames and prints seconds
     flood_device.py PORT sink COUNT        announces a std_msgs/String subscriber on `flood`, prints what came
-    flood_device.py PORT echo              announces both, and sends back on `out` all that comes on `in`
 
 A program of its own, on blocking sockets, so that it costs the bridge nothing but its bytes.
 """
@@ -105,34 +104,13 @@ def sink(line: socket.socket, count: int) -> None:
     print(f"{frames} {last - started:.6f}", flush=True)
 
 
-def echo(line: socket.socket) -> None:
-    """Send each message of `in` back on `out`: only the id and the checksum change."""
-    announcements = announcement(SUBSCRIBER_ID, 1, "in", "std_msgs/String")
-    announcements += announcement(PUBLISHER_ID, 0, "out", "std_msgs/String")
-    line.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-    pending = b""
-    while received := line.recv(65536):
-        pending += received
-        while len(pending) >= 8:
-            size = int.from_bytes(pending[2:4], "little")
-            if len(pending) < size + 8:
-                break
-            frame, pending = pending[: size + 8], pending[size + 8 :]
-            if frame[5] == SUBSCRIBER_ID:
-                line.sendall(encode_frame(PUBLISHER_ID, frame[7:-1]))
-            else:
-                answer_requests(line, announcements, frame)
-
-
 def main(arguments: list[str]) -> None:
     """Play the role that the arguments name."""
     line = connect(int(arguments[0]))
     if arguments[1] == "send":
         send(line, arguments[2], int(arguments[3]))
-    elif arguments[1] == "sink":
-        sink(line, int(arguments[2]))
     else:
-        echo(line)
+        sink(line, int(arguments[2]))
 
 
 if __name__ == "__main__":

@@ -1,19 +1,29 @@
-"""ROS to device and back: single messages at a fixed rate, through an echoing TCP device."""
+"""ROS to device and back: single messages at a fixed rate, each timed on its way there and back.
+
+Publisher, device and subscriber are one program on blocking sockets, so that the time is the bridge's and
+the system's: two ways through the bridge, four wake-ups.
+"""
 
 from __future__ import annotations
 
-import asyncio
-import contextlib
+import socket
 import struct
 import time
-from collections.abc import Sequence
+import xmlrpc.client
 from dataclasses import dataclass
+from typing import Any
 
+from benchmarks.bare_relay import header, listen, read_header, slave
+from benchmarks.flood_device import PUBLISHER_ID, SUBSCRIBER_ID, announcement, answer_requests, connect
 from benchmarks.processes import Bench
 from interop.ros1_peers import free_port
 from rostether.msgdef.registry import Registry
-from rostether.ros1.environment import RosEnvironment
-from rostether.ros1.node.node import join_ros1
+from rostether.rosserial.frame import encode_frame
+
+TYPE = "std_msgs/String"
+PAYLOAD = struct.pack("<I60x", 60)
+FRAME_BYTES = len(PAYLOAD) + 8
+SETTLE_S = 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,33 +40,60 @@ class RoundTrips:
         return self.times_s[min(int(len(self.times_s) * percent / 100), len(self.times_s) - 1)] * 1000
 
 
-async def _measure(bench: Bench, rate_hz: float, count: int) -> RoundTrips:
-    graph = await join_ros1("bench", environment=RosEnvironment.read({"ROS_MASTER_URI": bench.master_uri}))
-    text = Registry().message_type("std_msgs/String")
-    times: list[float] = []
-    all_back = asyncio.Event()
-    connected = asyncio.Event()
+class Peers:
+    """The three ends: who publishes `in`, the device that echoes, who subscribes to `out`."""
 
-    def on_messages(payloads: Sequence[bytes]) -> None:
-        now = time.perf_counter()
-        times.extend(now - struct.unpack_from("<d", payload, 4)[0] for payload in payloads)
-        if len(times) >= count:
-            all_back.set()
+    def __init__(self, bench: Bench, port: int) -> None:
+        self._announcements = announcement(SUBSCRIBER_ID, 1, "in", TYPE)
+        self._announcements += announcement(PUBLISHER_ID, 0, "out", TYPE)
+        self.device = connect(port)
+        self.device.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self._negotiate()
+        bench.wait_for_publisher("/out")
+        master: Any = bench.master
+        md5sum = Registry().message_type(TYPE).md5sum
+        server = listen()
+        uri = slave(server.getsockname()[1])
+        master.registerPublisher("/bench", "/in", TYPE, uri)
+        self.publisher, _ = server.accept()
+        self.publisher.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        read_header(self.publisher)
+        self.publisher.sendall(
+            header(
+                callerid="/bench", md5sum=md5sum, type=TYPE, latching="0", message_definition="string data\n"
+            )
+        )
+        bridge: Any = xmlrpc.client.ServerProxy(master.registerSubscriber("/bench", "/out", TYPE, uri)[2][0])
+        _, _, (_, host, tcpros_port) = bridge.requestTopic("/bench", "/out", [["TCPROS"]])
+        self.subscriber = socket.create_connection((host, tcpros_port))
+        self.subscriber.sendall(
+            header(callerid="/bench", topic="/out", md5sum=md5sum, type=TYPE, tcp_nodelay="1")
+        )
+        read_header(self.subscriber)
 
-    publisher = await graph.advertise("/in", text)
-    await graph.subscribe("/out", text, on_messages, on_connection=lambda _: connected.set())
-    await connected.wait()
-    while publisher.subscriber_count == 0:
-        await asyncio.sleep(0.01)
-    await asyncio.sleep(0.2)
-    started = time.perf_counter()
-    for index in range(count):
-        publisher.publish_raw([struct.pack("<Id52x", 60, time.perf_counter())])
-        await asyncio.sleep(max(0.0, started + (index + 1) / rate_hz - time.perf_counter()))
-    with contextlib.suppress(TimeoutError):
-        await asyncio.wait_for(all_back.wait(), 2.0)
-    await graph.close()
-    return RoundTrips(count, tuple(sorted(times)))
+    def _negotiate(self) -> None:
+        ends_s = time.monotonic() + SETTLE_S
+        self.device.settimeout(0.05)
+        while time.monotonic() < ends_s:
+            try:
+                answer_requests(self.device, self._announcements, self.device.recv(65536))
+            except TimeoutError:
+                continue
+        self.device.settimeout(2.0)
+
+    def round_trip_s(self) -> float:
+        """Send one message around. Raises TimeoutError when it is lost."""
+        started = time.perf_counter()
+        self.publisher.sendall(struct.pack("<I", len(PAYLOAD)) + PAYLOAD)
+        received = b""
+        while len(received) < FRAME_BYTES or received[5] != SUBSCRIBER_ID:
+            received = self.device.recv(65536)
+            answer_requests(self.device, self._announcements, received)
+        self.device.sendall(encode_frame(PUBLISHER_ID, received[7 : 7 + len(PAYLOAD)]))
+        size = 0
+        while size < len(PAYLOAD) + 4:
+            size += len(self.subscriber.recv(65536))
+        return time.perf_counter() - started
 
 
 def round_trips(rate_hz: float, count: int) -> RoundTrips:
@@ -64,6 +101,14 @@ def round_trips(rate_hz: float, count: int) -> RoundTrips:
     port = free_port()
     with Bench() as bench:
         bench.ours("serve", f"tcp://:{port}?name=echo_board")
-        bench.module("flood_device", str(port), "echo")
-        bench.wait_for_publisher("/out")
-        return asyncio.run(_measure(bench, rate_hz, count))
+        peers = Peers(bench, port)
+        peers.subscriber.settimeout(2.0)
+        times: list[float] = []
+        started = time.perf_counter()
+        for index in range(count):
+            try:
+                times.append(peers.round_trip_s())
+            except TimeoutError:
+                continue
+            time.sleep(max(0.0, started + (index + 1) / rate_hz - time.perf_counter()))
+        return RoundTrips(count, tuple(sorted(times)))
