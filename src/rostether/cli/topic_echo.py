@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 from collections.abc import Callable
 from contextlib import aclosing
 from dataclasses import dataclass
@@ -16,7 +17,7 @@ from rostether.cli.options import master_option, msg_path_option
 from rostether.cli.output import json_option, warn, write_json, write_line
 from rostether.cli.running import run
 from rostether.cli.verbs import Verb
-from rostether.errors import SerializationError
+from rostether.errors import GraphError, SerializationError
 
 if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph
@@ -26,8 +27,8 @@ if TYPE_CHECKING:
 
 CLEAR_SCREEN = "\033[2J\033[;H"
 
-SIMULATED_TIME_WARNING_S = 2.0
-"""Simulators publish at once; as rostopic, wait no longer before saying what may be missing."""
+SILENCE_WARNING_S = 2.0
+"""As rostopic for simulators, which publish at once: then it says what may be missing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +110,7 @@ async def _echo(topic: str, options: _Options, msg_paths: tuple[Path, ...], mast
     async with joined(environment, msg_paths, purpose="rostopic") as graph:
         chosen = await wait_for_topic(name, graph.store, master)
         printer = _Printer(graph, chosen.topic, chosen.field, options)
-        hint = asyncio.ensure_future(_hint_at_clock(graph, printer))
+        hint = asyncio.ensure_future(_hint_at_silence(graph, chosen.topic, printer))
         try:
             stream = graph.messages(chosen.topic)
             async with aclosing(aiter(stream)) as messages:
@@ -206,8 +207,15 @@ class _Printer:
         )
 
 
-async def _hint_at_clock(graph: TypedGraph, printer: _Printer) -> None:
-    if await graph.get_param("/use_sim_time", False):
-        await asyncio.sleep(SIMULATED_TIME_WARNING_S)
-        if not printer.received_count:
+async def _hint_at_silence(graph: TypedGraph, topic: str, printer: _Printer) -> None:
+    # A master that is away is told of elsewhere.
+    with contextlib.suppress(GraphError):
+        is_simulated = await graph.get_param("/use_sim_time", False)
+        await asyncio.sleep(SILENCE_WARNING_S)
+        if printer.received_count:
+            return
+        known = (await graph.snapshot()).topics.get(topic)
+        if is_simulated:
             warn("WARNING: no messages received and simulated time is active.\nIs /clock being published?")
+        elif known is None or not known.publishers:
+            warn(f"WARNING: nobody publishes [{topic}] yet")

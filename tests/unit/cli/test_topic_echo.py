@@ -8,7 +8,7 @@ from rostether.cli import topic_choice
 from rostether.cli.output import warn
 from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore
-from unit.cli.shell import LiveGraph, Shell
+from unit.cli.shell import STORE, LiveGraph, Shell
 from unit.cli.talking import call, command_node, in_background, publish, shut_down
 
 RANGES = [{"range": metres, "header": {"frame_id": "sonar", "stamp": {"secs": 5}}} for metres in (0.5, 2.0)]
@@ -148,3 +148,29 @@ def test_echo_ends_when_its_node_is_shut_down(graph: LiveGraph, shell: Shell) ->
     ending = in_background(end)
     assert shell("topic", "echo", "/r/range").code == 0
     ending.join(10)
+
+
+def test_topic_that_nobody_publishes_is_said(
+    graph: LiveGraph, shell: Shell, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    message_type = STORE.registry.message_type("std_msgs/Bool")
+    graph.do(graph.node("listener").subscribe("/quiet", message_type, lambda _payloads: None))
+    warned = threading.Event()
+    warnings: list[str] = []
+
+    def hear(text: str) -> None:
+        warnings.append(text)
+        warned.set()
+
+    def speak() -> None:
+        warned.wait(20)
+        talker = graph.node("talker")
+        publisher = graph.do(talker.advertise("/quiet", message_type, latch=True))
+        call(graph, lambda: publisher.publish_raw([b"\x01"]))
+
+    monkeypatch.setattr("rostether.cli.topic_echo.SILENCE_WARNING_S", 0.0)
+    monkeypatch.setattr("rostether.cli.topic_echo.warn", hear)
+    speaking = in_background(speak)
+    assert "data: True" in shell.output("topic", "echo", "-n", "1", "/quiet")
+    speaking.join(20)
+    assert warnings == ["WARNING: nobody publishes [/quiet] yet"]
