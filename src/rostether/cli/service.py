@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Awaitable, Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -12,6 +14,9 @@ from rostether.cli.output import json_option, write_json, write_line
 from rostether.cli.running import run
 from rostether.cli.verbs import LazyGroup, Verb, VerbEntry
 from rostether.errors import ServiceUnavailableError, UnknownNameError
+
+if TYPE_CHECKING:
+    from rostether.ros1.node.master_client import MasterClient
 
 _HERE = "rostether.cli.service:"
 _VERBS = {
@@ -67,21 +72,24 @@ async def _services(namespace: str | None, master: str | None) -> list[tuple[str
     )
 
 
+async def _ask(
+    question: Callable[[MasterClient, str], Awaitable[str]], service: str, master: str | None
+) -> str:
+    from rostether.cli.graph_access import master_client, read_environment, resolve
+
+    environment = read_environment(master)
+    async with master_client(environment) as client:
+        return await question(client, resolve(service, environment))
+
+
 @click.command("type", cls=Verb, examples="rostether service type /set_led")
 @_service_argument
 @master_option
 def type_of(service: str, master: str | None) -> None:
     """Print the type of a service."""
-    write_line(run(_type(service, master)))
-
-
-async def _type(service: str, master: str | None) -> str:
-    from rostether.cli.graph_access import master_client, read_environment, resolve
     from rostether.cli.service_probe import probe_type
 
-    environment = read_environment(master)
-    async with master_client(environment) as client:
-        return await probe_type(client, resolve(service, environment))
+    write_line(run(_ask(probe_type, service, master)))
 
 
 @click.command("uri", cls=Verb, examples="rostether service uri /set_led")
@@ -89,16 +97,9 @@ async def _type(service: str, master: str | None) -> str:
 @master_option
 def uri_of(service: str, master: str | None) -> None:
     """Print the URI (rosrpc://host:port) of a service."""
-    write_line(run(_uri(service, master)))
-
-
-async def _uri(service: str, master: str | None) -> str:
-    from rostether.cli.graph_access import master_client, read_environment, resolve
     from rostether.cli.service_probe import look_up
 
-    environment = read_environment(master)
-    async with master_client(environment) as client:
-        return await look_up(client, resolve(service, environment))
+    write_line(run(_ask(look_up, service, master)))
 
 
 @click.command("node", cls=Verb, examples="rostether service node /set_led")
@@ -106,16 +107,9 @@ async def _uri(service: str, master: str | None) -> str:
 @master_option
 def node_of(service: str, master: str | None) -> None:
     """Print the node that offers a service."""
-    write_line(run(_node(service, master)))
-
-
-async def _node(service: str, master: str | None) -> str:
-    from rostether.cli.graph_access import master_client, read_environment, resolve
     from rostether.cli.service_probe import provider
 
-    environment = read_environment(master)
-    async with master_client(environment) as client:
-        return await provider(client, resolve(service, environment))
+    write_line(run(_ask(provider, service, master)))
 
 
 @click.command("args", cls=Verb, examples="rostether service args /set_led")
@@ -124,7 +118,9 @@ async def _node(service: str, master: str | None) -> str:
 @master_option
 def args(service: str, msg_paths: tuple[Path, ...], master: str | None) -> None:
     """Print the names of a service's arguments."""
-    write_line(_argument_names(run(_type(service, master)), msg_paths))
+    from rostether.cli.service_probe import probe_type
+
+    write_line(_argument_names(run(_ask(probe_type, service, master)), msg_paths))
 
 
 def _argument_names(type_name: str, msg_paths: tuple[Path, ...]) -> str:
