@@ -1,0 +1,60 @@
+// How the elements of an array go over the wire.
+#ifndef ROS_FIELD_KIND_H_
+#define ROS_FIELD_KIND_H_
+
+#include <stdint.h>
+
+namespace ros {
+
+template <class M>
+class Message;
+
+// The wire is little endian, and so is every board we know: most values are sent as they lie in memory.
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
+#error "ros_lib needs a little-endian processor"
+#endif
+
+struct BlockKind {};    // bytes as they lie in memory
+struct Float64Kind {};  // a double of four bytes, eight on the wire
+struct StringKind {};   // char pointer
+struct MessageKind {};  // its own fields
+
+template <bool message>
+struct ClassKind {
+  typedef BlockKind type;
+};
+template <>
+struct ClassKind<true> {
+  typedef MessageKind type;
+};
+
+template <class T>
+struct IsMessage {
+  template <class M>
+  static char test(const Message<M>*);
+  static long test(...);
+  static const bool value = sizeof(test(static_cast<T*>(nullptr))) == 1;
+};
+
+template <class T>
+struct FieldKind {
+  typedef typename ClassKind<IsMessage<T>::value>::type type;
+};
+template <>
+struct FieldKind<char*> {
+  typedef StringKind type;
+};
+template <>
+struct FieldKind<const char*> {
+  typedef StringKind type;
+};
+#if __SIZEOF_DOUBLE__ != 8
+template <>
+struct FieldKind<double> {
+  typedef Float64Kind type;
+};
+#endif
+
+}  // namespace ros
+
+#endif

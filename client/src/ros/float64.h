@@ -1,0 +1,100 @@
+// The eight bytes of a float64 <-> the four of an AVR's double, exactly as IEEE 754 asks.
+//
+//   float   s eeeeeeee    mmmmmmm mmmmmmmm mmmmmmmm                  bias 127
+//   float64 s eeeeeeeeeee mmmm mmmmmmmm mmmmmmmm mmm.. (29 bits more)  bias 1023
+//
+// Widening is always exact. Narrowing rounds to nearest, ties to even, into subnormals and to infinity
+// where it must; a NaN stays a NaN with its sign. Written byte by byte: an AVR has no barrel shifter.
+#ifndef ROS_FLOAT64_H_
+#define ROS_FLOAT64_H_
+
+#include <stdint.h>
+#include <string.h>
+
+namespace ros {
+
+inline void widenFloat(float value, uint8_t* bytes) {
+  uint8_t f[4];
+  memcpy(f, &value, 4);
+  memset(bytes, 0, 8);
+  const uint8_t sign = f[3] & 0x80;
+  uint16_t exponent = static_cast<uint8_t>(f[3] << 1 | f[2] >> 7);
+  f[2] &= 0x7f;
+  if (exponent == 255) {
+    exponent = 2047;
+  } else if (exponent != 0) {
+    exponent += 896;
+  } else if (f[0] | f[1] | f[2]) {
+    exponent = 897;
+    while (!(f[2] & 0x80)) {
+      f[2] = static_cast<uint8_t>(f[2] << 1 | f[1] >> 7);
+      f[1] = static_cast<uint8_t>(f[1] << 1 | f[0] >> 7);
+      f[0] = static_cast<uint8_t>(f[0] << 1);
+      --exponent;
+    }
+    f[2] &= 0x7f;
+  }
+  bytes[3] = static_cast<uint8_t>(f[0] << 5);
+  bytes[4] = static_cast<uint8_t>(f[0] >> 3 | f[1] << 5);
+  bytes[5] = static_cast<uint8_t>(f[1] >> 3 | f[2] << 5);
+  bytes[6] = static_cast<uint8_t>(f[2] >> 3 | exponent << 4);
+  bytes[7] = static_cast<uint8_t>(sign | exponent >> 4);
+}
+
+inline float narrowFloat(const uint8_t* bytes) {
+  const uint16_t exponent = static_cast<uint16_t>((bytes[7] & 0x7f) << 4 | bytes[6] >> 4);
+  uint32_t bits = 0;
+  uint8_t f[4];
+  f[0] = static_cast<uint8_t>(bytes[3] >> 5 | bytes[4] << 3);
+  f[1] = static_cast<uint8_t>(bytes[4] >> 5 | bytes[5] << 3);
+  f[2] = static_cast<uint8_t>((bytes[5] >> 5 | bytes[6] << 3) & 0x7f);
+  f[3] = 0;
+  memcpy(&bits, f, 4);
+  // What does not fit: bit 7 is worth half a unit in the last place, the others say whether there is more.
+  uint8_t rest = static_cast<uint8_t>(bytes[3] << 3);
+  if (bytes[2] | bytes[1] | bytes[0]) rest |= 1;
+  if (exponent == 2047) {
+    if (bits == 0 && rest) bits = 1;
+    bits |= 0x7f800000UL;
+  } else if (exponent > 1150) {
+    bits = 0x7f800000UL;
+  } else if (exponent < 873) {
+    bits = 0;
+  } else {
+    if (exponent > 896) {
+      bits += static_cast<uint32_t>(exponent - 896) << 23;
+    } else {
+      bits |= 0x800000UL;
+      for (uint16_t shift = exponent; shift <= 896; ++shift) {
+        rest = static_cast<uint8_t>((bits & 1) << 7 | rest >> 1 | (rest & 1));
+        bits >>= 1;
+      }
+    }
+    // A carry out of the mantissa gives the right next exponent, up to infinity.
+    if (rest > 0x80 || (rest == 0x80 && (bits & 1))) ++bits;
+  }
+  if (bytes[7] & 0x80) bits |= 0x80000000UL;
+  float value;
+  memcpy(&value, &bits, 4);
+  return value;
+}
+
+// Eight little-endian bytes of a float64 at `bytes`; `value` may be the AVR's four-byte double.
+inline void storeFloat64(uint8_t* bytes, double value) {
+  if (sizeof(double) == 8) {
+    memcpy(bytes, &value, sizeof value);
+  } else {
+    widenFloat(static_cast<float>(value), bytes);
+  }
+}
+
+inline double loadFloat64(const uint8_t* bytes) {
+  if (sizeof(double) != 8) return static_cast<double>(narrowFloat(bytes));
+  double value;
+  memcpy(&value, bytes, sizeof value);
+  return value;
+}
+
+}  // namespace ros
+
+#endif

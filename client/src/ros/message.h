@@ -1,0 +1,88 @@
+// What every generated message is made of.
+//
+// A generated class lists its fields once, in `fields`; the archives below walk that list to measure a
+// message, to write it and to read it. No virtual functions: an AVR would keep each class's table in RAM.
+#ifndef ROS_MESSAGE_H_
+#define ROS_MESSAGE_H_
+
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "arrays.h"
+#include "buffer_writer.h"
+#include "duration.h"
+#include "flash.h"
+#include "length_counter.h"
+#include "reader.h"
+#include "time.h"
+
+// Name and md5sum of a message: getType and getMD5 for the sketch, and the same texts in flash for the wire.
+#define ROS_MESSAGE_TYPE(type, md5)                        \
+  static const char* getType() { return type; }            \
+  static const char* getMD5() { return md5; }              \
+  static ros::FlashText flashType() {                      \
+    static const char text[] ROS_FLASH = type;             \
+    const ros::FlashText flash = {text};                   \
+    return flash;                                          \
+  }                                                        \
+  static ros::FlashText flashMD5() {                       \
+    static const char text[] ROS_FLASH = md5;              \
+    const ros::FlashText flash = {text};                   \
+    return flash;                                          \
+  }
+
+namespace ros {
+
+// Base of the generated message M. Works without a node handle, for any buffer (a raw UDP packet, a file).
+template <class M>
+class Message {
+ public:
+  // Bytes that serialize writes.
+  size_t serializedLength() const {
+    LengthCounter counter;
+    M::fields(counter, self());
+    return counter.length();
+  }
+
+  // Writes the message and returns its length. The buffer must hold serializedLength() bytes.
+  int serialize(unsigned char* buffer) const {
+    BufferWriter writer(buffer);
+    M::fields(writer, self());
+    return static_cast<int>(writer.length());
+  }
+
+  // The same, or -1 and nothing written if the message does not fit into `capacity` bytes.
+  int serialize(unsigned char* buffer, size_t capacity) const {
+    return serializedLength() <= capacity ? serialize(buffer) : -1;
+  }
+
+  // Reads a message of exactly `length` bytes; returns `length`, or -1 if the bytes are no such message.
+  // Strings and arrays then point into `buffer`, whose bytes are rearranged for it. Arrays of strings and
+  // of messages need memory besides, which is taken from the buffer's end: [length, capacity).
+  int deserialize(unsigned char* buffer, size_t length, size_t capacity) {
+    Reader reader(buffer, length, buffer + length, buffer + capacity);
+    M::fields(reader, self());
+    return reader.complete() ? static_cast<int>(length) : -1;
+  }
+  int deserialize(unsigned char* buffer, size_t length) { return deserialize(buffer, length, length); }
+
+  // Reads a message from bytes that are known to be one, and returns how many it took, or -1. Prefer the forms above: this one
+  // cannot see where the buffer ends. Except on an AVR, arrays of strings and of messages are kept on the heap.
+  int deserialize(unsigned char* buffer) {
+    Reader reader(buffer);
+    M::fields(reader, self());
+    return reader.ok() ? static_cast<int>(reader.consumed(buffer)) : -1;
+  }
+
+ protected:
+  constexpr Message() {}
+
+ private:
+  const M& self() const { return static_cast<const M&>(*this); }
+  M& self() { return static_cast<M&>(*this); }
+};
+
+}  // namespace ros
+
+#endif

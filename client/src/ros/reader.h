@@ -1,0 +1,245 @@
+// Archive that reads a message out of the bytes it came in, and never looks past them.
+//
+// Nothing is copied that can stay: a string moves down by one byte over its own length prefix to make room
+// for its NUL, an array of numbers stays where it is (moved down by up to three bytes where the processor
+// wants its words aligned). Arrays of strings and of messages need room besides, the arena.
+#ifndef ROS_READER_H_
+#define ROS_READER_H_
+
+#include <stddef.h>
+#include <stdint.h>
+#if !defined(__AVR__)
+#include <stdlib.h>
+#endif
+#include <string.h>
+
+#include "arrays.h"
+#include "field_kind.h"
+#include "float64.h"
+
+namespace ros {
+
+class Reader {
+ public:
+  // Reads `length` bytes; the arena [arena, arena_end) is used up from its end downwards.
+  Reader(uint8_t* buffer, size_t length, uint8_t* arena, uint8_t* arena_end)
+      : next_(buffer), remaining_(length), arena_(arena), arena_end_(arena_end), ok_(true), heap_(false) {}
+  // Trusts the bytes, and keeps what needs an arena on the heap (on an AVR it refuses that instead).
+  explicit Reader(uint8_t* buffer)
+      : next_(buffer), remaining_(SIZE_MAX / 2), arena_(nullptr), arena_end_(nullptr), ok_(true), heap_(true) {}
+
+  bool ok() const { return ok_; }
+  // Whether the bytes were this message, no fewer and no more.
+  bool complete() const { return ok_ && remaining_ == 0; }
+  size_t consumed(const uint8_t* buffer) const { return static_cast<size_t>(next_ - buffer); }
+  uint8_t* arena_end() const { return arena_end_; }
+
+  template <class T>
+  void value(T& field) {
+    take(&field, sizeof(T));
+  }
+  void value(bool& field) {
+    uint8_t byte = 0;
+    take(&byte, 1);
+    field = byte != 0;
+  }
+  void value(double& field) {
+    uint8_t bytes[8] = {0, 0, 0, 0, 0, 0, 0, 0};
+    take(bytes, 8);
+    field = loadFloat64(bytes);
+  }
+  void string(const char*& text) {
+    uint32_t length = 0;
+    value(length);
+    if (length > remaining_) fail();
+    if (!ok_) {
+      text = "";
+      return;
+    }
+    char* start = reinterpret_cast<char*>(next_) - 1;
+    memmove(start, next_, static_cast<size_t>(length));
+    start[length] = '\0';
+    text = start;
+    advance(static_cast<size_t>(length));
+  }
+  template <class M>
+  void message(M& part) {
+    M::fields(*this, part);
+  }
+
+  template <class T, size_t N>
+  void fixed(T (&array)[N]) {
+    elements(array, N, typename FieldKind<T>::type());
+  }
+  template <class T>
+  void sequence(T*& array, array_length& count) {
+    const array_length had = count;
+    const size_t length = sequenceLength(sizeof(T), typename FieldKind<T>::type());
+    count = static_cast<array_length>(length);
+    if (length == 0) {
+      if (!heap_) array = nullptr;
+      return;
+    }
+    place(array, length, had, typename FieldKind<T>::type());
+    if (!ok_) count = 0;
+  }
+  void sequence(Float64Pointer& array, array_length& count) {
+    const size_t length = sequenceLength(8, BlockKind());
+    count = static_cast<array_length>(length);
+    double* start = reinterpret_cast<double*>(next_);
+    if (sizeof(double) != 8) {
+      // Four bytes replace eight, so the part already written never reaches the part still to be read.
+      for (size_t i = 0; i < length; ++i) {
+        const double element = loadFloat64(next_ + i * 8);
+        memcpy(next_ + i * sizeof element, &element, sizeof element);
+      }
+    }
+    array = start;
+    advance(length * 8);
+  }
+  void sequence64(unaligned_int64*& array, array_length& count) {
+    array = reinterpret_cast<unaligned_int64*>(words(count));
+  }
+  void sequence64(unaligned_uint64*& array, array_length& count) {
+    array = reinterpret_cast<unaligned_uint64*>(words(count));
+  }
+
+ private:
+  void fail() {
+    ok_ = false;
+    remaining_ = 0;
+  }
+  void advance(size_t count) {
+    next_ += count;
+    remaining_ -= count;
+  }
+  void take(void* field, size_t count) {
+    if (count > remaining_) {
+      fail();
+      return;
+    }
+    memcpy(field, next_, count);
+    advance(count);
+  }
+
+  // Elements that the prefix announces, or 0 with ok() false if the bytes left cannot hold them.
+  size_t announced(size_t element_bytes) {
+    uint32_t length = 0;
+    value(length);
+    if (length > remaining_ / element_bytes) {
+      fail();
+      return 0;
+    }
+    return static_cast<size_t>(length);
+  }
+  size_t sequenceLength(size_t size, BlockKind) { return announced(size); }
+  size_t sequenceLength(size_t, Float64Kind) { return announced(8); }
+  size_t sequenceLength(size_t, StringKind) { return announced(4); }
+  // A message may be empty on the wire; `allocate` bounds how many there are.
+  size_t sequenceLength(size_t, MessageKind) {
+    uint32_t length = 0;
+    value(length);
+    if (length > remaining_ && length > static_cast<size_t>(arena_end_ - arena_)) fail();
+    return ok_ ? static_cast<size_t>(length) : 0;
+  }
+
+  // Elements of `size` bytes, left where they are or moved down onto the end of their own prefix.
+  uint8_t* settle(size_t length, size_t size) {
+    uint8_t* start = next_;
+#if !defined(__AVR__)
+    const size_t shift = reinterpret_cast<uintptr_t>(start) % (size < 4 ? size : 4);
+    start -= shift;
+    if (shift) memmove(start, next_, length * size);
+#endif
+    advance(length * size);
+    return start;
+  }
+  uint8_t* words(array_length& count) {
+    const size_t length = announced(8);
+    count = static_cast<array_length>(length);
+    return settle(length, 8);
+  }
+  template <class T>
+  void place(T*& array, size_t length, array_length, BlockKind) {
+    array = reinterpret_cast<T*>(settle(length, sizeof(T)));
+    normalize(array, length);
+  }
+  template <class T>
+  void place(T*& array, size_t length, array_length had, StringKind kind) {
+    array = allocate(array, length, had);
+    if (!array) return;
+    elements(array, length, kind);
+  }
+  template <class T>
+  void place(T*& array, size_t length, array_length had, MessageKind) {
+    array = allocate(array, length, had);
+    if (!array) return;
+    for (size_t i = heap_ ? had : 0; i < length; ++i) array[i] = T();
+    for (size_t i = 0; i < length && ok_; ++i) message(array[i]);
+  }
+
+  template <class T>
+  T* allocate(T* array, size_t length, array_length had) {
+#if !defined(__AVR__)
+    if (heap_) {
+      if (length <= had) return array;
+      T* grown = static_cast<T*>(realloc(static_cast<void*>(array), length * sizeof(T)));
+      if (!grown) fail();
+      return grown;
+    }
+#else
+    (void)array;
+    (void)had;
+#endif
+    uint8_t* end = arena_end_ - reinterpret_cast<uintptr_t>(arena_end_) % alignof(T);
+    if (end < arena_ || length > static_cast<size_t>(end - arena_) / sizeof(T)) {
+      fail();
+      return nullptr;
+    }
+    arena_end_ = end - length * sizeof(T);
+    return reinterpret_cast<T*>(arena_end_);
+  }
+
+  template <class T>
+  void elements(T* array, size_t length, BlockKind) {
+    take(array, length * sizeof(T));
+  }
+  void elements(bool* array, size_t length, BlockKind) {
+    for (size_t i = 0; i < length; ++i) value(array[i]);
+  }
+  template <class T>
+  void elements(T* array, size_t length, Float64Kind) {
+    for (size_t i = 0; i < length; ++i) value(array[i]);
+  }
+  template <class T>
+  void elements(T* array, size_t length, StringKind) {
+    for (size_t i = 0; i < length; ++i) {
+      const char* text;
+      string(text);
+      array[i] = const_cast<char*>(text);
+    }
+  }
+  template <class T>
+  void elements(T* array, size_t length, MessageKind) {
+    for (size_t i = 0; i < length; ++i) message(array[i]);
+  }
+
+  // A bool that is neither 0 nor 1 is no bool: the bytes of an array are mended where they lie.
+  template <class T>
+  void normalize(T*, size_t) {}
+  void normalize(bool* array, size_t length) {
+    uint8_t* bytes = reinterpret_cast<uint8_t*>(array);
+    for (size_t i = 0; i < length; ++i) bytes[i] = bytes[i] != 0;
+  }
+
+  uint8_t* next_;
+  size_t remaining_;
+  uint8_t* arena_;
+  uint8_t* arena_end_;
+  bool ok_;
+  bool heap_;
+};
+
+}  // namespace ros
+
+#endif
