@@ -4,6 +4,7 @@ RostetherError
 ├── InvalidNameError            a graph name, package name or type name that breaks the naming rules
 ├── ConfigError                 an option, link address, environment variable or file that makes no sense
 ├── CodegenError                a client library that cannot be generated
+├── FirmwareError               a sketch that cannot be built, measured or uploaded
 ├── DefinitionError             a .msg or .srv text that cannot be read (file, line, column)
 │   └── UnknownTypeError        no known package has the message or service; says how to give it
 ├── SerializationError          a value or bytes that do not fit a type
@@ -41,6 +42,10 @@ class ConfigError(RostetherError):
 
 class CodegenError(RostetherError):
     """A client library cannot be generated."""
+
+
+class FirmwareError(RostetherError):
+    """A sketch cannot be built, measured or uploaded."""
 
 
 class DefinitionError(RostetherError):
