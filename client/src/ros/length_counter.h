@@ -23,7 +23,7 @@ class LengthCounter {
   void string(const char* text) { length_ += 4 + (text ? strlen(text) : 0); }
   template <class M>
   void message(const M& part) {
-    M::fields(*this, part);
+    M::_fields(*this, part);
   }
 
   template <class T, size_t N>

@@ -1,7 +1,8 @@
 // What every generated message is made of.
 //
-// A generated class lists its fields once, in `fields`; the archives below walk that list to measure a
-// message, to write it and to read it. No virtual functions: an AVR would keep each class's table in RAM.
+// A generated class lists its fields once, in `_fields` (no field of a definition can be called so; several
+// are called `fields`); the archives below walk that list to measure a message, to write it and to read it.
+// No virtual functions: an AVR would keep each class's table in RAM.
 #ifndef ROS_MESSAGE_H_
 #define ROS_MESSAGE_H_
 
@@ -41,14 +42,14 @@ class Message {
   // Bytes that serialize writes.
   size_t serializedLength() const {
     LengthCounter counter;
-    M::fields(counter, self());
+    M::_fields(counter, self());
     return counter.length();
   }
 
   // Writes the message and returns its length. The buffer must hold serializedLength() bytes.
   int serialize(unsigned char* buffer) const {
     BufferWriter writer(buffer);
-    M::fields(writer, self());
+    M::_fields(writer, self());
     return static_cast<int>(writer.length());
   }
 
@@ -62,7 +63,7 @@ class Message {
   // of messages need memory besides, which is taken from the buffer's end: [length, capacity).
   int deserialize(unsigned char* buffer, size_t length, size_t capacity) {
     Reader reader(buffer, length, buffer + length, buffer + capacity);
-    M::fields(reader, self());
+    M::_fields(reader, self());
     return reader.complete() ? static_cast<int>(length) : -1;
   }
   int deserialize(unsigned char* buffer, size_t length) { return deserialize(buffer, length, length); }
@@ -71,7 +72,7 @@ class Message {
   // cannot see where the buffer ends. Except on an AVR, arrays of strings and of messages are kept on the heap.
   int deserialize(unsigned char* buffer) {
     Reader reader(buffer);
-    M::fields(reader, self());
+    M::_fields(reader, self());
     return reader.ok() ? static_cast<int>(reader.consumed(buffer)) : -1;
   }
 

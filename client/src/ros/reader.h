@@ -64,7 +64,7 @@ class Reader {
   }
   template <class M>
   void message(M& part) {
-    M::fields(*this, part);
+    M::_fields(*this, part);
   }
 
   template <class T, size_t N>

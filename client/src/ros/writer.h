@@ -32,7 +32,7 @@ class Writer {
   }
   template <class M>
   void message(const M& part) {
-    M::fields(sink(), part);
+    M::_fields(sink(), part);
   }
 
   template <class T, size_t N>
