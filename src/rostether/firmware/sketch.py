@@ -1,0 +1,77 @@
+"""Which files a sketch is made of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from rostether.errors import FirmwareError
+
+INO_SUFFIXES = (".ino", ".pde")
+SOURCE_SUFFIXES = (".c", ".cpp", ".cc", ".cxx", ".S")
+MAX_SKETCH_FILES = 2000
+"""A home folder taken for a sketch must not be read to its end."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sketch:
+    """`inos` in the order in which they are joined; `sources` are compiled beside them.
+
+    `owns_folder` is false for a file among strangers: then only sources whose header it includes belong to it.
+    """
+
+    name: str
+    folder: Path
+    inos: tuple[Path, ...]
+    sources: tuple[Path, ...]
+    owns_folder: bool
+
+    def headers_source(self, header: Path) -> Path | None:
+        """Return the source file that stands beside a header of the sketch's folder, if there is one."""
+        if self.folder not in header.parents:
+            return None
+        candidates = (header.with_suffix(suffix) for suffix in SOURCE_SUFFIXES)
+        return next((each for each in candidates if each.is_file()), None)
+
+
+def open_sketch(path: Path) -> Sketch:
+    """Return the sketch in an .ino or .cpp file, or in a folder. Raises FirmwareError when there is none."""
+    path = path.expanduser()
+    if path.is_dir():
+        return _open_folder(path.resolve())
+    if not path.exists():
+        raise FirmwareError(f"no sketch {path}; give an .ino file, a folder with one, or a .cpp file")
+    path = path.resolve()
+    if path.suffix in INO_SUFFIXES:
+        if path.stem == path.parent.name:
+            return _open_folder(path.parent)
+        return Sketch(path.stem, path.parent, (path,), (), owns_folder=False)
+    if path.suffix in SOURCE_SUFFIXES:
+        return Sketch(path.stem, path.parent, (), (path,), owns_folder=False)
+    raise FirmwareError(f"{path.name} is no sketch; give an .ino file, a folder with one, or a .cpp file")
+
+
+def _open_folder(folder: Path) -> Sketch:
+    here = [each for each in folder.iterdir() if each.is_file() and not each.name.startswith(".")]
+    inos = sorted(each for each in here if each.suffix in INO_SUFFIXES)
+    sources = sorted(each for each in here if each.suffix in SOURCE_SUFFIXES)
+    main = [each for each in inos if each.stem == folder.name]
+    if not main and len(inos) > 1:
+        names = ", ".join(each.name for each in inos)
+        raise FirmwareError(f"{folder} holds several sketches ({names}); name one of them")
+    if not inos and not sources:
+        raise FirmwareError(f"{folder} holds no sketch: no .ino and no .cpp file")
+    first = (main or inos)[:1]
+    rest = [each for each in inos if each not in first]
+    sources += _sources_below(folder / "src")
+    return Sketch(folder.name, folder, (*first, *rest), tuple(sources), owns_folder=True)
+
+
+def _sources_below(folder: Path) -> list[Path]:
+    found = []
+    for count, each in enumerate(sorted(folder.rglob("*")) if folder.is_dir() else ()):
+        if count > MAX_SKETCH_FILES:
+            raise FirmwareError(f"{folder} holds more than {MAX_SKETCH_FILES} files; is it a sketch's folder?")
+        if each.suffix in SOURCE_SUFFIXES and each.is_file():
+            found.append(each)
+    return found
