@@ -32,7 +32,7 @@ class Reader {
   // Whether the bytes were this message, no fewer and no more.
   bool complete() const { return ok_ && remaining_ == 0; }
   size_t consumed(const uint8_t* buffer) const { return static_cast<size_t>(next_ - buffer); }
-  uint8_t* arena_end() const { return arena_end_; }
+  uint8_t* arenaEnd() const { return arena_end_; }
 
   template <class T>
   void value(T& field) {

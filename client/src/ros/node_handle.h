@@ -1,0 +1,123 @@
+#ifndef ROS_NODE_HANDLE_H_
+#define ROS_NODE_HANDLE_H_
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "node_handle_base.h"
+
+namespace ros {
+
+// A node on some Hardware: a class with `void init()`, `int read()` (a byte, or less than 0 if there is none),
+// `void write(uint8_t* bytes, int count)` and `unsigned long time()` (ms).
+//
+// A Hardware that also has `int writable()`, the bytes that write would take at once, is never waited for: while its
+// transmitter is full, the node goes on reading. INPUT_SIZE is the longest message that can come in. There are as many
+// publishers and subscribers as the sketch has, and messages go out without a buffer: the other sizes have no effect.
+template <class Hardware, int MAX_SUBSCRIBERS = 25, int MAX_PUBLISHERS = 25, int INPUT_SIZE = 512, int OUTPUT_SIZE = 512>
+class NodeHandle_ : public NodeHandleBase_ {
+ public:
+  // A time and an empty TopicInfo request must fit whatever the sketch says.
+  static const uint16_t INPUT_BYTES = INPUT_SIZE < 16 ? 16 : INPUT_SIZE;
+  static_assert(INPUT_SIZE <= 0xffff - FRAME_OVERHEAD_BYTES, "no frame is longer than 65535 bytes");
+
+  NodeHandle_() : heard_ms_(0) {}
+  explicit NodeHandle_(const Hardware& hardware) : hardware_(hardware), heard_ms_(0) {}
+
+  Hardware* getHardware() { return &hardware_; }
+
+  void initNode() {
+    hardware_.init();
+    begin(buffer_, sizeof buffer_);
+  }
+  // For hardware that is opened by name: "/dev/ttyUSB0", "192.168.0.7:11411".
+  template <class Port>
+  void initNode(Port port) {
+    hardware_.init(port);
+    begin(buffer_, sizeof buffer_);
+  }
+
+  int spinOnce() override {
+    const uint16_t now_ms = shortTime();
+    bool heard = false;
+    for (;;) {
+      if (window_.due()) {
+        const int result = process(now_ms);
+        if (result != SPIN_OK) return result;
+        if (paused()) return SPIN_OK;
+        continue;
+      }
+      if (window_.room()) {
+        const int byte = hardware_.read();
+        if (byte >= 0) {
+          window_.append(static_cast<uint8_t>(byte));
+          heard = true;
+          continue;
+        }
+      }
+      if (window_.empty()) break;
+      if (heard) {
+        heard_ms_ = shortTime();
+        break;
+      }
+      if (since(heard_ms_, now_ms) < GAP_MS) break;
+      window_.drop();
+    }
+    if (contactIsDue(now_ms)) keepInTouch();
+    return SPIN_OK;
+  }
+
+  uint32_t time() override { return static_cast<uint32_t>(hardware_.time()); }
+
+ private:
+  // A gap of this length within a frame means that the rest was lost: longer than a network's hiccups, short enough
+  // that a wrong length does not deafen the board for a time one would notice.
+  static const uint16_t GAP_MS = 200;
+  // A transmitter that takes no byte for this long has nobody behind it: at 9600 baud one byte takes 1 ms.
+  static const uint16_t STALL_MS = 100;
+
+  bool transmit(uint8_t* bytes, uint16_t count) override { return transmit(hardware_, bytes, count, 0); }
+
+  template <class H>
+  auto transmit(H& hardware, uint8_t* bytes, uint16_t count, int) -> decltype(hardware.writable(), bool()) {
+    uint16_t progress_ms = shortTime();
+    for (;;) {
+      const uint16_t room = static_cast<uint16_t>(hardware.writable());
+      if (room >= count) break;
+      if (room) {
+        hardware.write(bytes, room);
+        bytes += room;
+        count = static_cast<uint16_t>(count - room);
+        progress_ms = shortTime();
+      } else if (since(progress_ms, shortTime()) > STALL_MS) {
+        window_.countDropped();
+        return false;
+      }
+      receive();
+    }
+    hardware.write(bytes, count);
+    return true;
+  }
+  template <class H>
+  bool transmit(H& hardware, uint8_t* bytes, uint16_t count, long) {
+    hardware.write(bytes, count);
+    return true;
+  }
+
+  void receive() {
+    while (window_.room()) {
+      const int byte = hardware_.read();
+      if (byte < 0) return;
+      window_.append(static_cast<uint8_t>(byte));
+      heard_ms_ = shortTime();
+    }
+  }
+
+  Hardware hardware_;
+  uint16_t heard_ms_;
+  uint8_t buffer_[INPUT_BYTES + FRAME_OVERHEAD_BYTES];
+};
+
+}  // namespace ros
+
+#endif

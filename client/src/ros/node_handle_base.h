@@ -1,0 +1,309 @@
+// The node's half of the protocol, whatever the hardware: endpoints, negotiation, time, logs.
+#ifndef ROS_NODE_HANDLE_BASE_H_
+#define ROS_NODE_HANDLE_BASE_H_
+
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "clock.h"
+#include "endpoint.h"
+#include "flash.h"
+#include "frame_writer.h"
+#include "length_counter.h"
+#include "receive_window.h"
+#include "time.h"
+#include "topic_id.h"
+
+namespace ros {
+
+const int SPIN_OK = 0;
+const int SPIN_ERR = -1;
+const int SPIN_TIMEOUT = -2;
+
+class Publisher;
+
+class NodeHandleBase_ : public FrameSink {
+ public:
+  // Reads what came in and runs the callbacks for it. SPIN_OK; SPIN_ERR when the host asked for the topics;
+  // SPIN_TIMEOUT when it ended with bytes left because its time was over.
+  virtual int spinOnce() = 0;
+
+  // Whether a host is there that was told of this node's topics.
+  bool connected() const { return connected_; }
+
+  // Longest time in ms that spinOnce goes on reading a line that never pauses; 0 for the usual one.
+  void setSpinTimeout(const uint32_t& timeout_ms) {
+    spin_timeout_ms_ = timeout_ms > 0xffff ? 0xffff : static_cast<uint16_t>(timeout_ms);
+  }
+
+  // Beginnings of frames that did not become a message (noise, damage, misfits), and messages that did not get out.
+  uint16_t dropped() const { return window_.dropped(); }
+
+  // The host's time; before its first answer, the time since the board started.
+  Time now() { return clock_.at(time()); }
+  void setNow(const Time& moment) { clock_.set(moment, time()); }
+
+  bool advertise(Publisher& publisher);
+  template <class Subscriber>
+  bool subscribe(Subscriber& subscriber) {
+    return add(subscriber, 1);
+  }
+  template <class Server>
+  bool advertiseService(Server& server) {
+    return add(server, 2);
+  }
+  template <class Client>
+  bool serviceClient(Client& client) {
+    client.nh_ = this;
+    return add(client, 2);
+  }
+
+  // Tells the host of all topics and services.
+  void negotiateTopics() {
+    introduce();
+    connected_ = true;
+  }
+
+  void requestSyncTime() {
+    requested_ms_ = shortTime();
+    awaiting_time_ = true;
+    FrameWriter writer(*this, ID_TIME, 8);
+    writer.value(Time());
+    writer.finish();
+  }
+
+  void logdebug(const char* text) { log(0, text); }
+  void loginfo(const char* text) { log(1, text); }
+  void logwarn(const char* text) { log(2, text); }
+  void logerror(const char* text) { log(3, text); }
+  void logfatal(const char* text) { log(4, text); }
+  // The same for F("..."), a text that stays in flash.
+  void logdebug(const __FlashStringHelper* text) { log(0, flashText(text)); }
+  void loginfo(const __FlashStringHelper* text) { log(1, flashText(text)); }
+  void logwarn(const __FlashStringHelper* text) { log(2, flashText(text)); }
+  void logerror(const __FlashStringHelper* text) { log(3, flashText(text)); }
+  void logfatal(const __FlashStringHelper* text) { log(4, flashText(text)); }
+
+  void log(uint8_t level, const char* text) {
+    FrameWriter writer(*this, ID_LOG, static_cast<uint16_t>(5 + strlen(text)));
+    writer.put(level);
+    writer.string(text);
+    writer.finish();
+  }
+  void log(uint8_t level, FlashText text) {
+    FrameWriter writer(*this, ID_LOG, static_cast<uint16_t>(5 + ROS_FLASH_LENGTH(text.address)));
+    writer.put(level);
+    writer.string(text);
+    writer.finish();
+  }
+
+  // Values of the host's parameter server. False, and a warning in the host's log, if within `timeout_ms` it did not
+  // give `length` values of that type. The text forms copy: into as many buffers, which the caller knows to be large
+  // enough, or into one whose size is known.
+  bool getParam(const char* name, int* values, int length = 1, int timeout_ms = 1000);
+  bool getParam(const char* name, float* values, int length = 1, int timeout_ms = 1000);
+  bool getParam(const char* name, bool* values, int length = 1, int timeout_ms = 1000);
+  bool getParam(const char* name, char** values, int length = 1, int timeout_ms = 1000);
+  bool getParam(const char* name, char* text, size_t text_bytes, int timeout_ms = 1000);
+
+  // Sends a message. Bytes sent; 0 if no host is there; -1 if it is too long for a frame or the line did not take it.
+  template <class M>
+  int send(uint16_t id, const M& message) {
+    if (!connected_) return 0;
+    LengthCounter counter;
+    M::fields(counter, message);
+    const size_t length = counter.length();
+    if (length > 0xffff - FRAME_OVERHEAD_BYTES) {
+      window_.countDropped();
+      return -1;
+    }
+    FrameWriter writer(*this, id, static_cast<uint16_t>(length));
+    M::fields(writer, message);
+    return writer.finish() ? static_cast<int>(length + FRAME_OVERHEAD_BYTES) : -1;
+  }
+
+  // For drivers: whether the message read is one, and all of it; if so, what it points to is kept until they return.
+  bool accept(const Reader& reader) {
+    if (!reader.complete()) {
+      window_.countDropped();
+      return false;
+    }
+    window_.keepArena(reader.arenaEnd());
+    return true;
+  }
+
+  // For drivers: tells the host of a half of an endpoint that sends, or of one that receives.
+  void announceSender(uint8_t role, const char* topic, uint16_t id, FlashText type, FlashText md5) {
+    // Messages to the host are streamed: only the frame's length field bounds them.
+    announce(role, topic, id, type, md5, 0xffff);
+  }
+  void announceReceiver(uint8_t role, const char* topic, uint16_t id, FlashText type, FlashText md5) {
+    announce(role, topic, id, type, md5, window_.largestPayload());
+  }
+
+  // For drivers: ends the spinOnce under way, so that what the message points to outlasts it until the next.
+  void pauseReading() { paused_ = true; }
+
+  // An endpoint for the duration of one exchange, on an id of its own choice.
+  class Visit {
+   public:
+    Visit(NodeHandleBase_& node, Endpoint& endpoint) : node_(node), endpoint_(endpoint) {
+      endpoint.next_ = node.endpoints_;
+      node.endpoints_ = &endpoint;
+    }
+    ~Visit() { node_.endpoints_ = endpoint_.next_; }
+    Visit(const Visit&) = delete;
+    Visit& operator=(const Visit&) = delete;
+
+   private:
+    NodeHandleBase_& node_;
+    Endpoint& endpoint_;
+  };
+
+  // Milliseconds of the board's own clock.
+  virtual uint32_t time() = 0;
+
+ protected:
+  static const uint16_t SYNC_PERIOD_MS = 2200;
+
+  constexpr NodeHandleBase_()
+      : window_(), endpoints_(nullptr), clock_(), spin_timeout_ms_(0), requested_ms_(0), user_topics_(0), unanswered_(0),
+        connected_(false), awaiting_time_(false), paused_(false) {}
+
+  // Starts anew: the next spinOnce introduces the node.
+  void begin(uint8_t* buffer, uint16_t buffer_bytes) {
+    window_.open(buffer, buffer_bytes);
+    connected_ = false;
+    unanswered_ = 0;
+    requested_ms_ = static_cast<uint16_t>(shortTime() - SYNC_PERIOD_MS);
+  }
+
+  // Milliseconds modulo 65536: enough for what lasts seconds, and half the work for a processor of 8 bits.
+  uint16_t shortTime() { return static_cast<uint16_t>(time()); }
+  static uint16_t since(uint16_t then_ms, uint16_t now_ms) { return static_cast<uint16_t>(now_ms - then_ms); }
+
+  // Handles the bytes read so far, up to a frame: what spinOnce should return, or SPIN_OK to go on.
+  int process(uint16_t began_ms) {
+    const bool whole = window_.examine();
+    const uint16_t now_ms = shortTime();
+    if (window_.sawForeignVersion() && !connected_ && since(requested_ms_, now_ms) > ANSWER_PAUSE_MS) requestSyncTime();
+    if (whole && dispatch() == SPIN_ERR) return SPIN_ERR;
+    return since(began_ms, now_ms) > (spin_timeout_ms_ ? spin_timeout_ms_ : SPIN_TIMEOUT_MS) ? SPIN_TIMEOUT : SPIN_OK;
+  }
+
+  bool paused() {
+    const bool paused = paused_;
+    paused_ = false;
+    return paused;
+  }
+
+  // Asks the host for its time, every SYNC_PERIOD_MS, and introduces the node as long as none has answered.
+  void keepInTouch() {
+    now();
+    if (unanswered_ == MAX_UNANSWERED) connected_ = false;
+    if (!connected_) introduce();
+    if (unanswered_ < MAX_UNANSWERED) ++unanswered_;
+    requestSyncTime();
+  }
+  bool contactIsDue(uint16_t now_ms) const { return since(requested_ms_, now_ms) >= SYNC_PERIOD_MS; }
+
+  ReceiveWindow window_;
+
+ private:
+  // With SYNC_PERIOD_MS: 11 s without an answer, and the host is gone.
+  static const uint8_t MAX_UNANSWERED = 4;
+  // A host that looks for boards sends wrong version bytes, and noise has them; one answer is enough for a burst.
+  static const uint8_t ANSWER_PAUSE_MS = 20;
+  // What came in within this time is handled in one go; a line that never pauses must not keep loop() from running.
+  static const uint16_t SPIN_TIMEOUT_MS = 1000;
+
+  static FlashText flashText(const __FlashStringHelper* text) {
+    const FlashText flash = {reinterpret_cast<const char*>(text)};
+    return flash;
+  }
+
+  bool add(Endpoint& endpoint, uint8_t ids) {
+    Endpoint** last = &endpoints_;
+    for (; *last; last = &(*last)->next_) {
+      if (*last == &endpoint) return true;
+    }
+    *last = &endpoint;
+    endpoint.id_ = static_cast<uint16_t>(FIRST_USER_TOPIC + user_topics_);
+    user_topics_ = static_cast<uint16_t>(user_topics_ + ids);
+    if (connected_) endpoint.driver_(endpoint, *this, nullptr);
+    return true;
+  }
+
+  void introduce() {
+    for (Endpoint* endpoint = endpoints_; endpoint; endpoint = endpoint->next_) endpoint->driver_(*endpoint, *this, nullptr);
+  }
+
+  void announce(uint8_t role, const char* topic, uint16_t id, FlashText type, FlashText md5, uint16_t buffer_bytes) {
+    const size_t length = 2 + 4 + strlen(topic) + 4 + ROS_FLASH_LENGTH(type.address) + 4 + ROS_FLASH_LENGTH(md5.address) + 4;
+    FrameWriter writer(*this, role, static_cast<uint16_t>(length));
+    writer.value(id);
+    writer.string(topic);
+    writer.string(type);
+    writer.string(md5);
+    writer.count(buffer_bytes);
+    writer.finish();
+  }
+
+  int dispatch() {
+    const ReceiveWindow::Taken frame(window_);
+    const uint16_t id = frame.id();
+    if (id == ID_PUBLISHER) {
+      requestSyncTime();
+      negotiateTopics();
+      unanswered_ = 0;
+      return SPIN_ERR;
+    }
+    Reader reader = frame.reader();
+    if (id == ID_TIME) {
+      takeTime(reader);
+    } else if (id == ID_TX_STOP) {
+      connected_ = false;
+    } else {
+      deliver(id, reader);
+    }
+    return SPIN_OK;
+  }
+
+  void takeTime(Reader& reader) {
+    Time host;
+    reader.value(host);
+    if (!accept(reader)) return;
+    const uint32_t now_ms = time();
+    // The host looked at its clock halfway between question and answer.
+    const uint16_t answer_ms = awaiting_time_ ? since(requested_ms_, static_cast<uint16_t>(now_ms)) / 2 : 0;
+    clock_.follow(host, now_ms - answer_ms, now_ms);
+    awaiting_time_ = false;
+    unanswered_ = 0;
+    connected_ = true;
+  }
+
+  void deliver(uint16_t id, Reader& reader) {
+    for (Endpoint* endpoint = endpoints_; endpoint; endpoint = endpoint->next_) {
+      if (endpoint->id_ == id) {
+        endpoint->driver_(*endpoint, *this, &reader);
+        return;
+      }
+    }
+    window_.countDropped();
+  }
+
+  Endpoint* endpoints_;
+  Clock clock_;
+  uint16_t spin_timeout_ms_;
+  uint16_t requested_ms_;
+  uint16_t user_topics_;
+  uint8_t unanswered_;
+  bool connected_;
+  bool awaiting_time_;
+  bool paused_;
+};
+
+}  // namespace ros
+
+#endif

@@ -1,0 +1,109 @@
+// NodeHandleBase_::getParam: values from the host's parameter server.
+#ifndef ROS_PARAMETERS_H_
+#define ROS_PARAMETERS_H_
+
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "node_handle_base.h"
+
+namespace ros {
+
+// One question for a parameter, and where its answer goes. Wire: RequestParam, whose response is the lists
+// int32[] ints, float32[] floats, string[] strings, of which the host fills one, or none if there is no such parameter.
+class ParameterRequest : public Endpoint {
+ public:
+  enum Kind { INTS, BOOLS, FLOATS, TEXTS, TEXT };
+
+  // `length` values at `values`; for TEXT one text of up to `length` bytes with its NUL.
+  ParameterRequest(const char* name, Kind kind, void* values, size_t length)
+      : Endpoint(name, &drive), values_(values), length_(length), kind_(kind), state_(WAITING) {
+    id_ = ID_PARAMETER_REQUEST;
+  }
+
+  bool ask(NodeHandleBase_& node, uint32_t timeout_ms) {
+    const NodeHandleBase_::Visit visit(node, *this);
+    {
+      FrameWriter writer(node, ID_PARAMETER_REQUEST, static_cast<uint16_t>(4 + strlen(topic_)));
+      writer.string(topic_);
+      writer.finish();
+    }
+    const uint32_t began_ms = node.time();
+    while (state_ == WAITING && node.time() - began_ms < timeout_ms) node.spinOnce();
+    if (state_ == FOUND) return true;
+    static const char unanswered[] ROS_FLASH = "Failed to get param: timeout expired";
+    static const char misfit[] ROS_FLASH = "Failed to get param: length mismatch";
+    const FlashText text = {state_ == WAITING ? unanswered : misfit};
+    node.log(2, text);
+    return false;
+  }
+
+ private:
+  enum State { WAITING, FOUND, MISFIT };
+
+  static void drive(Endpoint& self, NodeHandleBase_& node, Reader* reader) {
+    if (reader) static_cast<ParameterRequest&>(self).take(node, *reader);
+  }
+
+  void take(NodeHandleBase_& node, Reader& reader) {
+    int32_t* ints = nullptr;
+    float* floats = nullptr;
+    array_length int_count = 0;
+    array_length float_count = 0;
+    uint32_t text_count = 0;
+    reader.sequence(ints, int_count);
+    reader.sequence(floats, float_count);
+    reader.value(text_count);
+    const bool fits = (kind_ < FLOATS ? int_count : kind_ == FLOATS ? float_count : text_count) == (kind_ == TEXT ? 1 : length_);
+    for (uint32_t i = 0; i < text_count && reader.ok(); ++i) {
+      const char* text;
+      reader.string(text);
+      if (fits) copyText(text, i);
+    }
+    if (!node.accept(reader)) return;
+    state_ = fits ? FOUND : MISFIT;
+    if (!fits) return;
+    for (size_t i = 0; i < int_count; ++i) {
+      int32_t value;
+      memcpy(&value, ints + i, sizeof value);
+      if (kind_ == INTS) static_cast<int*>(values_)[i] = static_cast<int>(value);
+      if (kind_ == BOOLS) static_cast<bool*>(values_)[i] = value != 0;
+    }
+    if (kind_ == FLOATS) memcpy(values_, floats, float_count * sizeof(float));
+  }
+
+  void copyText(const char* text, size_t index) {
+    if (kind_ == TEXTS) {
+      strcpy(static_cast<char**>(values_)[index], text);
+    } else if (kind_ == TEXT) {
+      strncpy(static_cast<char*>(values_), text, length_ - 1);
+      static_cast<char*>(values_)[length_ - 1] = '\0';
+    }
+  }
+
+  void* values_;
+  size_t length_;
+  Kind kind_;
+  State state_;
+};
+
+inline bool NodeHandleBase_::getParam(const char* name, int* values, int length, int timeout_ms) {
+  return ParameterRequest(name, ParameterRequest::INTS, values, length).ask(*this, timeout_ms);
+}
+inline bool NodeHandleBase_::getParam(const char* name, bool* values, int length, int timeout_ms) {
+  return ParameterRequest(name, ParameterRequest::BOOLS, values, length).ask(*this, timeout_ms);
+}
+inline bool NodeHandleBase_::getParam(const char* name, float* values, int length, int timeout_ms) {
+  return ParameterRequest(name, ParameterRequest::FLOATS, values, length).ask(*this, timeout_ms);
+}
+inline bool NodeHandleBase_::getParam(const char* name, char** values, int length, int timeout_ms) {
+  return ParameterRequest(name, ParameterRequest::TEXTS, values, length).ask(*this, timeout_ms);
+}
+inline bool NodeHandleBase_::getParam(const char* name, char* text, size_t text_bytes, int timeout_ms) {
+  return ParameterRequest(name, ParameterRequest::TEXT, text, text_bytes).ask(*this, timeout_ms);
+}
+
+}  // namespace ros
+
+#endif

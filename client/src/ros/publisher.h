@@ -1,0 +1,44 @@
+#ifndef ROS_PUBLISHER_H_
+#define ROS_PUBLISHER_H_
+
+#include <stdint.h>
+
+#include "node_handle_base.h"
+
+namespace ros {
+
+// Sends messages of one type to a topic. The message given at construction tells the type.
+class Publisher : public Endpoint {
+ public:
+  template <class M>
+  constexpr Publisher(const char* topic, M* message, int = ID_PUBLISHER)
+      : Endpoint(topic, &drive<M>), msg_(message), nh_(nullptr) {}
+
+  // Bytes sent; 0 if the topic is not advertised or no host is there; -1 if the message is of another type than the
+  // topic, too long for a frame, or the line did not take it.
+  template <class M>
+  int publish(const M* message) {
+    if (!nh_) return 0;
+    if (driver_ != &drive<M>) return -1;
+    return nh_->send(id_, *message);
+  }
+  int getEndpointType() const { return ID_PUBLISHER; }
+
+  void* msg_;
+  NodeHandleBase_* nh_;
+
+ private:
+  template <class M>
+  static void drive(Endpoint& self, NodeHandleBase_& node, Reader* reader) {
+    if (!reader) node.announceSender(ID_PUBLISHER, self.topic_, self.id_, M::flashType(), M::flashMD5());
+  }
+};
+
+inline bool NodeHandleBase_::advertise(Publisher& publisher) {
+  publisher.nh_ = this;
+  return add(publisher, 1);
+}
+
+}  // namespace ros
+
+#endif

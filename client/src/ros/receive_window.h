@@ -1,0 +1,153 @@
+// The bytes that came in and are not done with, and the frame at their front.
+//
+//     start     base        begin                 end             limit      capacity
+//       | frames in callbacks | candidate | backlog |  room to read  | arrays of the frames
+//                             |                                      | in callbacks
+//
+// Bytes are appended at `end`. A frame is only ever judged as a whole: if its length, its checksum or the
+// time it takes is wrong, one byte is dropped and the rest is judged again, so that a good frame behind or
+// inside a bad one is found. While a callback runs its frame stays below `base`; a spinOnce inside the
+// callback (a parameter or service call) reads on above.
+#ifndef ROS_RECEIVE_WINDOW_H_
+#define ROS_RECEIVE_WINDOW_H_
+
+#include <stdint.h>
+#include <string.h>
+
+#include "reader.h"
+#include "topic_id.h"
+
+namespace ros {
+
+class ReceiveWindow {
+ public:
+  // Takes nothing in before it is opened.
+  constexpr ReceiveWindow()
+      : begin_(nullptr), end_(nullptr), base_(nullptr), limit_(nullptr), needed_(0), capacity_(0), dropped_(0), foreign_(false) {}
+
+  void open(uint8_t* bytes, uint16_t capacity) {
+    begin_ = end_ = base_ = bytes;
+    limit_ = bytes + capacity;
+    needed_ = 1;
+    capacity_ = capacity;
+  }
+
+  bool empty() const { return begin_ == end_; }
+  uint16_t largestPayload() const { return capacity_ - FRAME_OVERHEAD_BYTES; }
+  // Whether enough bytes came in for `examine` to learn something new.
+  bool due() const { return static_cast<uint16_t>(end_ - begin_) >= needed_; }
+  bool room() { return end_ != limit_ || compact(); }
+  void append(uint8_t byte) { *end_++ = byte; }
+
+  // Whether a whole, undamaged frame is at the front; drops what cannot be one.
+  bool examine() {
+    for (;;) {
+      const uint16_t have = static_cast<uint16_t>(end_ - begin_);
+      if (have == 0) {
+        begin_ = end_ = base_;
+        needed_ = 1;
+        return false;
+      }
+      const uint16_t wanted = judge(begin_, have);
+      if (wanted > have) {
+        needed_ = wanted;
+        if (wanted > static_cast<uint16_t>(limit_ - begin_)) compact();
+        return false;
+      }
+      if (wanted) return true;
+      drop();
+    }
+  }
+
+  // Gives up on the frame at the front.
+  void drop() {
+    if (*begin_++ == FRAME_SYNC) ++dropped_;
+    needed_ = 1;
+  }
+  void countDropped() { ++dropped_; }
+  // Frames that were begun and not taken, since the start (modulo 65536).
+  uint16_t dropped() const { return dropped_; }
+
+  // Whether a frame of another protocol version came in since the last call.
+  bool sawForeignVersion() {
+    const bool foreign = foreign_;
+    foreign_ = false;
+    return foreign;
+  }
+
+  // Keeps what the frame's arrays took of the arena, until the frame is done with.
+  void keepArena(uint8_t* arena_end) { limit_ = arena_end; }
+
+  // Takes the frame at the front out of the window for as long as the object lives.
+  class Taken {
+   public:
+    explicit Taken(ReceiveWindow& window)
+        : window_(window), frame_(window.begin_), base_(window.base_), limit_(window.limit_) {
+      window.begin_ += length() + FRAME_OVERHEAD_BYTES;
+      window.base_ = window.begin_;
+      window.needed_ = 1;
+    }
+    ~Taken() {
+      window_.base_ = base_;
+      window_.limit_ = limit_;
+    }
+    Taken(const Taken&) = delete;
+    Taken& operator=(const Taken&) = delete;
+
+    uint16_t id() const { return word(frame_ + 5); }
+    uint16_t length() const { return word(frame_ + 2); }
+    // The bytes of its message, with the room to read as arena.
+    Reader reader() const { return Reader(frame_ + FRAME_HEADER_BYTES, length(), window_.end_, window_.limit_); }
+
+   private:
+    ReceiveWindow& window_;
+    uint8_t* frame_;
+    uint8_t* base_;
+    uint8_t* limit_;
+  };
+
+ private:
+  static uint16_t word(const uint8_t* bytes) { return static_cast<uint16_t>(bytes[0] | bytes[1] << 8); }
+
+  // Bytes a frame that begins like this needs before more can be said of it, no more than there are if it is whole
+  // and undamaged, 0 if it is no frame.
+  uint16_t judge(const uint8_t* frame, uint16_t have) {
+    if (frame[0] != FRAME_SYNC) return 0;
+    if (have < 2) return 2;
+    if (frame[1] != FRAME_VERSION) {
+      foreign_ = true;
+      return 0;
+    }
+    if (have < 5) return 5;
+    if (static_cast<uint8_t>(frame[2] + frame[3] + frame[4]) != 0xff) return 0;
+    const uint16_t length = word(frame + 2);
+    if (length > capacity_ - FRAME_OVERHEAD_BYTES) return 0;
+    const uint16_t whole = length + FRAME_OVERHEAD_BYTES;
+    if (have < whole) return whole;
+    uint8_t sum = 0;
+    for (const uint8_t* byte = frame + 5; byte != frame + whole; ++byte) sum += *byte;
+    return sum == 0xff ? whole : 0;
+  }
+
+  bool compact() {
+    if (begin_ == base_) return false;
+    const uint16_t have = static_cast<uint16_t>(end_ - begin_);
+    memmove(base_, begin_, have);
+    begin_ = base_;
+    end_ = base_ + have;
+    return true;
+  }
+
+  uint8_t* begin_;
+  uint8_t* end_;
+  uint8_t* base_;
+  uint8_t* limit_;
+  uint16_t needed_;
+  uint16_t capacity_;
+  uint16_t dropped_;
+  bool foreign_;
+};
+
+}  // namespace ros
+
+#endif

@@ -1,0 +1,52 @@
+#ifndef ROS_SERVICE_CLIENT_H_
+#define ROS_SERVICE_CLIENT_H_
+
+#include <stdint.h>
+
+#include "node_handle_base.h"
+
+namespace ros {
+
+// Calls a service and waits for its response; other callbacks run meanwhile.
+template <class Request, class Response>
+class ServiceClient : public Endpoint {
+ public:
+  constexpr explicit ServiceClient(const char* service) : Endpoint(service, &drive), nh_(nullptr), response_(nullptr) {}
+
+  // True when the response came. False when no host is there, a call is under way already, or `timeout_ms` went by
+  // (by default a little less than the time after which a host is taken for gone). Strings and arrays of the response
+  // stay until the next spinOnce.
+  bool call(const Request& request, Response& response, uint32_t timeout_ms = 10000) {
+    if (!nh_ || response_ || nh_->send(id_ + 1, request) <= 0) return false;
+    response_ = &response;
+    const uint32_t began_ms = nh_->time();
+    while (response_ && nh_->connected() && nh_->time() - began_ms < timeout_ms) nh_->spinOnce();
+    const bool answered = !response_;
+    response_ = nullptr;
+    return answered;
+  }
+
+  int getEndpointType() const { return ID_SERVICE_CLIENT; }
+
+  NodeHandleBase_* nh_;
+
+ private:
+  static void drive(Endpoint& self, NodeHandleBase_& node, Reader* reader) {
+    ServiceClient& client = static_cast<ServiceClient&>(self);
+    if (!reader) {
+      node.announceSender(ID_SERVICE_CLIENT, self.topic_, self.id_ + 1, Request::flashType(), Request::flashMD5());
+      node.announceReceiver(ID_SERVICE_CLIENT + 1, self.topic_, self.id_, Response::flashType(), Response::flashMD5());
+    } else if (client.response_) {
+      Response::fields(*reader, *client.response_);
+      if (!node.accept(*reader)) return;
+      client.response_ = nullptr;
+      node.pauseReading();
+    }
+  }
+
+  Response* response_;
+};
+
+}  // namespace ros
+
+#endif

@@ -1,0 +1,41 @@
+#ifndef ROS_SERVICE_SERVER_H_
+#define ROS_SERVICE_SERVER_H_
+
+#include "callback.h"
+#include "node_handle_base.h"
+
+namespace ros {
+
+// Answers the calls of a service: the callback fills in the response, which is sent when it returns.
+template <class Request, class Response, class Object = void>
+class ServiceServer : public Endpoint {
+ public:
+  typedef typename Callback<Object, const Request&, Response&>::Function CallbackT;
+
+  constexpr ServiceServer(const char* service, CallbackT callback) : Endpoint(service, &drive), callback_(callback) {}
+  constexpr ServiceServer(const char* service, CallbackT callback, Object* object)
+      : Endpoint(service, &drive), callback_(callback, object) {}
+
+  int getEndpointType() const { return ID_SERVICE_SERVER; }
+
+ private:
+  static void drive(Endpoint& self, NodeHandleBase_& node, Reader* reader) {
+    if (!reader) {
+      node.announceSender(ID_SERVICE_SERVER, self.topic_, self.id_ + 1, Response::flashType(), Response::flashMD5());
+      node.announceReceiver(ID_SERVICE_SERVER + 1, self.topic_, self.id_, Request::flashType(), Request::flashMD5());
+      return;
+    }
+    Request request;
+    Request::fields(*reader, request);
+    if (!node.accept(*reader)) return;
+    Response response;
+    static_cast<ServiceServer&>(self).callback_(request, response);
+    node.send(self.id_ + 1, response);
+  }
+
+  Callback<Object, const Request&, Response&> callback_;
+};
+
+}  // namespace ros
+
+#endif

@@ -1,0 +1,29 @@
+// Topic ids of the protocol and what they carry; user topics count up from FIRST_USER_TOPIC.
+#ifndef ROS_TOPIC_ID_H_
+#define ROS_TOPIC_ID_H_
+
+#include <stdint.h>
+
+namespace ros {
+
+enum TopicId {
+  ID_PUBLISHER = 0,  // TopicInfo; empty and from the host: "send me your topics"
+  ID_SUBSCRIBER = 1,
+  ID_SERVICE_SERVER = 2,  // responses; requests are one more
+  ID_SERVICE_CLIENT = 4,  // requests; responses are one more
+  ID_PARAMETER_REQUEST = 6,
+  ID_LOG = 7,
+  ID_TIME = 10,
+  ID_TX_STOP = 11,
+  FIRST_USER_TOPIC = 100
+};
+
+const uint8_t FRAME_SYNC = 0xff;
+const uint8_t FRAME_VERSION = 0xfe;
+// sync, version, length (2), its checksum, topic id (2), and after the payload its checksum.
+const uint8_t FRAME_HEADER_BYTES = 7;
+const uint8_t FRAME_OVERHEAD_BYTES = 8;
+
+}  // namespace ros
+
+#endif
