@@ -1,0 +1,131 @@
+"""The complete client library, ready for an Arduino sketchbook, for PlatformIO, or for `-I ros_lib/src`.
+
+DIR/ros_lib/
+    library.properties library.json keywords.txt ...    hand-written, from the client library
+    src/ros.h src/ros/... src/tf/...                    hand-written
+    src/sensor_msgs/Range.h ...                         generated, one header a message or service
+    examples/...                                        hand-written; only in a library of all messages
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from rostether.codegen.keywords import with_classes
+from rostether.codegen.library_folder import is_ros_library, write_library_folder
+from rostether.codegen.library_source import SOURCE_FOLDER, client_library, library_files
+from rostether.codegen.message_headers import MessageHeaders, generate_headers
+from rostether.codegen.type_index import TypeIndex
+from rostether.codegen.wanted_types import WantedTypes, all_types, types_of_packages, types_of_sketch
+from rostether.errors import CodegenError
+from rostether.msgdef.registry import Registry
+
+LIBRARY_NAME = "ros_lib"
+_KEYWORDS_FILE = "keywords.txt"
+# They use messages of many packages, and tests none.
+_ONLY_WITH_ALL_TYPES = ("examples/", "extras/")
+
+
+@dataclass(frozen=True, slots=True)
+class RenderedLibrary:
+    """The files of a library by their paths with slashes, and what is to be said about them.
+
+    `types` are the full names that have a header; `skipped` says a line for each package or include that
+    could not be generated, and why; `warnings` what works here but may not elsewhere.
+    """
+
+    files: Mapping[str, bytes]
+    types: tuple[str, ...]
+    skipped: tuple[str, ...]
+    warnings: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class WrittenLibrary:
+    """A library on disk; `replaced` says whether an older one was there."""
+
+    path: Path
+    replaced: bool
+    library: RenderedLibrary
+
+
+def write_library(
+    directory: Path,
+    registry: Registry,
+    *,
+    for_sketch: Path | None = None,
+    packages: Collection[str] | None = None,
+    search: Iterable[Path] = (),
+) -> WrittenLibrary:
+    """Write the library to `directory`/ros_lib, in place of an older generated one, and as a whole.
+
+    Takes what `render_library` takes and raises what it raises, and CodegenError if something else stands
+    there or it cannot be written.
+    """
+    directory = directory.expanduser()
+    if directory.name == LIBRARY_NAME and is_ros_library(directory):
+        raise CodegenError(
+            f"{directory} is a library itself; give the folder that holds it: {directory.parent}"
+        )
+    rendered = render_library(registry, for_sketch=for_sketch, packages=packages, search=search)
+    target = directory / LIBRARY_NAME
+    return WrittenLibrary(target, write_library_folder(target, rendered.files), rendered)
+
+
+def render_library(
+    registry: Registry,
+    *,
+    for_sketch: Path | None = None,
+    packages: Collection[str] | None = None,
+    search: Iterable[Path] = (),
+) -> RenderedLibrary:
+    """Return the library with all types; or, if given, with those of a sketch and those of packages.
+
+    `search` are further folders in which a sketch's headers are looked for. The same definitions give the
+    same bytes. Raises ConfigError if there is no such sketch, UnknownTypeError for an unknown package.
+    """
+    source = client_library()
+    index = TypeIndex(registry)
+    is_complete = for_sketch is None and packages is None
+    files = {
+        path: (source / path).read_bytes()
+        for path in library_files(source)
+        if is_complete or not path.startswith(_ONLY_WITH_ALL_TYPES)
+    }
+    wanted = (
+        all_types(index)
+        if is_complete
+        else _selected(index, source / SOURCE_FOLDER, for_sketch, packages or (), search)
+    )
+    headers = generate_headers(index, wanted.names, own_paths=_below_source(files))
+    files.update({f"{SOURCE_FOLDER}/{path}": text.encode() for path, text in headers.texts.items()})
+    files[_KEYWORDS_FILE] = _keywords(files, headers)
+    return RenderedLibrary(
+        dict(sorted(files.items())),
+        tuple(sorted(headers.types)),
+        (*wanted.missing, *headers.skipped),
+        (*wanted.doubtful, *headers.warnings),
+    )
+
+
+def _selected(
+    index: TypeIndex,
+    library_sources: Path,
+    sketch: Path | None,
+    packages: Collection[str],
+    search: Iterable[Path],
+) -> WantedTypes:
+    of_sketch = types_of_sketch(index, sketch, library_sources=library_sources, search=search)
+    of_packages = types_of_packages(index, packages)
+    return WantedTypes(of_sketch.names | of_packages.names, of_sketch.missing, of_sketch.doubtful)
+
+
+def _below_source(files: Iterable[str]) -> list[str]:
+    prefix = f"{SOURCE_FOLDER}/"
+    return [path.removeprefix(prefix) for path in files if path.startswith(prefix)]
+
+
+def _keywords(files: Mapping[str, bytes], headers: MessageHeaders) -> bytes:
+    return with_classes(files.get(_KEYWORDS_FILE, b"").decode(), headers.classes).encode()

@@ -1,0 +1,94 @@
+"""Replacing a generated library as a whole: a run that fails leaves the old one as it was."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+
+from rostether.errors import CodegenError
+
+_NODE_HANDLES = ("src/ros/node_handle.h", "ros/node_handle.h")
+_FACADES = ("src/ros.h", "ros.h")
+# Another run may put its library in place between our two steps; more often than this is no coincidence.
+_ATTEMPTS = 10
+
+
+def is_ros_library(folder: Path) -> bool:
+    """Tell whether a folder is a generated client library: ours, or the established one's."""
+    return any(
+        (folder / facade).is_file() and (folder / node_handle).is_file()
+        for facade, node_handle in zip(_FACADES, _NODE_HANDLES, strict=True)
+    )
+
+
+def write_library_folder(target: Path, files: Mapping[str, bytes]) -> bool:
+    """Make `target` hold exactly these files (paths with slashes); return whether a library was replaced.
+
+    Files that did not change keep their times, so that nobody compiles them again. Raises CodegenError if
+    something that is no generated library stands there, or if it cannot be written.
+    """
+    # What a link points to is replaced, not the link.
+    target = target.resolve()
+    replaces = _check_replaceable(target)
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        # Beside the target: a rename works only within one file system.
+        with tempfile.TemporaryDirectory(dir=target.parent, prefix=f".{target.name}-") as scratch:
+            fresh = Path(scratch) / "new"
+            _write_files(fresh, files, old=target)
+            _swap(fresh, target, Path(scratch))
+    except OSError as error:
+        raise CodegenError(
+            f"cannot write {target}: {error.strerror or error}; give a folder that you may write to"
+        ) from error
+    return replaces
+
+
+def _check_replaceable(target: Path) -> bool:
+    if not os.path.lexists(target):
+        return False
+    if not target.is_dir():
+        raise CodegenError(f"{target} is a file; remove it or give another folder")
+    if not any(target.iterdir()):
+        return False
+    if not is_ros_library(target):
+        raise CodegenError(
+            f"{target} is no generated library and stays as it is; remove it or give another folder"
+        )
+    if (target / ".git").exists():
+        raise CodegenError(
+            f"{target} is a git repository and stays as it is; remove it or give another folder"
+        )
+    return True
+
+
+def _write_files(folder: Path, files: Mapping[str, bytes], *, old: Path) -> None:
+    for parent in sorted({(folder / path).parent for path in files} | {folder}):
+        parent.mkdir(parents=True, exist_ok=True)
+    for path, content in files.items():
+        file = folder / path
+        file.write_bytes(content)
+        with contextlib.suppress(OSError):
+            before = old / path
+            status = before.stat()
+            if status.st_size == len(content) and before.read_bytes() == content:
+                os.utime(file, ns=(status.st_atime_ns, status.st_mtime_ns))
+
+
+def _swap(fresh: Path, target: Path, scratch: Path) -> None:
+    for attempt in range(_ATTEMPTS):
+        before = scratch / f"old-{attempt}"
+        with contextlib.suppress(FileNotFoundError):
+            target.rename(before)
+        try:
+            fresh.rename(target)
+        except OSError:
+            if before.exists() and not target.exists():
+                before.rename(target)
+            if attempt == _ATTEMPTS - 1 or not target.exists():
+                raise
+        else:
+            return

@@ -1,0 +1,34 @@
+"""Where the hand-written part of the client library is, and which files belong to it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+from rostether.errors import CodegenError
+
+_PACKAGE = Path(__file__).parents[1]
+# In a wheel beside our modules, in a checkout beside `src`.
+_PLACES = (_PACKAGE / "client", _PACKAGE.parents[1] / "client")
+SOURCE_FOLDER = "src"
+"""The folder of a library that compilers search for headers."""
+
+
+def client_library() -> Path:
+    """Return the folder of the hand-written client library. Raises CodegenError if it is not there."""
+    for place in _PLACES:
+        if (place / SOURCE_FOLDER / "ros.h").is_file():
+            return place
+    raise CodegenError(f"the client library is missing beside {_PACKAGE}; install rostether again")
+
+
+def library_files(root: Path) -> Iterator[str]:
+    """Yield the files below a library's folder, by their paths with slashes, sorted; hidden ones left out."""
+    for folder, subfolders, files in os.walk(root):
+        subfolders[:] = sorted(
+            each for each in subfolders if not each.startswith(".") and each != "__pycache__"
+        )
+        for file in sorted(files):
+            if not file.startswith("."):
+                yield (Path(folder) / file).relative_to(root).as_posix()

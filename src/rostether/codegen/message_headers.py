@@ -1,0 +1,88 @@
+"""The headers of many types: what cannot be generated is told in a line a package, and the rest is there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+
+from rostether.codegen.cpp_message import message_header
+from rostether.codegen.cpp_names import class_name, include_path
+from rostether.codegen.cpp_service import service_header
+from rostether.codegen.reserved_words import LIBRARY_NAMESPACE
+from rostether.codegen.type_index import TypeIndex
+from rostether.errors import CodegenError, RostetherError
+from rostether.msgdef.md5sum import message_md5sum
+from rostether.msgdef.resolve_types import dependencies
+
+
+@dataclass(slots=True)
+class MessageHeaders:
+    """Texts by their paths below the library's `src`, the types they are of, and lines for the user."""
+
+    texts: dict[str, str] = field(default_factory=dict)
+    types: list[str] = field(default_factory=list)
+    classes: set[str] = field(default_factory=set)
+    skipped: list[str] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+
+
+def generate_headers(index: TypeIndex, names: Iterable[str], *, own_paths: Iterable[str]) -> MessageHeaders:
+    """Generate the headers of types by their full names. `own_paths` are the library's own below `src`."""
+    result = MessageHeaders()
+    failures: dict[str, list[str]] = {}
+    own = set(own_paths)
+    for name in sorted(names):
+        try:
+            _check_place(index, name, own)
+            text = _text(index, name, own)
+        except RostetherError as error:
+            failures.setdefault(name.partition("/")[0], []).append(f"{name}: {error}")
+            continue
+        result.texts[include_path(name)] = text
+        result.types.append(name)
+        result.classes.add(class_name(name.partition("/")[2]))
+    result.skipped.extend(f"skipped {_summary(each)}" for each in failures.values())
+    result.warnings.extend(_differing_only_in_case([*own, *result.texts]))
+    return result
+
+
+def _text(index: TypeIndex, name: str, own: set[str]) -> str:
+    lookup = index.registry.message
+    specs = index.specs(name)
+    sums = [message_md5sum(spec, lookup) for spec in specs]
+    for spec in specs:
+        for part in dependencies(spec, lookup):
+            _check_place(index, index.header_of(part.full_name), own)
+    if index.is_message(name):
+        return message_header(specs[0], sums[0], index.header_of)
+    return service_header(index.registry.service(name), sums[0], sums[1], index.header_of)
+
+
+def _check_place(index: TypeIndex, name: str, own: set[str]) -> None:
+    package = name.partition("/")[0]
+    if package == LIBRARY_NAMESPACE:
+        raise CodegenError(f"the package {package!r} is called like the library's own folder; rename it")
+    if include_path(name) in own:
+        raise CodegenError(f"the library has a header {include_path(name)} of its own; rename the type")
+    if not index.is_service(name):
+        return
+    taken = [each for each in (name, f"{name}Request", f"{name}Response") if index.is_message(each)]
+    if taken:
+        raise CodegenError(f"there is a message {taken[0]} as well; rename one, C++ cannot have both")
+
+
+def _summary(failures: list[str]) -> str:
+    more = f" (and {len(failures) - 1} more of this package)" if len(failures) > 1 else ""
+    return failures[0] + more
+
+
+def _differing_only_in_case(paths: Iterable[str]) -> Iterator[str]:
+    by_folded: dict[str, list[str]] = {}
+    for path in sorted(paths):
+        by_folded.setdefault(path.casefold(), []).append(path)
+    for same in by_folded.values():
+        if len(same) > 1:
+            yield (
+                f"{' and '.join(same)} differ only in case: on Windows and macOS only one of them can exist;"
+                " rename one if the library goes there"
+            )

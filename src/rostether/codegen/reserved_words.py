@@ -1,0 +1,69 @@
+"""Words that mean something else in the sketches where generated names appear."""
+
+from __future__ import annotations
+
+import functools
+import re
+from pathlib import Path
+
+_SHARE = Path(__file__).with_name("share")
+_BINARY_LITERAL = re.compile(r"B[01]{1,8}")
+
+LIBRARY_NAMESPACE = "ros"
+
+MEMBERS_OF_EVERY_MESSAGE = frozenset(
+    {
+        *("serialize", "deserialize", "serializedLength"),
+        *("getType", "getMD5", "flashType", "flashMD5"),
+        *("_fields", "Archive", "Self"),
+    }
+)
+
+TYPES_OF_FIELDS = frozenset(f"{sign}int{bits}_t" for sign in ("", "u") for bits in (8, 16, 32, 64))
+
+
+@functools.cache
+def keywords() -> frozenset[str]:
+    """Return the keywords and alternative tokens of C++, up to C++20."""
+    return _names("keywords.txt")
+
+
+@functools.cache
+def global_names() -> frozenset[str]:
+    """Return functions and types of C, POSIX and Arduino; a namespace cannot be called like one."""
+    return _names("global_names.txt")
+
+
+@functools.cache
+def arduino_macros() -> frozenset[str]:
+    """Return the macros that stand for a value wherever Arduino.h is included, without B0 to B11111111."""
+    return _names("arduino_macros.txt")
+
+
+@functools.cache
+def platform_macros() -> frozenset[str]:
+    """Return further macros that stand for a value: of newlib, POSIX and Windows."""
+    return _names("platform_macros.txt")
+
+
+def is_macro(name: str) -> bool:
+    """Tell whether some supported platform replaces the name by something else."""
+    return name in arduino_macros() or name in platform_macros() or _is_binary_literal(name)
+
+
+def is_macro_in_sketches(name: str) -> bool:
+    """Tell whether sketches cannot use the name: the same, but for lower-case macros of PCs.
+
+    `near` is a macro on Windows, `linux` on Linux; sketches have fields of these names.
+    """
+    if name in arduino_macros() or _is_binary_literal(name):
+        return True
+    return name in platform_macros() and name.upper() == name
+
+
+def _is_binary_literal(name: str) -> bool:
+    return _BINARY_LITERAL.fullmatch(name) is not None
+
+
+def _names(file: str) -> frozenset[str]:
+    return frozenset((_SHARE / file).read_text(encoding="ascii").split())

@@ -1,0 +1,96 @@
+"""Which messages and services a library is generated for: all, those of packages, or those of a sketch."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from rostether.codegen.sketch_includes import Include, unresolved_includes
+from rostether.codegen.type_index import TypeIndex
+from rostether.errors import DefinitionError, UnknownTypeError
+from rostether.msgdef.definition_files import Kind
+from rostether.msgdef.resolve_types import dependencies
+from rostether.msgdef.unknown_type import explain_unknown
+
+_TYPE_HEADER = re.compile(r"([A-Za-z][A-Za-z0-9_-]*)/([A-Za-z][A-Za-z0-9_]*)\.h")
+# What these endings name has messages; folders of other libraries' headers are called otherwise.
+_MESSAGE_PACKAGE = re.compile(r"\w+_(?:msgs|srvs|interfaces|messages)")
+
+
+@dataclass(slots=True)
+class WantedTypes:
+    """Full names of types; what a sketch includes in vain, and what it may include in vain, a line each."""
+
+    names: set[str] = field(default_factory=set)
+    missing: list[str] = field(default_factory=list)
+    doubtful: list[str] = field(default_factory=list)
+
+
+def all_types(index: TypeIndex) -> WantedTypes:
+    """Want every type that is known."""
+    return WantedTypes({*index.registry.messages(), *index.registry.services()})
+
+
+def types_of_packages(index: TypeIndex, packages: Iterable[str]) -> WantedTypes:
+    """Want the types of packages and what they are made of. Raises UnknownTypeError for an unknown one."""
+    wanted = WantedTypes()
+    for package in packages:
+        names = {*index.registry.messages(package), *index.registry.services(package)}
+        if not names:
+            raise UnknownTypeError(_explain_package(index, package))
+        wanted.names |= names
+    _add_parts(index, wanted)
+    return wanted
+
+
+def types_of_sketch(
+    index: TypeIndex, sketch: Path | None, *, library_sources: Path, search: Iterable[Path] = ()
+) -> WantedTypes:
+    """Want what a sketch includes, what that is made of, and what ros.h includes.
+
+    `search` are further folders of headers. Raises ConfigError if there is no such sketch.
+    """
+    wanted = WantedTypes()
+    for include in unresolved_includes(
+        sketch, library_sources=library_sources, start=["ros.h"], search=search
+    ):
+        match = _TYPE_HEADER.fullmatch(include.path)
+        if match is None:
+            continue
+        name = f"{match[1]}/{match[2]}"
+        if index.is_message(name) or index.is_service(name):
+            wanted.names.add(name)
+        else:
+            _explain_include(index, include, match[1], match[2], wanted)
+    _add_parts(index, wanted)
+    return wanted
+
+
+def _add_parts(index: TypeIndex, wanted: WantedTypes) -> None:
+    for name in sorted(wanted.names):
+        # A definition that is broken, or one below it, is reported when its header is written.
+        with contextlib.suppress(DefinitionError):
+            for spec in index.specs(name):
+                parts = dependencies(spec, index.registry.message)
+                wanted.names.update(index.header_of(part.full_name) for part in parts)
+
+
+def _explain_include(
+    index: TypeIndex, include: Include, package: str, short_name: str, wanted: WantedTypes
+) -> None:
+    reason = explain_unknown(index.registry, Kind.MESSAGE, package, short_name)
+    if package in index.registry.packages() or _MESSAGE_PACKAGE.fullmatch(package):
+        wanted.missing.append(f"{include.place}: {reason}")
+    elif short_name[0].isupper() and package[0].islower():
+        wanted.doubtful.append(f"{include.place}: if <{include.path}> is a message: {reason}")
+
+
+def _explain_package(index: TypeIndex, package: str) -> str:
+    from difflib import get_close_matches
+
+    close = get_close_matches(package, index.registry.packages(), n=1)
+    meant = f"did you mean {close[0]}? Otherwise, " if close else ""
+    return f"no package {package!r} is known; {meant}give its folder with --msg-path DIR"
