@@ -5,6 +5,7 @@ RostetherError
 ├── ConfigError                 an option, link address, environment variable or file that makes no sense
 ├── CodegenError                a client library that cannot be generated
 ├── FirmwareError               a sketch that cannot be built, measured or uploaded
+│   └── SketchError             the compiler or the linker refuses it; holds what they printed
 ├── DefinitionError             a .msg or .srv text that cannot be read (file, line, column)
 │   └── UnknownTypeError        no known package has the message or service; says how to give it
 ├── SerializationError          a value or bytes that do not fit a type
@@ -46,6 +47,14 @@ class CodegenError(RostetherError):
 
 class FirmwareError(RostetherError):
     """A sketch cannot be built, measured or uploaded."""
+
+
+class SketchError(FirmwareError):
+    """The compiler or the linker refuses a sketch; `diagnostics` is what they printed, in their own form."""
+
+    def __init__(self, message: str, *, diagnostics: str) -> None:
+        super().__init__(message)
+        self.diagnostics = diagnostics
 
 
 class DefinitionError(RostetherError):

@@ -96,9 +96,7 @@ class BoardTable:
             raise ConfigError(f"board {board_id} has no processor {processor!r}; {known}")
         if processors:
             chosen = f"menu.cpu.{processor or processors[0]}."
-            own |= {
-                key.removeprefix(chosen): value for key, value in own.items() if key.startswith(chosen)
-            }
+            own |= {key.removeprefix(chosen): value for key, value in own.items() if key.startswith(chosen)}
         suffix = f":cpu={processor or processors[0]}" if processors else ""
         return Board(
             name=name,
@@ -127,7 +125,7 @@ class BoardTable:
 def names_other_platform(name: str) -> bool:
     """Tell whether a name is an FQBN of a platform other than Arduino's AVR boards (`esp32:esp32:esp32`)."""
     parts = name.split(":")
-    return len(parts) >= 3 and tuple(parts[:2]) != _PLATFORM  # noqa: PLR2004 - vendor:architecture:board
+    return len(parts) >= 3 and tuple(parts[:2]) != _PLATFORM
 
 
 def foreign_board(fqbn: str) -> Board:

@@ -139,7 +139,10 @@ def _ends_with_its_body(head: Sequence[Token]) -> bool:
     texts = [token.text for token in head]
     if "namespace" in texts[:2]:
         return True
-    return "=" not in _outside_parentheses(head) and _find_function(head, is_extern_c=False, any_name=True) is not None
+    return (
+        "=" not in _outside_parentheses(head)
+        and _find_function(head, is_extern_c=False, any_name=True) is not None
+    )
 
 
 def _outside_parentheses(tokens: Sequence[Token]) -> list[str]:
@@ -154,7 +157,11 @@ def _outside_parentheses(tokens: Sequence[Token]) -> list[str]:
 
 def _find_function(head: Sequence[Token], is_extern_c: bool, *, any_name: bool = False) -> Function | None:
     """Return the function that a head declares; with `any_name` also a member's, an operator's or a macro's."""
-    if not head or head[0].text in ("typedef", "using", "namespace", "#") or "=" in _outside_parentheses(head):
+    if (
+        not head
+        or head[0].text in ("typedef", "using", "namespace", "#")
+        or "=" in _outside_parentheses(head)
+    ):
         return None
     index = _skip_template(head)
     first = index

@@ -71,7 +71,9 @@ def _sources_below(folder: Path) -> list[Path]:
     found = []
     for count, each in enumerate(sorted(folder.rglob("*")) if folder.is_dir() else ()):
         if count > MAX_SKETCH_FILES:
-            raise FirmwareError(f"{folder} holds more than {MAX_SKETCH_FILES} files; is it a sketch's folder?")
+            raise FirmwareError(
+                f"{folder} holds more than {MAX_SKETCH_FILES} files; is it a sketch's folder?"
+            )
         if each.suffix in SOURCE_SUFFIXES and each.is_file():
             found.append(each)
     return found

@@ -1,0 +1,207 @@
+"""What was compiled before, kept by content, safe against several builds at once, and bounded.
+
+Files stand under the hash of everything they depend on, and are put there by renaming. Records (JSON) say what a
+command depended on when it last ran: as long as none of those files has changed, its result is still good.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import os
+import shutil
+import sys
+import tempfile
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+MAX_CACHE_BYTES = 256 * 1024 * 1024
+"""A core with its objects takes 1 MB for each board, a sketch some 300 KB."""
+
+PRUNE_TO_BYTES = MAX_CACHE_BYTES * 3 // 4
+PRUNE_INTERVAL_S = 3600.0
+RECENT_S = 3600.0
+"""What was used in the last hour stays in any case: a build at the same moment may be about to link it."""
+
+
+def cache_folder(environ: Mapping[str, str] | None = None) -> Path:
+    """Return the folder for what we can make again: XDG_CACHE_HOME's, or what the system has for that."""
+    environ = os.environ if environ is None else environ
+    home = Path(environ.get("HOME") or Path.home())
+    if environ.get("XDG_CACHE_HOME"):
+        folder = Path(environ["XDG_CACHE_HOME"])
+    elif sys.platform == "darwin":
+        folder = home / "Library" / "Caches"
+    elif sys.platform == "win32":
+        folder = Path(environ.get("LOCALAPPDATA") or home / "AppData" / "Local")
+    else:
+        folder = home / ".cache"
+    return folder / "rostether" / "firmware"
+
+
+def digest(*parts: object) -> str:
+    """Return a name for content: 32 hexadecimal digits."""
+    text = json.dumps([str(part) if isinstance(part, Path) else part for part in parts], default=str)
+    return hashlib.sha256(text.encode("utf-8", "surrogateescape")).hexdigest()[:32]
+
+
+class BuildCache:
+    """The files and records of one cache folder."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._digests: dict[str, str] = {}
+
+    def path(self, kind: str, key: str, name: str) -> Path:
+        """Return where a file of a kind stands under a key."""
+        return self.folder / kind / key[:2] / key[2:] / name
+
+    def find(self, kind: str, key: str, name: str) -> Path | None:
+        """Return a file that is there, and note that it is still in use."""
+        path = self.path(kind, key, name)
+        try:
+            os.utime(path)
+        except OSError:
+            return None
+        return path
+
+    @contextmanager
+    def filling(self, kind: str, key: str) -> Iterator[Path]:
+        """Give an empty folder to write to; it stands under the key when the block ends well."""
+        target = self.path(kind, key, "")
+        target.parent.mkdir(parents=True, exist_ok=True)
+        folder = Path(tempfile.mkdtemp(prefix=".new-", dir=target.parent))
+        try:
+            yield folder
+            # When another build was first, its files are the same.
+            with contextlib.suppress(OSError):
+                folder.rename(target)
+        finally:
+            shutil.rmtree(folder, ignore_errors=True)
+
+    def write_text(self, kind: str, key: str, name: str, text: str) -> Path:
+        """Put a text under a key unless it is there."""
+        found = self.find(kind, key, name)
+        if found is None:
+            with self.filling(kind, key) as folder:
+                (folder / name).write_bytes(text.encode("utf-8", "surrogateescape"))
+        return self.path(kind, key, name)
+
+    def load(self, key: str) -> Any | None:
+        """Return the record under a key while all files it depends on are as they were, else None."""
+        path = self._record(key)
+        try:
+            record = json.loads(path.read_bytes())
+            if not self._is_fresh(record["files"], record["folders"]):
+                return None
+            os.utime(path)
+        except (OSError, ValueError, KeyError, TypeError):
+            return None
+        return record["content"]
+
+    def save(
+        self, key: str, content: Any, files: Iterable[Path], folders: Iterable[Path], *, started_ns: int
+    ) -> None:
+        """Keep a record with what it depends on; not when a file was changed after `started_ns`, meanwhile."""
+        states = []
+        for file in files:
+            status = file.stat()
+            # Files of our own never change once they are there.
+            if status.st_mtime_ns >= started_ns and self.folder not in file.parents:
+                return
+            states.append([str(file), status.st_size, status.st_mtime_ns, self.file_digest(file)])
+        record = {"content": content, "files": states, "folders": [[str(f), listing(f)] for f in folders]}
+        path = self._record(key)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, temporary = tempfile.mkstemp(prefix=".new-", dir=path.parent)
+        with os.fdopen(handle, "w", encoding="utf-8") as stream:
+            json.dump(record, stream)
+        Path(temporary).replace(path)
+
+    def file_digest(self, file: Path) -> str:
+        """Return the hash of a file's content; read once in a build."""
+        name = str(file)
+        if name not in self._digests:
+            self._digests[name] = hashlib.sha256(file.read_bytes()).hexdigest()[:32]
+        return self._digests[name]
+
+    def prune(self, now_s: float) -> None:
+        """Remove what was not used for longest, when there is too much; looks once an hour."""
+        stamp = self.folder / "pruned"
+        with contextlib.suppress(OSError):
+            if stamp.exists() and now_s - stamp.stat().st_mtime < PRUNE_INTERVAL_S:
+                return
+            self.folder.mkdir(parents=True, exist_ok=True)
+            stamp.touch()
+            self._remove_oldest(now_s)
+
+    def _remove_oldest(self, now_s: float) -> None:
+        entries = [_measure(entry) for entry in self.folder.glob("*/*/*")]
+        total = sum(size for _, size, _ in entries)
+        if total <= MAX_CACHE_BYTES:
+            return
+        for used_s, size, entry in sorted(entries):
+            if total <= PRUNE_TO_BYTES or now_s - used_s < RECENT_S:
+                break
+            # Gone at once, not file by file: nobody may find a part of it.
+            doomed = entry.with_name(f".old-{entry.name}")
+            with contextlib.suppress(OSError):
+                entry.rename(doomed)
+                shutil.rmtree(doomed) if doomed.is_dir() else doomed.unlink()
+                total -= size
+
+    def _record(self, key: str) -> Path:
+        return self.folder / "records" / key[:2] / f"{key[2:]}.json"
+
+    def _is_fresh(self, files: list[list[Any]], folders: list[list[str]]) -> bool:
+        for name, size, mtime_ns, content in files:
+            status = os.stat(name)  # noqa: PTH116 - hundreds of them; Path takes twice as long
+            if status.st_size == size and status.st_mtime_ns == mtime_ns:
+                continue
+            if status.st_size != size or self.file_digest(Path(name)) != content:
+                return False
+        return all(listing(Path(name)) == seen for name, seen in folders)
+
+
+def _measure(entry: Path) -> tuple[float, int, Path]:
+    """Return when an entry was last used, and its size."""
+    used_s, size = 0.0, 0
+    for path in [entry, *entry.rglob("*")]:
+        with contextlib.suppress(OSError):
+            status = path.lstat()
+            used_s = max(used_s, status.st_mtime)
+            size += status.st_size
+    return used_s, size, entry
+
+
+def listing(folder: Path) -> str:
+    """Return a hash of the names in a folder that a build may look at; a text that differs when it is gone."""
+    try:
+        with os.scandir(folder) as entries:
+            names = sorted(
+                entry.name
+                for entry in entries
+                if not entry.name.startswith(".") and (_is_source(entry.name) or entry.is_dir())
+            )
+    except OSError:
+        return ""
+    return digest(names)
+
+
+def _is_source(name: str) -> bool:
+    return name.rpartition(".")[2] in (
+        "ino",
+        "pde",
+        "h",
+        "hh",
+        "hpp",
+        "c",
+        "cc",
+        "cpp",
+        "cxx",
+        "S",
+        "properties",
+    )

@@ -1,0 +1,214 @@
+"""The compiler's programs run as platform.txt's recipes say, several at once, and not when nothing has changed."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import re
+import time
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from rostether.errors import SketchError
+from rostether.firmware.boards import Board
+from rostether.firmware.cache import BuildCache, digest
+from rostether.firmware.toolchain import AvrToolchain
+
+_DEPENDENCY = re.compile(r"(?:\\.|[^\s\\])+")
+_RECIPES = {".c": "c.o", ".S": "S.o"}
+# Flags of a recipe that make it write dependencies or an object, which a scan does not want.
+_OUTPUT_FLAGS = frozenset(("-c", "-MMD", "-flto", "-o", "{object_file}", "{preprocessed_file_path}"))
+# With this the linker places what does not fit as well, so that we can say by how much and what takes it.
+_ROOMY_FLASH = "-Wl,--defsym=__TEXT_REGION_LENGTH__=0x400000"
+
+
+@dataclass(frozen=True, slots=True)
+class Compiled:
+    """An object file, the files it was made of, and what the compiler said."""
+
+    object: Path
+    files: tuple[Path, ...]
+    output: str
+
+
+@dataclass(frozen=True, slots=True)
+class Scan:
+    """The files that sources include, and the names of headers that were not found."""
+
+    files: tuple[Path, ...]
+    missing: tuple[str, ...]
+
+
+class Compiler:
+    """Builds for one board. `show` gets every command line before it runs."""
+
+    def __init__(
+        self,
+        toolchain: AvrToolchain,
+        board: Board,
+        cache: BuildCache,
+        *,
+        defines: Sequence[str] = (),
+        show: Callable[[Sequence[str]], None] | None = None,
+    ) -> None:
+        self._toolchain = toolchain
+        self._board = board
+        self._cache = cache
+        self._defines = [f"-D{each}" for each in defines]
+        self._show = show
+        self._running = asyncio.Semaphore(os.cpu_count() or 1)
+
+    async def compile(self, source: Path, includes: Sequence[Path], *, warnings: str = "none") -> Compiled:
+        """Return the object of a source. Raises SketchError with what the compiler printed."""
+        recipe = self._recipe(_RECIPES.get(source.suffix, "cpp.o"), warnings)
+        arguments = self._fill(recipe, source, includes)
+        key = digest("compile", self._toolchain.identity, arguments, source)
+        known = self._cache.load(key)
+        if known is not None:
+            found = self._cache.find("objects", known["object"], "unit.o")
+            if found is not None:
+                return Compiled(found, tuple(map(Path, known["files"])), known["output"])
+        started_ns = time.time_ns()
+        with self._cache.filling(
+            "compiling", digest(key, os.getpid(), id(self), time.monotonic_ns())
+        ) as folder:
+            made = folder / "unit.o"
+            command = [str(made) if each == "{object_file}" else each for each in arguments]
+            code, output = await self._run(command)
+            if code:
+                raise SketchError(f"{source.name} does not compile", diagnostics=output)
+            files = _read_dependencies(folder / "unit.d") or (source,)
+            content = digest(key, [self._cache.file_digest(file) for file in files])
+            with self._cache.filling("objects", content) as kept:
+                made.replace(kept / "unit.o")
+            (folder / "unit.d").unlink(missing_ok=True)
+        record = {"object": content, "files": [str(file) for file in files], "output": output}
+        self._cache.save(key, record, files, includes, started_ns=started_ns)
+        return Compiled(self._cache.path("objects", content, "unit.o"), files, output)
+
+    async def scan(self, sources: Sequence[Path], includes: Sequence[Path]) -> Scan:
+        """Return what sources include; headers that are nowhere are named as they stand in the source."""
+        base = [each for each in self._recipe("cpp.o", "none") if each not in _OUTPUT_FLAGS]
+        arguments = self._fill(base, None, includes)
+        arguments = [each for each in arguments if each != "{source_file}"]
+        arguments += ["-x", "c++", "-M", "-MG", *map(str, sources)]
+        key = digest("scan", self._toolchain.identity, arguments)
+        known = self._cache.load(key)
+        if known is not None:
+            return Scan(tuple(map(Path, known["files"])), tuple(known["missing"]))
+        started_ns = time.time_ns()
+        code, output = await self._run(arguments, merge=False)
+        if code:
+            raise SketchError("cannot read what it includes", diagnostics=output)
+        names = list(dict.fromkeys(_dependencies(output)))
+        files = [Path(each) for each in names if os.path.isabs(each)]
+        missing = [each for each in names if not os.path.isabs(each)]
+        record = {"files": [str(each) for each in files], "missing": missing}
+        self._cache.save(key, record, files, includes, started_ns=started_ns)
+        return Scan(tuple(files), tuple(missing))
+
+    async def preprocess(self, source: Path, includes: Sequence[Path]) -> str | None:
+        """Return a source with all conditions decided and no macro replaced; None when that fails."""
+        base = [each for each in self._recipe("cpp.o", "none") if each not in _OUTPUT_FLAGS]
+        arguments = self._fill(base, source, includes)
+        code, output = await self._run([*arguments, "-E", "-fdirectives-only"], merge=False)
+        return None if code else output
+
+    async def archive(self, objects: Sequence[Path]) -> Path:
+        """Return an archive of objects: of it, only what is used is linked."""
+        key = digest("archive", self._toolchain.identity, objects)
+        found = self._cache.find("archives", key, "core.a")
+        if found is not None:
+            return found
+        recipe = self._toolchain.recipe("ar", self._board)
+        with self._cache.filling("archives", key) as folder:
+            replacements = {
+                "{build.path}/{archive_file}": [str(folder / "core.a")],
+                "{object_file}": [str(each) for each in objects],
+            }
+            await self._run_or_fail(_substitute(recipe, replacements), "the core's archive")
+        return self._cache.path("archives", key, "core.a")
+
+    async def link(self, objects: Sequence[Path], archive: Path, name: str) -> tuple[Path, Path]:
+        """Return the ELF and HEX files of a program. Raises SketchError with what the linker printed."""
+        recipe = [*self._toolchain.recipe("c.combine", self._board), _ROOMY_FLASH]
+        key = digest("link", self._toolchain.identity, recipe, objects, archive, name)
+        elf, image = (self._cache.find("programs", key, f"{name}.{suffix}") for suffix in ("elf", "hex"))
+        if elf is not None and image is not None:
+            return elf, image
+        with self._cache.filling("programs", key) as folder:
+            project = "{build.path}/{build.project_name}"
+            replacements = {
+                "{object_files}": [str(each) for each in objects],
+                "{build.path}/{archive_file}": [str(archive)],
+                "-L{build.path}": [f"-L{folder}"],
+                f"{project}.elf": [str(folder / f"{name}.elf")],
+                f"{project}.hex": [str(folder / f"{name}.hex")],
+            }
+            await self._run_or_fail(_substitute(recipe, replacements), name)
+            image_recipe = self._toolchain.recipe("objcopy.hex", self._board)
+            await self._run_or_fail(_substitute(image_recipe, replacements), name)
+        return (
+            self._cache.path("programs", key, f"{name}.elf"),
+            self._cache.path("programs", key, f"{name}.hex"),
+        )
+
+    def _recipe(self, name: str, warnings: str) -> list[str]:
+        return self._toolchain.recipe(name, self._board, warnings)
+
+    def _fill(self, recipe: Sequence[str], source: Path | None, includes: Iterable[Path]) -> list[str]:
+        replacements = {"{includes}": [*self._defines, *(f"-I{each}" for each in includes)]}
+        if source is not None:
+            replacements["{source_file}"] = [str(source)]
+        return _substitute(recipe, replacements)
+
+    async def _run_or_fail(self, arguments: Sequence[str], what: str) -> None:
+        code, output = await self._run(arguments)
+        if code:
+            raise SketchError(f"{what} does not link", diagnostics=output)
+
+    async def _run(self, arguments: Sequence[str], *, merge: bool = True) -> tuple[int, str]:
+        """Return a program's exit code and what it printed; of a failed one, what it complained."""
+        async with self._running:
+            if self._show is not None:
+                self._show(arguments)
+            process = await asyncio.create_subprocess_exec(
+                *arguments,
+                stdin=asyncio.subprocess.DEVNULL,
+                stdout=asyncio.subprocess.PIPE,
+                stderr=asyncio.subprocess.STDOUT if merge else asyncio.subprocess.PIPE,
+                env={**os.environ, "LC_ALL": "C.UTF-8"},
+            )
+            try:
+                output, complaints = await process.communicate()
+            except asyncio.CancelledError:
+                process.kill()
+                await process.wait()
+                raise
+        code = process.returncode or 0
+        text = complaints if code and not merge else output
+        return code, text.decode("utf-8", "replace")
+
+
+def _substitute(recipe: Iterable[str], replacements: dict[str, list[str]]) -> list[str]:
+    filled: list[str] = []
+    for each in recipe:
+        filled += replacements.get(each, [each] if each else [])
+    return filled
+
+
+def _read_dependencies(file: Path) -> tuple[Path, ...]:
+    try:
+        return tuple(Path(each) for each in _dependencies(file.read_text(encoding="utf-8")))
+    except OSError:
+        return ()
+
+
+def _dependencies(rules: str) -> list[str]:
+    """Return what stands behind the colons of make's rules."""
+    names = []
+    for rule in rules.replace("\\\n", " ").splitlines():
+        _, _, behind = rule.partition(": ")
+        names += [re.sub(r"\\(.)", r"\1", each).replace("$$", "$") for each in _DEPENDENCY.findall(behind)]
+    return names

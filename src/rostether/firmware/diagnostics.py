@@ -1,0 +1,47 @@
+"""What the compiler printed, with paths as the user knows them and a word on what novices meet."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+
+from rostether.firmware.ino import read_ino
+from rostether.firmware.sketch import Sketch
+from rostether.firmware.typography import find_typographic
+
+_MISSING_HEADER = re.compile(r"fatal error: (\S+): No such file or directory")
+_TYPE_HEADER = re.compile(r"\w+_(?:msgs|srvs)/\w+\.h")
+
+
+def explain(output: str, sketch: Sketch) -> str:
+    """Return a compiler's output; causes that it does not name stand above it, in its own form."""
+    lines = []
+    if "stray" in output or "missing terminating" in output or "expects" in output:
+        for path in [*sketch.inos, *sketch.sources]:
+            text = read_ino(path).text
+            lines += [each.explain(str(path)) for each in find_typographic(text)]
+    lines += output.splitlines()
+    for header in dict.fromkeys(_MISSING_HEADER.findall(output)):
+        lines.append(_explain_header(header))
+    text = "".join(f"{line}\n" for line in lines)
+    return _shorten(text, sketch.folder)
+
+
+def _explain_header(header: str) -> str:
+    if _TYPE_HEADER.fullmatch(header):
+        return (
+            f"note: no package has {header}; give the folder of its .msg and .srv files with --msg-path DIR"
+        )
+    return f"note: no library has {header}; give the folder of the one that does with --library DIR"
+
+
+def _shorten(text: str, folder: Path) -> str:
+    """Write paths relative to the current folder where they are below it, as the user typed them."""
+    try:
+        prefix = os.path.relpath(folder)
+    except (ValueError, OSError):
+        return text
+    if prefix.startswith(".."):
+        return text
+    return text.replace(f"{folder}{os.sep}", "" if prefix == "." else f"{prefix}{os.sep}")

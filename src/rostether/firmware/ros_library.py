@@ -1,0 +1,90 @@
+"""The client library with the messages that a sketch needs, generated into the cache."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rostether.firmware.cache import BuildCache, digest
+from rostether.firmware.libraries import Library, Origin, read_library
+
+if TYPE_CHECKING:
+    from rostether.msgdef.registry import Registry
+
+_FACADES = ("ros.h", "ros/", "tf/")
+_TYPE_HEADER = re.compile(r"(\w+)/(\w+)\.h")
+_ALWAYS = frozenset(("rosserial_msgs", "std_msgs"))
+"""What ros.h itself includes."""
+
+
+class RosLibrary:
+    """Makes the library for the headers asked for so far; `packages` are those whose messages it has."""
+
+    def __init__(self, cache: BuildCache, msg_paths: Sequence[Path]) -> None:
+        self._cache = cache
+        self._msg_paths = tuple(msg_paths)
+        self.packages: frozenset[str] = frozenset()
+
+    @cached_property
+    def registry(self) -> Registry:
+        """The definitions known here."""
+        from rostether.msgdef.registry import Registry
+
+        return Registry.from_environment(msg_paths=self._msg_paths)
+
+    def wants(self, header: str) -> bool:
+        """Tell whether a header that was found nowhere is one of this library; takes its package in then."""
+        if header in _FACADES or header.startswith(_FACADES[1:]):
+            self.packages |= _ALWAYS
+            return True
+        match = _TYPE_HEADER.fullmatch(header)
+        if match is None or not self._knows(match[1], match[2]):
+            return False
+        self.packages |= _ALWAYS | {match[1]}
+        return True
+
+    def write(self) -> Library:
+        """Return the library with the packages wanted so far. Raises CodegenError and DefinitionError."""
+        from rostether.codegen.arduino_library import write_library
+
+        key = digest("ros_lib", sorted(self.packages), self.signature())
+        if self._cache.find("ros_lib", key, "ros_lib/library.properties") is None:
+            with self._cache.filling("ros_lib", key) as folder:
+                write_library(folder, self.registry, packages=sorted(self.packages))
+        return read_library(self._cache.path("ros_lib", key, "ros_lib"), Origin.ROS)
+
+    def signature(self) -> str:
+        """Return a text that changes when the client library, its generator or a definition does."""
+        from rostether import codegen
+        from rostether.codegen.library_source import client_library, library_files
+        from rostether.msgdef.definition_files import BUNDLED_FOLDER
+
+        client = client_library()
+        files = [client / each for each in library_files(client)]
+        files += sorted(Path(codegen.__path__[0]).rglob("*.py"))
+        files += sorted(BUNDLED_FOLDER.iterdir())
+        files += self._user_definitions()
+        return digest([_state(each) for each in files])
+
+    def _user_definitions(self) -> Iterator[Path]:
+        from rostether.msgdef.definition_files import Kind, find_definitions
+        from rostether.packages.search_path import ros_package_path
+
+        package_path = ros_package_path(os.environ)
+        if self._msg_paths or package_path:
+            for _, files in sorted(find_definitions(self._msg_paths, package_path).items()):
+                for kind in Kind:
+                    yield from files.of(kind).values()
+
+    def _knows(self, package: str, name: str) -> bool:
+        full_name = f"{package}/{name}"
+        return full_name in self.registry.messages(package) or full_name in self.registry.services(package)
+
+
+def _state(file: Path) -> tuple[str, int, int]:
+    status = file.stat()
+    return str(file), status.st_size, status.st_mtime_ns
