@@ -112,14 +112,14 @@ class NodeHandleBase_ : public FrameSink {
   int send(uint16_t id, const M& message) {
     if (!connected_) return 0;
     LengthCounter counter;
-    M::fields(counter, message);
+    M::_fields(counter, message);
     const size_t length = counter.length();
     if (length > 0xffff - FRAME_OVERHEAD_BYTES) {
       window_.countDropped();
       return -1;
     }
     FrameWriter writer(*this, id, static_cast<uint16_t>(length));
-    M::fields(writer, message);
+    M::_fields(writer, message);
     return writer.finish() ? static_cast<int>(length + FRAME_OVERHEAD_BYTES) : -1;
   }
 

@@ -37,7 +37,7 @@ class ServiceClient : public Endpoint {
       node.announceSender(ID_SERVICE_CLIENT, self.topic_, self.id_ + 1, Request::flashType(), Request::flashMD5());
       node.announceReceiver(ID_SERVICE_CLIENT + 1, self.topic_, self.id_, Response::flashType(), Response::flashMD5());
     } else if (client.response_) {
-      Response::fields(*reader, *client.response_);
+      Response::_fields(*reader, *client.response_);
       if (!node.accept(*reader)) return;
       client.response_ = nullptr;
       node.pauseReading();

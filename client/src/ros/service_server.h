@@ -26,7 +26,7 @@ class ServiceServer : public Endpoint {
       return;
     }
     Request request;
-    Request::fields(*reader, request);
+    Request::_fields(*reader, request);
     if (!node.accept(*reader)) return;
     Response response;
     static_cast<ServiceServer&>(self).callback_(request, response);

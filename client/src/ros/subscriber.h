@@ -27,7 +27,7 @@ class Subscriber : public Endpoint {
       return;
     }
     M message;
-    M::fields(*reader, message);
+    M::_fields(*reader, message);
     if (node.accept(*reader)) static_cast<Subscriber&>(self).callback_(message);
   }
 
