@@ -67,6 +67,13 @@ def complete_service_types(_ctx: click.Context, _param: click.Parameter, incompl
     return _beginning(Registry.from_environment().services(), incomplete)
 
 
+def complete_packages(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
+    """Return the packages that have definitions and begin with what was typed."""
+    from rostether.msgdef.registry import Registry
+
+    return _beginning(Registry.from_environment().packages(), incomplete)
+
+
 def _complete(names: Callable[[MasterClient], Awaitable[Iterable[str]]], incomplete: str) -> list[str]:
     # Not at import: it takes a quarter of a command's start, and not all commands need it.
     import asyncio
