@@ -10,10 +10,10 @@
 #include "endpoint.h"
 #include "flash.h"
 #include "frame_writer.h"
-#include "length_counter.h"
 #include "receive_window.h"
 #include "time.h"
 #include "topic_id.h"
+#include "wire_format.h"
 
 namespace ros {
 
@@ -85,14 +85,10 @@ class NodeHandleBase_ : public FrameSink {
   void logerror(const __FlashStringHelper* text) { log(3, flashText(text)); }
   void logfatal(const __FlashStringHelper* text) { log(4, flashText(text)); }
 
-  void log(uint8_t level, const char* text) {
-    FrameWriter writer(*this, ID_LOG, static_cast<uint16_t>(5 + strlen(text)));
-    writer.put(level);
-    writer.string(text);
-    writer.finish();
-  }
-  void log(uint8_t level, FlashText text) {
-    FrameWriter writer(*this, ID_LOG, static_cast<uint16_t>(5 + ROS_FLASH_LENGTH(text.address)));
+  // `text` is a const char* or a FlashText.
+  template <class Text>
+  void log(uint8_t level, Text text) {
+    FrameWriter writer(*this, ID_LOG, static_cast<uint16_t>(5 + lengthOf(text)));
     writer.put(level);
     writer.string(text);
     writer.finish();
@@ -111,15 +107,14 @@ class NodeHandleBase_ : public FrameSink {
   template <class M>
   int send(uint16_t id, const M& message) {
     if (!connected_) return 0;
-    LengthCounter counter;
-    M::_fields(counter, message);
-    const size_t length = counter.length();
+    const typename WireFormat<M>::Written written(message);
+    const size_t length = written.length();
     if (length > 0xffff - FRAME_OVERHEAD_BYTES) {
       window_.countDropped();
       return -1;
     }
     FrameWriter writer(*this, id, static_cast<uint16_t>(length));
-    M::_fields(writer, message);
+    written.write(writer);
     return writer.finish() ? static_cast<int>(length + FRAME_OVERHEAD_BYTES) : -1;
   }
 
@@ -134,12 +129,14 @@ class NodeHandleBase_ : public FrameSink {
   }
 
   // For drivers: tells the host of a half of an endpoint that sends, or of one that receives.
-  void announceSender(uint8_t role, const char* topic, uint16_t id, FlashText type, FlashText md5) {
+  template <class M>
+  void announceSender(uint8_t role, const char* topic, uint16_t id, M* message) {
     // Messages to the host are streamed: only the frame's length field bounds them.
-    announce(role, topic, id, type, md5, 0xffff);
+    announce(role, topic, id, WireFormat<M>::type(message), WireFormat<M>::md5(message), 0xffff);
   }
-  void announceReceiver(uint8_t role, const char* topic, uint16_t id, FlashText type, FlashText md5) {
-    announce(role, topic, id, type, md5, window_.largestPayload());
+  template <class M>
+  void announceReceiver(uint8_t role, const char* topic, uint16_t id, M* message) {
+    announce(role, topic, id, WireFormat<M>::type(message), WireFormat<M>::md5(message), window_.largestPayload());
   }
 
   // For drivers: ends the spinOnce under way, so that what the message points to outlasts it until the next.
@@ -239,8 +236,12 @@ class NodeHandleBase_ : public FrameSink {
     for (Endpoint* endpoint = endpoints_; endpoint; endpoint = endpoint->next_) endpoint->driver_(*endpoint, *this, nullptr);
   }
 
-  void announce(uint8_t role, const char* topic, uint16_t id, FlashText type, FlashText md5, uint16_t buffer_bytes) {
-    const size_t length = 2 + 4 + strlen(topic) + 4 + ROS_FLASH_LENGTH(type.address) + 4 + ROS_FLASH_LENGTH(md5.address) + 4;
+  static size_t lengthOf(FlashText text) { return ROS_FLASH_LENGTH(text.address); }
+  static size_t lengthOf(const char* text) { return strlen(text); }
+
+  template <class Text>
+  void announce(uint8_t role, const char* topic, uint16_t id, Text type, Text md5, uint16_t buffer_bytes) {
+    const size_t length = 2 + 4 + lengthOf(topic) + 4 + lengthOf(type) + 4 + lengthOf(md5) + 4;
     FrameWriter writer(*this, role, static_cast<uint16_t>(length));
     writer.value(id);
     writer.string(topic);

@@ -12,15 +12,18 @@ class Publisher : public Endpoint {
  public:
   template <class M>
   constexpr Publisher(const char* topic, M* message, int = ID_PUBLISHER)
-      : Endpoint(topic, &drive<M>), msg_(message), nh_(nullptr) {}
+      : Endpoint(topic, &drive<typename WireFormat<M>::Class>),
+        msg_(static_cast<typename WireFormat<M>::Class*>(message)),
+        nh_(nullptr) {}
 
   // Bytes sent; 0 if the topic is not advertised or no host is there; -1 if the message is of another type than the
   // topic, too long for a frame, or the line did not take it.
   template <class M>
   int publish(const M* message) {
     if (!nh_) return 0;
-    if (driver_ != &drive<M>) return -1;
-    return nh_->send(id_, *message);
+    typedef typename WireFormat<M>::Class Class;
+    if (driver_ != &drive<Class>) return -1;
+    return nh_->send<Class>(id_, *message);
   }
   int getEndpointType() const { return ID_PUBLISHER; }
 
@@ -30,7 +33,8 @@ class Publisher : public Endpoint {
  private:
   template <class M>
   static void drive(Endpoint& self, NodeHandleBase_& node, Reader* reader) {
-    if (!reader) node.announceSender(ID_PUBLISHER, self.topic_, self.id_, M::flashType(), M::flashMD5());
+    if (reader) return;
+    node.announceSender(ID_PUBLISHER, self.topic_, self.id_, static_cast<M*>(static_cast<Publisher&>(self).msg_));
   }
 };
 

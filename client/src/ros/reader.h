@@ -67,6 +67,17 @@ class Reader {
     M::_fields(*this, part);
   }
 
+  // A message that reads for itself, without bounds: whether it read too far is known afterwards.
+  template <class M>
+  void unbounded(M& message) {
+    const int consumed = message.deserialize(next_);
+    if (consumed < 0 || static_cast<size_t>(consumed) > remaining_) {
+      fail();
+    } else {
+      advance(static_cast<size_t>(consumed));
+    }
+  }
+
   template <class T, size_t N>
   void fixed(T (&array)[N]) {
     elements(array, N, typename FieldKind<T>::type());

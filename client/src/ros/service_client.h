@@ -34,10 +34,12 @@ class ServiceClient : public Endpoint {
   static void drive(Endpoint& self, NodeHandleBase_& node, Reader* reader) {
     ServiceClient& client = static_cast<ServiceClient&>(self);
     if (!reader) {
-      node.announceSender(ID_SERVICE_CLIENT, self.topic_, self.id_ + 1, Request::flashType(), Request::flashMD5());
-      node.announceReceiver(ID_SERVICE_CLIENT + 1, self.topic_, self.id_, Response::flashType(), Response::flashMD5());
+      Request request;
+      Response response;
+      node.announceSender(ID_SERVICE_CLIENT, self.topic_, self.id_ + 1, &request);
+      node.announceReceiver(ID_SERVICE_CLIENT + 1, self.topic_, self.id_, &response);
     } else if (client.response_) {
-      Response::_fields(*reader, *client.response_);
+      WireFormat<Response>::read(*reader, *client.response_);
       if (!node.accept(*reader)) return;
       client.response_ = nullptr;
       node.pauseReading();

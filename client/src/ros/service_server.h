@@ -20,15 +20,15 @@ class ServiceServer : public Endpoint {
 
  private:
   static void drive(Endpoint& self, NodeHandleBase_& node, Reader* reader) {
+    Request request;
+    Response response;
     if (!reader) {
-      node.announceSender(ID_SERVICE_SERVER, self.topic_, self.id_ + 1, Response::flashType(), Response::flashMD5());
-      node.announceReceiver(ID_SERVICE_SERVER + 1, self.topic_, self.id_, Request::flashType(), Request::flashMD5());
+      node.announceSender(ID_SERVICE_SERVER, self.topic_, self.id_ + 1, &response);
+      node.announceReceiver(ID_SERVICE_SERVER + 1, self.topic_, self.id_, &request);
       return;
     }
-    Request request;
-    Request::_fields(*reader, request);
+    WireFormat<Request>::read(*reader, request);
     if (!node.accept(*reader)) return;
-    Response response;
     static_cast<ServiceServer&>(self).callback_(request, response);
     node.send(self.id_ + 1, response);
   }

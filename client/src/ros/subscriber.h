@@ -22,12 +22,12 @@ class Subscriber : public Endpoint {
 
  private:
   static void drive(Endpoint& self, NodeHandleBase_& node, Reader* reader) {
+    M message;
     if (!reader) {
-      node.announceReceiver(ID_SUBSCRIBER, self.topic_, self.id_, M::flashType(), M::flashMD5());
+      node.announceReceiver(ID_SUBSCRIBER, self.topic_, self.id_, &message);
       return;
     }
-    M message;
-    M::_fields(*reader, message);
+    WireFormat<M>::read(*reader, message);
     if (node.accept(*reader)) static_cast<Subscriber&>(self).callback_(message);
   }
 

@@ -1,0 +1,50 @@
+// Messages whose headers an older generator wrote, or a person: virtual functions and no bounds.
+//
+// Sketches that bring such headers along compile and work as before. Generate them anew where possible: what these read is only
+// checked after they have read it, and what they write goes through a buffer on the stack.
+#ifndef ROS_MSG_H_
+#define ROS_MSG_H_
+
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "float64.h"
+
+namespace ros {
+
+class Msg {
+ public:
+  virtual int serialize(unsigned char* outbuffer) const = 0;
+  virtual int deserialize(unsigned char* inbuffer) = 0;
+  virtual const char* getType() = 0;
+  virtual const char* getMD5() = 0;
+
+  static int serializeAvrFloat64(unsigned char* outbuffer, const float value) {
+    widenFloat(value, outbuffer);
+    return 8;
+  }
+  static int deserializeAvrFloat64(const unsigned char* inbuffer, float* value) {
+    *value = narrowFloat(inbuffer);
+    return 8;
+  }
+
+  // Little-endian bytes of an integer, and back.
+  template <class Bytes, class Value>
+  static void varToArr(Bytes bytes, const Value value) {
+    for (size_t i = 0; i < sizeof value; ++i) bytes[i] = static_cast<unsigned char>(value >> (8 * i));
+  }
+  template <class Value, class Bytes>
+  static void arrToVar(Value& value, const Bytes bytes) {
+    value = 0;
+    for (size_t i = 0; i < sizeof value; ++i) value = static_cast<Value>(value | static_cast<Value>(bytes[i]) << (8 * i));
+  }
+
+ protected:
+  // Not virtual: nobody deletes a message through this, and an AVR would link the heap for it.
+  ~Msg() {}
+};
+
+}  // namespace ros
+
+#endif

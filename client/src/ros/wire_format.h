@@ -1,0 +1,72 @@
+// How a node measures, writes, reads and names a message: generated ones by their fields, older ones by their
+// virtual functions.
+#ifndef ROS_WIRE_FORMAT_H_
+#define ROS_WIRE_FORMAT_H_
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "field_kind.h"
+#include "flash.h"
+#include "frame_writer.h"
+#include "length_counter.h"
+#include "msg.h"
+#include "reader.h"
+
+namespace ros {
+
+template <class M, bool generated = IsMessage<M>::value>
+struct WireFormat {
+  // All messages of one of these are sent and read alike.
+  typedef M Class;
+
+  static FlashText type(const M*) { return M::flashType(); }
+  static FlashText md5(const M*) { return M::flashMD5(); }
+
+  // The serialized form, as long as it is needed for: its length and its bytes.
+  class Written {
+   public:
+    explicit Written(const M& message) : message_(message) {}
+    size_t length() const {
+      LengthCounter counter;
+      M::_fields(counter, message_);
+      return counter.length();
+    }
+    void write(FrameWriter& writer) const { M::_fields(writer, message_); }
+
+   private:
+    const M& message_;
+  };
+
+  static void read(Reader& reader, M& message) { M::_fields(reader, message); }
+};
+
+template <class M>
+struct WireFormat<M, false> {
+  typedef Msg Class;
+
+  static const char* type(M* message) { return message->getType(); }
+  static const char* md5(M* message) { return message->getMD5(); }
+
+  class Written {
+   public:
+    explicit Written(const Msg& message) : length_(static_cast<size_t>(message.serialize(bytes_))) {}
+    size_t length() const { return length_; }
+    void write(FrameWriter& writer) const { writer.put(bytes_, length_); }
+
+   private:
+#if defined(__AVR__)
+    static const size_t LARGEST = 280;
+#else
+    static const size_t LARGEST = 4096;
+#endif
+    unsigned char bytes_[LARGEST];
+    size_t length_;
+  };
+
+  static void read(Reader& reader, Msg& message) { reader.unbounded(message); }
+};
+
+}  // namespace ros
+
+#endif
