@@ -76,7 +76,7 @@ def include_guard(full_name: str) -> str:
 
 def name_members(spec: MessageSpec) -> MemberNames:
     """Choose the names of all members of a message. Sketches use fields most: they keep theirs first."""
-    taken = {class_name(spec.name), *MEMBERS_OF_EVERY_MESSAGE, *TYPES_OF_FIELDS, LIBRARY_NAMESPACE}
+    taken = {class_name(spec.name), *MEMBERS_OF_EVERY_MESSAGE, *TYPES_OF_FIELDS}
     fields = _name_fields(spec.fields, taken)
     taken.update(f"_{name}_type" for name in fields)
     # Of constants declared twice the last counts, as in Python.
