@@ -40,11 +40,12 @@ class NodeHandle_ : public NodeHandleBase_ {
   int spinOnce() override {
     const uint16_t now_ms = shortTime();
     bool heard = false;
+    window_.release();
     for (;;) {
       if (window_.due()) {
         const int result = process(now_ms);
         if (result != SPIN_OK) return result;
-        if (paused()) return SPIN_OK;
+        if (window_.held()) return SPIN_OK;
         continue;
       }
       if (window_.room()) {

@@ -140,7 +140,7 @@ class NodeHandleBase_ : public FrameSink {
   }
 
   // For drivers: ends the spinOnce under way, so that what the message points to outlasts it until the next.
-  void pauseReading() { paused_ = true; }
+  void pauseReading() { window_.hold(); }
 
   // An endpoint for the duration of one exchange, on an id of its own choice.
   class Visit {
@@ -166,7 +166,7 @@ class NodeHandleBase_ : public FrameSink {
 
   constexpr NodeHandleBase_()
       : window_(), endpoints_(nullptr), clock_(), spin_timeout_ms_(0), requested_ms_(0), user_topics_(0), unanswered_(0),
-        connected_(false), awaiting_time_(false), paused_(false) {}
+        connected_(false), awaiting_time_(false) {}
 
   // Starts anew: the next spinOnce introduces the node.
   void begin(uint8_t* buffer, uint16_t buffer_bytes) {
@@ -187,12 +187,6 @@ class NodeHandleBase_ : public FrameSink {
     if (window_.sawForeignVersion() && !connected_ && since(requested_ms_, now_ms) > ANSWER_PAUSE_MS) requestSyncTime();
     if (whole && dispatch() == SPIN_ERR) return SPIN_ERR;
     return since(began_ms, now_ms) > (spin_timeout_ms_ ? spin_timeout_ms_ : SPIN_TIMEOUT_MS) ? SPIN_TIMEOUT : SPIN_OK;
-  }
-
-  bool paused() {
-    const bool paused = paused_;
-    paused_ = false;
-    return paused;
   }
 
   // Asks the host for its time, every SYNC_PERIOD_MS, and introduces the node as long as none has answered.
@@ -302,7 +296,6 @@ class NodeHandleBase_ : public FrameSink {
   uint8_t unanswered_;
   bool connected_;
   bool awaiting_time_;
-  bool paused_;
 };
 
 }  // namespace ros

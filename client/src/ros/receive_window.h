@@ -23,7 +23,7 @@ class ReceiveWindow {
  public:
   // Takes nothing in before it is opened.
   constexpr ReceiveWindow()
-      : begin_(nullptr), end_(nullptr), base_(nullptr), limit_(nullptr), needed_(0), capacity_(0), dropped_(0), foreign_(false) {}
+      : begin_(nullptr), end_(nullptr), base_(nullptr), limit_(nullptr), needed_(0), capacity_(0), dropped_(0), foreign_(false), held_(false) {}
 
   void open(uint8_t* bytes, uint16_t capacity) {
     begin_ = end_ = base_ = bytes;
@@ -78,6 +78,11 @@ class ReceiveWindow {
   // Keeps what the frame's arrays took of the arena, until the frame is done with.
   void keepArena(uint8_t* arena_end) { limit_ = arena_end; }
 
+  // Leaves the last frame's bytes where they are until `release`, also when it is done with.
+  void hold() { held_ = true; }
+  void release() { held_ = false; }
+  bool held() const { return held_; }
+
   // Takes the frame at the front out of the window for as long as the object lives.
   class Taken {
    public:
@@ -130,7 +135,7 @@ class ReceiveWindow {
   }
 
   bool compact() {
-    if (begin_ == base_) return false;
+    if (begin_ == base_ || held_) return false;
     const uint16_t have = static_cast<uint16_t>(end_ - begin_);
     memmove(base_, begin_, have);
     begin_ = base_;
@@ -146,6 +151,7 @@ class ReceiveWindow {
   uint16_t capacity_;
   uint16_t dropped_;
   bool foreign_;
+  bool held_;
 };
 
 }  // namespace ros
