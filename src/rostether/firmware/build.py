@@ -9,7 +9,7 @@ from __future__ import annotations
 import asyncio
 import os
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Coroutine, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -146,7 +146,7 @@ class _Build:
             first = _first(failures)
             raise SketchError(
                 f"{self._sketch.name} does not build for {self._board.name}: {first}",
-                diagnostics=explain(first.diagnostics, self._sketch),
+                diagnostics=explain(first.diagnostics, self._sketch, self._ros.skipped),
             ) from None
         self._cache.save(key, content, files, folders, started_ns=time.time_ns())
         self._cache.prune(time.time())
@@ -181,9 +181,7 @@ class _Build:
             for each in sorted(folder.rglob("*"))
             if each.suffix in SOURCE_SUFFIXES
         ]
-        async with asyncio.TaskGroup() as tasks:
-            compiling = [tasks.create_task(self._compiler.compile(each, self._core)) for each in sources]
-        objects = [each.result() for each in compiling]
+        objects = await _all(self._compiler.compile(each, self._core) for each in sources)
         return await self._compiler.archive([each.object for each in objects]), objects
 
     async def _build_sketch(self, shelf: Shelf) -> tuple[list[Compiled], list[Library]]:
@@ -197,17 +195,11 @@ class _Build:
             active = None if preprocessed is None else active_lines(preprocessed)
             sources.insert(0, self._write_source(add_prototypes(inos, active)))
         warnings = "all" if self._options.warnings else "none"
-        async with asyncio.TaskGroup() as tasks:
-            compiling = [
-                tasks.create_task(self._compiler.compile(each, unit.includes, warnings=warnings))
-                for each in sources
-            ]
-            compiling += [
-                tasks.create_task(self._compiler.compile(each, library.includes))
-                for library in units
-                for each in library.sources
-            ]
-        return [each.result() for each in compiling], shelf.used
+        compiling = [self._compiler.compile(each, unit.includes, warnings=warnings) for each in sources]
+        compiling += [
+            self._compiler.compile(each, library.includes) for library in units for each in library.sources
+        ]
+        return await _all(compiling), shelf.used
 
     def _write_source(self, text: str) -> Path:
         name = f"{self._sketch.name}.ino.cpp"
@@ -263,15 +255,22 @@ class _Build:
         )
 
 
+async def _all(compiling: Iterable[Coroutine[Any, Any, Compiled]]) -> list[Compiled]:
+    """Compile all, also when one fails: whoever has two files with errors wants to see both."""
+    results = await asyncio.gather(*compiling, return_exceptions=True)
+    failures = [each for each in results if isinstance(each, SketchError)]
+    if failures:
+        # One header's error is reported by each source that includes it.
+        diagnostics = dict.fromkeys(each.diagnostics for each in failures)
+        raise SketchError(str(failures[0]), diagnostics="".join(diagnostics))
+    for each in results:
+        if isinstance(each, BaseException):
+            raise each
+    return [each for each in results if isinstance(each, Compiled)]
+
+
 def _first(failures: BaseExceptionGroup[SketchError]) -> SketchError:
-    """Return one error that has what the compiler printed for all files that failed."""
-    errors: list[SketchError] = []
-    pending: list[BaseException] = [failures]
-    while pending:
-        each = pending.pop(0)
-        if isinstance(each, BaseExceptionGroup):
-            pending += each.exceptions
-        elif isinstance(each, SketchError):
-            errors.append(each)
-    diagnostics = "".join(dict.fromkeys(each.diagnostics for each in errors))
-    return SketchError(str(errors[0]), diagnostics=diagnostics)
+    """Return one error out of what a group of tasks raised."""
+    for each in failures.exceptions:
+        return _first(each) if isinstance(each, BaseExceptionGroup) else each
+    raise AssertionError("an empty group")

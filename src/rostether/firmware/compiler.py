@@ -77,7 +77,8 @@ class Compiler:
             command = [str(made) if each == "{object_file}" else each for each in arguments]
             code, output = await self._run(command)
             if code:
-                raise SketchError(f"{source.name} does not compile", diagnostics=output)
+                name = source.name.removesuffix(".cpp") if source.stem.endswith(".ino") else source.name
+                raise SketchError(f"{name} does not compile", diagnostics=output)
             files = _read_dependencies(folder / "unit.d") or (source,)
             content = digest(key, [self._cache.file_digest(file) for file in files])
             with self._cache.filling("objects", content) as kept:

@@ -146,7 +146,7 @@ def _ends_with_its_body(head: Sequence[Token]) -> bool:
 
 
 def _outside_parentheses(tokens: Sequence[Token]) -> list[str]:
-    texts = []
+    texts: list[str] = []
     depth = 0
     for token in tokens:
         depth += (token.text == "(") - (token.text == ")")

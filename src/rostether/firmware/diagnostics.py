@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 from rostether.firmware.ino import read_ino
@@ -14,16 +15,20 @@ _MISSING_HEADER = re.compile(r"fatal error: (\S+): No such file or directory")
 _TYPE_HEADER = re.compile(r"\w+_(?:msgs|srvs)/\w+\.h")
 
 
-def explain(output: str, sketch: Sketch) -> str:
-    """Return a compiler's output; causes that it does not name stand above it, in its own form."""
+def explain(output: str, sketch: Sketch, skipped: Sequence[str] = ()) -> str:
+    """Return a compiler's output with causes that it does not name around it, in its own form.
+
+    `skipped` says why messages could not be made; it counts where a header is missing.
+    """
     lines = []
     if "stray" in output or "missing terminating" in output or "expects" in output:
         for path in [*sketch.inos, *sketch.sources]:
             text = read_ino(path).text
             lines += [each.explain(str(path)) for each in find_typographic(text)]
     lines += output.splitlines()
-    for header in dict.fromkeys(_MISSING_HEADER.findall(output)):
-        lines.append(_explain_header(header))
+    missing = dict.fromkeys(_MISSING_HEADER.findall(output))
+    lines += [_explain_header(header) for header in missing]
+    lines += [f"note: {each}" for each in skipped if missing]
     text = "".join(f"{line}\n" for line in lines)
     return _shorten(text, sketch.folder)
 

@@ -1,4 +1,4 @@
-"""Which libraries a sketch needs, and which those need: a header that is found nowhere brings the library that has it."""
+"""Which libraries a sketch needs, and which those need: a header found nowhere brings the library that has it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rostether.firmware.ros_library import RosLibrary
 from rostether.firmware.sketch import Sketch
 
 MAX_ROUNDS = 50
-"""Each round adds a library; a sketch that needs more is one whose libraries include each other in a circle."""
+"""Each round adds a library; one that needs more has libraries that include each other in a circle."""
 
 
 @dataclass(slots=True)

@@ -15,19 +15,25 @@ from rostether.firmware.libraries import Library, Origin, read_library
 if TYPE_CHECKING:
     from rostether.msgdef.registry import Registry
 
-_FACADES = ("ros.h", "ros/", "tf/")
+_FACADE = "ros.h"
+_FOLDERS = ("ros/", "tf/")
 _TYPE_HEADER = re.compile(r"(\w+)/(\w+)\.h")
 _ALWAYS = frozenset(("rosserial_msgs", "std_msgs"))
 """What ros.h itself includes."""
+_SKIPPED = "skipped.txt"
 
 
 class RosLibrary:
-    """Makes the library for the headers asked for so far; `packages` are those whose messages it has."""
+    """Makes the library for the headers asked for so far.
+
+    `packages` are those whose messages it has, `skipped` says why some of them could not be made.
+    """
 
     def __init__(self, cache: BuildCache, msg_paths: Sequence[Path]) -> None:
         self._cache = cache
         self._msg_paths = tuple(msg_paths)
         self.packages: frozenset[str] = frozenset()
+        self.skipped: list[str] = []
 
     @cached_property
     def registry(self) -> Registry:
@@ -38,14 +44,14 @@ class RosLibrary:
 
     def wants(self, header: str) -> bool:
         """Tell whether a header that was found nowhere is one of this library; takes its package in then."""
-        if header in _FACADES or header.startswith(_FACADES[1:]):
+        match = _TYPE_HEADER.fullmatch(header)
+        is_type = match is not None and self._knows(match[1], match[2])
+        if match is not None and is_type:
+            self.packages |= {match[1]}
+        if is_type or header == _FACADE or header.startswith(_FOLDERS):
             self.packages |= _ALWAYS
             return True
-        match = _TYPE_HEADER.fullmatch(header)
-        if match is None or not self._knows(match[1], match[2]):
-            return False
-        self.packages |= _ALWAYS | {match[1]}
-        return True
+        return False
 
     def write(self) -> Library:
         """Return the library with the packages wanted so far. Raises CodegenError and DefinitionError."""
@@ -54,7 +60,9 @@ class RosLibrary:
         key = digest("ros_lib", sorted(self.packages), self.signature())
         if self._cache.find("ros_lib", key, "ros_lib/library.properties") is None:
             with self._cache.filling("ros_lib", key) as folder:
-                write_library(folder, self.registry, packages=sorted(self.packages))
+                written = write_library(folder, self.registry, packages=sorted(self.packages))
+                (folder / _SKIPPED).write_text("\n".join(written.library.skipped), encoding="utf-8")
+        self.skipped = self._cache.path("ros_lib", key, _SKIPPED).read_text(encoding="utf-8").splitlines()
         return read_library(self._cache.path("ros_lib", key, "ros_lib"), Origin.ROS)
 
     def signature(self) -> str:

@@ -32,7 +32,7 @@ _TOOL_FOLDERS = (
 )
 # Core 1.8.7 prints floating point numbers with a macro that gcc 5 defines only under another name.
 _CPP_EXTRA_FLAGS = "-DDECIMAL_DIG=__DECIMAL_DIG__"
-# STABS, the default of old compilers, does not say where inlined code comes from, and new ones have it no more.
+# STABS, the default of old compilers, does not say where inlined code comes from; new ones dropped it.
 _DEBUG_FLAG = "-gdwarf-2"
 
 

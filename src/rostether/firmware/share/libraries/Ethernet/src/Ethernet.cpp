@@ -1,0 +1,87 @@
+#include "Ethernet.h"
+
+namespace {
+
+const uint8_t kConnect = 1;
+const uint8_t kStop = 2;
+const uint8_t kIsConnected = 1;
+const uint8_t kHasByte = 2;
+const uint8_t kHasRoom = 4;
+// As long as Arduino's library waits; the sketch stands still meanwhile.
+const unsigned long kTimeoutMs = 1000;
+
+// A byte that was looked at, but not taken: the chip cannot take it back.
+int peeked = -1;
+
+bool wait_for(uint8_t flag) {
+  const unsigned long start = millis();
+  while (!(GPIOR0 & flag)) {
+    if (millis() - start >= kTimeoutMs) return false;
+    if (flag != kIsConnected && !(GPIOR0 & kIsConnected)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+EthernetClass Ethernet;
+
+int EthernetClass::begin(uint8_t* mac, unsigned long, unsigned long) {
+  begin(mac, IPAddress(10, 0, 0, 2));
+  return 1;
+}
+
+void EthernetClass::begin(uint8_t*, IPAddress ip) { ip_ = ip; }
+void EthernetClass::begin(uint8_t* mac, IPAddress ip, IPAddress) { begin(mac, ip); }
+void EthernetClass::begin(uint8_t* mac, IPAddress ip, IPAddress, IPAddress) { begin(mac, ip); }
+void EthernetClass::begin(uint8_t* mac, IPAddress ip, IPAddress, IPAddress, IPAddress) { begin(mac, ip); }
+
+int EthernetClient::connect(IPAddress ip, uint16_t port) {
+  stop();
+  for (uint8_t i = 0; i < 4; ++i) GPIOR1 = ip[i];
+  GPIOR1 = static_cast<uint8_t>(port);
+  GPIOR1 = static_cast<uint8_t>(port >> 8);
+  GPIOR0 = kConnect;
+  return wait_for(kIsConnected);
+}
+
+int EthernetClient::connect(const char* host, uint16_t port) {
+  IPAddress ip;
+  ip.fromString(host);
+  return connect(ip, port);
+}
+
+size_t EthernetClient::write(const uint8_t* bytes, size_t size) {
+  size_t sent = 0;
+  while (sent < size && wait_for(kHasRoom)) GPIOR1 = bytes[sent++];
+  if (sent < size) setWriteError();
+  return sent;
+}
+
+int EthernetClient::available() { return (peeked >= 0) + ((GPIOR0 & kHasByte) != 0); }
+
+int EthernetClient::read() {
+  const int byte = peek();
+  peeked = -1;
+  return byte;
+}
+
+int EthernetClient::read(uint8_t* bytes, size_t size) {
+  size_t taken = 0;
+  while (taken < size && available()) bytes[taken++] = read();
+  return taken ? static_cast<int>(taken) : -1;
+}
+
+int EthernetClient::peek() {
+  if (peeked < 0 && (GPIOR0 & kHasByte)) peeked = GPIOR1;
+  return peeked;
+}
+
+void EthernetClient::stop() {
+  GPIOR0 = kStop;
+  peeked = -1;
+}
+
+uint8_t EthernetClient::connected() { return (GPIOR0 & kIsConnected) || available(); }
+
+EthernetClient::operator bool() { return connected(); }
