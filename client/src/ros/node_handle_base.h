@@ -186,7 +186,7 @@ class NodeHandleBase_ : public FrameSink {
     const uint16_t now_ms = shortTime();
     if (window_.sawForeignVersion() && !connected_ && since(requested_ms_, now_ms) > ANSWER_PAUSE_MS) requestSyncTime();
     if (whole && dispatch() == SPIN_ERR) return SPIN_ERR;
-    return since(began_ms, now_ms) > (spin_timeout_ms_ ? spin_timeout_ms_ : SPIN_TIMEOUT_MS) ? SPIN_TIMEOUT : SPIN_OK;
+    return since(began_ms, now_ms) > (spin_timeout_ms_ ? spin_timeout_ms_ : uint16_t(SPIN_TIMEOUT_MS)) ? SPIN_TIMEOUT : SPIN_OK;
   }
 
   // Asks the host for its time, every SYNC_PERIOD_MS, and introduces the node as long as none has answered.
