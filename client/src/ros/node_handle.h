@@ -12,8 +12,12 @@ namespace ros {
 // `void write(uint8_t* bytes, int count)` and `unsigned long time()` (ms).
 //
 // A Hardware that also has `int writable()`, the bytes that write would take at once, is never waited for: while its
-// transmitter is full, the node goes on reading. INPUT_SIZE is the longest message that can come in. There are as many
-// publishers and subscribers as the sketch has, and messages go out without a buffer: the other sizes have no effect.
+// transmitter is full, the node goes on reading. One that connects again by itself has `bool relinked()`: whether the
+// link was lost or replaced since the last call. It lets no byte in or out between the change and that call, after
+// which the node introduces itself anew.
+//
+// INPUT_SIZE is the longest message that can come in. There are as many publishers and subscribers as the sketch has,
+// and messages go out without a buffer: the other sizes have no effect.
 template <class Hardware, int MAX_SUBSCRIBERS = 25, int MAX_PUBLISHERS = 25, int INPUT_SIZE = 512, int OUTPUT_SIZE = 512>
 class NodeHandle_ : public NodeHandleBase_ {
  public:
@@ -64,6 +68,10 @@ class NodeHandle_ : public NodeHandleBase_ {
       if (since(heard_ms_, now_ms) < GAP_MS) break;
       window_.drop();
     }
+    if (relinked(hardware_, 0)) {
+      window_.forget();
+      contactAnew();
+    }
     if (contactIsDue(now_ms)) keepInTouch();
     return SPIN_OK;
   }
@@ -76,6 +84,15 @@ class NodeHandle_ : public NodeHandleBase_ {
   static const uint16_t GAP_MS = 200;
   // A transmitter that takes no byte for this long has nobody behind it: at 9600 baud one byte takes 1 ms.
   static const uint16_t STALL_MS = 100;
+
+  template <class H>
+  static auto relinked(H& hardware, int) -> decltype(hardware.relinked()) {
+    return hardware.relinked();
+  }
+  template <class H>
+  static bool relinked(H&, long) {
+    return false;
+  }
 
   bool transmit(uint8_t* bytes, uint16_t count) override { return transmit(hardware_, bytes, count, 0); }
 

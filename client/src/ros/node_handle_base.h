@@ -171,6 +171,11 @@ class NodeHandleBase_ : public FrameSink {
   // Starts anew: the next spinOnce introduces the node.
   void begin(uint8_t* buffer, uint16_t buffer_bytes) {
     window_.open(buffer, buffer_bytes);
+    contactAnew();
+  }
+
+  // Takes what is at the other end for a stranger, to be told of this node at once.
+  void contactAnew() {
     connected_ = false;
     unanswered_ = 0;
     requested_ms_ = static_cast<uint16_t>(shortTime() - SYNC_PERIOD_MS);

@@ -64,6 +64,11 @@ class ReceiveWindow {
     if (*begin_++ == FRAME_SYNC) ++dropped_;
     needed_ = 1;
   }
+  // Forgets the bytes that are not done with: they came in on another link.
+  void forget() {
+    begin_ = end_ = base_;
+    needed_ = 1;
+  }
   void countDropped() { ++dropped_; }
   // Frames that were begun and not taken, since the start (modulo 65536).
   uint16_t dropped() const { return dropped_; }
