@@ -71,6 +71,8 @@ def write_library(
         )
     rendered = render_library(registry, for_sketch=for_sketch, packages=packages, search=search)
     target = directory / LIBRARY_NAME
+    if target.resolve() == client_library().resolve():
+        raise CodegenError(f"{target} is the hand-written library itself; give another folder")
     return WrittenLibrary(target, write_library_folder(target, rendered.files), rendered)
 
 

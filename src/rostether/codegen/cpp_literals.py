@@ -22,15 +22,17 @@ def integer_literal(value: int) -> str:
     if value < 0:
         # C++ has no negative literals: the most negative value of a type is one less than minus its largest.
         if -value - 1 in (_INT32_MAX, _INT64_MAX):
-            return f"(-{integer_literal(-value - 1)} - 1)"
-        return f"-{integer_literal(-value)}"
+            return f"(-{_signed_literal(-value - 1)} - 1)"
+        return f"-{_signed_literal(-value)}"
+    if _INT32_MAX < value <= _UINT32_MAX:
+        return f"{value}UL"
+    return _signed_literal(value) if value <= _INT64_MAX else f"{value}ULL"
+
+
+def _signed_literal(value: int) -> str:
     if value <= _INT16_MAX:
         return str(value)
-    if value <= _INT32_MAX:
-        return f"{value}L"
-    if value <= _UINT32_MAX:
-        return f"{value}UL"
-    return f"{value}LL" if value <= _INT64_MAX else f"{value}ULL"
+    return f"{value}L" if value <= _INT32_MAX else f"{value}LL"
 
 
 def float32_literal(value: float) -> str:

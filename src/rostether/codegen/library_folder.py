@@ -36,7 +36,9 @@ def write_library_folder(target: Path, files: Mapping[str, bytes]) -> bool:
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         # Beside the target: a rename works only within one file system.
-        with tempfile.TemporaryDirectory(dir=target.parent, prefix=f".{target.name}-") as scratch:
+        with tempfile.TemporaryDirectory(
+            dir=target.parent, prefix=f".{target.name}-", ignore_cleanup_errors=True
+        ) as scratch:
             fresh = Path(scratch) / "new"
             _write_files(fresh, files, old=target)
             _swap(fresh, target, Path(scratch))
@@ -81,14 +83,15 @@ def _write_files(folder: Path, files: Mapping[str, bytes], *, old: Path) -> None
 def _swap(fresh: Path, target: Path, scratch: Path) -> None:
     for attempt in range(_ATTEMPTS):
         before = scratch / f"old-{attempt}"
-        with contextlib.suppress(FileNotFoundError):
-            target.rename(before)
         try:
+            with contextlib.suppress(FileNotFoundError):
+                target.rename(before)
             fresh.rename(target)
-        except OSError:
+        # Also when the user interrupts us between the two.
+        except BaseException as error:
             if before.exists() and not target.exists():
                 before.rename(target)
-            if attempt == _ATTEMPTS - 1 or not target.exists():
+            if not isinstance(error, OSError) or attempt == _ATTEMPTS - 1 or not target.exists():
                 raise
         else:
             return

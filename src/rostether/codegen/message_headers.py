@@ -32,16 +32,19 @@ def generate_headers(index: TypeIndex, names: Iterable[str], *, own_paths: Itera
     failures: dict[str, list[str]] = {}
     own = set(own_paths)
     for name in sorted(names):
+        failed = failures.setdefault(name.partition("/")[0], [])
+        if index.is_message(name) and index.is_service(name):
+            failed.append(f"the service {name}: there is a message of this name as well; rename one")
         try:
             _check_place(index, name, own)
             text = _text(index, name, own)
         except RostetherError as error:
-            failures.setdefault(name.partition("/")[0], []).append(f"{name}: {error}")
+            failed.append(f"{name}: {error}")
             continue
         result.texts[include_path(name)] = text
         result.types.append(name)
         result.classes.add(class_name(name.partition("/")[2]))
-    result.skipped.extend(f"skipped {_summary(each)}" for each in failures.values())
+    result.skipped.extend(f"skipped {_summary(each)}" for each in failures.values() if each)
     result.warnings.extend(_differing_only_in_case([*own, *result.texts]))
     return result
 
@@ -64,11 +67,11 @@ def _check_place(index: TypeIndex, name: str, own: set[str]) -> None:
         raise CodegenError(f"the package {package!r} is called like the library's own folder; rename it")
     if include_path(name) in own:
         raise CodegenError(f"the library has a header {include_path(name)} of its own; rename the type")
-    if not index.is_service(name):
+    if index.is_message(name):
         return
-    taken = [each for each in (name, f"{name}Request", f"{name}Response") if index.is_message(each)]
-    if taken:
-        raise CodegenError(f"there is a message {taken[0]} as well; rename one, C++ cannot have both")
+    for half in (f"{name}Request", f"{name}Response"):
+        if index.is_message(half):
+            raise CodegenError(f"there is a message {half} as well; rename one, C++ cannot have both")
 
 
 def _summary(failures: list[str]) -> str:
