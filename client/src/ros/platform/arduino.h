@@ -1,7 +1,14 @@
-// Any Arduino serial port: hardware UART, USB CDC, SoftwareSerial, Teensy, STM32, ESP.
+// Any Arduino serial port: hardware UART, USB, SoftwareSerial, a Stream of one's own.
 //
-// SERIAL_CLASS and SERIAL_PORT may be defined before <ros.h>; the switches of the established library (USE_USBCON,
-// USE_TEENSY_HW_SERIAL, USE_STM32_HW_SERIAL) choose them too.
+// The port is `Serial`, unless the sketch says otherwise before <ros.h>: USE_TEENSY_HW_SERIAL and USE_STM32_HW_SERIAL
+// choose Serial1; boards whose USB is their Serial (Leonardo, Micro, Zero, MKR) use Serial1 unless USE_USBCON is
+// defined, as sketches for them expect; SERIAL_PORT names any other. Or a class of the sketch names it:
+//
+//   class NewHardware : public ArduinoHardware {
+//    public:
+//     NewHardware() : ArduinoHardware(&Serial1, 57600) {}
+//   };
+//   ros::NodeHandle_<NewHardware> nh;
 #ifndef ROS_PLATFORM_ARDUINO_H_
 #define ROS_PLATFORM_ARDUINO_H_
 
@@ -11,57 +18,55 @@
 #include <WProgram.h>
 #endif
 
-#if !defined(SERIAL_CLASS)
-#if defined(TEENSYDUINO) || defined(CORE_TEENSY)
-#if defined(USE_TEENSY_HW_SERIAL)
-#include <HardwareSerial.h>
-#define SERIAL_CLASS HardwareSerial
+#include "serial_port.h"
+
+#if !defined(SERIAL_PORT)
+#if defined(USE_TEENSY_HW_SERIAL) || defined(USE_STM32_HW_SERIAL)
+#define SERIAL_PORT Serial1
+#elif defined(USBCON) && !defined(USE_USBCON) && (defined(__AVR__) || defined(ARDUINO_ARCH_SAMD))
 #define SERIAL_PORT Serial1
 #else
-#include <usb_serial.h>
-#define SERIAL_CLASS usb_serial_class
-#endif
-#elif defined(USE_STM32_HW_SERIAL)
-#define SERIAL_CLASS HardwareSerial
-#define SERIAL_PORT Serial1
-#elif defined(_SAMD21_) || defined(ARDUINO_ARCH_SAMD)
-#define SERIAL_CLASS Serial_
-#if defined(SerialUSB)
-#define SERIAL_PORT SerialUSB
-#endif
-#elif defined(USE_USBCON) && defined(USBCON)
-#define SERIAL_CLASS Serial_
-#elif defined(__AVR__) && defined(USBCON)
-#define SERIAL_CLASS Serial_
-#elif defined(__AVR__)
-#include <HardwareSerial.h>
-#define SERIAL_CLASS HardwareSerial
-#else
-#define SERIAL_CLASS Stream
+#define SERIAL_PORT Serial
 #endif
 #endif
 
-#if !defined(SERIAL_PORT)
-#define SERIAL_PORT Serial
+#if !defined(SERIAL_CLASS)
+namespace ros {
+template <class Port>
+struct PortClass {
+  typedef Port type;
+};
+template <class Port>
+struct PortClass<Port&> {
+  typedef Port type;
+};
+typedef PortClass<decltype(SERIAL_PORT)>::type SerialClass;
+}  // namespace ros
+#define SERIAL_CLASS ros::SerialClass
 #endif
 
 class ArduinoHardware {
  public:
-  explicit ArduinoHardware(SERIAL_CLASS* io, long baud = 57600) : iostream(io), baud_(baud) {}
   ArduinoHardware() : iostream(&SERIAL_PORT), baud_(57600) {}
+  template <class Port>
+  ArduinoHardware(Port* io, long baud = 57600) : iostream(io), baud_(baud) {}
 
+  // Takes effect with the next initNode.
   void setBaud(long baud) { baud_ = baud; }
-  int getBaud() { return static_cast<int>(baud_); }
-  void setPort(SERIAL_CLASS* io) { iostream = io; }
+  long getBaud() const { return baud_; }
+  template <class Port>
+  void setPort(Port* io) {
+    iostream = io;
+  }
 
-  void init() { iostream->begin(baud_); }
-  int read() { return iostream->read(); }
-  void write(uint8_t* bytes, int count) { iostream->write(bytes, count); }
-  int writable() { return iostream->availableForWrite(); }
+  void init() { iostream.begin(static_cast<unsigned long>(baud_)); }
+  int read() { return iostream.read(); }
+  void write(uint8_t* bytes, int count) { iostream.write(bytes, count); }
+  int writable() { return iostream.writable(); }
   unsigned long time() { return millis(); }
 
  protected:
-  SERIAL_CLASS* iostream;
+  ros::SerialPort<SERIAL_CLASS> iostream;
   long baud_;
 };
 

@@ -1,0 +1,88 @@
+// A serial port of any class. Arduino's ports are all Streams, but a Stream has no `begin`, and does not say of every
+// port how much it takes.
+#ifndef ROS_PLATFORM_SERIAL_PORT_H_
+#define ROS_PLATFORM_SERIAL_PORT_H_
+
+namespace ros {
+
+// Whether availableForWrite, of this type, is only what Print answers for ports that do not know: always 0.
+template <class Method>
+struct IsOfPrint {
+  static const bool value = false;
+};
+template <class Result>
+struct IsOfPrint<Result (Print::*)()> {
+  static const bool value = true;
+};
+template <class Result>
+struct IsOfPrint<Result (Print::*)() const> {
+  static const bool value = true;
+};
+
+// Points to a port, as `Class*` does, but also to one of another class.
+template <class Class>
+class SerialPort {
+ public:
+  constexpr SerialPort(Class* port) : stream_(port), control_(nullptr) {}
+  template <class Port>
+  SerialPort(Port* port) : stream_(port), control_(&control<Port>) {
+    sawOtherClass() = true;
+  }
+
+  // For what only `Class` has; not if the port is of another.
+  Class* operator->() const { return &port(); }
+
+  void begin(unsigned long baud) {
+    if (isOther()) {
+      control_(stream_, baud);
+    } else {
+      begin(port(), baud, 0);
+    }
+  }
+  int read() { return stream_->read(); }
+  void write(const uint8_t* bytes, int count) { stream_->write(bytes, static_cast<size_t>(count)); }
+  // Bytes that write takes at once: any number where the port does not know, and write waits as long as it must.
+  int writable() { return isOther() ? control_(stream_, 0) : room(port(), 0); }
+
+ private:
+  static const int ANY_ROOM = 0x7fff;
+
+  // In a program whose ports are all of `Class` nothing ever sets this, and the compiler leaves out what asks for it.
+  static bool& sawOtherClass() {
+    static bool saw = false;
+    return saw;
+  }
+  bool isOther() const { return sawOtherClass() && control_; }
+  Class& port() const { return static_cast<Class&>(*stream_); }
+
+  // Begins at `baud`, or tells the room if that is 0.
+  template <class Port>
+  static int control(Stream* stream, unsigned long baud) {
+    if (!baud) return room(static_cast<Port&>(*stream), 0);
+    begin(static_cast<Port&>(*stream), baud, 0);
+    return 0;
+  }
+
+  template <class Port>
+  static auto begin(Port& port, unsigned long baud, int) -> decltype(port.begin(baud), void()) {
+    port.begin(baud);
+  }
+  template <class Port>
+  static void begin(Port&, unsigned long, long) {}
+
+  template <class Port, class Method = decltype(&Port::availableForWrite)>
+  static int room(Port& port, int) {
+    return IsOfPrint<Method>::value ? ANY_ROOM : static_cast<int>(port.availableForWrite());
+  }
+  template <class Port>
+  static int room(Port&, long) {
+    return ANY_ROOM;
+  }
+
+  Stream* stream_;
+  int (*control_)(Stream* stream, unsigned long baud);
+};
+
+}  // namespace ros
+
+#endif
