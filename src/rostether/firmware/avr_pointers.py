@@ -1,0 +1,66 @@
+"""What kind of pointer a call goes through, as avr-gcc loads it into Z: a slot of a virtual table, or a plain one.
+
+A virtual call loads the table's address from the object, then the function's address from the table. A plain
+pointer is loaded once. The last two loads of r30 before the call tell which it is.
+"""
+
+from __future__ import annotations
+
+PLAIN = -1
+UNKNOWN = -2
+
+_MAX_DISTANCE = 24
+"""Instructions between loading a pointer and the call: the arguments are loaded there."""
+
+_MOVE_FROM_R0 = 0x2DE0
+_LOAD_R0_FROM_Z = 0x9001
+_LOADS_OF_R30_FROM_X = (0x91ED, 0x91EC)
+_TABLE_HEADER_BYTES = 4
+
+
+def pointer_kind(flash: bytes, call: int) -> int:
+    """Return the slot's offset of a virtual call, PLAIN, or UNKNOWN, for the call at an address."""
+    slot: int | None = None
+    address = call
+    for _ in range(_MAX_DISTANCE):
+        address -= 2
+        if address < 0:
+            break
+        word = int.from_bytes(flash[address : address + 2], "little")
+        if _loads_r30(word):
+            return PLAIN if slot is None else slot
+        if word == _MOVE_FROM_R0:
+            if slot is not None:
+                return slot
+            slot = _slot_before(flash, address)
+            if slot is None:
+                return UNKNOWN
+        elif word & 0xFFF0 == 0x01F0 or word & 0xF0F0 == 0xE0E0:  # movw r30, ldi r30
+            # The object's address itself: what was loaded from it is a plain pointer.
+            return UNKNOWN if slot is None else PLAIN
+    return UNKNOWN
+
+
+def table_functions(table: bytes) -> dict[int, int]:
+    """Return what a virtual table has in its slots: offset -> word address of a function."""
+    return {
+        offset - _TABLE_HEADER_BYTES: int.from_bytes(table[offset : offset + 2], "little")
+        for offset in range(_TABLE_HEADER_BYTES, len(table) - 1, 2)
+    }
+
+
+def _loads_r30(word: int) -> bool:
+    through_y = word & 0xD208 == 0x8008 and word >> 4 & 0x1F == 30
+    through_z = word & 0xD208 == 0x8000 and word >> 4 & 0x1F == 30
+    return word in _LOADS_OF_R30_FROM_X or through_y or through_z
+
+
+def _slot_before(flash: bytes, address: int) -> int | None:
+    """Return from which offset of Z r0 was loaded just before."""
+    for back in (2, 4, 6):
+        word = int.from_bytes(flash[address - back : address - back + 2], "little")
+        if word == _LOAD_R0_FROM_Z:
+            return 0
+        if word & 0xD208 == 0x8000 and word >> 4 & 0x1F == 0:
+            return (word >> 8 & 0x20) | (word >> 7 & 0x18) | (word & 7)
+    return None

@@ -1,0 +1,167 @@
+"""Which function of an AVR program calls which, directly and through pointers, and the stack at each call."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Iterator
+from functools import cached_property
+
+from rostether.firmware.avr_code import Op, decode
+from rostether.firmware.avr_pointers import PLAIN, table_functions
+from rostether.firmware.elf import ElfFile, Symbol
+from rostether.firmware.stack_walk import Code, Walk, walk
+
+_FUNCTION = 2
+_OBJECT = 1
+_MACHINE_FLAGS = 0x7F
+_LARGE_FLASH = 6  # avr6: 22 bits of program counter
+_VECTOR = re.compile(r"__vector_\d+")
+_CONSTRUCTORS = "_GLOBAL__sub_I_"
+_VIRTUAL_TABLE = "_ZTV"
+_TABLES_END = "__ctors_start"
+# It ends the program, and stands in the tables of all abstract classes.
+_PURE_VIRTUAL = "__cxa_pure_virtual"
+# The two halves of an address are loaded close to each other.
+_LOAD_WINDOW = 4
+
+
+class CallGraph:
+    """Functions by the address of their entry. A call through a pointer may reach any whose address is taken."""
+
+    def __init__(self, elf: ElfFile) -> None:
+        self._elf = elf
+        self._functions = [
+            each
+            for each in elf.symbols
+            if each.section == ".text" and each.kind in (0, _FUNCTION) and each.name and each.address
+        ]
+        return_bytes = 3 if elf.flags & _MACHINE_FLAGS == _LARGE_FLASH else 2
+        self._code = Code(
+            flash=elf.data(".text"),
+            entries={each.address: each.name for each in self._functions},
+            sizes={each.address: each.size for each in self._functions if each.size},
+            tables_end=next((each.address for each in elf.symbols if each.name == _TABLES_END), 0),
+            return_bytes=return_bytes,
+        )
+        self._starts = {
+            each.address // 2: each.address
+            for each in self._functions
+            if each.kind == _FUNCTION and each.name != _PURE_VIRTUAL
+        }
+        self._walks: dict[int, Walk] = {}
+        self._calls: dict[int, dict[int, int]] = {}
+
+    @property
+    def return_bytes(self) -> int:
+        """How much of the stack a return address takes."""
+        return self._code.return_bytes
+
+    @property
+    def programs(self) -> list[int]:
+        """Where control begins: `main`, and the constructors of global objects before it."""
+        return self._named(lambda name: name == "main" or name.startswith(_CONSTRUCTORS))
+
+    @property
+    def interrupts(self) -> list[int]:
+        """The interrupts that the program handles."""
+        unused = set(self._named(lambda name: name == "__bad_interrupt"))
+        return sorted(set(self._named(lambda name: _VECTOR.fullmatch(name) is not None)) - unused)
+
+    def name(self, entry: int) -> str:
+        """Return a function's name as the linker knows it."""
+        return self._code.entries.get(entry, f"code at {entry:#x}")
+
+    def walk(self, entry: int) -> Walk:
+        """Return what a function does to the stack."""
+        if entry not in self._walks:
+            self._walks[entry] = walk(self._code, entry)
+        return self._walks[entry]
+
+    def calls(self, entry: int) -> dict[int, int]:
+        """Return the functions that one may call, each with the stack at the deepest call."""
+        if entry not in self._calls:
+            here = self.walk(entry)
+            calls = dict(here.calls)
+            for kind, depth in here.indirect.items():
+                for target in self._targets(kind):
+                    calls[target] = max(calls.get(target, 0), depth)
+            self._calls[entry] = calls
+        return self._calls[entry]
+
+    def reachable(self, entries: Iterable[int], *, through_pointers: bool = True) -> list[int]:
+        """Return all functions that are called below some, these included."""
+        seen: dict[int, None] = {}
+        pending = list(entries)
+        while pending:
+            entry = pending.pop()
+            if entry not in seen:
+                seen[entry] = None
+                pending += self.calls(entry) if through_pointers else self.walk(entry).calls
+        return list(seen)
+
+    def _targets(self, kind: int) -> Iterable[int]:
+        """Return the functions that a call through a kind of pointer may reach."""
+        if kind == PLAIN:
+            return self._plain_targets
+        virtual = self._virtual_targets
+        if kind >= 0:
+            return virtual.get(kind, [])
+        return {*self._plain_targets, *(each for slot in virtual.values() for each in slot)}
+
+    @cached_property
+    def _virtual_targets(self) -> dict[int, list[int]]:
+        """What virtual tables have in the slots of one offset."""
+        slots: dict[int, list[int]] = {}
+        for table in self._tables:
+            for offset, word in table_functions(self._elf.read_at(table.address, table.size)).items():
+                if word in self._starts:
+                    slots.setdefault(offset, []).append(self._starts[word])
+        return slots
+
+    @cached_property
+    def _plain_targets(self) -> list[int]:
+        """Functions whose address stands in a variable, a table in flash, or a pair of load instructions."""
+        values: set[int] = set(self._loaded_words())
+        data = self._elf.section(".data")
+        if data is not None:
+            content = bytearray(data.data)
+            for table in self._tables:
+                start = table.address - data.address
+                content[start : start + table.size] = bytes(table.size)
+            values |= set(_words(bytes(content)))
+        for each in self._elf.symbols:
+            if each.section == ".text" and each.kind == _OBJECT:
+                values |= set(_words(self._elf.read_at(each.address, each.size)))
+        return sorted(self._starts[value] for value in values & self._starts.keys())
+
+    @property
+    def _tables(self) -> list[Symbol]:
+        return [
+            each
+            for each in self._elf.symbols
+            if each.name.startswith(_VIRTUAL_TABLE) and each.section == ".data"
+        ]
+
+    def _named(self, is_wanted: Callable[[str], bool]) -> list[int]:
+        return [each.address for each in self._functions if is_wanted(each.name)]
+
+    def _loaded_words(self) -> Iterator[int]:
+        flash = self._code.flash
+        loads: list[tuple[int, int, int]] = []
+        position = address = 0
+        while address < len(flash):
+            instruction = decode(flash, address)
+            if instruction.op is Op.LOAD:
+                for at, register, value in loads:
+                    if position - at <= _LOAD_WINDOW and register + 1 == instruction.register:
+                        yield instruction.value << 8 | value
+                    if position - at <= _LOAD_WINDOW and register == instruction.register + 1:
+                        yield value << 8 | instruction.value
+                loads = [*loads[-_LOAD_WINDOW:], (position, instruction.register, instruction.value)]
+            position += 1
+            address += instruction.size
+
+
+def _words(data: bytes) -> Iterator[int]:
+    # Variables stand at odd addresses as well.
+    return (data[i] | data[i + 1] << 8 for i in range(len(data) - 1))

@@ -1,0 +1,123 @@
+"""How much stack a program can need: the deepest way from `main` through all calls, and the deepest interrupt.
+
+No function is entered twice on one way, directly or through pointers: recursion is told, not followed. Any
+function whose address is taken counts for every call through a pointer, so the estimate is more than what happens
+rather than less.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from rostether.firmware.call_graph import CallGraph
+from rostether.firmware.elf import ElfFile
+
+MAX_WAYS = 50_000
+"""Half a second of looking. Only programs with many callbacks that call back in turn have so many ways."""
+
+
+@dataclass(frozen=True, slots=True)
+class StackEstimate:
+    """Bytes from `main` on, and from the deepest interrupt on; the ways name the functions (not demangled).
+
+    `unknown` says what could make it more, a phrase each.
+    """
+
+    main_bytes: int
+    interrupt_bytes: int
+    way: tuple[str, ...]
+    interrupt_way: tuple[str, ...]
+    unknown: tuple[str, ...]
+
+    @property
+    def total_bytes(self) -> int:
+        """The deepest stack: an interrupt may come when the program is deepest."""
+        return self.main_bytes + self.interrupt_bytes
+
+
+@dataclass(frozen=True, slots=True)
+class _Way:
+    depth_bytes: int
+    entries: tuple[int, ...]
+
+
+def estimate_stack(elf: ElfFile) -> StackEstimate:
+    """Return the estimate for an AVR program."""
+    graph = CallGraph(elf)
+    search = _Search(graph)
+    # main is called by the start-up code, an interrupt by the processor: both leave a return address.
+    main = search.deepest(graph.programs)
+    interrupt = search.deepest(graph.interrupts)
+    return StackEstimate(
+        main_bytes=main.depth_bytes,
+        interrupt_bytes=interrupt.depth_bytes,
+        way=tuple(graph.name(each) for each in main.entries),
+        interrupt_way=tuple(graph.name(each) for each in interrupt.entries),
+        unknown=tuple(_unknown(graph, elf)) + (("not all ways were followed",) if search.gave_up else ()),
+    )
+
+
+class _Search:
+    """The deepest way without a function twice on it.
+
+    Which functions may not be entered again matters only where they can be reached again, so results are kept for
+    each function with those of its own circle that are above it.
+    """
+
+    def __init__(self, graph: CallGraph) -> None:
+        self._graph = graph
+        self._known: dict[tuple[int, frozenset[int]], _Way] = {}
+        self._circles: dict[int, frozenset[int]] = {}
+        self.gave_up = False
+
+    def deepest(self, roots: Iterable[int]) -> _Way:
+        """Return the deepest way from some functions, 0 when there are none."""
+        ways = (self._way(root, frozenset()) for root in roots)
+        best = max(ways, key=lambda way: way.depth_bytes, default=None)
+        if best is None:
+            return _Way(0, ())
+        return _Way(best.depth_bytes + self._graph.return_bytes, best.entries)
+
+    def _way(self, entry: int, above: frozenset[int]) -> _Way:
+        circle = self._circle(entry)
+        key = (entry, above & circle)
+        if key in self._known:
+            return self._known[key]
+        best = _Way(self._graph.walk(entry).depth_bytes, (entry,))
+        if len(self._known) > MAX_WAYS:
+            self.gave_up = True
+            return best
+        above |= {entry}
+        for target, depth in self._graph.calls(entry).items():
+            if target not in above:
+                below = self._way(target, above)
+                if depth + below.depth_bytes >= best.depth_bytes:
+                    best = _Way(depth + below.depth_bytes, (entry, *below.entries))
+        self._known[key] = best
+        return best
+
+    def _circle(self, entry: int) -> frozenset[int]:
+        """Return the functions that a function can reach and that can reach it."""
+        if entry not in self._circles:
+            self._circles[entry] = frozenset(
+                each
+                for each in self._graph.reachable([entry])
+                if entry in self._graph.reachable(self._graph.calls(each))
+            )
+        return self._circles[entry]
+
+
+def _unknown(graph: CallGraph, elf: ElfFile) -> list[str]:
+    found = []
+    for entry in graph.reachable([*graph.programs, *graph.interrupts]):
+        here = graph.walk(entry)
+        if entry in graph.reachable(here.calls, through_pointers=False):
+            found.append(f"{graph.name(entry)} calls itself")
+        if here.is_unknown:
+            found.append(f"{graph.name(entry)} takes a computed amount")
+    if any(graph.walk(each).enables_interrupts for each in graph.reachable(graph.interrupts)):
+        found.append("an interrupt lets others interrupt it")
+    if any(each.name == "malloc" for each in elf.symbols):
+        found.append("the heap (String, new, malloc) grows towards the stack")
+    return found

@@ -1,0 +1,192 @@
+"""How far one piece of AVR code moves the stack, and where it calls.
+
+Follows all ways through the code and keeps, for each instruction, the deepest stack it can be reached with. The
+frame of a function is what the compiler subtracts from the stack pointer through r28; it is known where r28 was
+read from the stack pointer before.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from rostether.firmware.avr_code import Instruction, Op, decode
+from rostether.firmware.avr_pointers import pointer_kind
+
+MAX_DEPTH_BYTES = 65536
+"""More than any AVR has: code that pushes in a loop must not be followed for ever."""
+
+_SHARED_REGISTERS = 18
+# libgcc's `__prologue_saves__` pushes r2 to r17, r28 and r29, two bytes of code each, from where it is entered;
+# then it subtracts X from the stack pointer and goes on at Z, which is behind the jump.
+_SHARED_PROLOGUE = "__prologue_saves__"
+_SHARED_EPILOGUE = "__epilogue_restores__"
+# Of a large `switch`: goes on at one of the labels in a table in flash.
+_TABLE_JUMP = "__tablejump"
+
+
+@dataclass(slots=True)
+class Walk:
+    """What was found: the deepest stack of the code itself, its calls and the stack at each of them.
+
+    `indirect` has the calls through pointers, by the kind that `pointer_kind` tells.
+    """
+
+    depth_bytes: int = 0
+    calls: dict[int, int] = field(default_factory=dict)
+    indirect: dict[int, int] = field(default_factory=dict)
+    enables_interrupts: bool = False
+    is_unknown: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Code:
+    """The flash of a program, where functions begin, and how long a return address is.
+
+    `sizes` are those of functions; tables of labels stand below `tables_end`.
+    """
+
+    flash: bytes
+    entries: dict[int, str]
+    sizes: dict[int, int]
+    tables_end: int
+    return_bytes: int
+
+    def shared(self, target: int, name: str, size: int) -> int | None:
+        """Return how many registers one of libgcc's shared sequences still handles from a target on."""
+        start = next((address for address, each in self.entries.items() if each == name), None)
+        if start is None or not start <= target <= start + size:
+            return None
+        return _SHARED_REGISTERS - (target - start) // 2
+
+    def labels(self, entry: int) -> list[int]:
+        """Return the addresses inside of a function that stand in tables."""
+        inside = range(entry + 2, entry + self.sizes.get(entry, 0), 2)
+        words = (int.from_bytes(self.flash[i : i + 2], "little") for i in range(0, self.tables_end, 2))
+        return sorted({word * 2 for word in words} & set(inside))
+
+
+_State = tuple[int, int | None]
+
+
+def walk(code: Code, entry: int) -> Walk:
+    """Follow a function from its entry."""
+    found = Walk()
+    deepest: dict[int, int] = {}
+    pending: list[tuple[int, _State]] = [(entry, (0, None))]
+    while pending:
+        address, (depth, frame) = pending.pop()
+        if depth > MAX_DEPTH_BYTES:
+            found.is_unknown = True
+            continue
+        if deepest.get(address, -1) >= depth or address >= len(code.flash):
+            continue
+        deepest[address] = depth
+        instruction = decode(code.flash, address)
+        following = address + instruction.size
+        for target, state in _step(code, entry, address, instruction, following, (depth, frame), found):
+            found.depth_bytes = max(found.depth_bytes, state[0])
+            pending.append((target, state))
+    return found
+
+
+def _step(
+    code: Code,
+    entry: int,
+    address: int,
+    instruction: Instruction,
+    following: int,
+    state: _State,
+    found: Walk,
+) -> list[tuple[int, _State]]:
+    """Return where control can go after an instruction, with the stack there."""
+    depth, frame = state
+    match instruction.op:
+        case Op.PUSH:
+            return [(following, (depth + 1, frame))]
+        case Op.POP:
+            return [(following, (max(depth - 1, 0), frame))]
+        case Op.READ_STACK_POINTER:
+            return [(following, (depth, depth))]
+        case Op.MOVE_FRAME:
+            return [(following, (depth, None if frame is None else frame - instruction.value))]
+        case Op.MOVE_FRAME_HIGH:
+            # subi counts with eight bits; its carry and what sbci takes are the rest.
+            return [(following, (depth, None if frame is None else _with_high(frame, depth, instruction)))]
+        case Op.WRITE_STACK_POINTER:
+            found.is_unknown |= frame is None
+            return [(following, (depth if frame is None else max(frame, 0), frame))]
+        case Op.CALL:
+            if instruction.target == following:  # rcall .+0 makes room for a frame
+                return [(following, (depth + code.return_bytes, frame))]
+            _add(found.calls, instruction.target, depth + code.return_bytes, found)
+            return [(following, state)]
+        case Op.INDIRECT_CALL:
+            _add(found.indirect, pointer_kind(code.flash, address), depth + code.return_bytes, found)
+            return [(following, state)]
+        case Op.INDIRECT_JUMP:
+            _add(found.indirect, pointer_kind(code.flash, address), depth, found)
+            return []
+        case Op.RETURN:
+            return []
+        case Op.JUMP:
+            return _jump(code, entry, address, instruction, following, state, found)
+        case Op.BRANCH:
+            return [(following, state), (instruction.target, state)]
+        case Op.SKIP:
+            return [(following, state), (following + decode(code.flash, following).size, state)]
+        case Op.ENABLE_INTERRUPTS:
+            found.enables_interrupts = True
+    return [(following, state)]
+
+
+def _jump(
+    code: Code,
+    entry: int,
+    address: int,
+    instruction: Instruction,
+    following: int,
+    state: _State,
+    found: Walk,
+) -> list[tuple[int, _State]]:
+    target, (depth, _) = instruction.target, state
+    pushed = code.shared(target, _SHARED_PROLOGUE, 2 * _SHARED_REGISTERS)
+    if pushed is not None:
+        depth += pushed + _frame_in_x(code, address)
+        return [(following, (depth, depth))]
+    if code.shared(target, _SHARED_EPILOGUE, 2 * _SHARED_REGISTERS) is not None:
+        return []
+    if target == 0:
+        return []  # the program begins again
+    if code.entries.get(target, "").startswith(_TABLE_JUMP):
+        return [(label, state) for label in code.labels(entry)]
+    if target in code.entries and target != entry:
+        # The last thing a function does may be to become another.
+        _add(found.calls, target, depth, found)
+        return []
+    return [(target, state)]
+
+
+def _add(calls: dict[int, int], target: int, depth: int, found: Walk) -> None:
+    if target == 0:
+        return  # a function that nobody has defined; such a call is never reached
+    calls[target] = max(calls.get(target, 0), depth)
+    found.depth_bytes = max(found.depth_bytes, depth)
+
+
+def _with_high(frame: int, depth: int, instruction: Instruction) -> int:
+    # subi r28, low / sbci r29, high subtract one number; when growing it is the frame's size, when
+    # shrinking its complement to 65536.
+    total = frame - depth + (-instruction.value << 8)
+    return depth + (total - 0x10000 if total >= 0x8000 else total)
+
+
+def _frame_in_x(code: Code, address: int) -> int:
+    """Return the frame that was loaded into r26 and r27 just before a jump."""
+    low = high = 0
+    for back in range(2, 16, 2):
+        instruction = decode(code.flash, address - back)
+        if instruction.op is Op.LOAD and instruction.register == 26 and not low:
+            low = instruction.value
+        if instruction.op is Op.LOAD and instruction.register == 27 and not high:
+            high = instruction.value
+    return high << 8 | low
