@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Instructions until the next timer is due, then timers, then interrupts. The common instructions are run here, the others
+ * by the simulator; with guarded memory all are, one by one.
+ */
+#include "board.h"
+#include "instructions.h"
+
+#include <sim_core.h>
+
+static bool told_asleep;
+
+static void advance_asleep(cycles_t target) {
+    avr_t *avr = board.avr;
+    const avr_cycle_timer_slot_t *next = avr->cycle_timers.timer;
+    if (!avr->sreg[S_I] && !told_asleep) {
+        told_asleep = true;
+        event_begin("asleep");
+        event_text("text", "the program sleeps with interrupts off: only a reset wakes it");
+        event_end();
+    }
+    avr->cycle = next && next->when < target ? (next->when > avr->cycle ? next->when : avr->cycle + 1) : target;
+}
+
+void core_reset(void) { told_asleep = false; }
+
+static void simulate_one(void) {
+    avr_t *avr = board.avr;
+    avr_flashaddr_t from = avr->pc;
+    bool writes_flash = avr->flash[from] == 0xe8 && avr->flash[from + 1] == 0x95; /* SPM */
+    /* A count of zero ends the simulator's own batch after one instruction. */
+    avr->run_cycle_count = 0;
+    avr->pc = avr_run_one(avr);
+    if (avr->state == cpu_Crashed) avr->state = cpu_Running;
+    if (avr->pc == 0) canaries_tell_restart(from);
+    if (writes_flash) instructions_decode();
+}
+
+static void run_instructions(cycles_t target) {
+    const avr_cycle_timer_slot_t *next = board.avr->cycle_timers.timer;
+    if (canaries_guarding) {
+        canaries_check_store();
+        simulate_one();
+    } else if (!instructions_run(next && next->when < target ? next->when : target)) {
+        simulate_one();
+    } else if (board.avr->pc == 0) {
+        canaries_tell_restart(instructions_jumped_from);
+    }
+}
+
+void core_run_until(cycles_t target) {
+    avr_t *avr = board.avr;
+    while (avr->cycle < target) {
+        if (avr->state == cpu_Running)
+            run_instructions(target);
+        else
+            advance_asleep(target);
+        if (avr->cycle_timers.timer && avr->cycle_timers.timer->when <= avr->cycle) {
+            avr_cycle_timer_process(avr);
+            if (avr->run != avr_callback_run_raw) {
+                /* The simulator asks in this way for the reset of an expired watchdog. */
+                avr->run = avr_callback_run_raw;
+                power_reset("watchdog");
+            }
+        }
+        if (!avr->interrupt_state) continue;
+        avr_flashaddr_t interrupted = avr->pc;
+        avr_service_interrupts(avr);
+        if (canaries_guarding && avr->pc != interrupted) canaries_check_interrupt();
+    }
+}

@@ -1,0 +1,150 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Digital pins: who listens to their levels, and what the world drives them to. A pin that the world drives reads that
+ * level while it is an input; released, it reads its pull-up, or low.
+ */
+#include <avr_extint.h>
+#include <avr_ioport.h>
+
+#include "board.h"
+
+#define LISTENERS 4
+#define MOST_PINS 80
+
+struct pin {
+    const struct pin_place *place;
+    avr_irq_t *irq;
+    bool hooked, level, watched;
+    pin_listener listeners[LISTENERS];
+};
+
+static struct pin pins[MOST_PINS];
+static struct {
+    uint8_t mask, value;
+} driven['L' + 1];
+
+const char *pin_name(const struct pin *pin) { return pin->place->name; }
+
+const struct pin_place *pin_place(const struct pin *pin) { return pin->place; }
+
+struct pin *pin_named(const char *name) {
+    const struct pin_place *place = pin_place_named(board.kind, name);
+    if (!place) return NULL;
+    struct pin *pin = &pins[place - board.kind->pins];
+    if (!pin->place) {
+        pin->place = place;
+        if (place->bit >= 0)
+            pin->irq = avr_io_getirq(board.avr, AVR_IOCTL_IOPORT_GETIRQ(place->port), place->bit);
+    }
+    return pin;
+}
+
+static avr_ioport_state_t port_state(const struct pin *pin) {
+    avr_ioport_state_t state = {0};
+    avr_ioctl(board.avr, AVR_IOCTL_IOPORT_GETSTATE(pin->place->port), &state);
+    return state;
+}
+
+bool pin_is_output(const struct pin *pin) { return port_state(pin).ddr >> pin->place->bit & 1; }
+
+bool pin_level(const struct pin *pin) {
+    avr_ioport_state_t state = port_state(pin);
+    return (state.ddr >> pin->place->bit & 1 ? state.port : state.pin) >> pin->place->bit & 1;
+}
+
+static void on_change(struct avr_irq_t *irq, uint32_t value, void *param) {
+    struct pin *pin = param;
+    bool level = value & 0xff;
+    (void)irq;
+    if (level == pin->level) return;
+    pin->level = level;
+    for (int i = 0; i < LISTENERS; i++)
+        if (pin->listeners[i]) pin->listeners[i](pin, level);
+}
+
+void pin_listen(struct pin *pin, pin_listener listener) {
+    pin_ignore(pin, listener);
+    if (!pin->hooked) {
+        pin->hooked = true;
+        pin->level = pin_level(pin);
+        avr_irq_register_notify(pin->irq, on_change, pin);
+    }
+    for (int i = 0; i < LISTENERS; i++)
+        if (!pin->listeners[i]) {
+            pin->listeners[i] = listener;
+            return;
+        }
+}
+
+void pin_ignore(struct pin *pin, pin_listener listener) {
+    for (int i = 0; i < LISTENERS; i++)
+        if (pin->listeners[i] == listener) pin->listeners[i] = NULL;
+}
+
+static void tell_external(char port) {
+    avr_ioport_external_t external = {
+        .name = (unsigned)port & 0x7f,
+        .mask = driven[(int)port].mask,
+        .value = driven[(int)port].value,
+    };
+    avr_ioctl(board.avr, AVR_IOCTL_IOPORT_SET_EXTERNAL(port), &external);
+}
+
+void pin_drive(struct pin *pin, bool level) {
+    int port = pin->place->port;
+    uint8_t mask = (uint8_t)(1 << pin->place->bit);
+    driven[port].mask |= mask;
+    driven[port].value = (uint8_t)((driven[port].value & ~mask) | (level ? mask : 0));
+    tell_external((char)port);
+    if (board.powered && !pin_is_output(pin)) avr_raise_irq(pin->irq, level);
+}
+
+void pin_release(struct pin *pin) {
+    int port = pin->place->port;
+    uint8_t mask = (uint8_t)(1 << pin->place->bit);
+    driven[port].mask &= (uint8_t)~mask;
+    driven[port].value &= (uint8_t)~mask;
+    tell_external((char)port);
+    if (board.powered && !pin_is_output(pin)) avr_raise_irq(pin->irq, port_state(pin).port >> pin->place->bit & 1);
+}
+
+static void tell_level(struct pin *pin, bool level) {
+    /* A timer that drives the pin is told as PWM. */
+    if (timers_pwm(pin->place).active) return;
+    event_begin("pin");
+    event_text("pin", pin->place->name);
+    event_int("level", level);
+    event_end_droppable();
+}
+
+/* Returns whether it changed; begins with the level as it is. */
+bool pin_watch(struct pin *pin, bool on) {
+    if (pin->watched == on) return false;
+    pin->watched = on;
+    if (on)
+        pin_listen(pin, tell_level);
+    else
+        pin_ignore(pin, tell_level);
+    return true;
+}
+
+/*
+ * The simulator would look at every external interrupt's pin once a cycle while it is low, to repeat an interrupt "at low
+ * level" that hardly a program asks for. It comes once here. Each reset forgets that.
+ */
+static void take_low_levels_once(void) {
+    for (uint8_t number = 0; number < EXTINT_COUNT; number++) avr_extint_set_strict_lvl_trig(board.avr, number, 0);
+}
+
+/* All pins are inputs without pull-up now. */
+void pins_reset(void) {
+    take_low_levels_once();
+    for (size_t i = 0; i < board.kind->pin_count; i++) {
+        const struct pin_place *place = &board.kind->pins[i];
+        if (place->bit < 0) continue;
+        struct pin *pin = pin_named(place->name);
+        uint8_t mask = (uint8_t)(1 << place->bit);
+        bool level = board.powered && driven[(int)place->port].value & mask;
+        avr_raise_irq(pin->irq, level);
+    }
+}

@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * What the timers do to pins: PWM, read from their registers. The simulator counts time for compare matches and overflows
+ * but lacks some of the modes that count up and down (among them the one Arduino sets timers 1 and 2 to); they are
+ * filled in here as modes that count up only: right in period, not in the phase of their interrupts.
+ */
+#include <math.h>
+#include <string.h>
+
+#include <avr_ioport.h>
+#include <avr_timer.h>
+
+#include "board.h"
+
+enum slope { NO_PWM, UP, UP_AND_DOWN };
+enum top { FIXED, OCRA, ICR };
+
+struct waveform {
+    uint8_t slope, top, bits;
+};
+
+/* By the mode's number, WGM3..0, as all chips of these boards have it. */
+static const struct waveform wide[16] = {
+    {NO_PWM, FIXED, 16},     {UP_AND_DOWN, FIXED, 8}, {UP_AND_DOWN, FIXED, 9}, {UP_AND_DOWN, FIXED, 10},
+    {NO_PWM, OCRA, 0},       {UP, FIXED, 8},          {UP, FIXED, 9},          {UP, FIXED, 10},
+    {UP_AND_DOWN, ICR, 0},   {UP_AND_DOWN, OCRA, 0},  {UP_AND_DOWN, ICR, 0},   {UP_AND_DOWN, OCRA, 0},
+    {NO_PWM, ICR, 0},        {NO_PWM, FIXED, 16},     {UP, ICR, 0},            {UP, OCRA, 0},
+};
+static const struct waveform narrow[8] = {
+    {NO_PWM, FIXED, 8}, {UP_AND_DOWN, FIXED, 8}, {NO_PWM, OCRA, 0}, {UP, FIXED, 8},
+    {NO_PWM, FIXED, 8}, {UP_AND_DOWN, OCRA, 0},  {NO_PWM, FIXED, 8}, {UP, OCRA, 0},
+};
+
+static avr_timer_comp_t *channel_of(const struct pin_place *place, avr_timer_t **timer) {
+    if (place->bit < 0) return NULL;
+    avr_irq_t *pin = avr_io_getirq(board.avr, AVR_IOCTL_IOPORT_GETIRQ(place->port), place->bit);
+    for (avr_io_t *io = board.avr->io_port; io; io = io->next) {
+        if (strcmp(io->kind, "timer") != 0) continue;
+        *timer = (avr_timer_t *)io;
+        for (int i = 0; i < AVR_TIMER_COMP_COUNT; i++) {
+            avr_ioport_getirq_t wire = {.bit = (*timer)->comp[i].com_pin};
+            if (wire.bit.reg && avr_ioctl(board.avr, AVR_IOCTL_IOPORT_GETIRQ_REGBIT, &wire) > 0 && wire.irq[0] == pin)
+                return &(*timer)->comp[i];
+        }
+    }
+    return NULL;
+}
+
+bool timers_drive(const struct pin_place *place) {
+    avr_timer_t *timer;
+    return channel_of(place, &timer) != NULL;
+}
+
+static unsigned read_wide(avr_io_addr_t low, avr_io_addr_t high) {
+    const uint8_t *data = board.avr->data;
+    return data[low] | (high ? data[high] << 8 : 0);
+}
+
+static double top_of(const avr_timer_t *timer, struct waveform waveform) {
+    if (waveform.top == OCRA) return read_wide(timer->comp[0].r_ocr, timer->comp[0].r_ocrh);
+    if (waveform.top == ICR) return read_wide(timer->r_icr, timer->r_icrh);
+    return (1 << waveform.bits) - 1;
+}
+
+struct pwm timers_pwm(const struct pin_place *place) {
+    struct pwm result = {false, 0, 0};
+    avr_t *avr = board.avr;
+    avr_timer_t *timer;
+    const avr_timer_comp_t *channel = channel_of(place, &timer);
+    if (!channel) return result;
+    uint8_t output = avr_regbit_get(avr, channel->com), mode = avr_regbit_get_array(avr, timer->wgm, 4);
+    unsigned clock = avr_regbit_get_array(avr, timer->cs, ARRAY_SIZE(timer->cs));
+    struct waveform waveform = timer->r_tcnth ? wide[mode & 15] : narrow[mode & 7];
+    if (output < avr_timer_com_clear || !clock || waveform.slope == NO_PWM) return result;
+    double top = top_of(timer, waveform), compare = read_wide(channel->r_ocr, channel->r_ocrh);
+    double ticks = waveform.slope == UP ? top + 1 : 2 * top;
+    double high = waveform.slope == UP ? compare + 1 : 2 * compare;
+    result.active = true;
+    result.duty = ticks > 0 ? fmin(high / ticks, 1.0) : 0.0;
+    if (output == avr_timer_com_set) result.duty = 1.0 - result.duty;
+    result.period_us = ticks * (double)(1u << timer->cs_div[clock]) / CYCLES_PER_US;
+    return result;
+}
+
+void timers_start(void) {
+    for (avr_io_t *io = board.avr->io_port; io; io = io->next) {
+        if (strcmp(io->kind, "timer") != 0) continue;
+        avr_timer_t *timer = (avr_timer_t *)io;
+        const struct waveform *waveforms = timer->r_tcnth ? wide : narrow;
+        for (int mode = 0; mode < (timer->r_tcnth ? 16 : 8); mode++) {
+            avr_timer_wgm_t *known = &timer->wgm_op[mode];
+            if (waveforms[mode].slope != UP_AND_DOWN || known->kind == avr_timer_wgm_pwm) continue;
+            *known = (avr_timer_wgm_t){0};
+            known->kind = waveforms[mode].top == FIXED ? avr_timer_wgm_normal : avr_timer_wgm_pwm;
+            /* Twice as long, as it is there and back. */
+            known->size = waveforms[mode].top == FIXED ? waveforms[mode].bits + 1u : 0;
+            known->top = waveforms[mode].top == OCRA ? avr_timer_wgm_reg_ocra : avr_timer_wgm_reg_icr;
+        }
+    }
+}
