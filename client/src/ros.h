@@ -12,18 +12,6 @@
 #include "ros/subscriber.h"
 #include "ros/time.h"
 
-#include "ros/platform/arduino.h"
-
-namespace ros {
-
-#if defined(__AVR_ATmega8__) || defined(__AVR_ATmega168__)
-typedef NodeHandle_<ArduinoHardware, 6, 6, 150, 150> NodeHandle;
-#elif defined(__AVR_ATmega328P__) || defined(__AVR_ATmega32U4__)
-typedef NodeHandle_<ArduinoHardware, 25, 25, 280, 280> NodeHandle;
-#else
-typedef NodeHandle_<ArduinoHardware> NodeHandle;
-#endif
-
-}  // namespace ros
+#include "ros/platform/platform.h"
 
 #endif

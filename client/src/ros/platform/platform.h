@@ -1,0 +1,59 @@
+// Which platform this is, and its `ros::NodeHandle`. A program with a Hardware class of its own on a system that none of
+// these fit defines ROS_NO_PLATFORM before <ros.h>, and writes ros::NodeHandle_<ThatClass>.
+#ifndef ROS_PLATFORM_PLATFORM_H_
+#define ROS_PLATFORM_PLATFORM_H_
+
+#include "../node_handle.h"
+
+#if defined(ROS_NO_PLATFORM)
+#elif defined(ROSSERIAL_ARDUINO_TCP)
+#include "arduino_tcp.h"
+#define ROS_HARDWARE ArduinoHardware
+#elif defined(ROSSERIAL_ARDUINO_UDP)
+#include "arduino_udp.h"
+#define ROS_HARDWARE ArduinoHardware
+#elif defined(ARDUINO)
+#include "arduino.h"
+#define ROS_HARDWARE ArduinoHardware
+#elif defined(__MBED__)
+#include "mbed.h"
+#define ROS_HARDWARE MbedHardware
+#elif defined(USE_HAL_DRIVER)
+#include "stm32_hal.h"
+#define ROS_HARDWARE STM32Hardware
+#elif defined(TARGET_IS_TM4C123_RA1) || defined(TARGET_IS_TM4C129_RA0) || defined(PART_TM4C123GH6PM) || \
+    defined(PART_TM4C1294NCPDT) || defined(PART_TM4C1294XL)
+#include "tivac.h"
+#define ROS_HARDWARE TivaCHardware
+#elif defined(_WIN32)
+#include "windows_port.h"
+#define ROS_HARDWARE WindowsHardware
+#elif defined(__unix__) || defined(__APPLE__)
+#include "posix.h"
+#define ROS_HARDWARE EmbeddedLinuxHardware
+#else
+#error "ros_lib knows no such platform: define ROS_NO_PLATFORM and give ros::NodeHandle_ a Hardware class (platform/platform.h)"
+#endif
+
+#if defined(ROS_HARDWARE)
+// The longest message that can come in, by the memory there is.
+#if !defined(ROS_INPUT_SIZE)
+#if defined(__AVR_ATmega8__) || defined(__AVR_ATmega168__) || defined(__AVR_ATmega168P__)
+#define ROS_INPUT_SIZE 150
+#elif defined(__AVR_ATmega328P__) || defined(__AVR_ATmega328__) || defined(__AVR_ATmega328PB__) || defined(__AVR_ATmega32U4__)
+#define ROS_INPUT_SIZE 280
+#elif defined(__OPENCR__)
+#define ROS_INPUT_SIZE 1024
+#elif !defined(ARDUINO) && (defined(_WIN32) || defined(__unix__) || defined(__APPLE__))
+#define ROS_INPUT_SIZE 32768
+#else
+#define ROS_INPUT_SIZE 512
+#endif
+#endif
+
+namespace ros {
+typedef NodeHandle_<ROS_HARDWARE, 25, 25, ROS_INPUT_SIZE, ROS_INPUT_SIZE> NodeHandle;
+}  // namespace ros
+#endif
+
+#endif

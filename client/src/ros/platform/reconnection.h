@@ -1,0 +1,66 @@
+#ifndef ROS_PLATFORM_RECONNECTION_H_
+#define ROS_PLATFORM_RECONNECTION_H_
+
+#include <stdint.h>
+
+namespace ros {
+
+// When to try to connect again, for a hardware that does so by itself, and what to tell the node of it.
+class Reconnection {
+ public:
+  constexpr Reconnection() : tried_ms_(0), pause_ms_(0), connected_(false), changed_(false) {}
+
+  // Whether bytes may go in and out: connected, and the node knows.
+  bool isOpen() const { return connected_ && !changed_; }
+  bool isConnected() const { return connected_; }
+
+  bool isDue(uint32_t now_ms) const { return !connected_ && now_ms - tried_ms_ >= pause_ms_; }
+
+  // An attempt began at `began_ms` and failed by `now_ms`. Pauses double, and are at least as long as the attempt took:
+  // one that blocks leaves the sketch half of the time.
+  void failed(uint32_t began_ms, uint32_t now_ms) {
+    const uint32_t took_ms = now_ms - began_ms;
+    tried_ms_ = now_ms;
+    pause_ms_ = pause_ms_ * 2 < FIRST_PAUSE_MS ? FIRST_PAUSE_MS : pause_ms_ * 2;
+    if (pause_ms_ > LONGEST_PAUSE_MS) pause_ms_ = LONGEST_PAUSE_MS;
+    if (pause_ms_ < took_ms) pause_ms_ = took_ms < LONGEST_WAIT_MS ? static_cast<uint16_t>(took_ms) : LONGEST_WAIT_MS;
+  }
+  void made() {
+    connected_ = changed_ = true;
+    pause_ms_ = 0;
+  }
+  // The first attempt to connect again comes after the shortest pause: a host that closes is rarely back at once.
+  void lost(uint32_t now_ms) {
+    connected_ = false;
+    changed_ = true;
+    tried_ms_ = now_ms;
+    pause_ms_ = FIRST_PAUSE_MS;
+  }
+  // Starts over: due at once.
+  void reset() {
+    connected_ = changed_ = false;
+    pause_ms_ = 0;
+  }
+
+  // Whether the link was lost or made since the last call.
+  bool takeChange() {
+    const bool changed = changed_;
+    changed_ = false;
+    return changed;
+  }
+
+ private:
+  static const uint16_t FIRST_PAUSE_MS = 100;
+  // A host that was restarted is seen within a second.
+  static const uint16_t LONGEST_PAUSE_MS = 800;
+  static const uint16_t LONGEST_WAIT_MS = 20000;
+
+  uint32_t tried_ms_;
+  uint16_t pause_ms_;
+  bool connected_;
+  bool changed_;
+};
+
+}  // namespace ros
+
+#endif
