@@ -1,0 +1,88 @@
+"""Whatever a definition calls its members, the generated class has them all, each by a name of its own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import strategies as st
+
+from rostether.codegen.cpp_message import message_header
+from rostether.codegen.cpp_names import class_name, is_variable_array, name_members
+from rostether.codegen.reserved_words import MEMBERS_OF_EVERY_MESSAGE, is_macro_in_sketches, keywords
+from rostether.msgdef.parse_msg import parse_message
+from rostether.msgdef.spec import MessageSpec
+from unit.codegen.compilers import COMPILERS
+
+STEMS = (
+    "x",
+    "class",
+    "HIGH",
+    "B1",
+    "data",
+    "serialize",
+    "Foo",
+    "min",
+    "uint8_t",
+    "fields",
+    "x_length",
+    "near",
+)
+TYPES = ("uint8", "float64", "string", "time", "int64[]", "string[]", "float64[]", "bool[3]", "float32[0]")
+CONSTANTS = (("uint8", "1"), ("float64", "1e300"), ("string", 'a "b" \\'), ("int64", "-9223372036854775808"))
+COMPILED = 12
+
+names = st.builds(
+    lambda stem, tail: stem + tail,
+    st.sampled_from(STEMS),
+    st.sampled_from(("", "_", "__", "_length", "_type")),
+)
+fields = st.lists(st.tuples(st.sampled_from(TYPES), names), max_size=12, unique_by=lambda field: field[1])
+constants = st.lists(
+    st.tuples(st.sampled_from(CONSTANTS), st.one_of(names, names.map(lambda name: f"_{name}"))), max_size=6
+)
+
+
+@st.composite
+def specs(draw: st.DrawFn, name: str = "Foo") -> MessageSpec:
+    lines = [f"{kind} {constant}={value}" for (kind, value), constant in draw(constants)]
+    lines += [f"{kind} {field}" for kind, field in draw(fields)]
+    return parse_message("\n".join(lines), package="pkg", name=name)
+
+
+@settings(deadline=None)
+@given(specs())
+def test_members_have_names_of_their_own(spec: MessageSpec) -> None:
+    made = name_members(spec)
+    members = [class_name(spec.name), *MEMBERS_OF_EVERY_MESSAGE, *made.fields]
+    members += [f"_{name}_type" for name in made.fields]
+    members += [
+        f"{name}_length"
+        for field, name in zip(spec.fields, made.fields, strict=True)
+        if is_variable_array(field)
+    ]
+    members += [each.name for each in made.constants]
+    members += [each.alias for each in made.constants if each.alias is not None]
+    assert len(members) == len(set(members))
+    assert not keywords().intersection(members)
+    assert not any(map(is_macro_in_sketches, made.fields))
+    assert all(
+        name.rstrip("_") == field.name.rstrip("_")
+        for field, name in zip(spec.fields, made.fields, strict=True)
+    )
+
+
+@pytest.mark.parametrize(
+    "compiler", [pytest.param(name, marks=getattr(pytest.mark, name)) for name in ("gcc", "avr")]
+)
+@settings(deadline=None, max_examples=8, phases=[Phase.generate], suppress_health_check=list(HealthCheck))
+@given(data=st.data())
+def test_they_compile(compiler: str, data: st.DataObject, tmp_path_factory: pytest.TempPathFactory) -> None:
+    from rostether.codegen.library_source import client_library
+
+    folder = tmp_path_factory.mktemp("headers")
+    source = folder / "all.cpp"
+    drawn = [data.draw(specs(name=f"Foo{number}")) for number in range(COMPILED)]
+    source.write_text("".join(message_header(spec, "0" * 32) for spec in drawn))
+    assert not COMPILERS[compiler].compile(source, Path(client_library()))
