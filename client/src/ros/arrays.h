@@ -67,12 +67,12 @@ class Float64Pointer {
   constexpr Float64Pointer(float* address) : address_(address), narrow_(sizeof(float) != sizeof(double)) {}
 
   Float64Reference operator[](size_t index) const {
-    const size_t size = narrow_ ? sizeof(float) : sizeof(double);
-    return Float64Reference(static_cast<uint8_t*>(address_) + index * size, narrow_);
+    return Float64Reference(static_cast<uint8_t*>(address_) + index * elementBytes(), narrow_);
   }
   Float64Reference operator*() const { return (*this)[0]; }
   explicit operator bool() const { return address_ != nullptr; }
   void* address() const { return address_; }
+  size_t elementBytes() const { return narrow_ ? sizeof(float) : sizeof(double); }
 
  private:
   void* address_;

@@ -13,32 +13,27 @@
 
 namespace ros {
 
-inline void widenFloat(float value, uint8_t* bytes) {
-  uint8_t f[4];
-  memcpy(f, &value, 4);
-  memset(bytes, 0, 8);
-  const uint8_t sign = f[3] & 0x80;
-  uint16_t exponent = static_cast<uint8_t>(f[3] << 1 | f[2] >> 7);
-  f[2] &= 0x7f;
-  if (exponent == 255) {
-    exponent = 2047;
-  } else if (exponent != 0) {
-    exponent += 896;
-  } else if (f[0] | f[1] | f[2]) {
-    exponent = 897;
-    while (!(f[2] & 0x80)) {
-      f[2] = static_cast<uint8_t>(f[2] << 1 | f[1] >> 7);
-      f[1] = static_cast<uint8_t>(f[1] << 1 | f[0] >> 7);
-      f[0] = static_cast<uint8_t>(f[0] << 1);
-      --exponent;
+// Widens the float at `from` to `bytes`, eight of them.
+inline void widenFloat(const void* from, uint8_t* bytes) {
+  uint32_t bits;
+  memcpy(&bits, from, 4);
+  const uint8_t sign = static_cast<const uint8_t*>(from)[3] & 0x80;
+  bits &= 0x7fffffffUL;
+  uint32_t high = 0;
+  if (bits) {
+    // What the exponent's bias grows by.
+    uint32_t bias = 896UL << 20;
+    if (bits >= 0x7f800000UL) {
+      bias = 1920UL << 20;
+    } else if (bits < 0x800000UL) {
+      for (; !(bits & 0x800000UL); bits <<= 1) bias -= 1UL << 20;
     }
-    f[2] &= 0x7f;
+    high = (bits >> 3) + bias;
   }
-  bytes[3] = static_cast<uint8_t>(f[0] << 5);
-  bytes[4] = static_cast<uint8_t>(f[0] >> 3 | f[1] << 5);
-  bytes[5] = static_cast<uint8_t>(f[1] >> 3 | f[2] << 5);
-  bytes[6] = static_cast<uint8_t>(f[2] >> 3 | exponent << 4);
-  bytes[7] = static_cast<uint8_t>(sign | exponent >> 4);
+  bytes[0] = bytes[1] = bytes[2] = 0;
+  bytes[3] = static_cast<uint8_t>(bits << 5);
+  memcpy(bytes + 4, &high, 4);
+  bytes[7] |= sign;
 }
 
 inline float narrowFloat(const uint8_t* bytes) {
@@ -84,7 +79,8 @@ inline void storeFloat64(uint8_t* bytes, double value) {
   if (sizeof(double) == 8) {
     memcpy(bytes, &value, sizeof value);
   } else {
-    widenFloat(static_cast<float>(value), bytes);
+    const float single = static_cast<float>(value);
+    widenFloat(&single, bytes);
   }
 }
 

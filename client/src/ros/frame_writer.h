@@ -6,8 +6,9 @@
 #include <string.h>
 
 #include "flash.h"
+#include "float64.h"
+#include "inlining.h"
 #include "topic_id.h"
-#include "writer.h"
 
 namespace ros {
 
@@ -21,12 +22,12 @@ class FrameSink {
   ~FrameSink() {}
 };
 
-// Archive that sends a message as a frame: its length is known beforehand, its bytes stream through a small
+// Sink that sends a message as a frame: its length is known beforehand, its bytes stream through a small
 // chunk, its checksum is summed up on the way. No buffer for the whole of it.
-class FrameWriter : public Writer<FrameWriter> {
+class FrameWriter {
  public:
-  FrameWriter(FrameSink& sink, uint16_t topic_id, uint16_t length)
-      : sink_(sink), used_(FRAME_HEADER_BYTES), sum_(0), sending_(true) {
+  ROS_NOINLINE FrameWriter(FrameSink& sink, uint16_t topic_id, uint16_t length)
+      : sink_(sink), to_(chunk_ + FRAME_HEADER_BYTES), room_(CHUNK_BYTES - FRAME_HEADER_BYTES), sending_(true) {
     chunk_[0] = FRAME_SYNC;
     chunk_[1] = FRAME_VERSION;
     chunk_[2] = static_cast<uint8_t>(length);
@@ -37,49 +38,85 @@ class FrameWriter : public Writer<FrameWriter> {
     sum_ = static_cast<uint8_t>(chunk_[5] + chunk_[6]);
   }
 
-  void put(const void* bytes, size_t count) {
-    const uint8_t* next = static_cast<const uint8_t*>(bytes);
-    for (; count; --count) put(*next++);
+  ROS_NOINLINE void put(const void* bytes, size_t count) {
+    const uint8_t* from = static_cast<const uint8_t*>(bytes);
+    while (count) {
+      if (room_ == 0) flush();
+      chunk_length part = room_;
+      if (count < part) part = static_cast<chunk_length>(count);
+      room_ = static_cast<chunk_length>(room_ - part);
+      count -= part;
+      uint8_t* to = to_;
+      uint8_t sum = sum_;
+      do {
+        const uint8_t byte = *from++;
+        sum = static_cast<uint8_t>(sum + byte);
+        *to++ = byte;
+      } while (--part);
+      sum_ = sum;
+      to_ = to;
+    }
   }
-  void put(uint8_t byte) {
-    sum_ += byte;
-    if (used_ == sizeof chunk_) flush();
-    chunk_[used_++] = byte;
+  ROS_NOINLINE void widen(const void* floats, size_t bytes) {
+    const uint8_t* from = static_cast<const uint8_t*>(floats);
+    for (const uint8_t* end = from + bytes; from != end; from += 4) {
+      if (room_ < 8) flush();
+      uint8_t* to = to_;
+      widenFloat(from, to);
+      sum_ = static_cast<uint8_t>(sum_ + to[3] + to[4] + to[5] + to[6] + to[7]);
+      to_ = to + 8;
+      room_ = static_cast<chunk_length>(room_ - 8);
+    }
   }
-  void string(const char* text) { Writer<FrameWriter>::string(text); }
-  void string(FlashText text) {
-    const size_t length = ROS_FLASH_LENGTH(text.address);
+  // The four bytes before a string or an array.
+  ROS_NOINLINE void count(size_t length) {
+    const uint32_t prefix = static_cast<uint32_t>(length);
+    put(&prefix, 4);
+  }
+  ROS_NOINLINE void string(const char* text) {
+    const size_t length = text ? strlen(text) : 0;
     count(length);
-    for (size_t i = 0; i < length; ++i) put(static_cast<uint8_t>(ROS_READ_FLASH(text.address + i)));
+    put(text, length);
+  }
+  ROS_NOINLINE void string(FlashText text) {
+    count(ROS_FLASH_LENGTH(text.address));
+    for (;; ++text.address) {
+      const uint8_t byte = static_cast<uint8_t>(ROS_READ_FLASH(text.address));
+      if (byte == 0) return;
+      put(&byte, 1);
+    }
   }
 
   // Ends the frame; false if the line did not take all of it.
-  bool finish() {
-    put(static_cast<uint8_t>(255 - sum_));
+  ROS_NOINLINE bool finish() {
+    const uint8_t check = static_cast<uint8_t>(255 - sum_);
+    put(&check, 1);
     flush();
     return sending_;
   }
 
  private:
-  void flush() {
-    if (sending_) sending_ = sink_.transmit(chunk_, used_);
-    used_ = 0;
+  // On a network each chunk becomes a packet: where memory is no matter, most frames should fit into one.
+#if defined(__AVR__)
+  typedef uint8_t chunk_length;
+  static const chunk_length CHUNK_BYTES = 64;
+#else
+  typedef uint16_t chunk_length;
+  static const chunk_length CHUNK_BYTES = 1024;
+#endif
+
+  ROS_NOINLINE void flush() {
+    if (sending_) sending_ = sink_.transmit(chunk_, static_cast<uint16_t>(to_ - chunk_));
+    to_ = chunk_;
+    room_ = CHUNK_BYTES;
   }
 
   FrameSink& sink_;
-#if defined(__AVR__)
-  uint8_t used_;
-#else
-  uint16_t used_;
-#endif
+  uint8_t* to_;
+  chunk_length room_;
   uint8_t sum_;
   bool sending_;
-  // On a network each chunk becomes a packet: where memory is no matter, most frames should fit into one.
-#if defined(__AVR__)
-  uint8_t chunk_[64];
-#else
-  uint8_t chunk_[1024];
-#endif
+  uint8_t chunk_[CHUNK_BYTES];
 };
 
 }  // namespace ros

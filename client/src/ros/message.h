@@ -17,6 +17,7 @@
 #include "length_counter.h"
 #include "reader.h"
 #include "time.h"
+#include "writer.h"
 
 // Name and md5sum of a message: getType and getMD5 for the sketch, and the same texts in flash for the wire.
 #define ROS_MESSAGE_TYPE(type, md5)                        \
@@ -48,9 +49,11 @@ class Message {
 
   // Writes the message and returns its length. The buffer must hold serializedLength() bytes.
   int serialize(unsigned char* buffer) const {
-    BufferWriter writer(buffer);
+    BufferWriter sink(buffer);
+    Writer<BufferWriter> writer(sink);
     M::_fields(writer, self());
-    return static_cast<int>(writer.length());
+    writer.finish();
+    return static_cast<int>(sink.length());
   }
 
   // The same, or -1 and nothing written if the message does not fit into `capacity` bytes.

@@ -21,7 +21,7 @@ class Msg {
   virtual const char* getMD5() = 0;
 
   static int serializeAvrFloat64(unsigned char* outbuffer, const float value) {
-    widenFloat(value, outbuffer);
+    widenFloat(&value, outbuffer);
     return 8;
   }
   static int deserializeAvrFloat64(const unsigned char* inbuffer, float* value) {

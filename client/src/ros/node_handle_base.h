@@ -69,7 +69,8 @@ class NodeHandleBase_ : public FrameSink {
     requested_ms_ = shortTime();
     awaiting_time_ = true;
     FrameWriter writer(*this, ID_TIME, 8);
-    writer.value(Time());
+    const Time unused;
+    writer.put(&unused, 8);
     writer.finish();
   }
 
@@ -89,7 +90,7 @@ class NodeHandleBase_ : public FrameSink {
   template <class Text>
   void log(uint8_t level, Text text) {
     FrameWriter writer(*this, ID_LOG, static_cast<uint16_t>(5 + lengthOf(text)));
-    writer.put(level);
+    writer.put(&level, 1);
     writer.string(text);
     writer.finish();
   }
@@ -242,7 +243,7 @@ class NodeHandleBase_ : public FrameSink {
   void announce(uint8_t role, const char* topic, uint16_t id, Text type, Text md5, uint16_t buffer_bytes) {
     const size_t length = 2 + 4 + lengthOf(topic) + 4 + lengthOf(type) + 4 + lengthOf(md5) + 4;
     FrameWriter writer(*this, role, static_cast<uint16_t>(length));
-    writer.value(id);
+    writer.put(&id, 2);
     writer.string(topic);
     writer.string(type);
     writer.string(md5);

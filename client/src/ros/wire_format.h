@@ -9,9 +9,11 @@
 #include "field_kind.h"
 #include "flash.h"
 #include "frame_writer.h"
+#include "inlining.h"
 #include "length_counter.h"
 #include "msg.h"
 #include "reader.h"
+#include "writer.h"
 
 namespace ros {
 
@@ -27,12 +29,16 @@ struct WireFormat {
   class Written {
    public:
     explicit Written(const M& message) : message_(message) {}
-    size_t length() const {
+    ROS_FLATTEN size_t length() const {
       LengthCounter counter;
       M::_fields(counter, message_);
       return counter.length();
     }
-    void write(FrameWriter& writer) const { M::_fields(writer, message_); }
+    ROS_FLATTEN void write(FrameWriter& frame) const {
+      Writer<FrameWriter> writer(frame);
+      M::_fields(writer, message_);
+      writer.finish();
+    }
 
    private:
     const M& message_;
@@ -52,7 +58,7 @@ struct WireFormat<M, false> {
    public:
     explicit Written(const Msg& message) : length_(static_cast<size_t>(message.serialize(bytes_))) {}
     size_t length() const { return length_; }
-    void write(FrameWriter& writer) const { writer.put(bytes_, length_); }
+    void write(FrameWriter& frame) const { frame.put(bytes_, length_); }
 
    private:
 #if defined(__AVR__)

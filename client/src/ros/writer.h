@@ -7,32 +7,34 @@
 
 #include "arrays.h"
 #include "field_kind.h"
-#include "float64.h"
 
 namespace ros {
 
-// Archive that writes a message as ROS 1 serialization: what all writers share. Sink has
-// `void put(const void* bytes, size_t count)`.
+// Archive that writes a message as ROS 1 serialization.
+//
+// Fields that lie one after the other in memory, and in the same form as on the wire, are written as one run. Where
+// they lie is known to the compiler, so a function that writes a message is ROS_FLATTEN: nothing of the search for runs
+// is left in it, only a call for each of them.
+//
+// Sink has `void put(const void* bytes, size_t count)`, `void widen(const void* floats, size_t bytes)` for the doubles
+// of an AVR, `void count(size_t)` and `void string(const char*)`.
 template <class Sink>
 class Writer {
  public:
+  explicit Writer(Sink& sink) : sink_(sink), run_(nullptr), run_bytes_(0), is_narrow_(false) {}
+
   template <class T>
   void value(const T& field) {
-    sink().put(&field, sizeof(T));
+    extend(&field, sizeof(T), false);
   }
-  void value(const double& field) {
-    uint8_t bytes[8];
-    storeFloat64(bytes, field);
-    sink().put(bytes, 8);
-  }
+  void value(const double& field) { extend(&field, sizeof(double), sizeof(double) != 8); }
   void string(const char* text) {
-    const size_t length = text ? strlen(text) : 0;
-    count(length);
-    sink().put(text, length);
+    finish();
+    sink_.string(text);
   }
   template <class M>
   void message(const M& part) {
-    M::_fields(sink(), part);
+    M::_fields(*this, part);
   }
 
   template <class T, size_t N>
@@ -43,47 +45,70 @@ class Writer {
   void sequence(T* array, array_length length) {
     count(length);
     elements(array, length, typename FieldKind<T>::type());
+    finish();
   }
   void sequence(const Float64Pointer& array, array_length length) {
     count(length);
-    for (size_t i = 0; i < length; ++i) value(static_cast<double>(array[i]));
+    extend(array.address(), array.elementBytes() * length, array.elementBytes() != 8);
+    finish();
   }
   void sequence64(const unaligned_int64* array, array_length length) { words(array, length); }
   void sequence64(const unaligned_uint64* array, array_length length) { words(array, length); }
 
-  // The four bytes before a string or an array.
-  void count(size_t length) {
-    const uint32_t prefix = static_cast<uint32_t>(length);
-    sink().put(&prefix, 4);
+  // Writes the last run: to be called at the end.
+  void finish() {
+    if (run_bytes_ && is_narrow_) sink_.widen(run_, run_bytes_);
+    if (run_bytes_ && !is_narrow_) sink_.put(run_, run_bytes_);
+    run_bytes_ = 0;
   }
 
- protected:
-  constexpr Writer() {}
-
  private:
+  void extend(const void* field, size_t bytes, bool is_narrow) {
+    if (run_bytes_ && is_narrow == is_narrow_ && run_ + run_bytes_ == static_cast<const uint8_t*>(field)) {
+      run_bytes_ += bytes;
+      return;
+    }
+    finish();
+    run_ = static_cast<const uint8_t*>(field);
+    run_bytes_ = bytes;
+    is_narrow_ = is_narrow;
+  }
+  void count(size_t length) {
+    finish();
+    sink_.count(length);
+  }
   void words(const void* array, array_length length) {
     count(length);
-    sink().put(array, static_cast<size_t>(length) * 8);
+    sink_.put(array, static_cast<size_t>(length) * 8);
   }
 
   template <class T>
   void elements(const T* array, size_t length, BlockKind) {
-    sink().put(array, length * sizeof(T));
+    extend(array, length * sizeof(T), false);
   }
   template <class T>
   void elements(const T* array, size_t length, Float64Kind) {
-    for (size_t i = 0; i < length; ++i) value(array[i]);
+    extend(array, length * sizeof(T), true);
   }
   template <class T>
   void elements(const T* array, size_t length, StringKind) {
-    for (size_t i = 0; i < length; ++i) string(array[i]);
+    finish();
+    for (size_t i = 0; i < length; ++i) sink_.string(array[i]);
   }
   template <class T>
   void elements(const T* array, size_t length, MessageKind) {
-    for (size_t i = 0; i < length; ++i) message(array[i]);
+    finish();
+    for (size_t i = 0; i < length; ++i) {
+      Writer element(sink_);
+      element.message(array[i]);
+      element.finish();
+    }
   }
 
-  Sink& sink() { return static_cast<Sink&>(*this); }
+  Sink& sink_;
+  const uint8_t* run_;
+  size_t run_bytes_;
+  bool is_narrow_;
 };
 
 }  // namespace ros
