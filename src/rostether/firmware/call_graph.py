@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import bisect
 import re
 from collections.abc import Callable, Iterable, Iterator
 from functools import cached_property
 
 from rostether.firmware.avr_code import Op, decode
-from rostether.firmware.avr_pointers import PLAIN, table_functions
+from rostether.firmware.avr_pointers import PLAIN, UNKNOWN, table_functions
+from rostether.firmware.dwarf import code_ranges
 from rostether.firmware.elf import ElfFile, Symbol
 from rostether.firmware.stack_walk import Code, Walk, walk
 
@@ -18,6 +20,8 @@ _LARGE_FLASH = 6  # avr6: 22 bits of program counter
 _VECTOR = re.compile(r"__vector_\d+")
 _CONSTRUCTORS = "_GLOBAL__sub_I_"
 _VIRTUAL_TABLE = "_ZTV"
+_NODE_TABLE = "_ZTVN3ros"
+_CORE_FOLDER = "/cores/"
 _TABLES_END = "__ctors_start"
 # It ends the program, and stands in the tables of all abstract classes.
 _PURE_VIRTUAL = "__cxa_pure_virtual"
@@ -48,6 +52,7 @@ class CallGraph:
             for each in self._functions
             if each.kind == _FUNCTION and each.name != _PURE_VIRTUAL
         }
+        self._ranges = code_ranges(elf)
         self._walks: dict[int, Walk] = {}
         self._calls: dict[int, dict[int, int]] = {}
 
@@ -83,7 +88,7 @@ class CallGraph:
             here = self.walk(entry)
             calls = dict(here.calls)
             for kind, depth in here.indirect.items():
-                for target in self._targets(kind):
+                for target in self._targets(kind, entry):
                     calls[target] = max(calls.get(target, 0), depth)
             self._calls[entry] = calls
         return self._calls[entry]
@@ -99,24 +104,27 @@ class CallGraph:
                 pending += self.calls(entry) if through_pointers else self.walk(entry).calls
         return list(seen)
 
-    def _targets(self, kind: int) -> Iterable[int]:
+    def _targets(self, kind: int, caller: int) -> Iterable[int]:
         """Return the functions that a call through a kind of pointer may reach."""
         if kind == PLAIN:
             return self._plain_targets
-        virtual = self._virtual_targets
-        if kind >= 0:
-            return virtual.get(kind, [])
-        return {*self._plain_targets, *(each for slot in virtual.values() for each in slot)}
+        # The Arduino core calls what is derived from its own classes, and no node handle is.
+        hidden = _NODE_TABLE if self._is_of_core(caller) else None
+        virtual = {
+            self._starts[word]
+            for table in self._tables
+            for offset, word in table_functions(self._elf.read_at(table.address, table.size)).items()
+            if word in self._starts
+            and kind in (UNKNOWN, offset)
+            and not (hidden and table.name.startswith(hidden))
+        }
+        return virtual if kind != UNKNOWN else {*self._plain_targets, *virtual}
 
-    @cached_property
-    def _virtual_targets(self) -> dict[int, list[int]]:
-        """What virtual tables have in the slots of one offset."""
-        slots: dict[int, list[int]] = {}
-        for table in self._tables:
-            for offset, word in table_functions(self._elf.read_at(table.address, table.size)).items():
-                if word in self._starts:
-                    slots.setdefault(offset, []).append(self._starts[word])
-        return slots
+    def _is_of_core(self, entry: int) -> bool:
+        # Into main goes what the sketch does.
+        index = bisect.bisect_right(self._ranges, entry, key=lambda each: each.start) - 1
+        file = self._ranges[index].file if index >= 0 and entry < self._ranges[index].end else ""
+        return _CORE_FOLDER in file and self.name(entry) != "main"
 
     @cached_property
     def _plain_targets(self) -> list[int]:

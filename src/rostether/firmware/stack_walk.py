@@ -118,7 +118,8 @@ def _step(
         case Op.CALL:
             if instruction.target == following:  # rcall .+0 makes room for a frame
                 return [(following, (depth + code.return_bytes, frame))]
-            _add(found.calls, instruction.target, depth + code.return_bytes, found)
+            if instruction.target:  # else nobody has defined the function, and the call is never reached
+                _add(found.calls, instruction.target, depth + code.return_bytes, found)
             return [(following, state)]
         case Op.INDIRECT_CALL:
             _add(found.indirect, pointer_kind(code.flash, address), depth + code.return_bytes, found)
@@ -167,8 +168,6 @@ def _jump(
 
 
 def _add(calls: dict[int, int], target: int, depth: int, found: Walk) -> None:
-    if target == 0:
-        return  # a function that nobody has defined; such a call is never reached
     calls[target] = max(calls.get(target, 0), depth)
     found.depth_bytes = max(found.depth_bytes, depth)
 

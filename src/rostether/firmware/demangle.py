@@ -1,0 +1,40 @@
+"""C++ names as people write them."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+import shutil
+from collections.abc import Iterable
+
+_PROGRAMS = ("avr-c++filt", "c++filt")
+_CLONE = re.compile(r"( \[clone [^\]]*\]|\.(?:constprop|isra|part|lto_priv|cold)(?:\.\d+)*)+")
+_ABBREVIATIONS = (("unsigned char", "uint8_t"), ("unsigned int", "uint16_t"), ("unsigned long", "uint32_t"))
+
+
+async def demangle(names: Iterable[str]) -> dict[str, str]:
+    """Return readable names for those of a linker; names stay as they are where no c++filt is installed."""
+    wanted = sorted(set(names))
+    program = next((found for each in _PROGRAMS if (found := shutil.which(each))), None)
+    readable = wanted
+    if program is not None and wanted:
+        process = await asyncio.create_subprocess_exec(
+            program, stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE
+        )
+        output, _ = await process.communicate("\n".join(wanted).encode())
+        lines = output.decode("utf-8", "replace").splitlines()
+        readable = lines if len(lines) == len(wanted) else wanted
+    return {name: _CLONE.sub("", text) for name, text in zip(wanted, readable, strict=True)}
+
+
+def shorten(name: str) -> str:
+    """Return a function's name without its parameters' types, which do not fit a table."""
+    depth = 0
+    for index, character in enumerate(name):
+        depth += (character == "<") - (character == ">")
+        if character == "(" and depth == 0 and index and not name.endswith("operator"):
+            name = name[:index] + "()"
+            break
+    for long, short in _ABBREVIATIONS:
+        name = name.replace(long, short)
+    return name.removeprefix("void ")

@@ -1,0 +1,192 @@
+"""Which topics and services a sketch has, and whether their messages fit the buffer that takes messages in.
+
+What a program's own variables tell counts first: an endpoint points to its topic and to a function that is
+named for its type. Where it is put together only at run time, the sketch's text is read instead.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rostether.errors import RostetherError
+from rostether.firmware.dwarf_variables import Variable, read_variables
+from rostether.firmware.elf import ElfFile
+
+if TYPE_CHECKING:
+    from rostether.msgdef.registry import Registry
+
+MAX_TOPIC_BYTES = 128
+MAX_VARIABLE_BYTES = 64
+"""An endpoint takes some ten bytes; a large variable that happens to be called so is not searched."""
+
+_CLASSES = {
+    "ros::Publisher": "publishes",
+    "ros::Subscriber": "subscribes",
+    "ros::ServiceServer": "serves",
+    "ros::ServiceClient": "calls",
+}
+_TYPES = re.compile(
+    r"ros::(?:Publisher::\w+<(?P<published>[\w:]+)>"
+    r"|(?:Subscriber|ServiceServer|ServiceClient)<(?P<others>[\w:]+(?:, [\w:]+)?))"
+)
+_NODE_HANDLE = re.compile(r"ros::NodeHandle_<[^<>]*?, (\d+), (\d+), (\d+), (\d+)")
+_WIDTHS = {
+    **dict.fromkeys(("bool", "int8", "uint8", "byte", "char"), 1),
+    **dict.fromkeys(("int16", "uint16"), 2),
+    **dict.fromkeys(("int32", "uint32", "float32", "string"), 4),
+    **dict.fromkeys(("int64", "uint64", "float64", "time", "duration"), 8),
+}
+_LENGTH_BYTES = 4
+
+
+@dataclass(frozen=True, slots=True)
+class Endpoint:
+    """One topic or service of a sketch.
+
+    `smallest_bytes` is the message with all texts and arrays empty, `is_fixed` whether it has none of them;
+    `incoming_bytes` is what must fit the buffer at least, None for what is only sent.
+    """
+
+    role: str
+    name: str
+    topic: str
+    type_name: str
+    smallest_bytes: int
+    is_fixed: bool
+    incoming_bytes: int | None
+
+    def note(self, buffer_bytes: int) -> str:
+        """Return what its size means for the buffer, in a phrase."""
+        if self.incoming_bytes is None:
+            return "sent as it is written: no buffer"
+        if not buffer_bytes:
+            return ""
+        if self.incoming_bytes > buffer_bytes:
+            return f"never arrives: the buffer has {buffer_bytes}"
+        if self.is_fixed:
+            return "fits"
+        left = buffer_bytes - self.incoming_bytes
+        return f"fits with up to {left} bytes of text and arrays"
+
+
+def input_buffer_bytes(readable: Mapping[str, str]) -> int:
+    """Return the longest message that the node handle takes in; 0 for a sketch without one."""
+    sizes = [int(match[3]) for name in readable.values() if (match := _NODE_HANDLE.search(name))]
+    return max(sizes, default=0)
+
+
+def find_endpoints(
+    elf: ElfFile, readable: Mapping[str, str], registry: Registry, sources: Sequence[Path]
+) -> list[Endpoint]:
+    """Return a sketch's topics and services; those whose type cannot be told are left out."""
+    variables = read_variables(elf)
+    finder = _Finder(elf, readable, variables, "".join(_read(sources)))
+    found = []
+    for variable in variables:
+        role = _CLASSES.get(variable.type_name)
+        if role is None:
+            continue
+        types = finder.types(variable)
+        if types:
+            found += list(_endpoint(role, variable.name, finder.topic(variable), types, registry))
+    return found
+
+
+class _Finder:
+    def __init__(
+        self, elf: ElfFile, readable: Mapping[str, str], variables: Sequence[Variable], text: str
+    ) -> None:
+        self._elf = elf
+        self._text = text
+        self._types = {each.name: each.type_name for each in variables}
+        self._sizes = {each.address: each.size for each in elf.symbols if each.size}
+        self._functions = {
+            each.address // 2: readable.get(each.name, each.name)
+            for each in elf.symbols
+            if each.section == ".text"
+        }
+
+    def types(self, variable: Variable) -> list[str]:
+        """Return the types of an endpoint, `package::Name`: one, or a service's two."""
+        for word in self._words(variable):
+            match = _TYPES.search(self._functions.get(word, ""))
+            if match is not None:
+                return _message_types(match["published"] or match["others"])
+        declared = re.search(rf"<\s*([\w:,\s]+?)\s*>\s*{re.escape(variable.name)}\s*[({{]", self._text)
+        if declared is not None:
+            return _message_types(declared[1])
+        given = re.search(rf"\b{re.escape(variable.name)}\s*\(\s*\"[^\"]*\"\s*,\s*&\s*(\w+)", self._text)
+        name = self._types.get(given[1], "") if given is not None else ""
+        return [name] if name else []
+
+    def topic(self, variable: Variable) -> str:
+        """Return the name an endpoint was given, or an empty text."""
+        data = self._elf.section(".data")
+        for word in self._words(variable):
+            address = (data.address & ~0xFFFF | word) if data is not None else 0
+            text = self._elf.read_at(address, MAX_TOPIC_BYTES).partition(b"\0")
+            if text[1] and re.fullmatch(rb"[~/]?[A-Za-z][\w/]*", text[0]):
+                return text[0].decode("ascii")
+        given = re.search(rf"\b{re.escape(variable.name)}\s*\(\s*\"([^\"]*)\"", self._text)
+        return given[1] if given is not None else ""
+
+    def _words(self, variable: Variable) -> Iterator[int]:
+        size = min(self._sizes.get(variable.address, 0), MAX_VARIABLE_BYTES)
+        data = self._elf.read_at(variable.address, size)
+        return (data[i] | data[i + 1] << 8 for i in range(0, len(data) - 1, 2))
+
+
+def _message_types(text: str) -> list[str]:
+    # Behind a subscriber's message stands the class of the object whose member is called.
+    parts = [each.strip() for each in text.split(",")]
+    return [each for each in parts if each.count("::") == 1 and not each.startswith("ros::")]
+
+
+def _endpoint(
+    role: str, name: str, topic: str, types: Sequence[str], registry: Registry
+) -> Iterator[Endpoint]:
+    incoming = {"publishes": None, "subscribes": 0, "serves": 0, "calls": -1}[role]
+    try:
+        sizes = [_smallest(registry, each) for each in types]
+    except RostetherError:
+        return
+    counted = None if incoming is None else sizes[incoming]
+    shown = sizes[0] if counted is None else counted
+    type_name = types[0].replace("::", "/")
+    if role in ("serves", "calls"):
+        type_name = re.sub(r"(Request|Response)$", "", type_name)
+    yield Endpoint(role, name, topic, type_name, shown[0], shown[1], None if counted is None else counted[0])
+
+
+def _smallest(registry: Registry, type_name: str) -> tuple[int, bool]:
+    """Return the bytes of a message whose texts and arrays are empty, and whether it has none of them."""
+    full_name = type_name.replace("::", "/")
+    service = re.fullmatch(r"(.+?)(Request|Response)", full_name)
+    if service is not None and service[1] in registry.services(full_name.partition("/")[0]):
+        spec = registry.service(service[1])
+        half = spec.request if service[2] == "Request" else spec.response
+    else:
+        half = registry.message(full_name)
+    size, is_fixed = 0, True
+    for each in half.fields:
+        own, own_fixed = (
+            (_WIDTHS[each.type.base], each.type.base != "string")
+            if each.type.base in _WIDTHS
+            else _smallest(registry, each.type.base)
+        )
+        if each.type.is_array and each.type.length is None:
+            own, own_fixed = _LENGTH_BYTES, False
+        elif each.type.is_array:
+            own *= each.type.length or 0
+        size += own
+        is_fixed = is_fixed and own_fixed
+    return size, is_fixed
+
+
+def _read(sources: Sequence[Path]) -> Iterator[str]:
+    for each in sources:
+        yield each.read_text(encoding="utf-8", errors="replace")

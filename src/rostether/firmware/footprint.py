@@ -1,0 +1,304 @@
+"""What a program takes of a board's flash and RAM, what takes it, and whether the stack will find room.
+
+Flash is what avr-size calls text and data, RAM its data and bss. Code is sorted by the file it was written in,
+inlined code included; a variable by its type, else by the file that declares it.
+"""
+
+from __future__ import annotations
+
+import bisect
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from rostether.firmware.boards import Board
+from rostether.firmware.build import BuiltFirmware
+from rostether.firmware.demangle import demangle, shorten
+from rostether.firmware.dwarf import CodeRange, code_ranges
+from rostether.firmware.dwarf_variables import Variable, read_variables
+from rostether.firmware.elf import ElfFile, Section, Symbol
+from rostether.firmware.libraries import Origin
+from rostether.firmware.origins import RUNTIME, START, TEXTS, Origins
+from rostether.firmware.stack import StackEstimate, estimate_stack
+
+MARGIN_BYTES = 64
+"""What must be left beside the estimated stack: a second interrupt's registers, and code we read wrongly."""
+
+LARGEST_ITEMS = 5
+"""More names for a group than these do not tell more."""
+
+_OBJECT = 1
+_MANGLED = re.compile(r"_Z\w+")
+_START_SYMBOLS = re.compile(
+    r"__vectors|__ctors|__dtors|__init|__trampolines|__bad_interrupt|__do_(copy|clear|global)"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """A function or a variable by name, with what it takes; a variable that begins with a value takes both."""
+
+    name: str
+    group: str
+    flash_bytes: int
+    ram_bytes: int
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """What one origin takes altogether, and the largest of its functions and variables."""
+
+    name: str
+    flash_bytes: int
+    ram_bytes: int
+    largest: tuple[Item, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Footprint:
+    """The measure of a program. Limits are 0 where they are not known; `stack` is None for other than AVR."""
+
+    board: Board
+    flash_bytes: int
+    ram_bytes: int
+    groups: tuple[Group, ...]
+    stack: StackEstimate | None
+
+    @property
+    def flash_limit_bytes(self) -> int:
+        """What the boot loader leaves of the flash."""
+        return self.board.flash_bytes
+
+    @property
+    def ram_limit_bytes(self) -> int:
+        """The board's RAM."""
+        return self.board.ram_bytes
+
+    @property
+    def free_ram_bytes(self) -> int:
+        """What is left beside variables and the estimated stack; negative when they do not fit."""
+        return self.ram_limit_bytes - self.ram_bytes - (self.stack.total_bytes if self.stack else 0)
+
+    @property
+    def fits(self) -> bool:
+        """Whether it can be flashed at all, as the IDE decides that: without the stack."""
+        return not self.refusals()
+
+    def refusals(self) -> list[str]:
+        """Return why the board cannot take it, a line each."""
+        lines = []
+        if self.flash_limit_bytes and self.flash_bytes > self.flash_limit_bytes:
+            over = self.flash_bytes - self.flash_limit_bytes
+            lines.append(
+                f"{self.flash_bytes} bytes of flash do not fit the {self.flash_limit_bytes} that "
+                f"{self.board.title} has for programs: {over} too many; {self._advice('flash_bytes')}"
+            )
+        if self.ram_limit_bytes and self.ram_bytes > self.ram_limit_bytes:
+            over = self.ram_bytes - self.ram_limit_bytes
+            lines.append(
+                f"variables of {self.ram_bytes} bytes do not fit the {self.ram_limit_bytes} bytes of RAM of "
+                f"{self.board.title}: {over} too many; {self._advice('ram_bytes')}"
+            )
+        return lines
+
+    def warnings(self) -> list[str]:
+        """Return what will go wrong while it runs, a line each."""
+        if not self.ram_limit_bytes or self.stack is None or self.ram_bytes > self.ram_limit_bytes:
+            return []
+        if self.free_ram_bytes >= MARGIN_BYTES:
+            return []
+        return [
+            f"variables ({self.ram_bytes} bytes) and stack (up to {self.stack.total_bytes}) leave "
+            f"{self.free_ram_bytes} of {self.ram_limit_bytes} bytes of RAM: the stack may overwrite "
+            f"variables; {self._advice('ram_bytes')}"
+        ]
+
+    def _advice(self, what: str) -> str:
+        items = [each for group in self.groups for each in group.largest]
+        largest = max(items, key=lambda each: getattr(each, what), default=None)
+        if largest is None:
+            return "make it smaller"
+        return f"the largest is {largest.name} of {largest.group} ({getattr(largest, what)} bytes)"
+
+
+async def measure(elf: Path, board: Board, origins: Origins | None = None) -> Footprint:
+    """Measure an ELF file for a board. Raises FirmwareError when it is none."""
+    file = ElfFile.read(elf)
+    origins = origins or Origins()
+    stack = estimate_stack(file) if file.is_avr else None
+    names = {each.name for each in file.symbols}
+    readable = await demangle(names)
+    counted = _Count(file, origins, readable)
+    return Footprint(
+        board=board,
+        flash_bytes=file.flash_bytes,
+        ram_bytes=file.ram_bytes,
+        groups=tuple(counted.groups()),
+        stack=None if stack is None else _readable_stack(stack, readable),
+    )
+
+
+async def measure_built(built: BuiltFirmware) -> Footprint:
+    """Measure what was built, with the sketch's folder and its libraries told apart."""
+    libraries = [(each.name, each.folder) for each in built.libraries if each.origin is not Origin.ROS]
+    return await measure(built.elf, built.board, Origins(built.sketch.folder, libraries))
+
+
+class _Count:
+    """Gives each byte of a program to a group, and each symbol to a name."""
+
+    def __init__(self, elf: ElfFile, origins: Origins, readable: Mapping[str, str]) -> None:
+        self._elf = elf
+        self._origins = origins
+        self._readable = readable
+        self._ranges = code_ranges(elf)
+        self._starts = [each.start for each in self._ranges]
+        self._variables: dict[int, Variable] = {each.address: each for each in read_variables(elf)}
+        self._scopes = dict(self._scope_groups())
+        self._groups: dict[str, list[int]] = {}
+        self._items: list[Item] = []
+
+    def groups(self) -> list[Group]:
+        """Return the groups, those that take most first."""
+        for section in self._elf.sections:
+            if self._elf.in_memory(section):
+                self._count(section)
+        found = [
+            Group(name, flash, ram, tuple(self._largest(name)))
+            for name, (flash, ram) in self._groups.items()
+            if flash or ram
+        ]
+        return sorted(found, key=lambda group: (-group.flash_bytes - group.ram_bytes, group.name))
+
+    def _largest(self, group: str) -> Sequence[Item]:
+        own = [each for each in self._items if each.group == group]
+        return sorted(own, key=lambda each: -each.flash_bytes - each.ram_bytes)[:LARGEST_ITEMS]
+
+    def _count(self, section: Section) -> None:
+        position = section.address
+        end = section.address + section.size
+        for symbol in self._sized(section):
+            # Aliases and overlapping symbols count once.
+            start = max(symbol.address, position)
+            stop = min(symbol.address + symbol.size, end)
+            if stop <= start:
+                continue
+            self._count_unnamed(section, position, start)
+            self._count_symbol(section, symbol, start, stop)
+            position = stop
+        self._count_unnamed(section, position, end)
+
+    def _count_symbol(self, section: Section, symbol: Symbol, start: int, stop: int) -> None:
+        name = self._readable.get(symbol.name, symbol.name)
+        if section.is_writable or symbol.kind == _OBJECT:
+            group = self._group_of_data(symbol, name) or RUNTIME
+            self._add(group, section, stop - start)
+        else:
+            group = self._group_of_code(start, name)
+            for each, size in self._share(start, stop, group).items():
+                self._add(each, section, size)
+        flash = stop - start if section.has_bits else 0
+        ram = stop - start if section.is_writable else 0
+        self._items.append(Item(_plain(shorten(name)), group, flash, ram))
+
+    def _group_of_code(self, start: int, name: str) -> str:
+        """Return whose a function is: of whoever wrote its first line, whatever is inlined in it."""
+        first = next(self._ranges_between(start, start + 1), None)
+        by_file = None if first is None else self._origins.of_file(first.file)
+        runtime = START if _START_SYMBOLS.match(name) else RUNTIME
+        return by_file or self._origins.of_name(name) or runtime
+
+    def _group_of_data(self, symbol: Symbol, name: str) -> str | None:
+        variable = self._variables.get(symbol.address)
+        by_name = self._origins.of_name(name) or self._scopes.get(_scope(name))
+        if variable is None:
+            return by_name
+        type_name = variable.type_name
+        by_type = self._origins.of_name(type_name) or self._scopes.get(_scope(f"{type_name}::"))
+        return by_type or by_name or self._origins.of_file(variable.file)
+
+    def _scope_groups(self) -> Iterator[tuple[str, str]]:
+        """Yield the classes that have functions here, with the group of the file that these stand in."""
+        for symbol in self._elf.symbols:
+            scope = _scope(self._readable.get(symbol.name, symbol.name))
+            if scope and symbol.section == ".text" and symbol.kind != _OBJECT:
+                yield scope, self._group_of_code(symbol.address, scope)
+
+    def _count_unnamed(self, section: Section, start: int, stop: int) -> None:
+        if stop <= start:
+            return
+        if section.is_writable:
+            self._add(TEXTS if section.has_bits else RUNTIME, section, stop - start)
+            return
+        for group, size in self._share(start, stop, None).items():
+            self._add(group, section, size)
+
+    def _share(self, start: int, stop: int, otherwise: str | None) -> dict[str, int]:
+        """Return how many bytes of a stretch of code come from which group."""
+        shares: dict[str, int] = {}
+        position = start
+        for each in self._ranges_between(start, stop):
+            self._give(shares, position, each.start, otherwise)
+            group = self._origins.of_file(each.file) or otherwise or RUNTIME
+            first, position = max(each.start, position), min(each.end, stop)
+            shares[group] = shares.get(group, 0) + max(position - first, 0)
+        self._give(shares, position, stop, otherwise)
+        return {group: size for group, size in shares.items() if size}
+
+    def _give(self, shares: dict[str, int], start: int, stop: int, otherwise: str | None) -> None:
+        if stop > start:
+            group = otherwise or self._unnamed_group(start)
+            shares[group] = shares.get(group, 0) + stop - start
+
+    def _unnamed_group(self, address: int) -> str:
+        """Return the group of code that no symbol with a size covers: the start, or an assembler's routine."""
+        before = [
+            each.name for each in self._elf.symbols if each.section == ".text" and each.address <= address
+        ]
+        return START if not before or _START_SYMBOLS.match(before[-1]) else RUNTIME
+
+    def _ranges_between(self, start: int, stop: int) -> Iterator[CodeRange]:
+        index = max(bisect.bisect_right(self._starts, start) - 1, 0)
+        for each in self._ranges[index:]:
+            if each.start >= stop:
+                return
+            if each.end > start:
+                yield each
+
+    def _sized(self, section: Section) -> list[Symbol]:
+        found = [each for each in self._elf.symbols if each.section == section.name and each.size]
+        return sorted(found, key=lambda symbol: (symbol.address, -symbol.size))
+
+    def _add(self, group: str, section: Section, size: int) -> None:
+        counted = self._groups.setdefault(group, [0, 0])
+        counted[0] += size if section.has_bits else 0
+        counted[1] += size if section.is_writable else 0
+
+
+def _scope(name: str) -> str:
+    """Return the class or namespace that a readable name begins with."""
+    if name.startswith("vtable for "):
+        name = name.removeprefix("vtable for ") + "::"
+    scope, separator, _ = name.removeprefix("void ").partition("::")
+    return scope if separator and "(" not in scope else ""
+
+
+def _plain(name: str) -> str:
+    """Return a name that says what a symbol of the compiler's own is."""
+    if name.startswith(("_GLOBAL__sub_I", "global constructors")):
+        return "constructors of global objects"
+    name = re.sub(r"^__vector_(\d+)$", r"interrupt \1", name)
+    return "main, with setup and loop" if name == "main" else name
+
+
+def _readable_stack(stack: StackEstimate, readable: Mapping[str, str]) -> StackEstimate:
+    def name(mangled: str) -> str:
+        return _plain(shorten(readable.get(mangled, mangled)))
+
+    return replace(
+        stack,
+        way=tuple(name(each) for each in stack.way),
+        interrupt_way=tuple(name(each) for each in stack.interrupt_way),
+        unknown=tuple(_MANGLED.sub(lambda match: name(match[0]), each) for each in stack.unknown),
+    )

@@ -1,0 +1,61 @@
+"""Whose code it is: the sketch's, a message's, the ROS node's, a library's, the core's or the compiler's."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+SKETCH = "your sketch"
+MESSAGES = "messages"
+NODE = "ROS node"
+SERIAL = "Serial"
+CORE = "Arduino core"
+RUNTIME = "C library and arithmetic"
+TEXTS = "texts and constants in RAM"
+START = "start-up and interrupt table"
+
+_INO = (".ino", ".pde")
+_ROS_FOLDERS = ("ros", "tf")
+_SERIAL_FILE = re.compile(r"/(HardwareSerial\w*|CDC|USBCore|PluggableUSB|USBAPI|SoftwareSerial)\.(cpp|h)$")
+_CORE_FILE = re.compile(r"/(cores|variants)/[^/]+/[^/]+$")
+_ROS_FILE = re.compile(r".*/ros_lib/(?:src/)?(?P<rest>.+)$")
+_SERIAL_NAME = re.compile(r"\b(HardwareSerial|Serial_|USBDevice_?|Serial\d?)\b")
+_MESSAGE_NAME = re.compile(r"\b(\w+_msgs|\w+_srvs|tf|\w+_interfaces)::")
+
+
+@dataclass(frozen=True, slots=True)
+class Origins:
+    """Tells whose a file or a name is. `libraries` are names with the folders they stand in."""
+
+    sketch_folder: Path | None = None
+    libraries: Sequence[tuple[str, Path]] = ()
+
+    def of_file(self, file: str) -> str | None:
+        """Return the group of a source file; None for one of the compiler."""
+        path = Path(file)
+        ros = _ROS_FILE.match(file)
+        if ros is not None:
+            top = ros["rest"].partition("/")[0]
+            return NODE if top in _ROS_FOLDERS or "/" not in ros["rest"] else MESSAGES
+        for name, folder in self.libraries:
+            if folder in path.parents:
+                return name
+        if path.suffix in _INO or (self.sketch_folder is not None and self.sketch_folder in path.parents):
+            return SKETCH
+        if _SERIAL_FILE.search(file):
+            return SERIAL
+        return CORE if _CORE_FILE.search(file) else None
+
+    def of_name(self, name: str) -> str | None:
+        """Return the group that a readable name of a function, a type or a table tells, if it does."""
+        name = name.removeprefix("vtable for ").removeprefix("void ")
+        if name.startswith(("ros::", "tf::Transform")):
+            return NODE
+        if _MESSAGE_NAME.match(name):
+            return MESSAGES
+        if _SERIAL_NAME.match(name):
+            return SERIAL
+        scope = name.partition("::")[0].partition("(")[0]
+        return next((library for library, _ in self.libraries if library == scope), None)
