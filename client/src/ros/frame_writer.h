@@ -26,6 +26,18 @@ class FrameSink {
 // chunk, its checksum is summed up on the way. No buffer for the whole of it.
 class FrameWriter {
  public:
+  // The most that goes to the line at once. On a network each chunk becomes a packet, and most frames should fit into one.
+#if !defined(__AVR__)
+  typedef uint16_t chunk_length;
+  static const chunk_length CHUNK_BYTES = 1024;
+#elif defined(ROSSERIAL_ARDUINO_TCP) || defined(ROSSERIAL_ARDUINO_UDP)
+  typedef uint8_t chunk_length;
+  static const chunk_length CHUNK_BYTES = 240;
+#else
+  typedef uint8_t chunk_length;
+  static const chunk_length CHUNK_BYTES = 64;
+#endif
+
   ROS_NOINLINE FrameWriter(FrameSink& sink, uint16_t topic_id, uint16_t length)
       : sink_(sink), to_(chunk_ + FRAME_HEADER_BYTES), room_(CHUNK_BYTES - FRAME_HEADER_BYTES), sending_(true) {
     chunk_[0] = FRAME_SYNC;
@@ -96,15 +108,6 @@ class FrameWriter {
   }
 
  private:
-  // On a network each chunk becomes a packet: where memory is no matter, most frames should fit into one.
-#if defined(__AVR__)
-  typedef uint8_t chunk_length;
-  static const chunk_length CHUNK_BYTES = 64;
-#else
-  typedef uint16_t chunk_length;
-  static const chunk_length CHUNK_BYTES = 1024;
-#endif
-
   ROS_NOINLINE void flush() {
     if (sending_) sending_ = sink_.transmit(chunk_, static_cast<uint16_t>(to_ - chunk_));
     to_ = chunk_;
