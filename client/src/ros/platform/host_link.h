@@ -1,0 +1,136 @@
+#ifndef ROS_PLATFORM_HOST_LINK_H_
+#define ROS_PLATFORM_HOST_LINK_H_
+
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "reconnection.h"
+
+namespace ros {
+
+enum PipeState { PIPE_FAILED, PIPE_PENDING, PIPE_OPEN };
+
+// The hardware of a program under an operating system: bytes through a Pipe, made anew whenever it breaks, never blocking.
+//
+// A Pipe has
+//   PipeState open(uint32_t wait_ms)        begins or goes on opening, for about so long
+//   int read(uint8_t* bytes, size_t size)   bytes read; 0 if there are none; less if the pipe is broken
+//   int write(const uint8_t* bytes, size_t) likewise
+//   void wait(uint32_t wait_ms)             until it takes or gives bytes again, or so long
+//   void close()
+//   const char* name(), const char* reason()  what is opened, and why that failed
+//   static uint32_t milliseconds()          of a clock that nobody sets
+// A copy of it is closed.
+template <class Pipe>
+class HostLink {
+ public:
+  explicit HostLink(const Pipe& pipe) : pipe_(pipe), began_ms_(0), next_(0), filled_(0), unsent_(0), told_(false) {}
+  HostLink(const HostLink& other) : pipe_(other.pipe_), began_ms_(0), next_(0), filled_(0), unsent_(0), told_(false) {}
+  ~HostLink() { pipe_.close(); }
+  HostLink& operator=(const HostLink&) = delete;
+
+  Pipe& pipe() { return pipe_; }
+  bool connected() const { return link_.isConnected(); }
+
+  void init() {
+    if (!began_ms_) began_ms_ = Pipe::milliseconds();
+    shut();
+    link_.reset();
+    attempt(FIRST_WAIT_MS);
+  }
+
+  int read() {
+    if (!link_.isOpen()) {
+      if (link_.isDue(Pipe::milliseconds())) attempt(LATER_WAIT_MS);
+      return -1;
+    }
+    if (next_ == filled_) {
+      next_ = filled_ = 0;
+      if (unsent_) flush();
+      const int count = link_.isOpen() ? pipe_.read(input_, sizeof input_) : 0;
+      if (count < 0) lose();
+      if (count <= 0) return -1;
+      filled_ = static_cast<size_t>(count);
+    }
+    return input_[next_++];
+  }
+
+  // What the system does not take yet is kept; without a link, bytes go nowhere.
+  void write(const uint8_t* bytes, int count) {
+    if (!link_.isOpen() || count <= 0) return;
+    size_t length = static_cast<size_t>(count);
+    if (length > sizeof output_ - unsent_) length = sizeof output_ - unsent_;
+    memcpy(output_ + unsent_, bytes, length);
+    unsent_ += length;
+    flush();
+  }
+  int writable() {
+    if (!link_.isOpen()) return static_cast<int>(sizeof output_);
+    if (unsent_) flush();
+    if (unsent_ == sizeof output_) {
+      pipe_.wait(FULL_WAIT_MS);
+      flush();
+    }
+    return static_cast<int>(sizeof output_ - unsent_);
+  }
+
+  bool relinked() { return link_.takeChange(); }
+  // Since the first initNode.
+  unsigned long time() { return Pipe::milliseconds() - began_ms_; }
+
+ private:
+  // initNode waits for the host; a spinOnce that connects again must not hold up the program.
+  static const uint32_t FIRST_WAIT_MS = 1000;
+  static const uint32_t LATER_WAIT_MS = 5;
+  // The node looks for what came in meanwhile.
+  static const uint32_t FULL_WAIT_MS = 5;
+
+  void attempt(uint32_t wait_ms) {
+    const uint32_t began_ms = Pipe::milliseconds();
+    const PipeState state = pipe_.open(wait_ms);
+    if (state == PIPE_OPEN) {
+      link_.made();
+      told_ = false;
+    } else if (state == PIPE_FAILED) {
+      link_.failed(began_ms, Pipe::milliseconds());
+      if (!told_) fprintf(stderr, "ros_lib: %s: %s; trying again\n", pipe_.name(), pipe_.reason());
+      told_ = true;
+    }
+  }
+
+  void flush() {
+    const int count = pipe_.write(output_, unsent_);
+    if (count < 0) {
+      lose();
+    } else if (count > 0) {
+      unsent_ -= static_cast<size_t>(count);
+      memmove(output_, output_ + count, unsent_);
+    }
+  }
+
+  void lose() {
+    shut();
+    link_.lost(Pipe::milliseconds());
+  }
+
+  void shut() {
+    pipe_.close();
+    next_ = filled_ = unsent_ = 0;
+  }
+
+  Pipe pipe_;
+  Reconnection link_;
+  uint32_t began_ms_;
+  size_t next_;
+  size_t filled_;
+  size_t unsent_;
+  bool told_;
+  uint8_t input_[4096];
+  uint8_t output_[4096];
+};
+
+}  // namespace ros
+
+#endif
