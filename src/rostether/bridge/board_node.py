@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from rostether.bridge.board_health import BoardHealth
 from rostether.bridge.endpoint_factory import EndpointFactory
 from rostether.bridge.endpoints import EndpointTable
 from rostether.bridge.reporter import Notices, Reporter
@@ -28,6 +29,10 @@ class BoardNode:
         self.notices = Notices(reporter, graph.node_name, clock)
         self.notices.to_graph = graph.log
         self.endpoints = EndpointTable(EndpointFactory(graph, store, self.notices, settings), self.notices)
+        self.health = BoardHealth(self.endpoints, store, self.notices)
+        self.store = store
+        self.hardware_id = ""
+        """What stays the same when the board comes back, for diagnostics: a serial number, an address."""
 
     async def close(self) -> None:
         """Leave the graph with all endpoints. Idempotent."""

@@ -38,6 +38,10 @@ from rostether.rosserial.packets import TopicInfo
 _Key: TypeAlias = tuple[Role, str, int]
 
 
+# As many as endpoints; a board that makes up ever new ones is not remembered for ever.
+MAX_REFUSED = 256
+
+
 class EndpointTable:
     """The endpoints of one board's node."""
 
@@ -47,6 +51,8 @@ class EndpointTable:
         self._endpoints: dict[_Key, Endpoint] = {}
         self._attached: set[_Key] = set()
         self._openings = EndpointOpenings(notices)
+        self.refused: dict[str, RostetherError] = {}
+        """By name: why what the board announced on this connection is not served."""
         # What gave way to another type of its name and was not withdrawn yet: until the negotiation is over
         # nobody knows whether the board still has it.
         self._displaced: dict[_Key, Endpoint] = {}
@@ -95,6 +101,7 @@ class EndpointTable:
 
     def withdraw(self, event: TopicWithdrawn | ServiceWithdrawn) -> None:
         """Close what the board no longer has."""
+        self.refused.pop(event.info.topic_name if isinstance(event, TopicWithdrawn) else event.name, None)
         if isinstance(event, TopicWithdrawn):
             key: _Key = (event.role, event.info.topic_name, event.info.topic_id)
             self._displaced.pop(key, None)
@@ -126,6 +133,7 @@ class EndpointTable:
             endpoint.detach()
         self._attached.clear()
         self._displaced.clear()
+        self.refused.clear()
 
     def renew_latched(self) -> None:
         """The board has forgotten everything: bring latched messages to it again."""
@@ -169,11 +177,15 @@ class EndpointTable:
 
     def _make(self, name: str, make: Callable[[], Endpoint]) -> Endpoint | None:
         try:
-            return make()
+            made = make()
         except RostetherError as error:
+            if len(self.refused) < MAX_REFUSED:
+                self.refused[name] = error
             # A definition's own error names its file; all else the board's user must connect with a name.
             self._notices.episode(f"refused {name}", Level.ERROR, f"{name} is not bridged: {error}")
             return None
+        self.refused.pop(name, None)
+        return made
 
     def _add(self, key: _Key, endpoint: Endpoint) -> None:
         self._endpoints[key] = endpoint

@@ -13,20 +13,20 @@ from collections.abc import Awaitable, Callable
 from typing import Any
 
 from rostether.bridge.board_node import BoardNode
+from rostether.bridge.findings.line_watch import NO_ANSWER_S
 from rostether.bridge.lane import Lane
 from rostether.bridge.log_relay import relay_log
 from rostether.bridge.outbox import Outbox
 from rostether.bridge.parameter_relay import ParameterRelay
 from rostether.bridge.reading_pause import ReadingPause
 from rostether.bridge.setup_lines import SetupLines
-from rostether.bridge.sync_report import SyncReport
+from rostether.bridge.stamps import Stamps
 from rostether.errors import TransportError
 from rostether.graph.ports import Level
 from rostether.rosserial.events import (
     AnnouncementRefused,
     DeviceReset,
     DeviceSilent,
-    FrameDiscarded,
     HostEvent,
     LogReceived,
     MessagesReceived,
@@ -37,14 +37,12 @@ from rostether.rosserial.events import (
     ServiceWithdrawn,
     TimeRequested,
     TopicAnnounced,
+    TopicRole,
     TopicWithdrawn,
     UnknownTopicId,
 )
 from rostether.rosserial.host_link import HostLink, HostLinkConfig
 from rostether.transports.transport import Transport
-
-# A board that our opening of its port has reset is through its boot loader by then, and was asked often.
-NO_ANSWER_S = 5.0
 
 
 class Session:
@@ -82,7 +80,8 @@ class Session:
         self._parameters = ParameterRelay(
             self.link, node.graph, node.notices, node.settings, self.outbox.flush
         )
-        self._sync = SyncReport(node.notices, baud)
+        self.watch = node.health.connected(baud, self.link.statistics, self.heard_at_s)
+        self._stamps = Stamps(node.health.clock, node.graph.now)
         self._no_answer: asyncio.TimerHandle | None = None
         self._timer: asyncio.TimerHandle | None = None
         self._timer_due_s = 0.0
@@ -100,11 +99,10 @@ class Session:
             TimeRequested: self._time_requested,
             LogReceived: self._log_received,
             ParameterRequested: self._parameter_requested,
-            FrameDiscarded: self._sync.discarded,
             UnknownTopicId: self._unknown_id,
             DeviceReset: self._device_reset,
-            DeviceSilent: self._device_silent,
-            ProtocolDetected: self._protocol_detected,
+            DeviceSilent: self._tell,
+            ProtocolDetected: self._tell,
         }
 
     @property
@@ -204,17 +202,24 @@ class Session:
                 receive(event.payloads)
             else:
                 self.unbridged_count += len(event.payloads)
-        else:
-            self._handlers[type(event)](event)
+            if event.topic_id in self._stamps.offsets:
+                self._stamps.take(event.topic_id, event.payloads, self._loop.time())
+            return
+        self.watch.take(event, self._loop.time())
+        handle = self._handlers.get(type(event))
+        if handle is not None:
+            handle(event)
 
     def _check_answer(self) -> None:
         if self.link.version is None:
-            self._sync.silent(DeviceSilent(NO_ANSWER_S))
+            self._tell(None)
 
     def _topic_announced(self, event: TopicAnnounced) -> None:
         self._setup.note_size(event)
         if self.node.endpoints.announce_topic(event, self):
             self._setup.topic(event)
+            if event.role is TopicRole.PUBLISHER:
+                self._stamps.announced(event.info, self.node.store.registry)
 
     def _service_announced(self, event: ServiceAnnounced) -> None:
         if self.node.endpoints.announce_service(event, self):
@@ -235,9 +240,10 @@ class Session:
 
     def _time_requested(self, _event: TimeRequested) -> None:
         now_s = self._loop.time()
-        self.link.answer_time(self.node.graph.now(), now_s)
+        time = self.node.graph.now()
+        self.link.answer_time(time, now_s)
+        self._stamps.answered(time, now_s)
         self.node.endpoints.time_requested(now_s)
-        self._sync.alive()
 
     def _log_received(self, event: LogReceived) -> None:
         relay_log(event.level, event.text, self._notices)
@@ -255,16 +261,14 @@ class Session:
 
     def _device_reset(self, _event: DeviceReset) -> None:
         self._was_reset = True
+        self.node.health.clock.forget()
         self.node.endpoints.fail_calls("reset")
         self._notices.episode("reset", Level.INFO, "the board was reset: asking for its topics")
 
-    def _device_silent(self, event: DeviceSilent) -> None:
-        self._sync.silent(event)
-
-    def _protocol_detected(self, event: ProtocolDetected) -> None:
-        self._sync.alive()
-        if event.version == 1:
-            self._notices.say(Level.INFO, "the board speaks protocol version 1 (ROS Groovy or earlier)")
+    def _tell(self, _event: object) -> None:
+        """Say at once what is wrong, without waiting for the next look."""
+        now_s = self._loop.time()
+        self.node.health.tell(self.node.health.find(now_s), now_s)
 
     def _report_dropped(self, lane: Lane, count: int) -> None:
         self._notices.episode(

@@ -28,6 +28,7 @@ class SubscriberEndpoint:
         self.message_count = 0
         self.misfit_count = 0
         self.oversize_count = 0
+        self.largest_oversize_bytes = 0
         self.has_latched_source = False
         self._type = message_type
         self._layout = layout
@@ -125,6 +126,7 @@ class SubscriberEndpoint:
 
     def _report_oversize(self, size: int, count: int = 0) -> None:
         self.oversize_count += count
+        self.largest_oversize_bytes = max(self.largest_oversize_bytes, size)
         self._notices.episode(
             f"oversize {self.info.topic_name}",
             Level.ERROR,

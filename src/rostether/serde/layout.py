@@ -38,6 +38,11 @@ class Layout:
             self.accepts, self.accepts_all = _fixed_size_checks(tree.fixed_size_bytes)
 
     @property
+    def smallest_size_bytes(self) -> int:
+        """The size in bytes of the type's smallest message: strings empty, arrays as short as they may be."""
+        return _smallest_size(self._tree)
+
+    @property
     def type_name(self) -> str:
         """The type as `package/Name`."""
         return self._tree.name
@@ -53,6 +58,16 @@ class Layout:
         if extra_bytes:
             return f"the payload has {_count(extra_bytes, 'byte')} more than {self._tree.name}"
         return f"the payload fits {self._tree.name}"
+
+
+def _smallest_size(node: Node) -> int:
+    if node.fixed_size_bytes is not None:
+        return node.fixed_size_bytes
+    if isinstance(node, Array):
+        return 4 if node.length is None else node.length * _smallest_size(node.element)
+    if isinstance(node, Struct):
+        return sum(_smallest_size(member.node) for member in node.members)
+    return 4
 
 
 def _fixed_size_checks(size: int) -> tuple[Callable[[bytes], bool], Callable[[Sequence[bytes]], bool]]:

@@ -1,0 +1,78 @@
+"""A finding: what was seen on a board's line, in plain words, and what to do next."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import IntEnum, StrEnum
+
+
+class Severity(IntEnum):
+    """How bad, with the values of diagnostic_msgs/DiagnosticStatus."""
+
+    WARN = 1
+    ERROR = 2
+
+
+class Code(StrEnum):
+    """What kind of finding; scripts look for these, so that they never change."""
+
+    NO_PORT = "no-port"
+    NOT_A_PORT = "not-a-port"
+    NO_PERMISSION = "no-permission"
+    BUSY = "busy"
+    CANNOT_OPEN = "cannot-open"
+    NOBODY_CONNECTED = "nobody-connected"
+    CONNECTION_LOST = "connection-lost"
+    NOTHING_RECEIVED = "nothing-received"
+    TEXT_RECEIVED = "text-received"
+    WRONG_BAUD = "wrong-baud"
+    NOISE_RECEIVED = "noise-received"
+    PROTOCOL_VERSION = "protocol-version"
+    BOARD_SILENT = "board-silent"
+    TEXT_BETWEEN_FRAMES = "text-between-frames"
+    FRAMES_DAMAGED = "frames-damaged"
+    RESET_LOOP = "reset-loop"
+    RAM_OVERFLOW = "ram-overflow"
+    STALE_HEADERS = "stale-headers"
+    UNKNOWN_TYPE = "unknown-type"
+    NOT_BRIDGED = "not-bridged"
+    MESSAGES_MISFIT = "messages-misfit"
+    UNANNOUNCED_MESSAGES = "unannounced-messages"
+    BUFFER_TOO_SMALL = "buffer-too-small"
+    MESSAGES_LOST = "messages-lost"
+    SLOW_LOOP = "slow-loop"
+    CLOCK_DRIFT = "clock-drift"
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One thing that is wrong; `subject` tells findings of one code apart (a topic, a type), else empty.
+
+    `seen` and `next_step` are one line each, without a full stop. `is_told`: who met it has said so already.
+    """
+
+    code: Code
+    severity: Severity
+    seen: str
+    next_step: str
+    subject: str = ""
+    is_told: bool = field(default=False, compare=False)
+
+    @property
+    def key(self) -> tuple[Code, str]:
+        """What stays the same while the figures in the text change."""
+        return self.code, self.subject
+
+    def __str__(self) -> str:
+        """Return the one line that logs show."""
+        return f"{self.seen}; {self.next_step}"
+
+
+def error(code: Code, seen: str, next_step: str, subject: str = "", *, is_told: bool = False) -> Finding:
+    """Return a finding that keeps messages from flowing."""
+    return Finding(code, Severity.ERROR, seen, next_step, subject, is_told)
+
+
+def warning(code: Code, seen: str, next_step: str, subject: str = "", *, is_told: bool = False) -> Finding:
+    """Return a finding with which messages still flow."""
+    return Finding(code, Severity.WARN, seen, next_step, subject, is_told)

@@ -1,0 +1,71 @@
+"""How late a board's time requests are: as late as its loop() is slow.
+
+A configured board asks for the time when 2.5 s have passed, at its next nh.spinOnce(). The requests that
+answer a topic request or a probe say nothing, unless they come when the next one has been overdue anyway.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from statistics import median
+
+from rostether.bridge.findings.finding import Code, Finding, warning
+from rostether.rosserial.time_sync import REQUEST_PERIOD_S
+
+SLOW_S = 0.1
+"""At 57600 baud the 64 bytes that many boards buffer come in 11 ms; a tenth of a second people feel too."""
+
+OVERDUE_S = 0.5
+"""Later than this is late whatever was asked meanwhile."""
+
+TOLERANCE_S = 0.1
+MAX_LATE_S = 9.0
+"""Beyond 11 s a board was away, not slow."""
+
+KEPT = 16
+MIN_COUNT = 2
+
+
+class LoopSpeed:
+    """The time requests of one connection."""
+
+    def __init__(self) -> None:
+        self._last_s: float | None = None
+        self._asked = 0
+        self._late_s: deque[float] = deque(maxlen=KEPT)
+
+    @property
+    def late_s(self) -> float | None:
+        """How late the requests mostly are; None while not known."""
+        if len(self._late_s) < MIN_COUNT:
+            return None
+        return max(0.0, median(self._late_s))
+
+    def request(self, now_s: float, asked: int) -> None:
+        """Take a time request; `asked` counts what we sent that provokes one."""
+        last_s, self._last_s = self._last_s, now_s
+        was_provoked = asked != self._asked
+        self._asked = asked
+        if last_s is None:
+            return
+        late_s = now_s - last_s - REQUEST_PERIOD_S
+        if late_s > MAX_LATE_S or late_s < (OVERDUE_S if was_provoked else -TOLERANCE_S):
+            return
+        self._late_s.append(late_s)
+
+    def forget(self) -> None:
+        """Note that the board was reset: its next request is not due when it was."""
+        self._last_s = None
+
+    def find(self) -> Finding | None:
+        """Judge."""
+        late_s = self.late_s
+        if late_s is None or late_s < SLOW_S:
+            return None
+        return warning(
+            Code.SLOW_LOOP,
+            f"loop() is too slow: the board's time request comes late by {late_s * 1000:.0f} ms "
+            f"(at worst {max(self._late_s) * 1000:.0f} ms)",
+            "call nh.spinOnce() every few ms: replace delay() by a comparison of millis(), and do long "
+            "work in pieces",
+        )

@@ -1,0 +1,121 @@
+"""How far a board's clock is off, and how fast it runs, from the time answers it got and the stamps it sends.
+
+A board's time request says nothing of its clock (the established library leaves the value zero), but what it
+stamps does. Each time answer sets its clock; until the next one the clock runs freely:
+
+    host time - stamp     an answer                    an answer
+         |   .  ' .   .  ' |  '  .   .  '   .  .  '      |
+         |.'._.-'--'--'    |_.-'--'--'--'--'            what lies above the lower edge is delay: rejected
+         +-----------------+-----------------------------+---> time
+
+A stamp is as late as the message was under way, never early, so the lower edge is the clock: its height is
+the offset, its slope the drift. Both ends of an interval are compared, and the median over many of them
+rejects the intervals that a busy line has spoilt. Stamps that are not near the host's time (zero, or time
+since boot) tell nothing and are left out.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from statistics import median
+
+SOUND_S = 5.0
+"""A stamp further off is not the synchronised clock's: answers come every 2.5 s."""
+
+FRESH_S = 0.1
+"""Stamps from before the answer may still be under way for this long."""
+
+MAX_INTERVAL_S = 12.0
+"""Without an answer for longer a board unconfigures itself; an interval is cut here."""
+
+MIN_SPAN_S = 0.8
+"""Both ends must lie this far apart: at 1 ms of jitter a shorter interval tells nothing."""
+
+INTERVALS = 60
+"""Two and a half minutes: a crystal's drift changes with temperature, more slowly than this."""
+
+MIN_INTERVALS = 3
+"""A median of fewer does not reject one that was spoilt."""
+
+MAX_EXCESS_S = 0.05
+"""An end whose least delayed stamp is later than the interval's by this was delayed as a whole."""
+
+_NS = 1e9
+
+
+class ClockEstimate:
+    """The clock of one board; every `now_s` is on one monotonic clock, stamps are in ns since the epoch."""
+
+    def __init__(self) -> None:
+        self._answered_s: float | None = None
+        self._answered_ns = 0
+        self._samples: list[tuple[float, float]] = []
+        self._slopes: deque[float] = deque(maxlen=INTERVALS)
+        self._lags: deque[float] = deque(maxlen=INTERVALS)
+        self.unsound_count = 0
+        """Stamps that were not near the host's time."""
+
+    @property
+    def drift_ppm(self) -> float | None:
+        """How much faster the board's clock runs, in millionths; None while not known."""
+        if len(self._slopes) < MIN_INTERVALS:
+            return None
+        return -median(self._slopes) * 1e6
+
+    def offset_s(self, round_trip_s: float | None = None) -> float | None:
+        """Return how far the board's clock is ahead of the host's; None while not known.
+
+        Half of the line's shortest round trip is taken for the way of a stamp that nothing delayed.
+        """
+        if not self._lags:
+            return None
+        return (round_trip_s or 0.0) / 2 - median(list(self._lags)[-MIN_INTERVALS:])
+
+    def answered(self, host_ns: int, now_s: float) -> None:
+        """Note that the board's clock is being set to `host_ns`."""
+        self._close()
+        self._answered_s, self._answered_ns = now_s, host_ns
+
+    def forget(self) -> None:
+        """Note that the board was reset or lost: the interval that runs tells nothing."""
+        self._answered_s = None
+        self._samples.clear()
+
+    def stamped(self, stamp_ns: int, host_ns: int, now_s: float) -> None:
+        """Take a stamp that arrived at `host_ns`, the host's time at `now_s`."""
+        if self._answered_s is None:
+            return
+        elapsed_s = now_s - self._answered_s
+        if elapsed_s < FRESH_S:
+            return
+        # A simulation's time runs at a speed of its own, which says nothing of the board's clock.
+        if abs((host_ns - self._answered_ns) / _NS - elapsed_s) > 0.005 + 0.001 * elapsed_s:
+            self.forget()
+            return
+        lag_s = (host_ns - stamp_ns) / _NS
+        if abs(lag_s) > SOUND_S:
+            self.unsound_count += 1
+            return
+        self._samples.append((elapsed_s, lag_s))
+        if elapsed_s > MAX_INTERVAL_S:
+            self._close()
+            self._answered_s = None
+
+    def _close(self) -> None:
+        """Take the two ends of the interval that is over."""
+        samples, self._samples = self._samples, []
+        if not samples:
+            return
+        first_s, last_s = samples[0][0], samples[-1][0]
+        third_s = (last_s - first_s) / 3
+        early = min((each for each in samples if each[0] <= first_s + third_s), key=_lag)
+        late = min((each for each in samples if each[0] >= last_s - third_s), key=_lag)
+        least_s = min(lag_s for _, lag_s in samples)
+        self._lags.append(least_s)
+        span_s = late[0] - early[0]
+        if span_s >= MIN_SPAN_S and max(early[1], late[1]) - least_s <= MAX_EXCESS_S:
+            self._slopes.append((late[1] - early[1]) / span_s)
+
+
+def _lag(sample: tuple[float, float]) -> float:
+    return sample[1]
