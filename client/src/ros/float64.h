@@ -24,7 +24,7 @@ inline void widenFloat(const void* from, uint8_t* bytes) {
     // What the exponent's bias grows by.
     uint32_t bias = 896UL << 20;
     if (bits >= 0x7f800000UL) {
-      bias = 1920UL << 20;
+      bias = 1792UL << 20;
     } else if (bits < 0x800000UL) {
       for (; !(bits & 0x800000UL); bits <<= 1) bias -= 1UL << 20;
     }
