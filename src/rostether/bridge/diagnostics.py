@@ -46,6 +46,8 @@ class BoardView:
     reset_count: int
     queued_bytes: int
     unbridged_count: int
+    damaged_frames: int = 0
+    round_trip_s: float | None = None
 
 
 def view_board(node: BoardNode, session: Session | None) -> BoardView:
@@ -91,4 +93,6 @@ def view_board(node: BoardNode, session: Session | None) -> BoardView:
         statistics.resets,
         session.outbox.queued_bytes,
         session.unbridged_count,
+        statistics.damaged_frames,
+        statistics.shortest_round_trip_s,
     )

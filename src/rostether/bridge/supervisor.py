@@ -14,6 +14,7 @@ from typing import Protocol
 from rostether.bridge.board_node import BoardNode
 from rostether.bridge.board_registry import Board, BoardRegistry
 from rostether.bridge.diagnostics import BoardView, view_board
+from rostether.bridge.health_round import HealthRound
 from rostether.bridge.identity import node_base_name
 from rostether.bridge.link_keeper import LinkKeeper
 from rostether.bridge.reporter import LimitedReporter, Reporter, SilentReporter
@@ -54,7 +55,8 @@ class Supervisor:
 
     With `ns_per_board` a board's topics go into a namespace of its name, unless its address has `ns=`.
     With `keeps_node` the one address's node, which has a `name=`, is there from the start and stays while no
-    board is; when it is shut down from outside, all is done.
+    board is; when it is shut down from outside, all is done. With `diagnostics` each board's node publishes
+    /diagnostics.
     """
 
     def __init__(
@@ -67,6 +69,7 @@ class Supervisor:
         ns_per_board: bool = False,
         keeps_node: bool = False,
         remappings: Mapping[str, str] | None = None,
+        diagnostics: bool = False,
         open_transport: OpenTransport = open_transport,
         listen: Listen = listen,
     ) -> None:
@@ -83,6 +86,9 @@ class Supervisor:
         # Anybody can connect, and connect again.
         self._door = LimitedReporter(self._reporter, self._clock)
         self._boards = BoardRegistry(settings.grace_s, self._clock)
+        self._health = HealthRound(
+            lambda: self._boards, store, self._reporter, self._clock, publishes=diagnostics
+        )
         self._listeners: list[Listener] = []
         self._tasks: set[asyncio.Task[None]] = set()
         self._is_closing = False
@@ -108,6 +114,7 @@ class Supervisor:
             for name in (address.name, address.ns):
                 if name is not None:
                     validate_name(name)
+        self._health.start()
         if self._keeps_node:
             await self._join_early(addresses[0])
         for address in addresses:
@@ -127,6 +134,7 @@ class Supervisor:
     async def close(self) -> None:
         """Tell every board to stop and leave the graph, in two seconds at most. Idempotent."""
         self._is_closing = True
+        await self._health.close()
         stops = [
             asyncio.ensure_future(board.session.stop()) for board in self._boards if board.session is not None
         ]
@@ -171,6 +179,7 @@ class Supervisor:
         session: Session | None = None
         try:
             node = board.node or await self._give_node(address, board)
+            node.hardware_id = serial_number or _place(transport.peer)
             baud = address.baud if isinstance(address, SerialAddress | XbeeAddress) else None
             session = board.session = Session(transport, node, baud=baud)
             session.start()
@@ -253,6 +262,12 @@ class Supervisor:
 
 def _node_name(address: Address, peer: str = "", serial_number: str | None = None) -> str:
     return join_names(join_names("/", address.ns or "/"), node_base_name(address, peer, serial_number))
+
+
+def _place(peer: str) -> str:
+    """Return a peer without the port it has for this one connection."""
+    kind, _, place = peer.partition(" ")
+    return f"{kind} {place.rpartition(':')[0]}" if kind in ("tcp", "udp") else peer
 
 
 def _is_loopback(peer: str) -> bool:
