@@ -7,6 +7,11 @@ import click
 from rostether.cli.verbs import LazyGroup, VerbEntry
 
 _VERBS = {
+    "build": VerbEntry("rostether.cli.firmware_build:firmware_build", "Build a sketch."),
+    "size": VerbEntry(
+        "rostether.cli.firmware_size:firmware_size", "Show what a sketch takes of its board's memory."
+    ),
+    "upload": VerbEntry("rostether.cli.firmware_upload:firmware_upload", "Build a sketch and flash a board."),
     "lib": VerbEntry("rostether.cli.firmware_lib:firmware_lib", "Generate the C++ client library, ros_lib."),
 }
 
@@ -15,8 +20,10 @@ _VERBS = {
     cls=LazyGroup,
     verbs=_VERBS,
     examples="""
-    rostether firmware lib ~/Arduino/libraries
+    rostether firmware size blink.ino --board uno                will it fit?
+    rostether firmware upload blink.ino --board uno              build and flash
+    rostether firmware lib ~/Arduino/libraries                   the library for the Arduino IDE
     """,
 )
 def firmware() -> None:
-    """Make what runs on boards: the client library for Arduino, PlatformIO and others."""
+    """Make what runs on boards: sketches, and the C++ client library that they use."""

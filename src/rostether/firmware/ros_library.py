@@ -50,6 +50,8 @@ class RosLibrary:
             self.packages |= {match[1]}
         if is_type or header == _FACADE or header.startswith(_FOLDERS):
             self.packages |= _ALWAYS
+            if header.startswith("tf/"):
+                self.packages |= {"tf"}
             return True
         return False
 

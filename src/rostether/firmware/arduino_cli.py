@@ -1,0 +1,115 @@
+"""Building with arduino-cli, for boards that are no AVR ones, and for those who want its versions of everything."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+import time
+from pathlib import Path
+
+from rostether.errors import FirmwareError, SketchError
+from rostether.firmware.boards import Board
+from rostether.firmware.build import BuildOptions, BuiltFirmware, UsedLibrary
+from rostether.firmware.cache import BuildCache, cache_folder, digest
+from rostether.firmware.diagnostics import explain
+from rostether.firmware.libraries import Library, choose, read_given
+from rostether.firmware.ros_library import RosLibrary
+from rostether.firmware.sketch import Sketch
+from rostether.firmware.toolchain import find_arduino_cli
+
+_INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*[<"]([^>"\n]+)[>"]', re.MULTILINE)
+_IMAGES = (".hex", ".uf2", ".bin")
+_PLATFORM_MISSING = re.compile(r"[Pp]latform '?([\w:]+)[^\n]*not (?:found|installed)")
+
+
+async def build_with_arduino_cli(sketch: Sketch, board: Board, options: BuildOptions) -> BuiltFirmware:
+    """Build a sketch as `build_sketch` does. The ROS library is made for what the sketch's own files include."""
+    started_s = time.monotonic()
+    program = find_arduino_cli(f"building for {board.title}")
+    cache = BuildCache(cache_folder())
+    given = [library for each in options.libraries for library in read_given(each)]
+    ros = _ros_library(sketch, given, RosLibrary(cache, options.msg_paths))
+    libraries = [*given, *([ros] if ros is not None else [])]
+    key = digest(sketch.folder, sketch.name, board.fqbn, options.defines)
+    output_folder = cache.folder / "arduino-cli" / key[:2] / key[2:]
+    command = [program, "compile", "--fqbn", board.fqbn, "--output-dir", str(output_folder)]
+    for library in libraries:
+        command += ["--library", str(library.folder)]
+    command += ["--warnings", "all" if options.warnings else "none"]
+    if options.defines:
+        flags = " ".join(f"-D{each}" for each in options.defines)
+        for language in ("c", "cpp"):
+            command += ["--build-property", f"compiler.{language}.extra_flags={flags}"]
+    command.append(str(_sketch_folder(sketch, cache)))
+    if options.show is not None:
+        options.show(command)
+    process = await asyncio.create_subprocess_exec(
+        *command,
+        stdin=asyncio.subprocess.DEVNULL,
+        stdout=asyncio.subprocess.PIPE,
+        stderr=asyncio.subprocess.STDOUT,
+    )
+    raw, _ = await process.communicate()
+    output = explain(raw.decode("utf-8", "replace"), sketch)
+    if process.returncode:
+        raise SketchError(_reason(sketch, board, output), diagnostics=output)
+    return BuiltFirmware(
+        sketch=sketch,
+        board=board,
+        elf=_find(output_folder, (".elf",)),
+        image=_find(output_folder, _IMAGES),
+        libraries=tuple(UsedLibrary(each.name, each.folder, each.origin) for each in libraries),
+        output=output if options.warnings else "",
+        duration_s=time.monotonic() - started_s,
+        sources=(*sketch.inos, *sketch.sources),
+    )
+
+
+def _ros_library(sketch: Sketch, given: list[Library], ros: RosLibrary) -> Library | None:
+    files = [*sketch.inos, *sketch.sources]
+    if sketch.owns_folder:
+        files += sorted(sketch.folder.rglob("*.h"))
+    headers = [
+        header
+        for file in files
+        for header in _INCLUDE.findall(file.read_text(encoding="utf-8", errors="replace"))
+    ]
+    wanted = [each for each in headers if choose(each, given) is None and ros.wants(each)]
+    return ros.write() if wanted else None
+
+
+def _sketch_folder(sketch: Sketch, cache: BuildCache) -> Path:
+    """Return a folder that arduino-cli takes: named like its .ino file."""
+    if any(each == sketch.folder / f"{sketch.folder.name}.ino" for each in sketch.inos):
+        return sketch.folder
+    files = {each.name: each.read_bytes() for each in (*sketch.inos, *sketch.sources)}
+    files.setdefault(f"{sketch.name}.ino", b"")
+    key = digest("folder", sketch.name, sorted((name, content.hex()) for name, content in files.items()))
+    name = f"{sketch.name}/{sketch.name}.ino"
+    if cache.find("sketches", key, name) is None:
+        with cache.filling("sketches", key) as folder:
+            (folder / sketch.name).mkdir()
+            for each, content in files.items():
+                (folder / sketch.name / each).write_bytes(content)
+    return cache.path("sketches", key, name).parent
+
+
+def _find(folder: Path, suffixes: tuple[str, ...]) -> Path:
+    for suffix in suffixes:
+        # Beside the program may stand a boot loader, or both in one.
+        found = [
+            each
+            for each in sorted(folder.glob(f"*{suffix}"))
+            if not re.search(r"bootloader|partitions|merged", each.name)
+        ]
+        if found:
+            return found[0]
+    raise FirmwareError(f"arduino-cli wrote no {' or '.join(suffixes)} file to {folder}; see --verbose")
+
+
+def _reason(sketch: Sketch, board: Board, output: str) -> str:
+    missing = _PLATFORM_MISSING.search(output)
+    if missing is not None:
+        platform = ":".join(board.fqbn.split(":")[:2])
+        return f"arduino-cli has no platform {platform}; type arduino-cli core install {platform}"
+    return f"{sketch.name} does not build for {board.name}"

@@ -1,0 +1,214 @@
+"""Flashing a board through its boot loader, with avrdude or arduino-cli.
+
+Boards with USB of their own (Leonardo, Micro) enter the boot loader when their port is opened at 1200 baud and
+closed; for a moment the port is gone then, and it may come back under another name.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import shutil
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rostether.errors import FirmwareError, RostetherError
+from rostether.firmware.boards import Board
+from rostether.firmware.build import BuiltFirmware
+from rostether.firmware.toolchain import find_arduino_cli
+from rostether.transports.address import SerialAddress
+from rostether.transports.serial_errors import explain_open_error, explain_permission, find_holder
+
+if TYPE_CHECKING:
+    from rostether.transports.serial import SerialPort
+
+ListPorts = Callable[[], Sequence["SerialPort"]]
+Show = Callable[[Sequence[str]], None]
+
+TOUCH_BAUD = 1200
+TOUCH_LIMIT_S = 10.0
+"""A boot loader comes up in two seconds, on a slow hub in five."""
+
+_STAYED_S = 5.0
+# A port that never vanished in that time belongs to a board that was in its boot loader already.
+_POLL_S = 0.1
+_SETTLE_S = 0.25
+# udev gives a new port its group only after it is there.
+_INSTALL_AVRDUDE = "no avrdude on PATH; type sudo apt install avrdude"
+_SILENT = ("not in sync", "not responding", "programmer is not", "timeout", "unable to open programmer")
+
+
+def list_serial_ports() -> Sequence[SerialPort]:
+    """Return the serial ports there are; importing serialx takes its time, so only when asked."""
+    from rostether.transports.serial import list_ports
+
+    return list_ports()
+
+
+def choose_port(board: Board, list_ports: ListPorts = list_serial_ports) -> str:
+    """Return the port of the only board there is, or of the only one of the wanted kind.
+
+    Raises FirmwareError that names the ports when there is none or more than one.
+    """
+    ports = list_ports()
+    usb = [each for each in ports if each.usb_vendor_id is not None]
+    fitting = [each for each in usb if (each.usb_vendor_id, each.usb_product_id) in board.usb_ids]
+    for candidates in (fitting, usb, list(ports)):
+        if len(candidates) == 1:
+            return candidates[0].path
+    if not ports:
+        raise FirmwareError("no serial port found; plug the board in, or name its port with --port")
+    names = ", ".join(f"{each.path} ({each.description})" for each in ports)
+    raise FirmwareError(f"several serial ports: {names}; choose one with --port")
+
+
+async def upload(
+    built: BuiltFirmware,
+    port: str,
+    *,
+    uses_arduino_cli: bool = False,
+    show: Show | None = None,
+    list_ports: ListPorts = list_serial_ports,
+) -> str:
+    """Flash a board; returns what the flashing program printed.
+
+    Raises FirmwareError or TransportOpenError saying what to do: no program, no port, busy, not allowed, silent.
+    """
+    if built.simulated_libraries:
+        name = built.simulated_libraries[0]
+        raise FirmwareError(
+            f"{built.sketch.name} was built with the {name} of simulated boards; install Arduino's own "
+            f"{name} library, or give its folder with --library"
+        )
+    if uses_arduino_cli or not built.board.is_avr:
+        command = _arduino_cli_command(built, port)
+    else:
+        program = shutil.which("avrdude")
+        if program is None:
+            raise FirmwareError(_INSTALL_AVRDUDE)
+        check_port(port, list_ports)
+        if built.board.needs_touch:
+            port = await touch(port, list_ports)
+        command = avrdude_command(program, built.board, port, built.image)
+    if show is not None:
+        show(command)
+    code, output = await _run(command)
+    if code:
+        raise _explain(output, built.board, port, Path(command[0]).name)
+    return output
+
+
+def avrdude_command(program: str, board: Board, port: str, image: Path) -> list[str]:
+    """Return the command that flashes a HEX file through a board's boot loader."""
+    return [
+        program,
+        "-q",
+        "-p",
+        board.mcu,
+        "-c",
+        board.upload_protocol,
+        "-P",
+        port,
+        "-b",
+        str(board.upload_speed_baud),
+        # The boot loader erases what it writes; erasing the chip would take it along.
+        "-D",
+        "-U",
+        f"flash:w:{image}:i",
+    ]
+
+
+def check_port(port: str, list_ports: ListPorts = list_serial_ports) -> None:
+    """Raise TransportOpenError if a port is not there, busy, or not ours to open."""
+    if sys.platform == "win32":
+        return
+    try:
+        handle = os.open(port, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+    except OSError as error:
+        raise explain_open_error(SerialAddress(path=port), error, list_ports) from None
+    os.close(handle)
+    holder = find_holder(port)
+    if holder is not None:
+        raise FirmwareError(f"{port} is in use by {holder}; close that program")
+
+
+async def touch(port: str, list_ports: ListPorts = list_serial_ports, limit_s: float = TOUCH_LIMIT_S) -> str:
+    """Have a board with USB of its own enter its boot loader; returns the boot loader's port."""
+    loop = asyncio.get_running_loop()
+    before = {each.path for each in list_ports()}
+    await _open_at_touch_baud(port)
+    started_s = loop.time()
+    has_vanished = False
+    while (waited_s := loop.time() - started_s) < limit_s:
+        await asyncio.sleep(_POLL_S)
+        now = {each.path for each in list_ports()}
+        new = sorted(now - before)
+        if new or (port in now and (has_vanished or waited_s > _STAYED_S)):
+            await asyncio.sleep(_SETTLE_S)
+            return new[0] if new else port
+        has_vanished |= port not in now
+        before &= now
+    raise FirmwareError(f"no boot loader came up behind {port}; press the board's reset button twice")
+
+
+async def _open_at_touch_baud(port: str) -> None:
+    if sys.platform == "win32":
+        from rostether.transports.serial import open_serial
+
+        transport = await open_serial(SerialAddress(path=port, baud=TOUCH_BAUD))
+        transport.abort()
+        return
+    import fcntl
+    import struct
+    import termios
+
+    handle = os.open(port, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+    try:
+        attributes = termios.tcgetattr(handle)
+        attributes[4] = attributes[5] = termios.B1200
+        termios.tcsetattr(handle, termios.TCSANOW, attributes)
+        # A pseudo-terminal has no such line.
+        with contextlib.suppress(OSError):
+            fcntl.ioctl(handle, termios.TIOCMBIC, struct.pack("I", termios.TIOCM_DTR))
+    finally:
+        os.close(handle)
+
+
+def _arduino_cli_command(built: BuiltFirmware, port: str) -> list[str]:
+    program = find_arduino_cli(f"flashing {built.board.title}")
+    folder = str(built.image.parent)
+    return [program, "upload", "--fqbn", built.board.fqbn, "--port", port, "--input-dir", folder]
+
+
+async def _run(command: Sequence[str]) -> tuple[int, str]:
+    process = await asyncio.create_subprocess_exec(
+        *command,
+        stdin=asyncio.subprocess.DEVNULL,
+        stdout=asyncio.subprocess.PIPE,
+        stderr=asyncio.subprocess.STDOUT,
+    )
+    try:
+        output, _ = await process.communicate()
+    except asyncio.CancelledError:
+        process.terminate()
+        await process.wait()
+        raise
+    return process.returncode or 0, output.decode("utf-8", "replace")
+
+
+def _explain(output: str, board: Board, port: str, program: str) -> RostetherError:
+    lowered = output.lower()
+    if "permission denied" in lowered:
+        return FirmwareError(explain_permission(port))
+    if "resource busy" in lowered or "access is denied" in lowered:
+        return FirmwareError(
+            f"{port} is in use by {find_holder(port) or 'another program'}; close that program"
+        )
+    if any(each in lowered for each in _SILENT):
+        old = "; a Nano with the old boot loader is --board nano:atmega328old" if "nano" in board.fqbn else ""
+        return FirmwareError(f"no {board.title} answers on {port}; check --board and the cable{old}")
+    lines = [line.strip() for line in output.splitlines() if line.strip()]
+    return FirmwareError(f"{program} failed: {lines[-1] if lines else 'it printed nothing'}")
