@@ -1,0 +1,24 @@
+// HelloWorld: a text, once a second, on the topic "chatter".
+//
+// Wiring: none, just the USB cable.
+// Try it:  rostether serve /dev/ttyACM0          rostether topic echo /chatter
+
+#include <ros.h>
+#include <std_msgs/String.h>
+
+ros::NodeHandle nh;
+
+std_msgs::String text;
+ros::Publisher chatter("chatter", &text);
+
+void setup() {
+  nh.initNode();
+  nh.advertise(chatter);
+}
+
+void loop() {
+  text.data = "hello world!";
+  chatter.publish(&text);
+  nh.spinOnce();  // talks with the host; call it often
+  delay(1000);
+}

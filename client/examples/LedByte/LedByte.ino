@@ -1,0 +1,41 @@
+// LedByte: four LEDs, each shows one bit of the number that comes on the topic "led_out".
+//
+// Wiring:  none on an OpenCR, its LEDs USER1 to USER4 are on the board. On others an LED with a resistor of 1 kiloohm
+//          from each of the pins 4, 5, 6, 7 to GND.
+// Try it:  rostether serve /dev/ttyACM0          rostether topic pub -1 /led_out std_msgs/Byte 5          the first and the third
+
+#include <ros.h>
+#include <std_msgs/Byte.h>
+
+#if defined(BDPIN_LED_USER_1)
+const int LEDS[4] = {BDPIN_LED_USER_1, BDPIN_LED_USER_2, BDPIN_LED_USER_3, BDPIN_LED_USER_4};
+const int LIT = LOW;  // they hang between the supply and the pin
+const int DARK = HIGH;
+#else
+const int LEDS[4] = {4, 5, 6, 7};
+const int LIT = HIGH;
+const int DARK = LOW;
+#endif
+
+ros::NodeHandle nh;
+
+void show(const std_msgs::Byte& number) {
+  for (int i = 0; i < 4; i++) {
+    digitalWrite(LEDS[i], number.data & (1 << i) ? LIT : DARK);
+  }
+}
+
+ros::Subscriber<std_msgs::Byte> sub("led_out", &show);
+
+void setup() {
+  for (int i = 0; i < 4; i++) {
+    pinMode(LEDS[i], OUTPUT);
+    digitalWrite(LEDS[i], DARK);
+  }
+  nh.initNode();
+  nh.subscribe(sub);
+}
+
+void loop() {
+  nh.spinOnce();
+}

@@ -1,0 +1,31 @@
+// Logging: messages for people, in the host's log (/rosout). There are five levels; this shows each in turn.
+//
+// Wiring: none.
+// Try it:  rostether serve /dev/ttyACM0          rostether topic echo /rosout
+
+#include <ros.h>
+#include <std_msgs/String.h>
+
+ros::NodeHandle nh;
+
+std_msgs::String text;
+ros::Publisher chatter("chatter", &text);
+
+void setup() {
+  nh.initNode();
+  nh.advertise(chatter);
+}
+
+void loop() {
+  text.data = "hello world!";
+  chatter.publish(&text);
+
+  nh.logdebug("for who writes the sketch");
+  nh.loginfo("all is well");
+  nh.logwarn("something is unusual");
+  nh.logerror("something does not work");
+  nh.logfatal("nothing works any more");
+
+  nh.spinOnce();
+  delay(500);
+}

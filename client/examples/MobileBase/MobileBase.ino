@@ -1,0 +1,210 @@
+// MobileBase: what the board of a TurtleBot3 Burger does, for any robot with two driven wheels.
+//
+//   in   cmd_vel       geometry_msgs/Twist        drive; without a new one it stops after half a second
+//        motor_power   std_msgs/Bool              false: the wheels stand still
+//        reset         std_msgs/Empty             here is x = y = 0
+//        sound         turtlebot3_msgs/Sound      a melody
+//   out  odom, joint_states, tf                   where it is, ten times a second
+//        imu, magnetic_field, sensor_state        ten times a second
+//        battery_state, version_info              once a second
+//
+// Wiring:  a motor driver: left direction - pin 4, left PWM - 5, right PWM - 6, right direction - 7; a piezo buzzer
+//          - 8; a bumper switch between 9 and GND; the battery's + through 20 kiloohm to A0, and A0 through 10 kiloohm
+//          to GND; an MPU-9150 as in the example IMU. What is missing is not missed.
+// Try it:  rostether serve "/dev/ttyACM0?baud=500000"
+//          rostether topic pub -r 10 /cmd_vel geometry_msgs/Twist "{linear: {x: 0.1}, angular: {z: 0.5}}"
+
+#include <Wire.h>
+#include <geometry_msgs/Twist.h>
+#include <nav_msgs/Odometry.h>
+#include <ros.h>
+#include <ros/time.h>
+#include <sensor_msgs/BatteryState.h>
+#include <sensor_msgs/Imu.h>
+#include <sensor_msgs/JointState.h>
+#include <sensor_msgs/MagneticField.h>
+#include <std_msgs/Bool.h>
+#include <std_msgs/Empty.h>
+#include <tf/tf.h>
+#include <tf/transform_broadcaster.h>
+#include <turtlebot3_msgs/SensorState.h>
+#include <turtlebot3_msgs/Sound.h>
+#include <turtlebot3_msgs/VersionInfo.h>
+
+#include "Drive.h"
+#include "Mpu9150.h"
+
+const int BUZZER = 8;
+const int BUMPER = 9;
+const int BATTERY = A0;
+const float FULL_VOLTS = 12.4;   // three lithium cells
+const float EMPTY_VOLTS = 11.0;
+
+// What comes in is small, a Twist has 48 bytes: the sizes here (subscribers, publishers, bytes in, bytes out) leave
+// an Uno's memory to the messages that go out.
+ros::NodeHandle_<ArduinoHardware, 4, 9, 64, 1024> nh;
+
+nav_msgs::Odometry odom;
+sensor_msgs::Imu imu;
+sensor_msgs::JointState joints;
+sensor_msgs::MagneticField field;
+sensor_msgs::BatteryState battery;
+turtlebot3_msgs::SensorState state;
+turtlebot3_msgs::VersionInfo version;
+geometry_msgs::TransformStamped transform;
+
+ros::Publisher pub_odom("odom", &odom);
+ros::Publisher pub_imu("imu", &imu);
+ros::Publisher pub_joints("joint_states", &joints);
+ros::Publisher pub_field("magnetic_field", &field);
+ros::Publisher pub_battery("battery_state", &battery);
+ros::Publisher pub_state("sensor_state", &state);
+ros::Publisher pub_version("version_info", &version);
+tf::TransformBroadcaster broadcaster;
+
+char left_name[] = "wheel_left_joint";
+char right_name[] = "wheel_right_joint";
+char* joint_names[] = {left_name, right_name};
+float angles[2];
+float speeds[2];
+
+Mpu9150 sensor;
+bool has_sensor;
+unsigned long driven_us;
+unsigned long published_ms;
+uint8_t rounds = 0;
+
+void cmd_vel_cb(const geometry_msgs::Twist& twist) { command(twist.linear.x, twist.angular.z); }
+void power_cb(const std_msgs::Bool& power) { has_power = power.data; }
+void reset_cb(const std_msgs::Empty&) { resetOdometry(); }
+
+void sound_cb(const turtlebot3_msgs::Sound& sound) {
+  switch (sound.value) {
+    case turtlebot3_msgs::Sound::OFF: tone(BUZZER, 262, 300); break;
+    case turtlebot3_msgs::Sound::ON: tone(BUZZER, 523, 300); break;
+    case turtlebot3_msgs::Sound::LOW_BATTERY: tone(BUZZER, 1000, 1000); break;
+    case turtlebot3_msgs::Sound::ERROR: tone(BUZZER, 150, 1000); break;
+    default: tone(BUZZER, 880, 100);
+  }
+}
+
+ros::Subscriber<geometry_msgs::Twist> sub_cmd_vel("cmd_vel", &cmd_vel_cb);
+ros::Subscriber<std_msgs::Bool> sub_power("motor_power", &power_cb);
+ros::Subscriber<std_msgs::Empty> sub_reset("reset", &reset_cb);
+ros::Subscriber<turtlebot3_msgs::Sound> sub_sound("sound", &sound_cb);
+
+void publishDrive(const ros::Time& stamp) {
+  odom.header.stamp = stamp;
+  odom.pose.pose.position.x = x;
+  odom.pose.pose.position.y = y;
+  odom.pose.pose.orientation = tf::createQuaternionFromYaw(heading);
+  odom.twist.twist.linear.x = speed;
+  odom.twist.twist.angular.z = turn_rate;
+  pub_odom.publish(&odom);
+
+  transform.header.stamp = stamp;
+  transform.transform.translation.x = x;
+  transform.transform.translation.y = y;
+  transform.transform.rotation = odom.pose.pose.orientation;
+  broadcaster.sendTransform(transform);
+
+  angles[0] = left.angle;
+  angles[1] = right.angle;
+  speeds[0] = left.speed;
+  speeds[1] = right.speed;
+  joints.header.stamp = stamp;
+  pub_joints.publish(&joints);
+}
+
+void publishImu(const ros::Time& stamp) {
+  sensor.measure();
+  imu.header.stamp = stamp;
+  imu.orientation = odom.pose.pose.orientation;
+  imu.angular_velocity.x = sensor.angular_velocity.x;
+  imu.angular_velocity.y = sensor.angular_velocity.y;
+  imu.angular_velocity.z = sensor.angular_velocity.z;
+  imu.linear_acceleration.x = sensor.acceleration.x;
+  imu.linear_acceleration.y = sensor.acceleration.y;
+  imu.linear_acceleration.z = sensor.acceleration.z;
+  pub_imu.publish(&imu);
+
+  field.header.stamp = stamp;
+  field.magnetic_field.x = sensor.magnetic_field.x;
+  field.magnetic_field.y = sensor.magnetic_field.y;
+  field.magnetic_field.z = sensor.magnetic_field.z;
+  pub_field.publish(&field);
+}
+
+void publishState(const ros::Time& stamp) {
+  state.header.stamp = stamp;
+  state.bumper = digitalRead(BUMPER) == LOW ? turtlebot3_msgs::SensorState::BUMPER_FORWARD : 0;
+  state.torque = has_power;
+  state.left_encoder = left.ticks;
+  state.right_encoder = right.ticks;
+  state.battery = analogRead(BATTERY) * (3 * 5.0 / 1024);  // the resistors let a third of it through
+  pub_state.publish(&state);
+}
+
+void publishBattery(const ros::Time& stamp) {
+  battery.header.stamp = stamp;
+  battery.voltage = state.battery;
+  battery.percentage = constrain((state.battery - EMPTY_VOLTS) / (FULL_VOLTS - EMPTY_VOLTS), 0.0, 1.0);
+  battery.present = state.battery > 5;
+  pub_battery.publish(&battery);
+}
+
+void setup() {
+  beginDrive();
+  pinMode(BUMPER, INPUT_PULLUP);
+  has_sensor = sensor.begin();
+
+  odom.header.frame_id = transform.header.frame_id = "odom";
+  odom.child_frame_id = transform.child_frame_id = "base_footprint";
+  imu.header.frame_id = field.header.frame_id = "imu_link";
+  joints.header.frame_id = "base_link";
+  joints.name = joint_names;
+  joints.position = angles;
+  joints.velocity = speeds;
+  joints.name_length = joints.position_length = joints.velocity_length = 2;
+  battery.design_capacity = 1.8;  // Ah
+  battery.current = battery.charge = battery.capacity = NAN;  // not measured
+  version.hardware = "Arduino";
+  version.firmware = "1.0";
+  version.software = "1.0";
+
+  nh.getHardware()->setBaud(500000);
+  nh.initNode();
+  nh.advertise(pub_odom);
+  nh.advertise(pub_imu);
+  nh.advertise(pub_joints);
+  nh.advertise(pub_field);
+  nh.advertise(pub_battery);
+  nh.advertise(pub_state);
+  nh.advertise(pub_version);
+  broadcaster.init(nh);
+  nh.subscribe(sub_cmd_vel);
+  nh.subscribe(sub_power);
+  nh.subscribe(sub_reset);
+  nh.subscribe(sub_sound);
+  driven_us = micros();
+}
+
+void loop() {
+  nh.spinOnce();
+  const unsigned long now_us = micros();
+  if (now_us - driven_us >= 20000) {
+    drive((now_us - driven_us) * 1e-6);
+    driven_us = now_us;
+  }
+  if (millis() - published_ms < 100) return;
+  published_ms = millis();
+
+  const ros::Time stamp = nh.now();
+  publishDrive(stamp);
+  if (has_sensor) publishImu(stamp);
+  publishState(stamp);
+  if (++rounds < 10) return;
+  rounds = 0;
+  publishBattery(stamp);
+  pub_version.publish(&version);
+}

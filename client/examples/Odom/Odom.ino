@@ -1,0 +1,51 @@
+// Odom: a robot that drives in a circle, at least on paper. Tells where it is with the transform odom -> base_link.
+//
+// Wiring: none. A real robot would take speed and turn rate from its wheels' encoders.
+// Try it:  rostether serve /dev/ttyACM0          rostether topic echo /tf
+
+#include <ros.h>
+#include <ros/time.h>
+#include <tf/tf.h>
+#include <tf/transform_broadcaster.h>
+
+ros::NodeHandle nh;
+
+geometry_msgs::TransformStamped transform;
+tf::TransformBroadcaster broadcaster;
+
+const float SPEED = 0.2;       // m/s
+const float TURN_RATE = 0.36;  // rad/s: a circle of 0.2 / 0.36 = 0.56 m radius, around in 17.5 s
+
+float x = 0.0;
+float y = 0.0;
+float heading = 0.0;
+unsigned long last_ms;
+
+void setup() {
+  nh.initNode();
+  broadcaster.init(nh);
+  transform.header.frame_id = "odom";
+  transform.child_frame_id = "base_link";
+}
+
+void loop() {
+  const unsigned long now_ms = millis();
+  const float dt = (now_ms - last_ms) * 0.001;
+  last_ms = now_ms;
+
+  // Over a short time it goes straight ahead, in the direction it has halfway.
+  const float halfway = heading + 0.5 * TURN_RATE * dt;
+  x += SPEED * dt * cos(halfway);
+  y += SPEED * dt * sin(halfway);
+  heading += TURN_RATE * dt;
+  if (heading > PI) heading -= TWO_PI;
+
+  transform.header.stamp = nh.now();
+  transform.transform.translation.x = x;
+  transform.transform.translation.y = y;
+  transform.transform.rotation = tf::createQuaternionFromYaw(heading);
+  broadcaster.sendTransform(transform);
+
+  nh.spinOnce();
+  delay(50);
+}

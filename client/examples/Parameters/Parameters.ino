@@ -1,0 +1,49 @@
+// Parameters: settings that live on the host, read once at the start. A "~" stands for this node's own name.
+//
+// Wiring: none.
+// Try it:  rostether param set /serial_node/gains "[1.5, 0.25, 0.01]"
+//          rostether param set /serial_node/name "lefty"
+//          rostether serve "/dev/ttyACM0?name=serial_node"
+//          rostether topic echo /gains
+
+#include <ros.h>
+#include <std_msgs/Float32MultiArray.h>
+#include <std_msgs/String.h>
+
+ros::NodeHandle nh;
+
+float gains[3] = {1.0, 0.0, 0.1};  // used when the host has no such parameter
+int period_ms = 200;
+bool enabled = true;
+char name[20] = "nobody";
+char* name_buffer = name;
+
+std_msgs::Float32MultiArray gains_msg;
+std_msgs::String name_msg;
+ros::Publisher pub_gains("gains", &gains_msg);
+ros::Publisher pub_name("name", &name_msg);
+
+void setup() {
+  nh.initNode();
+  nh.advertise(pub_gains);
+  nh.advertise(pub_name);
+  while (!nh.connected()) nh.spinOnce();  // without a host there is nobody to ask
+
+  // Each waits for its answer, a second at most, and is false when there is none: then the value stays.
+  if (!nh.getParam("~gains", gains, 3)) nh.loginfo("~gains is not set: 1.0, 0.0, 0.1");
+  nh.getParam("~period_ms", &period_ms);
+  nh.getParam("~enabled", &enabled);
+  nh.getParam("~name", &name_buffer);  // room for 19 characters
+}
+
+void loop() {
+  if (enabled) {
+    gains_msg.data = gains;
+    gains_msg.data_length = 3;
+    pub_gains.publish(&gains_msg);
+    name_msg.data = name;
+    pub_name.publish(&name_msg);
+  }
+  nh.spinOnce();
+  delay(period_ms);
+}

@@ -1,0 +1,41 @@
+// ServiceServer: answers calls of the service "test_srv", in turn with "hello" and with "world".
+//
+// Wiring: none; the LED on pin 13 is lit while the answer was "hello".
+// Try it:  rostether serve /dev/ttyACM0          rostether service call /test_srv "anybody there?"
+
+#include <ros.h>
+#include <rosserial_arduino/Test.h>
+#include <std_msgs/String.h>
+
+using rosserial_arduino::Test;
+
+ros::NodeHandle nh;
+
+const int LED = 13;
+bool says_hello = false;
+
+// What the caller asked is in the request; what we put into the response goes back when this returns.
+void answer(const Test::Request&, Test::Response& response) {
+  says_hello = !says_hello;
+  digitalWrite(LED, says_hello);
+  response.output = says_hello ? "hello" : "world";
+}
+
+ros::ServiceServer<Test::Request, Test::Response> server("test_srv", &answer);
+
+std_msgs::String text;
+ros::Publisher chatter("chatter", &text);
+
+void setup() {
+  pinMode(LED, OUTPUT);
+  nh.initNode();
+  nh.advertiseService(server);
+  nh.advertise(chatter);
+}
+
+void loop() {
+  text.data = "hello world!";
+  chatter.publish(&text);
+  nh.spinOnce();
+  delay(10);
+}

@@ -1,0 +1,55 @@
+// Ultrasound: the distance that an HC-SR04 measures, 20 times a second on the topic "ultrasound".
+//
+// Wiring:  sensor VCC - 5V, GND - GND, Trig - pin 6, Echo - pin 5.
+// Try it:  rostether serve /dev/ttyACM0          rostether topic echo /ultrasound
+
+#include <ros.h>
+#include <ros/time.h>
+#include <sensor_msgs/Range.h>
+
+const int TRIG = 6;
+const int ECHO = 5;
+
+const float SPEED_OF_SOUND = 343.0e-6;      // metres in a microsecond, at 20 degrees Celsius
+const unsigned long PERIOD_MS = 50;         // under 25 ms the last echo would disturb the next
+const unsigned long LONGEST_ECHO_US = 25000;  // there and back over 4 m
+
+ros::NodeHandle nh;
+
+sensor_msgs::Range range_msg;
+ros::Publisher pub_range("ultrasound", &range_msg);
+unsigned long measured_ms;
+
+// Metres; infinite when no echo came back.
+float measureRange() {
+  digitalWrite(TRIG, HIGH);  // ten microseconds make it send
+  delayMicroseconds(10);
+  digitalWrite(TRIG, LOW);
+  const unsigned long echo_us = pulseIn(ECHO, HIGH, LONGEST_ECHO_US);
+  if (echo_us == 0) return INFINITY;
+  return echo_us * (SPEED_OF_SOUND / 2);  // the sound went there and back
+}
+
+void setup() {
+  nh.initNode();
+  nh.advertise(pub_range);
+
+  range_msg.header.frame_id = "ultrasound";
+  range_msg.radiation_type = sensor_msgs::Range::ULTRASOUND;
+  range_msg.field_of_view = 0.26;  // radians: 15 degrees
+  range_msg.min_range = 0.02;      // metres, as all lengths in ROS
+  range_msg.max_range = 4.0;
+
+  pinMode(TRIG, OUTPUT);
+  pinMode(ECHO, INPUT);
+}
+
+void loop() {
+  if (millis() - measured_ms >= PERIOD_MS) {
+    measured_ms = millis();
+    range_msg.range = measureRange();
+    range_msg.header.stamp = nh.now();
+    pub_range.publish(&range_msg);
+  }
+  nh.spinOnce();
+}
