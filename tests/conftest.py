@@ -9,11 +9,13 @@ from collections.abc import Callable
 import pytest
 
 from interop.ros1_peers import missing_ros1, missing_roscpp
+from unit.boards.simavr.programs import missing_simavr
 from unit.codegen.compilers import COMPILERS, missing_compiler
 
 PEERS: dict[str, Callable[[], str]] = {
     "ros1": functools.cache(missing_ros1),
     "roscpp": functools.cache(missing_roscpp),
+    "simavr": functools.cache(missing_simavr),
     **{name: functools.partial(functools.cache(missing_compiler), name) for name in COMPILERS},
 }
 

@@ -25,7 +25,7 @@ from rostether.names.graph_name import canonical, join, validate_name
 from rostether.names.remap import Arguments, parse_arguments
 from rostether.ros1.environment import LOOPBACK, RosEnvironment
 from rostether.ros1.node.master_client import MasterClient
-from rostether.transports.address import DEFAULT_BAUD, DEFAULT_PORT, TcpAddress
+from rostether.transports.address import DEFAULT_BAUD, DEFAULT_PORT, SimAddress, TcpAddress
 
 DEFAULT_SERIAL_PORT = "/dev/ttyUSB0"
 DEFAULT_NODE_NAME = "serial_node"
@@ -76,6 +76,8 @@ async def _serve(
         parameters = await _server_parameters(used.environment, node_name) | arguments.private_params
         link = choose_link(arguments.rest, parameters, node_name=node_name, namespace=namespace)
         links = read_links(link, hosts)
+        if isinstance(links[0], SimAddress):
+            raise ConfigError(f"serial-node serves no simulated board; type `rostether serve {link}`")
         for line in loopback_lines(used.environment, links):
             reporter.line(Level.INFO, line)
         if isinstance(links[0], TcpAddress):

@@ -12,6 +12,7 @@ from rostether.cli.graph_access import read_environment
 from rostether.cli.options import listen_option, msg_path_option
 from rostether.cli.running import run
 from rostether.cli.serving import bridge, loopback_lines, read_links
+from rostether.cli.simulated_links import simulated
 from rostether.cli.verbs import Verb
 from rostether.cli.which_master import used_master
 from rostether.errors import ConfigError
@@ -28,6 +29,7 @@ from rostether.transports.address import Address
     rostether serve tcp://:11411 udp://:11411         boards on this machine
     rostether serve tcp://0.0.0.0:11411               boards on the network
     rostether serve pty:/tmp/board                    for a simulator
+    rostether serve "sim:blink.ino?board=uno"         a simulated board of ours
     rostether serve /dev/ttyACM0 /dev/ttyACM1 --ns-per-board
     """,
 )
@@ -57,8 +59,8 @@ def serve(
     """Make boards that speak rosserial nodes of the ROS graph.
 
     An ADDRESS is a serial port, tcp://HOST:PORT or udp://HOST:PORT to listen on, pty:PATH for a
-    pseudo-terminal made there, xbee:PORT. Options go behind a question mark: baud=115200, name=arm, ns=lab,
-    reset=no. A port that does not exist yet is waited for.
+    pseudo-terminal made there, xbee:PORT, sim:SKETCH for a simulated board that runs it. Options go behind a
+    question mark: baud=115200, name=arm, ns=lab, reset=no. A port that does not exist yet is waited for.
     """
     if not addresses:
         raise click.UsageError(
@@ -95,7 +97,10 @@ async def _serve(
         reporter.line(Level.INFO, used.line)
         for line in loopback_lines(used.environment, links):
             reporter.line(Level.INFO, line)
-        async with bridge(
-            used.environment, links, reporter, msg_paths=msg_paths, ns_per_board=ns_per_board
-        ) as supervisor:
+        async with (
+            simulated(links, reporter, msg_paths) as opened,
+            bridge(
+                used.environment, opened, reporter, msg_paths=msg_paths, ns_per_board=ns_per_board
+            ) as supervisor,
+        ):
             await supervisor.wait_done()

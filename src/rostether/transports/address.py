@@ -4,6 +4,7 @@
     tcp://:11411    tcp://0.0.0.0:11411?allow=192.168.1.0/24    tcp://robot.local:11411?connect=yes
     udp://:11411    udp://192.168.1.7:11411?connect=yes&bind=11411
     pty:/tmp/board  xbee:/dev/ttyUSB0?baud=57600&peers=1,2
+    sim:blink.ino?board=uno&adc=A0:2.5&range=0.5
 
 An empty host is loopback. Every address takes `name=` and `ns=`, the board's node name and namespace.
 """
@@ -15,6 +16,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from rostether.errors import ConfigError
+from rostether.transports.sim_words import SIM_WORDS, sim_words
 
 DEFAULT_BAUD = 57600  # what the established device library opens its port with
 DEFAULT_PORT = 11411  # where established boards connect to
@@ -24,6 +26,8 @@ LOOPBACK = "127.0.0.1"
 MAX_BAUD = 20_000_000
 # 16-bit addresses; 0xffff is the broadcast address and 0xfffe means "use the 64-bit address".
 MAX_XBEE_ADDRESS = 0xFFFD
+MAX_UART = 3  # a mega has four
+MAX_SEED = 2**32 - 1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -113,7 +117,21 @@ class XbeeAddress(_Named):
         return f"xbee:{self.path}"
 
 
-Address: TypeAlias = SerialAddress | TcpAddress | UdpAddress | PtyAddress | XbeeAddress
+@dataclass(frozen=True, slots=True)
+class SimAddress(_Named):
+    """A sketch or ELF file to run on a simulated board; `words` are what it is told before it starts."""
+
+    program: str
+    board: str = "uno"
+    words: tuple[str, ...] = ()
+    uart: int | None = None
+    seed: int = 0
+
+    def __str__(self) -> str:
+        return f"sim:{self.program}"
+
+
+Address: TypeAlias = SerialAddress | TcpAddress | UdpAddress | PtyAddress | XbeeAddress | SimAddress
 
 _COMMON_OPTIONS = ("name", "ns")
 _KNOWN_OPTIONS = {
@@ -122,6 +140,7 @@ _KNOWN_OPTIONS = {
     "udp": ("connect", "bind", "allow"),
     "pty": (),
     "xbee": ("baud", "peers"),
+    "sim": ("board", "uart", "seed", *SIM_WORDS),
 }
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):(.*)", re.DOTALL)
 _HOST_PORT = re.compile(r"[^\s:]+:[0-9]{1,5}")
@@ -155,9 +174,12 @@ def parse_address(text: str) -> Address:
             return UdpAddress(host, port, connect, bind, reader.networks(), name=name, ns=ns)
         case "pty":
             return PtyAddress(_require_path(text, place), name=name, ns=ns)
-        case _:
+        case "xbee":
             path, peers = _require_path(text, place), reader.xbee_peers()
             return XbeeAddress(path, reader.baud(), peers, name=name, ns=ns)
+        case _:
+            path, board, words = _require_path(text, place), options.get("board", "uno"), sim_words(options)
+            return SimAddress(path, board, words, reader.uart(), reader.seed(), name=name, ns=ns)
 
 
 class _Options:
@@ -178,6 +200,12 @@ class _Options:
 
     def port(self, key: str) -> int:
         return self._number(key, 0, 0, 65535)
+
+    def uart(self) -> int | None:
+        return self._number("uart", 0, 0, MAX_UART) if "uart" in self.values else None
+
+    def seed(self) -> int:
+        return self._number("seed", 0, 0, MAX_SEED)
 
     def networks(self) -> tuple[str, ...]:
         value = self.values.get("allow")
@@ -264,7 +292,7 @@ def _require_path(text: str, place: str) -> str:
     path = place.removeprefix("//") if place.startswith("///") else place
     if not path:
         raise ConfigError(
-            f"link address {text!r} names no path; write one such as /dev/ttyACM0 or pty:/tmp/board"
+            f"link address {text!r} names no path; write one such as /dev/ttyACM0 or sim:blink.ino"
         )
     return path
 

@@ -9,6 +9,7 @@ from rostether.transports.address import (
     Address,
     PtyAddress,
     SerialAddress,
+    SimAddress,
     TcpAddress,
     UdpAddress,
     XbeeAddress,
@@ -38,6 +39,10 @@ async def open_transport(address: Address | str) -> Transport:
             from rostether.transports.udp import connect_udp
 
             return await connect_udp(address)
+        case SimAddress():
+            raise ConfigError(
+                f"{address} is a board to simulate, no open link; `rostether serve {address}` starts it"
+            )
         case _:
             raise ConfigError(
                 f"{address} brings many devices; it is listened on, or add ?connect=yes for one"

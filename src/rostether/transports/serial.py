@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from dataclasses import dataclass
 from typing import cast
 
 import serialx
@@ -15,6 +14,8 @@ import serialx
 from rostether.errors import TransportClosedError, TransportError
 from rostether.transports.address import SerialAddress
 from rostether.transports.serial_errors import explain_open_error, is_pseudo_terminal
+from rostether.transports.serial_port import SerialPort as SerialPort
+from rostether.transports.serial_port import find_usb_location
 from rostether.transports.sockets import explain_reason
 from rostether.transports.stream import FLUSH_LIMIT_S, READ_CHUNK_BYTES, StreamTransport
 
@@ -22,19 +23,6 @@ from rostether.transports.stream import FLUSH_LIMIT_S, READ_CHUNK_BYTES, StreamT
 _PTY_BAUD = 115200
 # How often close() looks whether the port's own output buffer has emptied.
 _FLUSH_POLL_S = 0.02
-
-
-@dataclass(frozen=True, slots=True)
-class SerialPort:
-    """One serial port of this machine; USB fields are None where the port is not on USB."""
-
-    path: str
-    description: str
-    by_id: str | None = None
-    usb_vendor_id: int | None = None
-    usb_product_id: int | None = None
-    serial_number: str | None = None
-    manufacturer: str | None = None
 
 
 def list_ports() -> list[SerialPort]:
@@ -48,6 +36,8 @@ def list_ports() -> list[SerialPort]:
             usb_product_id=info.pid,
             serial_number=info.serial_number,
             manufacturer=info.manufacturer,
+            usb_location=find_usb_location(info.resolved_device),
+            usb_interface=info.interface_num,
         )
         for info in serialx.list_serial_ports()
     ]

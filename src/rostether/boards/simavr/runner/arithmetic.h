@@ -33,6 +33,13 @@
         if (condition) NEXT(1 + op->k / 2, (uint32_t)op->k / 2 + 1);                                   \
         NEXT(1, 1);                                                                                          \
     } while (0)
+/* Its answer may bring timers and interrupts, which are looked at after this instruction. */
+#define ASK_PERIPHERAL()                                                                                     \
+    do {                                                                                                     \
+        avr->cycle = cycle;                                                                                  \
+        data[op->d + 32] = avr->io[op->d].r.c(avr, (avr_io_addr_t)(op->d + 32), avr->io[op->d].r.param);     \
+        limit = 0;                                                                                           \
+    } while (0)
 /* RAM, beyond the registers of peripherals. */
 #define NEEDS_RAM(address)                                                                                   \
     if ((uint32_t)(address) - ram < ram_size) {                                                              \

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * Instructions until the next timer is due, then timers, then interrupts. The common instructions are run here, the others
- * by the simulator; with guarded memory all are, one by one.
+ * by the simulator; with guarded memory one by one, so that each store is seen.
  */
 #include "board.h"
 #include "instructions.h"
@@ -38,10 +38,12 @@ static void simulate_one(void) {
 
 static void run_instructions(cycles_t target) {
     const avr_cycle_timer_slot_t *next = board.avr->cycle_timers.timer;
+    cycles_t limit = next && next->when < target ? next->when : target;
     if (canaries_guarding) {
         canaries_check_store();
-        simulate_one();
-    } else if (!instructions_run(next && next->when < target ? next->when : target)) {
+        limit = board.avr->cycle + 1;
+    }
+    if (!instructions_run(limit)) {
         simulate_one();
     } else if (board.avr->pc == 0) {
         canaries_tell_restart(instructions_jumped_from);

@@ -163,10 +163,12 @@ do_SBRC:
 do_SBRS:
     SKIP_IF(data[op->d] >> op->r & 1);
 do_SBIC:
-    if (avr->io[op->d].r.c || avr->io[op->d].irq) goto simulator;
+    if (avr->io[op->d].irq) goto simulator;
+    if (avr->io[op->d].r.c) ASK_PERIPHERAL();
     SKIP_IF(!(data[op->d + 32] >> op->r & 1));
 do_SBIS:
-    if (avr->io[op->d].r.c || avr->io[op->d].irq) goto simulator;
+    if (avr->io[op->d].irq) goto simulator;
+    if (avr->io[op->d].r.c) ASK_PERIPHERAL();
     SKIP_IF(data[op->d + 32] >> op->r & 1);
 do_BRBS:
     if (flags[op->d]) JUMP(op->k, 2);

@@ -1,0 +1,51 @@
+"""What a simulated board reports."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any
+
+from rostether.errors import BoardError
+
+
+@dataclass(frozen=True, slots=True)
+class BoardEvent:
+    """One event: `name` as in the reference of words and events, `time_s` the board's own time."""
+
+    name: str
+    time_s: float
+    values: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+
+    def __getitem__(self, key: str) -> Any:
+        """Return one of the event's values; raises KeyError."""
+        return self.values[key]
+
+
+def parse_event(line: bytes) -> BoardEvent:
+    """Read a line of the runner. Raises BoardError for what is no event."""
+    try:
+        values = json.loads(line)
+        name, time_us = values.pop("event"), values.pop("time_us")
+        return BoardEvent(str(name), float(time_us) / 1e6, MappingProxyType(values))
+    except (ValueError, KeyError, AttributeError, TypeError) as error:
+        raise BoardError(f"the simulated board's runner printed what is no event: {line[:80]!r}") from error
+
+
+def show_event(event: BoardEvent) -> str:
+    """Write an event for people, in one line: the board's time in seconds, the event, its values."""
+    values = dict(event.values)
+    text = values.pop("text", "")
+    pin = values.pop("pin", None)
+    parts = [event.name.replace("_", " "), *([str(pin)] if pin is not None else [])]
+    parts += [f"{key}={_show(value)}" for key, value in values.items() if value != ""]
+    line = f"{event.time_s:12.6f}  {' '.join(parts)}"
+    return f"{line}: {text}" if text else line
+
+
+def _show(value: Any) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return f"{value:g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,132 @@
+"""The runner's program, compiled on first use: it links libsimavr (GPL-3), so it is a program of its own."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import hashlib
+import os
+import shutil
+import sys
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+
+from rostether.errors import BoardError
+
+SOURCES = Path(__file__).parent / "runner"
+PACKAGES = "gcc libsimavr-dev libelf-dev"
+FLAGS = ("-std=gnu11", "-D_GNU_SOURCE", "-O2", "-Wall", "-Wextra")
+LIBRARIES = ("-lsimavr", "-lelf", "-lm")
+HEADERS = Path("/usr/include/simavr")
+
+_COMPILERS = ("cc", "gcc", "clang")
+_NAME = "rostether-simavr"
+
+
+def cache_folder(environ: Mapping[str, str] | None = None) -> Path:
+    """Return where the compiled runner is kept."""
+    environ = os.environ if environ is None else environ
+    home = Path(environ.get("HOME") or Path.home())
+    caches = Path(environ["XDG_CACHE_HOME"]) if environ.get("XDG_CACHE_HOME") else home / ".cache"
+    return caches / "rostether" / "simavr"
+
+
+async def build_runner() -> Path:
+    """Return the runner's program, compiled now if it has not been.
+
+    Several processes may do so at once. Raises BoardError that names the packages to install.
+    """
+    compiler = _find_compiler()
+    sources = sorted(SOURCES.glob("*.c"))
+    program = cache_folder() / f"{_NAME}-{_key(compiler)}"
+    if program.exists():
+        return program
+    try:
+        program.parent.mkdir(parents=True, exist_ok=True)
+        handle, fresh = tempfile.mkstemp(prefix=f".{_NAME}-", dir=program.parent)
+    except OSError as error:
+        raise BoardError(
+            f"cannot write to {program.parent}: {error.strerror}; set XDG_CACHE_HOME to a folder of yours"
+        ) from None
+    os.close(handle)
+    try:
+        await _compile(compiler, sources, fresh)
+        os.replace(fresh, program)  # noqa: PTH105 - at once, so that nobody starts half a program
+    finally:
+        with contextlib.suppress(FileNotFoundError):
+            os.unlink(fresh)  # noqa: PTH108
+    return program
+
+
+def missing_parts() -> str:
+    """Return what keeps the runner from being compiled here, empty if nothing does."""
+    try:
+        _find_compiler()
+    except BoardError as error:
+        return str(error)
+    return "" if HEADERS.is_dir() else _advice("libsimavr is not installed")
+
+
+def _find_compiler() -> str:
+    if not sys.platform.startswith("linux"):
+        raise BoardError("simulated AVR boards run on Linux only; `rostether demo` has one in Python")
+    wanted = os.environ.get("CC", "").split()[:1] or _COMPILERS
+    found = next(filter(None, map(shutil.which, wanted)), None)
+    if found is None:
+        raise BoardError(_advice("no C compiler is installed"))
+    return found
+
+
+def _advice(reason: str) -> str:
+    return f"{reason}, and simulated boards need it; on Debian and Ubuntu: sudo apt install {PACKAGES}"
+
+
+def _key(compiler: str) -> str:
+    """Name a build by all it is made of: sources, flags, compiler and the simulator's headers."""
+    content = hashlib.sha256()
+    for path in sorted(SOURCES.glob("*.[ch]")):
+        content.update(path.name.encode() + b"\0" + path.read_bytes())
+    content.update(repr((FLAGS, LIBRARIES, compiler)).encode())
+    with contextlib.suppress(OSError):
+        header = (HEADERS / "sim_avr.h").stat()
+        content.update(repr((header.st_size, header.st_mtime_ns)).encode())
+    return content.hexdigest()[:16]
+
+
+async def _compile(compiler: str, sources: list[Path], target: str) -> None:
+    process = await asyncio.create_subprocess_exec(
+        compiler,
+        *FLAGS,
+        "-isystem",
+        str(HEADERS),
+        *map(str, sources),
+        "-o",
+        target,
+        *LIBRARIES,
+        stdin=asyncio.subprocess.DEVNULL,
+        stdout=asyncio.subprocess.DEVNULL,
+        stderr=asyncio.subprocess.PIPE,
+        env={**os.environ, "LC_ALL": "C"},
+    )
+    try:
+        _, printed = await process.communicate()
+    except asyncio.CancelledError:
+        with contextlib.suppress(ProcessLookupError):
+            process.kill()
+        await process.wait()
+        raise
+    if process.returncode == 0:
+        return
+    text = printed.decode(errors="replace")
+    for sign, reason in (
+        ("gelf.h", "libelf is not installed"),
+        ("-lelf", "libelf is not installed"),
+        ("sim_", "libsimavr is not installed"),
+        ("avr_", "libsimavr is not installed"),
+        ("-lsimavr", "libsimavr is not installed"),
+    ):
+        if f"{sign}" in text and ("No such file" in text or "cannot find" in text):
+            raise BoardError(_advice(reason))
+    first = next((line for line in text.splitlines() if "error" in line), text.strip()[:200])
+    raise BoardError(f"the simulated boards' runner does not compile with {compiler}: {first}")

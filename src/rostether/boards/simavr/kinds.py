@@ -1,0 +1,22 @@
+"""The boards that can be simulated, and the runner's name for each: one for those of the same chip and pins."""
+
+from __future__ import annotations
+
+from rostether.errors import ConfigError
+
+KINDS = {
+    "uno": "uno",
+    "nano": "nano",
+    "promini": "nano",
+    "mega": "mega",
+    "leonardo": "leonardo",
+    "micro": "leonardo",
+}
+
+
+def kind_of(board: str) -> str:
+    """Return the runner's name for a board. Raises ConfigError naming the boards that there are."""
+    try:
+        return KINDS[board]
+    except KeyError:
+        raise ConfigError(f"no simulated board {board!r}; there are {', '.join(KINDS)}") from None

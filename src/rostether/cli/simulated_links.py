@@ -1,0 +1,99 @@
+"""Simulated boards as link addresses: `sim:blink.ino` is built, started, and served at its serial port."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+from collections.abc import AsyncIterator, Sequence
+from contextlib import AsyncExitStack, asynccontextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rostether.graph.ports import Level
+from rostether.transports.address import Address, SerialAddress, SimAddress
+
+if TYPE_CHECKING:
+    from rostether.boards.simavr.simulated_board import SimulatedBoard
+    from rostether.bridge.reporter import Reporter
+
+_WARNINGS = (
+    "asleep",
+    "bad_opcode",
+    "bad_read",
+    "bad_write",
+    "behind",
+    "lost_serial",
+    "overrun",
+    "restart",
+    "stack",
+    "stack_overflow",
+)
+
+
+@asynccontextmanager
+async def simulated(
+    links: Sequence[Address], reporter: Reporter, msg_paths: Sequence[Path] = ()
+) -> AsyncIterator[list[Address]]:
+    """Start the simulated boards among the links, and give the links with their serial ports instead.
+
+    Raises BoardError, ConfigError for unknown boards, FirmwareError for sketches that cannot be built.
+    """
+    async with AsyncExitStack() as stack:
+        names: list[str] = []
+        opened: list[Address] = []
+        reports: list[asyncio.Task[None]] = []
+        for link in links:
+            if not isinstance(link, SimAddress):
+                opened.append(link)
+                continue
+            name = link.name or _name(Path(link.program), names)
+            names.append(name)
+            board = await stack.enter_async_context(await _start(link, msg_paths))
+            reporter.line(
+                Level.INFO, f"simulated {board.kind} runs {link.program} at {board.address}{_note(board)}"
+            )
+            reports.append(asyncio.get_running_loop().create_task(_report(board, str(link), reporter)))
+            opened.append(SerialAddress(board.address, name=name, ns=link.ns))
+        # Ended first: a board that we end has nothing more to report.
+        stack.push_async_callback(_end, reports)
+        yield opened
+
+
+async def _start(link: SimAddress, msg_paths: Sequence[Path]) -> SimulatedBoard:
+    from rostether.boards.simavr.kinds import kind_of
+    from rostether.boards.simavr.simulated_board import SimulatedBoard
+    from rostether.cli.board_program import find_program
+
+    kind_of(link.board)
+    program = await find_program(Path(link.program), link.board, msg_paths)
+    return await SimulatedBoard.start(
+        program, board=link.board, words=link.words, uart=link.uart, seed=link.seed
+    )
+
+
+def _note(board: SimulatedBoard) -> str:
+    return f" ({board.note})" if board.note else ""
+
+
+def _name(program: Path, taken: Sequence[str]) -> str:
+    stem = re.sub(r"\W", "_", program.resolve().stem, flags=re.ASCII)
+    name = stem if stem[:1].isalpha() else f"board_{stem}"
+    number = 2
+    while (numbered := name if number == 2 and name not in taken else f"{name}_{number}") in taken:
+        number += 1
+    return numbered
+
+
+async def _report(board: SimulatedBoard, title: str, reporter: Reporter) -> None:
+    from rostether.boards.simavr.board_events import show_event
+
+    async for event in board.events():
+        level = Level.WARN if event.name in _WARNINGS else Level.INFO
+        reporter.line(level, f"{title}: {show_event(event).strip()}")
+    reporter.line(Level.ERROR, f"{title}: the simulated board has ended")
+
+
+async def _end(tasks: Sequence[asyncio.Task[None]]) -> None:
+    for task in tasks:
+        task.cancel()
+    await asyncio.gather(*tasks, return_exceptions=True)

@@ -1,0 +1,45 @@
+"""What the system knows of a serial port before anybody opens it."""
+
+from __future__ import annotations
+
+import os
+import re
+from dataclasses import dataclass
+
+# Bus, the sockets of the hubs on the way, configuration and interface: `1-1.2:1.0`.
+_USB_INTERFACE = re.compile(r"[0-9]+-[0-9.]+:[0-9]+\.[0-9]+")
+
+
+@dataclass(frozen=True, slots=True)
+class SerialPort:
+    """One serial port of this machine; USB fields are None where the port is not on USB.
+
+    `usb_location` is the socket that the device is plugged into, with the interface: it stays when the port
+    gets another number (Linux only).
+    """
+
+    path: str
+    description: str
+    by_id: str | None = None
+    usb_vendor_id: int | None = None
+    usb_product_id: int | None = None
+    serial_number: str | None = None
+    manufacturer: str | None = None
+    usb_location: str | None = None
+    usb_interface: int | None = None
+
+    @property
+    def usb_id(self) -> str | None:
+        """Vendor and product as people write them, `2341:0043`."""
+        if self.usb_vendor_id is None:
+            return None
+        return f"{self.usb_vendor_id:04x}:{self.usb_product_id or 0:04x}"
+
+
+def find_usb_location(path: str, *, sys_folder: str = "/sys/class/tty") -> str | None:
+    """Return the socket behind a port's path, as the kernel names it; None where it has none."""
+    device = os.path.realpath(f"{sys_folder}/{path.rpartition('/')[2]}/device")
+    for part in reversed(device.split("/")):
+        if _USB_INTERFACE.fullmatch(part):
+            return part
+    return None

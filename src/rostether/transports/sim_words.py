@@ -1,0 +1,37 @@
+"""What a simulated board is told in its link address, as the words it knows.
+
+In an address `=` and `&` divide options, so there a value's own `=` is written `:`, and a space a comma:
+`adc=A0:2.5,A1:1` is the word `adc A0=2.5 A1=1`, `fault=to:flip:0.01,seed:3` is `fault to:flip=0.01,seed=3`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+SIM_WORDS = (
+    "adc",
+    "aref",
+    "attitude",
+    "autoreset",
+    "fault",
+    "hcsr04",
+    "network",
+    "pin",
+    "range",
+    "servo",
+    "watch",
+)
+_OF_SEVERAL_WORDS = ("adc", "attitude", "pin", "servo", "watch")
+_WITH_SETTINGS = ("adc", "fault", "hcsr04", "pin")
+
+
+def sim_words(options: Mapping[str, str]) -> tuple[str, ...]:
+    """Return the lines for the board that an address's options stand for, in the order of the options."""
+    return tuple(_line(key, value) for key, value in options.items() if key in SIM_WORDS)
+
+
+def _line(key: str, value: str) -> str:
+    parts = value.split(",")
+    if key in _WITH_SETTINGS:
+        parts = ["=".join(part.rsplit(":", 1)) for part in parts]
+    return f"{key} {(' ' if key in _OF_SEVERAL_WORDS else ',').join(parts)}"
