@@ -6,6 +6,7 @@ RostetherError
 ├── CodegenError                a client library that cannot be generated
 ├── FirmwareError               a sketch that cannot be built, measured or uploaded
 │   └── SketchError             the compiler or the linker refuses it; holds what they printed
+├── BoardError                  a simulated board that cannot start, does not understand, or has ended
 ├── DefinitionError             a .msg or .srv text that cannot be read (file, line, column)
 │   └── UnknownTypeError        no known package has the message or service; says how to give it
 ├── SerializationError          a value or bytes that do not fit a type
@@ -55,6 +56,10 @@ class SketchError(FirmwareError):
     def __init__(self, message: str, *, diagnostics: str) -> None:
         super().__init__(message)
         self.diagnostics = diagnostics
+
+
+class BoardError(RostetherError):
+    """A simulated board cannot start, does not understand a word, or has ended."""
 
 
 class DefinitionError(RostetherError):

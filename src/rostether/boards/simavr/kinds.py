@@ -1,4 +1,4 @@
-"""The boards that can be simulated, and the runner's name for each: one for those of the same chip and pins."""
+"""The boards that can be simulated, and the name the runner has for each: one for those of the same kind."""
 
 from __future__ import annotations
 
