@@ -8,6 +8,7 @@
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
+#include <string.h>
 #include <sys/socket.h>
 
 #include "posix_clock.h"
@@ -41,11 +42,16 @@ struct PosixSockets {
 
   static PipeState connected(int handle, uint32_t wait_ms) {
     struct pollfd waited = {handle, POLLOUT, 0};
+    errno = ETIMEDOUT;
     if (poll(&waited, 1, static_cast<int>(wait_ms)) <= 0) return PIPE_PENDING;
     int error = 0;
     socklen_t size = sizeof error;
-    return getsockopt(handle, SOL_SOCKET, SO_ERROR, &error, &size) == 0 && error == 0 ? PIPE_OPEN : PIPE_FAILED;
+    if (getsockopt(handle, SOL_SOCKET, SO_ERROR, &error, &size) != 0) return PIPE_FAILED;
+    errno = error;
+    return error == 0 ? PIPE_OPEN : PIPE_FAILED;
   }
+  // Why the latest socket did not connect.
+  static const char* reason() { return strerror(errno); }
 
   static int read(int handle, uint8_t* bytes, size_t size) {
     const ssize_t count = recv(handle, bytes, size, 0);

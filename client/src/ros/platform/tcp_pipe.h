@@ -43,7 +43,7 @@ class TcpPipe {
         if (state == PIPE_PENDING && milliseconds() - began_ms_ < CONNECT_MS) return PIPE_PENDING;
         close();
       }
-      reason_ = "cannot connect";
+      reason_ = Sockets::reason();
       if (++current_ >= count_) return PIPE_FAILED;
       begin();
     }
