@@ -47,7 +47,7 @@ def render(title: str, footprint: Footprint, endpoints: Sequence[Endpoint], buff
 def _totals(footprint: Footprint) -> Table:
     table = Table.grid(padding=(0, 2))
     for justify in ("left", "right", "left", "left"):
-        table.add_column(justify=justify)  # type: ignore[arg-type]
+        table.add_column(justify=justify)
     flash, ram = footprint.flash_limit_bytes, footprint.ram_limit_bytes
     table.add_row("flash", f"{footprint.flash_bytes:,}", _limit(flash), _bar(footprint.flash_bytes, 0, flash))
     stack = footprint.stack.total_bytes if footprint.stack is not None else 0

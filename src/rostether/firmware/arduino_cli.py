@@ -1,4 +1,4 @@
-"""Building with arduino-cli, for boards that are no AVR ones, and for those who want its versions of everything."""
+"""Building with arduino-cli: for boards that are no AVR ones, and for those who prefer its versions."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _PLATFORM_MISSING = re.compile(r"[Pp]latform '?([\w:]+)[^\n]*not (?:found|instal
 
 
 async def build_with_arduino_cli(sketch: Sketch, board: Board, options: BuildOptions) -> BuiltFirmware:
-    """Build a sketch as `build_sketch` does. The ROS library is made for what the sketch's own files include."""
+    """Build as `build_sketch` does. The ROS library is made for what the sketch's own files include."""
     started_s = time.monotonic()
     program = find_arduino_cli(f"building for {board.title}")
     cache = BuildCache(cache_folder())

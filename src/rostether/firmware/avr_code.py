@@ -58,7 +58,7 @@ _OTHER_LONG = Instruction(Op.OTHER, 4)
 _SKIP = Instruction(Op.SKIP)
 
 
-def decode(code: bytes, address: int) -> Instruction:  # noqa: PLR0911 - one line for each kind
+def decode(code: bytes, address: int) -> Instruction:
     """Return the instruction at a byte address; beyond the end of the code everything is OTHER."""
     word = int.from_bytes(code[address : address + 2], "little")
     op = _FIXED.get(word)

@@ -1,4 +1,4 @@
-"""What kind of pointer a call goes through, as avr-gcc loads it into Z: a slot of a virtual table, or a plain one.
+"""What kind of pointer an AVR program calls through: a slot of a virtual table, or a plain one.
 
 A virtual call loads the table's address from the object, then the function's address from the table. A plain
 pointer is loaded once. The last two loads of r30 before the call tell which it is.

@@ -1,7 +1,7 @@
 """What was compiled before, kept by content, safe against several builds at once, and bounded.
 
-Files stand under the hash of everything they depend on, and are put there by renaming. Records (JSON) say what a
-command depended on when it last ran: as long as none of those files has changed, its result is still good.
+Files stand under the hash of everything they depend on, and are put there by renaming. Records (JSON) say
+what a command depended on when it last ran: as long as none of that has changed, its result is good.
 """
 
 from __future__ import annotations
@@ -105,7 +105,7 @@ class BuildCache:
     def save(
         self, key: str, content: Any, files: Iterable[Path], folders: Iterable[Path], *, started_ns: int
     ) -> None:
-        """Keep a record with what it depends on; not when a file was changed after `started_ns`, meanwhile."""
+        """Keep a record with what it depends on; not when a file was changed after `started_ns`."""
         states = []
         for file in files:
             status = file.stat()
@@ -178,7 +178,7 @@ def _measure(entry: Path) -> tuple[float, int, Path]:
 
 
 def listing(folder: Path) -> str:
-    """Return a hash of the names in a folder that a build may look at; a text that differs when it is gone."""
+    """Return a hash of the names in a folder that a build may look at; an empty text when it is gone."""
     try:
         with os.scandir(folder) as entries:
             names = sorted(

@@ -30,7 +30,7 @@ _LOAD_WINDOW = 4
 
 
 class CallGraph:
-    """Functions by the address of their entry. A call through a pointer may reach any whose address is taken."""
+    """Functions by their entry. A call through a pointer may reach any whose address is taken."""
 
     def __init__(self, elf: ElfFile) -> None:
         self._elf = elf

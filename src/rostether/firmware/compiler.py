@@ -1,4 +1,4 @@
-"""The compiler's programs run as platform.txt's recipes say, several at once, and not when nothing has changed."""
+"""The compiler's programs, run as platform.txt's recipes say, several at once, unless nothing has changed."""
 
 from __future__ import annotations
 
@@ -103,8 +103,8 @@ class Compiler:
         if code:
             raise SketchError("cannot read what it includes", diagnostics=output)
         names = list(dict.fromkeys(_dependencies(output)))
-        files = [Path(each) for each in names if os.path.isabs(each)]
-        missing = [each for each in names if not os.path.isabs(each)]
+        files = [Path(each) for each in names if Path(each).is_absolute()]
+        missing = [each for each in names if not Path(each).is_absolute()]
         record = {"files": [str(each) for each in files], "missing": missing}
         self._cache.save(key, record, files, includes, started_ns=started_ns)
         return Scan(tuple(files), tuple(missing))

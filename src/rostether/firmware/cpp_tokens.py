@@ -41,7 +41,7 @@ class Token:
 
 
 def tokenize(text: str) -> Iterator[Token]:
-    """Yield all tokens but white space. Never fails: what cannot be read is punctuation, one character each."""
+    """Yield all tokens but white space. Never fails: what cannot be read is punctuation, bit by bit."""
     for match in _TOKEN.finditer(text):
         group = match.lastgroup or "punctuation"
         if group != "space":

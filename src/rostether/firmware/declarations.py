@@ -36,7 +36,7 @@ class Function:
 
 @dataclass(frozen=True, slots=True)
 class Statement:
-    """Tokens from the first to the closing `;` or `}`; directives between statements are ones of their own."""
+    """Tokens from the first to the closing `;` or `}`; directives between statements stand alone."""
 
     tokens: tuple[Token, ...]
     function: Function | None = None
@@ -123,7 +123,7 @@ def _closing(tokens: Sequence[Token], opening: int) -> int:
         elif token.text == "[[":
             closes.append("]]")
         elif token.text == "]]" and closes[-1] == "]":
-            # a[b[0]]
+            # Two closing brackets of an array in an array.
             closes.pop()
             if closes and closes[-1] == "]":
                 closes.pop()
@@ -135,7 +135,7 @@ def _closing(tokens: Sequence[Token], opening: int) -> int:
 
 
 def _ends_with_its_body(head: Sequence[Token]) -> bool:
-    """Tell whether `}` ends the statement: a function's or a namespace's, not `struct S { } s;` or `= { };`."""
+    """Tell whether `}` ends the statement: a function's or namespace's, not `struct S { } s;`, `= { };`."""
     texts = [token.text for token in head]
     if "namespace" in texts[:2]:
         return True
@@ -156,7 +156,7 @@ def _outside_parentheses(tokens: Sequence[Token]) -> list[str]:
 
 
 def _find_function(head: Sequence[Token], is_extern_c: bool, *, any_name: bool = False) -> Function | None:
-    """Return the function that a head declares; with `any_name` also a member's, an operator's or a macro's."""
+    """Return the function that a head declares; with `any_name` also a member, an operator or a macro."""
     if (
         not head
         or head[0].text in ("typedef", "using", "namespace", "#")

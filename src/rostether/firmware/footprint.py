@@ -1,7 +1,7 @@
 """What a program takes of a board's flash and RAM, what takes it, and whether the stack will find room.
 
-Flash is what avr-size calls text and data, RAM its data and bss. Code is sorted by the file it was written in,
-inlined code included; a variable by its type, else by the file that declares it.
+Flash is what avr-size calls text and data, RAM its data and bss. Code is sorted by the file it was written
+in, inlined code included; a variable by its type, else by the file that declares it.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _START_SYMBOLS = re.compile(
 
 @dataclass(frozen=True, slots=True)
 class Item:
-    """A function or a variable by name, with what it takes; a variable that begins with a value takes both."""
+    """A function or a variable, with what it takes; a variable that begins with a value takes both."""
 
     name: str
     group: str
@@ -252,7 +252,7 @@ class _Count:
             shares[group] = shares.get(group, 0) + stop - start
 
     def _unnamed_group(self, address: int) -> str:
-        """Return the group of code that no symbol with a size covers: the start, or an assembler's routine."""
+        """Return the group of code that no symbol with a size covers: start-up, or an assembler's."""
         before = [
             each.name for each in self._elf.symbols if each.section == ".text" and each.address <= address
         ]

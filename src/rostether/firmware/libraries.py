@@ -1,7 +1,7 @@
 """Arduino libraries: which folder of one holds what, and which of several serves a header.
 
-Source: the Arduino library specification. A library with `src/` and library.properties is compiled recursively;
-any other from its root and `utility/`.
+Source: the Arduino library specification. A library with `src/` and library.properties is compiled
+recursively; any other from its root and `utility/`.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ MAX_LIBRARIES = 2000
 _HEADER_SUFFIXES = (".h", ".hh", ".hpp")
 _ARCHITECTURE = "avr"
 SIMULATION_LIBRARIES = Path(__file__).parent / "share" / "libraries"
-"""Libraries that the simulated boards bring where the user has none: Servo, and Ethernet on a simulated chip."""
+"""Libraries for when the user has none: Servo, and Ethernet on a chip that only simulated boards have."""
 
 
 class Origin(StrEnum):
@@ -105,7 +105,7 @@ def read_folder(folder: Path, origin: Origin) -> list[Library]:
 
 
 def choose(header: str, libraries: Iterable[Library]) -> Library | None:
-    """Return the library that serves a header best: by origin, then architecture, then the likeness of names."""
+    """Return the library that serves a header best: by architecture, origin, and likeness of names."""
     serving = [each for each in libraries if each.serves(header)]
     stem = Path(header).stem.lower()
     order = list(Origin)

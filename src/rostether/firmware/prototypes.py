@@ -38,7 +38,7 @@ class Prototype:
 
 
 def find_prototypes(text: str) -> list[Prototype]:
-    """Return the prototypes that a sketch's text needs, by their offset; inactive code must be blank in it."""
+    """Return the prototypes that a sketch's text needs, by offset; inactive code must be blank in it."""
     statements = read_statements(code_tokens(text))
     macros = _macros(statements)
     used = [_names_used(statement, macros) for statement in statements]

@@ -1,4 +1,4 @@
-"""Which libraries a sketch needs, and which those need: a header found nowhere brings the library that has it."""
+"""Which libraries a sketch needs, and which those need: a header found nowhere brings its library."""
 
 from __future__ import annotations
 

@@ -21,6 +21,7 @@ _TYPE_HEADER = re.compile(r"(\w+)/(\w+)\.h")
 _ALWAYS = frozenset(("rosserial_msgs", "std_msgs"))
 """What ros.h itself includes."""
 _SKIPPED = "skipped.txt"
+_PACKAGE = Path(__file__).parents[1]
 
 
 class RosLibrary:
@@ -69,26 +70,25 @@ class RosLibrary:
 
     def signature(self) -> str:
         """Return a text that changes when the client library, its generator or a definition does."""
-        from rostether import codegen
         from rostether.codegen.library_source import client_library, library_files
-        from rostether.msgdef.definition_files import BUNDLED_FOLDER
 
         client = client_library()
         files = [client / each for each in library_files(client)]
-        files += sorted(Path(codegen.__path__[0]).rglob("*.py"))
-        files += sorted(BUNDLED_FOLDER.iterdir())
+        files += sorted((_PACKAGE / "codegen").rglob("*.py"))
+        files += sorted((_PACKAGE / "msgdef" / "share").iterdir())
         files += self._user_definitions()
         return digest([_state(each) for each in files])
 
     def _user_definitions(self) -> Iterator[Path]:
+        if not self._msg_paths and not os.environ.get("ROS_PACKAGE_PATH"):
+            return
         from rostether.msgdef.definition_files import Kind, find_definitions
         from rostether.packages.search_path import ros_package_path
 
-        package_path = ros_package_path(os.environ)
-        if self._msg_paths or package_path:
-            for _, files in sorted(find_definitions(self._msg_paths, package_path).items()):
-                for kind in Kind:
-                    yield from files.of(kind).values()
+        found = find_definitions(self._msg_paths, ros_package_path(os.environ))
+        for _, files in sorted(found.items()):
+            for kind in Kind:
+                yield from files.of(kind).values()
 
     def _knows(self, package: str, name: str) -> bool:
         full_name = f"{package}/{name}"

@@ -17,7 +17,7 @@ MAX_SKETCH_FILES = 2000
 class Sketch:
     """`inos` in the order in which they are joined; `sources` are compiled beside them.
 
-    `owns_folder` is false for a file among strangers: of their sources, those whose header it includes are its.
+    `owns_folder` is false for a file among strangers: it owns only the sources whose header it includes.
     """
 
     name: str

@@ -1,8 +1,8 @@
-"""How much stack a program can need: the deepest way from `main` through all calls, and the deepest interrupt.
+"""How much stack a program can need: the deepest way from `main`, and the deepest interrupt.
 
 No function is entered twice on one way, directly or through pointers: recursion is told, not followed. Any
-function whose address is taken counts for every call through a pointer, so the estimate is more than what happens
-rather than less.
+function whose address is taken counts for every call through a pointer of its kind, so the estimate is rather
+more than what happens than less.
 """
 
 from __future__ import annotations
@@ -61,8 +61,8 @@ def estimate_stack(elf: ElfFile) -> StackEstimate:
 class _Search:
     """The deepest way without a function twice on it.
 
-    Which functions may not be entered again matters only where they can be reached again, so results are kept for
-    each function with those of its own circle that are above it.
+    Which functions may not be entered again matters only where they can be reached again, so results are kept
+    for each function with those of its own circle that are above it.
     """
 
     def __init__(self, graph: CallGraph) -> None:

@@ -1,8 +1,8 @@
 """How far one piece of AVR code moves the stack, and where it calls.
 
-Follows all ways through the code and keeps, for each instruction, the deepest stack it can be reached with. The
-frame of a function is what the compiler subtracts from the stack pointer through r28; it is known where r28 was
-read from the stack pointer before.
+Follows all ways through the code and keeps, for each instruction, the deepest stack it can be reached with.
+The frame of a function is what the compiler subtracts from the stack pointer through r28; it is known where
+r28 was read from the stack pointer before.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ MAX_DEPTH_BYTES = 65536
 """More than any AVR has: code that pushes in a loop must not be followed for ever."""
 
 _SHARED_REGISTERS = 18
-# libgcc's `__prologue_saves__` pushes r2 to r17, r28 and r29, two bytes of code each, from where it is entered;
-# then it subtracts X from the stack pointer and goes on at Z, which is behind the jump.
+# libgcc's `__prologue_saves__` pushes r2 to r17, r28 and r29, two bytes of code each, from where it is
+# entered; then it subtracts X from the stack pointer and goes on at Z, which is behind the jump.
 _SHARED_PROLOGUE = "__prologue_saves__"
 _SHARED_EPILOGUE = "__epilogue_restores__"
 # Of a large `switch`: goes on at one of the labels in a table in flash.

@@ -1,7 +1,7 @@
 """Flashing a board through its boot loader, with avrdude or arduino-cli.
 
-Boards with USB of their own (Leonardo, Micro) enter the boot loader when their port is opened at 1200 baud and
-closed; for a moment the port is gone then, and it may come back under another name.
+Boards with USB of their own (Leonardo, Micro) enter the boot loader when their port is opened at 1200 baud
+and closed; for a moment the port is gone then, and it may come back under another name.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ async def upload(
 ) -> str:
     """Flash a board; returns what the flashing program printed.
 
-    Raises FirmwareError or TransportOpenError saying what to do: no program, no port, busy, not allowed, silent.
+    Raises FirmwareError or TransportOpenError: no program, no port, busy, not allowed, silent.
     """
     if built.simulated_libraries:
         name = built.simulated_libraries[0]

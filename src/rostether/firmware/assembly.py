@@ -1,0 +1,146 @@
+"""The steps of a build, each asked of the cache by itself: an edit costs one compilation and the link."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+from collections.abc import Coroutine, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rostether.errors import SketchError
+from rostether.firmware.boards import Board
+from rostether.firmware.cache import BuildCache, digest
+from rostether.firmware.compiler import Compiled, Compiler
+from rostether.firmware.ino import active_lines, add_prototypes, join, read_ino
+from rostether.firmware.libraries import (
+    SIMULATION_LIBRARIES,
+    Library,
+    Origin,
+    read_folder,
+    read_given,
+    sketchbook_folders,
+)
+from rostether.firmware.resolution import Shelf, Unit, resolve
+from rostether.firmware.ros_library import RosLibrary
+from rostether.firmware.sketch import SOURCE_SUFFIXES, Sketch
+from rostether.firmware.toolchain import AvrToolchain
+
+
+@dataclass(frozen=True, slots=True)
+class Assembled:
+    """A linked program, what it was made of, and the folders in which a new file could change that."""
+
+    elf: Path
+    image: Path
+    libraries: Sequence[Library]
+    output: str
+    files: frozenset[Path]
+    folders: Sequence[Path]
+
+
+class Assembly:
+    """Puts one sketch together for one board."""
+
+    def __init__(
+        self,
+        sketch: Sketch,
+        board: Board,
+        toolchain: AvrToolchain,
+        cache: BuildCache,
+        ros: RosLibrary,
+        compiler: Compiler,
+    ) -> None:
+        self._sketch = sketch
+        self._toolchain = toolchain
+        self._cache = cache
+        self._ros = ros
+        self._compiler = compiler
+        self._core = list(toolchain.core_folders(board))
+
+    async def assemble(self, given: Sequence[Path], *, warnings: bool) -> Assembled:
+        """Compile and link. `given` are the user's libraries. Raises SketchError."""
+        roots = self._library_roots(given)
+        shelf = Shelf(self._libraries(roots, len(given)), self._ros)
+        try:
+            async with asyncio.TaskGroup() as tasks:
+                # The core needs nothing of the sketch, and is most of the work of a first build.
+                core = tasks.create_task(self._build_core())
+                sketch = tasks.create_task(self._build_sketch(shelf, "all" if warnings else "none"))
+        except BaseExceptionGroup as failures:
+            raise _first(failures) from None
+        objects, (archive, core_objects) = sketch.result(), core.result()
+        elf, image = await self._compiler.link([each.object for each in objects], archive, self._sketch.name)
+        files = {file for each in [*objects, *core_objects] for file in each.files}
+        return Assembled(
+            elf=elf,
+            image=image,
+            libraries=shelf.used,
+            output="".join(each.output for each in objects),
+            files=frozenset((*files, *self._sketch.inos, *self._sketch.sources, elf, image)),
+            folders=[self._sketch.folder, *roots],
+        )
+
+    async def _build_core(self) -> tuple[Path, list[Compiled]]:
+        sources = [
+            each
+            for folder in self._core
+            for each in sorted(folder.rglob("*"))
+            if each.suffix in SOURCE_SUFFIXES
+        ]
+        objects = await _all(self._compiler.compile(each, self._core) for each in sources)
+        return await self._compiler.archive([each.object for each in objects]), objects
+
+    async def _build_sketch(self, shelf: Shelf, warnings: str) -> list[Compiled]:
+        inos = [read_ino(each) for each in self._sketch.inos]
+        main = [self._write_source(join(inos))] if inos else []
+        unit = Unit([*main, *self._sketch.sources], [*self._core, self._sketch.folder])
+        units = await resolve(self._compiler, unit, shelf, self._core, self._sketch)
+        sources = [each for each in unit.sources if each not in main]
+        if inos:
+            preprocessed = await self._compiler.preprocess(main[0], unit.includes)
+            active = None if preprocessed is None else active_lines(preprocessed)
+            sources.insert(0, self._write_source(add_prototypes(inos, active)))
+        compiling = [self._compiler.compile(each, unit.includes, warnings=warnings) for each in sources]
+        compiling += [
+            self._compiler.compile(each, library.includes) for library in units for each in library.sources
+        ]
+        return await _all(compiling)
+
+    def _write_source(self, text: str) -> Path:
+        name = f"{self._sketch.name}.ino.cpp"
+        return self._cache.write_text("sources", digest("source", name, text), name, text)
+
+    def _library_roots(self, given: Sequence[Path]) -> list[Path]:
+        home = Path(os.environ.get("HOME") or Path.home())
+        folders = [each.expanduser().resolve() for each in given]
+        return [*folders, *sketchbook_folders(os.environ, home), self._toolchain.libraries]
+
+    def _libraries(self, roots: Sequence[Path], given: int) -> list[Library]:
+        found = [library for each in roots[:given] for library in read_given(each)]
+        for folder in roots[given:-1]:
+            found += read_folder(folder, Origin.SKETCHBOOK)
+        found += read_folder(roots[-1], Origin.CORE)
+        return found + read_folder(SIMULATION_LIBRARIES, Origin.SIMULATION)
+
+
+async def _all(compiling: Iterable[Coroutine[Any, Any, Compiled]]) -> list[Compiled]:
+    """Compile all, also when one fails: whoever has two files with errors wants to see both."""
+    results = await asyncio.gather(*compiling, return_exceptions=True)
+    failures = [each for each in results if isinstance(each, SketchError)]
+    if failures:
+        # One header's error is reported by each source that includes it.
+        diagnostics = dict.fromkeys(each.diagnostics for each in failures)
+        raise SketchError(str(failures[0]), diagnostics="".join(diagnostics))
+    for each in results:
+        if isinstance(each, BaseException):
+            raise each
+    return [each for each in results if isinstance(each, Compiled)]
+
+
+def _first(failures: BaseExceptionGroup[BaseException]) -> BaseException:
+    """Return one error out of what a group of tasks raised."""
+    for each in failures.exceptions:
+        return _first(each) if isinstance(each, BaseExceptionGroup) else each
+    raise AssertionError("an empty group")
