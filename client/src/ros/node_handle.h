@@ -25,8 +25,8 @@ class NodeHandle_ : public NodeHandleBase_ {
   static const uint16_t INPUT_BYTES = INPUT_SIZE < 16 ? 16 : INPUT_SIZE;
   static_assert(INPUT_SIZE <= 0xffff - FRAME_OVERHEAD_BYTES, "no frame is longer than 65535 bytes");
 
-  NodeHandle_() : heard_ms_(0) {}
-  explicit NodeHandle_(const Hardware& hardware) : hardware_(hardware), heard_ms_(0) {}
+  NodeHandle_() {}
+  explicit NodeHandle_(const Hardware& hardware) : hardware_(hardware) {}
 
   Hardware* getHardware() { return &hardware_; }
 
@@ -42,46 +42,35 @@ class NodeHandle_ : public NodeHandleBase_ {
   }
 
   int spinOnce() override {
-    const uint16_t now_ms = shortTime();
+    const uint16_t began_ms = milliseconds();
     bool heard = false;
     window_.release();
     for (;;) {
-      if (window_.due()) {
-        const int result = process(now_ms);
-        if (result != SPIN_OK) return result;
-        if (window_.held()) return SPIN_OK;
-        continue;
-      }
-      if (window_.room()) {
+      while (window_.wantsMore()) {
         const int byte = hardware_.read();
-        if (byte >= 0) {
-          window_.append(static_cast<uint8_t>(byte));
-          heard = true;
-          continue;
+        if (byte < 0) {
+          if (relinked(hardware_, 0)) {
+            window_.forget();
+            contactAnew();
+          }
+          return heard || restless(began_ms) ? rest(heard) : SPIN_OK;
         }
+        window_.append(static_cast<uint8_t>(byte));
+        heard = true;
       }
-      if (window_.empty()) break;
-      if (heard) {
-        heard_ms_ = shortTime();
-        break;
+      const uint8_t found = window_.examine();
+      if (found) {
+        const int result = work(found, began_ms);
+        if (result != GO_ON) return result;
+      } else if (!window_.wantsMore()) {
+        return SPIN_OK;
       }
-      if (since(heard_ms_, now_ms) < GAP_MS) break;
-      window_.drop();
     }
-    if (relinked(hardware_, 0)) {
-      window_.forget();
-      contactAnew();
-    }
-    if (contactIsDue(now_ms)) keepInTouch();
-    return SPIN_OK;
   }
 
   uint32_t time() override { return static_cast<uint32_t>(hardware_.time()); }
 
  private:
-  // A gap of this length within a frame means that the rest was lost: longer than a network's hiccups, short enough
-  // that a wrong length does not deafen the board for a time one would notice.
-  static const uint16_t GAP_MS = 200;
   // A transmitter that takes no byte for this long has nobody behind it: at 9600 baud one byte takes 1 ms.
   static const uint16_t STALL_MS = 100;
 
@@ -98,7 +87,7 @@ class NodeHandle_ : public NodeHandleBase_ {
 
   template <class H>
   auto transmit(H& hardware, uint8_t* bytes, uint16_t count, int) -> decltype(hardware.writable(), bool()) {
-    uint16_t progress_ms = shortTime();
+    uint16_t progress_ms = milliseconds();
     for (;;) {
       const uint16_t room = static_cast<uint16_t>(hardware.writable());
       if (room >= count) break;
@@ -106,8 +95,8 @@ class NodeHandle_ : public NodeHandleBase_ {
         hardware.write(bytes, room);
         bytes += room;
         count = static_cast<uint16_t>(count - room);
-        progress_ms = shortTime();
-      } else if (since(progress_ms, shortTime()) > STALL_MS) {
+        progress_ms = milliseconds();
+      } else if (since(progress_ms, milliseconds()) > STALL_MS) {
         window_.countDropped();
         return false;
       }
@@ -122,17 +111,19 @@ class NodeHandle_ : public NodeHandleBase_ {
     return true;
   }
 
+  uint16_t milliseconds() { return static_cast<uint16_t>(hardware_.time()); }
+
+  // What the last message points to is left alone as long as the sketch may look at it.
   void receive() {
-    while (window_.room()) {
+    while (!window_.held() && window_.room()) {
       const int byte = hardware_.read();
       if (byte < 0) return;
-      window_.append(static_cast<uint8_t>(byte));
-      heard_ms_ = shortTime();
+      window_.appendBacklog(static_cast<uint8_t>(byte));
+      heardNow();
     }
   }
 
   Hardware hardware_;
-  uint16_t heard_ms_;
   uint8_t buffer_[INPUT_BYTES + FRAME_OVERHEAD_BYTES];
 };
 

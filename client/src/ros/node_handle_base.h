@@ -10,6 +10,7 @@
 #include "endpoint.h"
 #include "flash.h"
 #include "frame_writer.h"
+#include "inlining.h"
 #include "receive_window.h"
 #include "time.h"
 #include "topic_id.h"
@@ -34,7 +35,7 @@ class NodeHandleBase_ : public FrameSink {
 
   // Longest time in ms that spinOnce goes on reading a line that never pauses; 0 for the usual one.
   void setSpinTimeout(const uint32_t& timeout_ms) {
-    spin_timeout_ms_ = timeout_ms > 0xffff ? 0xffff : static_cast<uint16_t>(timeout_ms);
+    spin_timeout_ms_ = timeout_ms == 0 ? SPIN_TIMEOUT_MS : timeout_ms > 0xffff ? 0xffff : static_cast<uint16_t>(timeout_ms);
   }
 
   // Beginnings of frames that did not become a message (noise, damage, misfits), and messages that did not get out.
@@ -166,7 +167,7 @@ class NodeHandleBase_ : public FrameSink {
   static const uint16_t SYNC_PERIOD_MS = 2200;
 
   constexpr NodeHandleBase_()
-      : window_(), endpoints_(nullptr), clock_(), spin_timeout_ms_(0), requested_ms_(0), user_topics_(0), unanswered_(0),
+      : window_(), endpoints_(nullptr), clock_(), spin_timeout_ms_(SPIN_TIMEOUT_MS), requested_ms_(0), heard_ms_(0), user_topics_(0), unanswered_(0),
         connected_(false), awaiting_time_(false) {}
 
   // Starts anew: the next spinOnce introduces the node.
@@ -186,14 +187,36 @@ class NodeHandleBase_ : public FrameSink {
   uint16_t shortTime() { return static_cast<uint16_t>(time()); }
   static uint16_t since(uint16_t then_ms, uint16_t now_ms) { return static_cast<uint16_t>(now_ms - then_ms); }
 
-  // Handles the bytes read so far, up to a frame: what spinOnce should return, or SPIN_OK to go on.
-  int process(uint16_t began_ms) {
-    const bool whole = window_.examine();
-    const uint16_t now_ms = shortTime();
-    if (window_.sawForeignVersion() && !connected_ && since(requested_ms_, now_ms) > ANSWER_PAUSE_MS) requestSyncTime();
-    if (whole && dispatch() == SPIN_ERR) return SPIN_ERR;
-    return since(began_ms, now_ms) > (spin_timeout_ms_ ? spin_timeout_ms_ : uint16_t(SPIN_TIMEOUT_MS)) ? SPIN_TIMEOUT : SPIN_OK;
+  static const int GO_ON = 1;
+  // Handles what was found among the bytes that came in: what spinOnce should return, or GO_ON to read more.
+  ROS_NOINLINE int work(uint8_t found, uint16_t began_ms) {
+    for (; found; found = window_.examine()) {
+      if (found & ReceiveWindow::FOREIGN && !connected_ && since(requested_ms_, shortTime()) > ANSWER_PAUSE_MS) requestSyncTime();
+      if (found & ReceiveWindow::WHOLE && !dispatch()) return SPIN_ERR;
+      if (window_.held()) return SPIN_OK;
+      if (since(began_ms, shortTime()) > spin_timeout_ms_) {
+        rest(true);
+        return SPIN_TIMEOUT;
+      }
+    }
+    return GO_ON;
   }
+
+  // What is to be done when no byte waits: what spinOnce should return.
+  ROS_NOINLINE int rest(bool heard) {
+    const uint16_t now_ms = shortTime();
+    if (heard) {
+      heard_ms_ = now_ms;
+    } else if (!window_.empty() && since(heard_ms_, now_ms) >= GAP_MS) {
+      window_.drop();
+      const int result = work(window_.examine(), now_ms);
+      return result == GO_ON ? SPIN_OK : result;
+    }
+    if (contactIsDue(now_ms)) keepInTouch();
+    return SPIN_OK;
+  }
+  // Whether `rest` is needed if no byte was heard.
+  bool restless(uint16_t now_ms) const { return !window_.empty() || contactIsDue(now_ms); }
 
   // Asks the host for its time, every SYNC_PERIOD_MS, and introduces the node as long as none has answered.
   void keepInTouch() {
@@ -205,11 +228,17 @@ class NodeHandleBase_ : public FrameSink {
   }
   bool contactIsDue(uint16_t now_ms) const { return since(requested_ms_, now_ms) >= SYNC_PERIOD_MS; }
 
+  // For bytes that come in while the node transmits.
+  void heardNow() { heard_ms_ = shortTime(); }
+
   ReceiveWindow window_;
 
  private:
   // With SYNC_PERIOD_MS: 11 s without an answer, and the host is gone.
   static const uint8_t MAX_UNANSWERED = 4;
+  // A gap of this length within a frame means that the rest was lost: longer than a network's hiccups, short enough
+  // that a wrong length does not deafen the board for a time one would notice.
+  static const uint16_t GAP_MS = 200;
   // A host that looks for boards sends wrong version bytes, and noise has them; one answer is enough for a burst.
   static const uint8_t ANSWER_PAUSE_MS = 20;
   // What came in within this time is handled in one go; a line that never pauses must not keep loop() from running.
@@ -251,30 +280,28 @@ class NodeHandleBase_ : public FrameSink {
     writer.finish();
   }
 
-  int dispatch() {
+  // Handles the frame at the front; false if it was the host's question for the topics.
+  bool dispatch() {
     const ReceiveWindow::Taken frame(window_);
     const uint16_t id = frame.id();
     if (id == ID_PUBLISHER) {
       requestSyncTime();
       negotiateTopics();
       unanswered_ = 0;
-      return SPIN_ERR;
+      return false;
     }
-    Reader reader = frame.reader();
-    if (id == ID_TIME) {
-      takeTime(reader);
+    if (id == ID_TIME && frame.length() == 8) {
+      takeTime(frame.payload());
     } else if (id == ID_TX_STOP) {
       connected_ = false;
     } else {
+      Reader reader = frame.reader();
       deliver(id, reader);
     }
-    return SPIN_OK;
+    return true;
   }
 
-  void takeTime(Reader& reader) {
-    Time host;
-    reader.value(host);
-    if (!accept(reader)) return;
+  ROS_NOINLINE void takeTime(const uint8_t* host) {
     const uint32_t now_ms = time();
     // The host looked at its clock halfway between question and answer.
     const uint16_t answer_ms = awaiting_time_ ? since(requested_ms_, static_cast<uint16_t>(now_ms)) / 2 : 0;
@@ -298,6 +325,7 @@ class NodeHandleBase_ : public FrameSink {
   Clock clock_;
   uint16_t spin_timeout_ms_;
   uint16_t requested_ms_;
+  uint16_t heard_ms_;
   uint16_t user_topics_;
   uint8_t unanswered_;
   bool connected_;

@@ -14,6 +14,7 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "inlining.h"
 #include "reader.h"
 #include "topic_id.h"
 
@@ -23,62 +24,69 @@ class ReceiveWindow {
  public:
   // Takes nothing in before it is opened.
   constexpr ReceiveWindow()
-      : begin_(nullptr), end_(nullptr), base_(nullptr), limit_(nullptr), needed_(0), capacity_(0), dropped_(0), foreign_(false), held_(false) {}
+      : begin_(nullptr), end_(nullptr), base_(nullptr), limit_(nullptr), goal_(nullptr), capacity_(0), dropped_(0),
+        held_(false) {}
 
   void open(uint8_t* bytes, uint16_t capacity) {
-    begin_ = end_ = base_ = bytes;
+    base_ = bytes;
     limit_ = bytes + capacity;
-    needed_ = 1;
     capacity_ = capacity;
+    forget();
   }
 
   bool empty() const { return begin_ == end_; }
   uint16_t largestPayload() const { return capacity_ - FRAME_OVERHEAD_BYTES; }
-  // Whether enough bytes came in for `examine` to learn something new.
-  bool due() const { return static_cast<uint16_t>(end_ - begin_) >= needed_; }
-  bool room() { return end_ != limit_ || compact(); }
+  // Whether more is to be read before `examine` can learn something new.
+  bool wantsMore() const { return end_ != goal_; }
   void append(uint8_t byte) { *end_++ = byte; }
+  // For bytes beyond what is wanted, to be kept for later.
+  bool room() { return end_ != limit_ || compact(); }
+  void appendBacklog(uint8_t byte) {
+    append(byte);
+    goal_ = end_;
+  }
 
-  // Whether a whole, undamaged frame is at the front; drops what cannot be one.
-  bool examine() {
-    for (;;) {
-      const uint16_t have = static_cast<uint16_t>(end_ - begin_);
-      if (have == 0) {
-        begin_ = end_ = base_;
-        needed_ = 1;
-        return false;
+  enum Finding {
+    NOTHING = 0,
+    NOISE = 1,    // bytes that were no frame, and are dropped
+    FOREIGN = 2,  // the same, but the beginning of a frame of another protocol version
+    WHOLE = 4     // a whole, undamaged frame is at the front
+  };
+  // Looks at what came in; returns what it found, as a sum.
+  ROS_NOINLINE uint8_t examine() {
+    uint8_t found = NOTHING;
+    while (begin_ != end_) {
+      const uint16_t wanted = judge();
+      if (wanted <= have()) {
+        if (wanted) return found | WHOLE;
+        if (isForeign()) found |= FOREIGN;
+      } else {
+        // Inside a callback there may be less room than the frame needs, and what is waited for there comes behind it.
+        if (wanted > space()) compact();
+        if (wanted <= space()) {
+          goal_ = begin_ + wanted;
+          return found;
+        }
       }
-      const uint16_t wanted = judge(begin_, have);
-      if (wanted > have) {
-        needed_ = wanted;
-        if (wanted > static_cast<uint16_t>(limit_ - begin_)) compact();
-        return false;
-      }
-      if (wanted) return true;
       drop();
+      found |= NOISE;
     }
+    forget();
+    return found;
   }
 
   // Gives up on the frame at the front.
-  void drop() {
-    if (*begin_++ == FRAME_SYNC) ++dropped_;
-    needed_ = 1;
+  ROS_NOINLINE void drop() {
+    if (*begin_++ == FRAME_SYNC) countDropped();
   }
   // Forgets the bytes that are not done with: they came in on another link.
   void forget() {
-    begin_ = end_ = base_;
-    needed_ = 1;
+    begin_ = end_ = goal_ = base_;
+    if (space() >= FIRST_LOOK_BYTES) goal_ += FIRST_LOOK_BYTES;
   }
-  void countDropped() { ++dropped_; }
+  ROS_NOINLINE void countDropped() { ++dropped_; }
   // Frames that were begun and not taken, since the start (modulo 65536).
   uint16_t dropped() const { return dropped_; }
-
-  // Whether a frame of another protocol version came in since the last call.
-  bool sawForeignVersion() {
-    const bool foreign = foreign_;
-    foreign_ = false;
-    return foreign;
-  }
 
   // Keeps what the frame's arrays took of the arena, until the frame is done with.
   void keepArena(uint8_t* arena_end) { limit_ = arena_end; }
@@ -95,7 +103,7 @@ class ReceiveWindow {
         : window_(window), frame_(window.begin_), base_(window.base_), limit_(window.limit_) {
       window.begin_ += length() + FRAME_OVERHEAD_BYTES;
       window.base_ = window.begin_;
-      window.needed_ = 1;
+      window.goal_ = window.end_;
     }
     ~Taken() {
       window_.base_ = base_;
@@ -106,8 +114,9 @@ class ReceiveWindow {
 
     uint16_t id() const { return word(frame_ + 5); }
     uint16_t length() const { return word(frame_ + 2); }
+    uint8_t* payload() const { return frame_ + FRAME_HEADER_BYTES; }
     // The bytes of its message, with the room to read as arena.
-    Reader reader() const { return Reader(frame_ + FRAME_HEADER_BYTES, length(), window_.end_, window_.limit_); }
+    Reader reader() const { return Reader(payload(), length(), window_.end_, window_.limit_); }
 
    private:
     ReceiveWindow& window_;
@@ -117,30 +126,34 @@ class ReceiveWindow {
   };
 
  private:
+  // Sync and version.
+  static const uint8_t FIRST_LOOK_BYTES = 2;
+
   static uint16_t word(const uint8_t* bytes) { return static_cast<uint16_t>(bytes[0] | bytes[1] << 8); }
+  uint16_t have() const { return static_cast<uint16_t>(end_ - begin_); }
+  uint16_t space() const { return static_cast<uint16_t>(limit_ - begin_); }
+  bool isForeign() const { return have() >= 2 && begin_[0] == FRAME_SYNC && begin_[1] != FRAME_VERSION; }
 
   // Bytes a frame that begins like this needs before more can be said of it, no more than there are if it is whole
   // and undamaged, 0 if it is no frame.
-  uint16_t judge(const uint8_t* frame, uint16_t have) {
+  uint16_t judge() const {
+    const uint8_t* frame = begin_;
     if (frame[0] != FRAME_SYNC) return 0;
-    if (have < 2) return 2;
-    if (frame[1] != FRAME_VERSION) {
-      foreign_ = true;
-      return 0;
-    }
-    if (have < 5) return 5;
+    if (have() < FIRST_LOOK_BYTES) return FIRST_LOOK_BYTES;
+    if (frame[1] != FRAME_VERSION) return 0;
+    if (have() < FRAME_OVERHEAD_BYTES) return FRAME_OVERHEAD_BYTES;
     if (static_cast<uint8_t>(frame[2] + frame[3] + frame[4]) != 0xff) return 0;
     const uint16_t length = word(frame + 2);
     if (length > capacity_ - FRAME_OVERHEAD_BYTES) return 0;
     const uint16_t whole = length + FRAME_OVERHEAD_BYTES;
-    if (have < whole) return whole;
+    if (have() < whole) return whole;
     uint8_t sum = 0;
-    for (const uint8_t* byte = frame + 5; byte != frame + whole; ++byte) sum += *byte;
+    for (const uint8_t* byte = frame + 5; byte != frame + whole; ++byte) sum = static_cast<uint8_t>(sum + *byte);
     return sum == 0xff ? whole : 0;
   }
 
   bool compact() {
-    if (begin_ == base_ || held_) return false;
+    if (begin_ == base_) return false;
     const uint16_t have = static_cast<uint16_t>(end_ - begin_);
     memmove(base_, begin_, have);
     begin_ = base_;
@@ -152,10 +165,9 @@ class ReceiveWindow {
   uint8_t* end_;
   uint8_t* base_;
   uint8_t* limit_;
-  uint16_t needed_;
+  uint8_t* goal_;
   uint16_t capacity_;
   uint16_t dropped_;
-  bool foreign_;
   bool held_;
 };
 
