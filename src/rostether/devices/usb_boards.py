@@ -1,9 +1,14 @@
 """Which board or adapter a USB id stands for: many of them say no more of themselves than `USB Serial`.
 
+A board's own id leaves no doubt. Some ids are mostly those of boards, so what is behind them is listened to
+before it is asked. Others sit in cables to anything: those are left alone unless the user asks.
+
 Source: the USB ids that vendors publish in their boards.txt, drivers and udev rules.
 """
 
 from __future__ import annotations
+
+from enum import Enum, auto
 
 _ARDUINO = 0x2341
 _ARDUINO_ORG = 0x2A03
@@ -53,6 +58,43 @@ _OTHERS = {
     (0x303A, 0x1001): "ESP32 with USB of its own",
     (0xFFF1, 0xFF48): "OpenCR",
 }
+
+
+_LIKELY_BOARDS = frozenset(
+    {
+        (0x0403, 0x6001),
+        (0x0403, 0x6015),
+        (0x0483, 0x5740),
+        (0x10C4, 0xEA60),
+        (0x1A86, 0x5523),
+        (0x1A86, 0x55D4),
+        (0x1A86, 0x7523),
+        (0x239A, 0x80F4),
+    }
+)
+"""FTDI, Silicon Labs and WCH chips that Nanos, RedBoards and ESP boards carry, but GPS mice and lidars too;
+the id of ST's own example, which flight controllers and printers keep; a Python prompt."""
+
+_CABLE_ADAPTERS = frozenset({(0x0403, 0x6010), (0x0403, 0x6014), (0x067B, 0x2303)})
+"""In debug probes, servo buses (where a stray byte may move something) and GPS mice more than on boards."""
+
+
+class Kind(Enum):
+    """What a USB id tells of what is behind a port."""
+
+    BOARD = auto()
+    LIKELY_BOARD = auto()
+    UNKNOWN = auto()
+
+
+def kind_of(vendor_id: int | None, product_id: int | None) -> Kind:
+    """Return what may be expected behind a USB id."""
+    board = board_of(vendor_id, product_id)
+    usb_id = (vendor_id, product_id)
+    # In its bootloader a board waits for a sketch, and takes anything else for one.
+    if not board or usb_id in _CABLE_ADAPTERS or board.endswith("in its bootloader"):
+        return Kind.UNKNOWN
+    return Kind.LIKELY_BOARD if usb_id in _LIKELY_BOARDS else Kind.BOARD
 
 
 def board_of(vendor_id: int | None, product_id: int | None) -> str:

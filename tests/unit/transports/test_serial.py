@@ -315,9 +315,10 @@ def test_list_ports_with_what_they_are(monkeypatch: pytest.MonkeyPatch) -> None:
             0x0043,
             "7583",
             "Arduino",
+            usb_interface=0,
         ),
         SerialPort("/dev/ttyS0", "serial port"),
-        SerialPort("/dev/ttyUSB0", "FTDI Cable (Port A)", None, 1, 2, None, "FTDI"),
+        SerialPort("/dev/ttyUSB0", "FTDI Cable (Port A)", None, 1, 2, None, "FTDI", usb_interface=0),
     ]
 
 

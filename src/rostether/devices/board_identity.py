@@ -1,0 +1,43 @@
+"""Who is at the other end of a link, by what stays when the board comes back as another port."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+# What adapters are delivered with: every CP2102 says 0001. Two such boards would take each other's names.
+_NO_SERIAL_NUMBERS = frozenset({"0001", "001", "1", "123456", "12345678", "123456789", "0123456789"})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BoardIdentity:
+    """A board's marks; those that its kind of link does not have are None.
+
+    `port` is the serial port's path, `usb_location` the socket it is plugged into, `usb_interface` the number
+    of its interface where one device has several ports, `address` a network address without the port.
+    """
+
+    usb_id: str | None = None
+    serial_number: str | None = None
+    usb_location: str | None = None
+    usb_interface: int | None = None
+    port: str | None = None
+    address: str | None = None
+
+    @property
+    def own_serial_number(self) -> str | None:
+        """The USB serial number if it is one that tells boards apart."""
+        number = (self.serial_number or "").strip()
+        return number if number and number not in _NO_SERIAL_NUMBERS and number.strip("0") else None
+
+    @property
+    def key(self) -> str:
+        """What the board is remembered by: its serial number, else its socket, port or address."""
+        interface = f"/{self.usb_interface}" if self.usb_interface else ""
+        if self.own_serial_number is not None:
+            return f"usb {self.usb_id or ''} {self.own_serial_number}{interface}"
+        if self.usb_location is not None:
+            # What else is plugged into the same socket is another board.
+            return f"socket {self.usb_location} {self.usb_id or ''}"
+        if self.address is not None:
+            return f"net {self.address}"
+        return f"port {self.port or ''}"

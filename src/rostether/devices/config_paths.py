@@ -1,0 +1,30 @@
+"""Where a user's settings and what we have learned are kept: the folders that each system has for that."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+
+
+def devices_toml_path(environ: Mapping[str, str] | None = None) -> Path:
+    """Return `~/.config/rostether/devices.toml` (XDG_CONFIG_HOME; on Windows below APPDATA)."""
+    return _folder(environ, "XDG_CONFIG_HOME", ".config", "APPDATA") / "devices.toml"
+
+
+def known_boards_path(environ: Mapping[str, str] | None = None) -> Path:
+    """Return `~/.local/state/rostether/boards.json` (XDG_STATE_HOME; on Windows below LOCALAPPDATA)."""
+    return _folder(environ, "XDG_STATE_HOME", ".local/state", "LOCALAPPDATA") / "boards.json"
+
+
+def _folder(environ: Mapping[str, str] | None, variable: str, below_home: str, on_windows: str) -> Path:
+    environ = os.environ if environ is None else environ
+    given = environ.get(variable, "")
+    # The XDG specification wants relative paths ignored.
+    if given and Path(given).is_absolute():
+        return Path(given) / "rostether"
+    if sys.platform == "win32" and environ.get(on_windows):
+        return Path(environ[on_windows]) / "rostether"
+    home = environ.get("HOME") or "~"
+    return Path(home).expanduser() / below_home / "rostether"

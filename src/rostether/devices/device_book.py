@@ -1,0 +1,52 @@
+"""Which settings are whose."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rostether.devices.board_identity import BoardIdentity
+from rostether.devices.port_pattern import fits_port
+from rostether.devices.settings import NO_SETTINGS, DeviceMatch, DeviceSettings, DiscoverySettings
+
+
+class DeviceBook:
+    """The boards that a user has named, and the settings of all others (`defaults`)."""
+
+    def __init__(
+        self,
+        devices: Sequence[DeviceSettings] = (),
+        *,
+        defaults: DeviceSettings = NO_SETTINGS,
+        discovery: DiscoverySettings | None = None,
+    ) -> None:
+        self.devices = tuple(devices)
+        self.defaults = defaults
+        self.discovery = discovery if discovery is not None else DiscoverySettings()
+
+    def settings_of(self, identity: BoardIdentity) -> DeviceSettings:
+        """Return the settings of the first device in the file that fits, else the defaults."""
+        for device in self.devices:
+            if device.match is not None and fits(device.match, identity):
+                return device
+        return self.defaults
+
+    def settings_named(self, node_name: str) -> DeviceSettings | None:
+        """Return the settings of the device that has this name, for links that name their board."""
+        wanted = node_name.strip("~/")
+        for device in self.devices:
+            if device.name is not None and device.name.strip("~/") == wanted:
+                return device
+        return None
+
+
+def fits(match: DeviceMatch, identity: BoardIdentity) -> bool:
+    """Tell whether a board has all the marks that are given."""
+    pairs = (
+        (match.serial_number, identity.serial_number),
+        (match.usb_id, identity.usb_id),
+        (match.usb_location, identity.usb_location),
+        (match.address, identity.address),
+    )
+    if any(wanted is not None and wanted != found for wanted, found in pairs):
+        return False
+    return match.port is None or (identity.port is not None and fits_port(identity.port, match.port))

@@ -1,0 +1,53 @@
+"""Whether another program is using a serial port: ports that we open unasked are nobody else's.
+
+Opening alone does not tell: many programs take no lock, and an administrator's open succeeds in spite of one.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from rostether.transports.serial_errors import find_holder
+
+# Where minicom, gpsd, pppd and the like leave `LCK..ttyUSB0` with their process id.
+LOCK_FOLDERS = ("/run/lock", "/var/lock", "/run/lock/lockdev")
+_MAX_LOCK_BYTES = 64
+
+
+def find_user(path: str) -> str | None:
+    """Name the program that uses a port, None if none is known; looks through /proc, which takes a while."""
+    holder = find_holder(path, others_only=True)
+    if holder is not None:
+        return holder
+    for folder in LOCK_FOLDERS:
+        for name in {path, os.path.realpath(path)}:
+            pid = _read_lock(Path(folder) / f"LCK..{name.rpartition('/')[2]}")
+            if pid is not None and pid != os.getpid() and _is_running(pid):
+                return f"the program with pid {pid}, by its lock file"
+    return None
+
+
+def _read_lock(path: Path) -> int | None:
+    try:
+        with path.open("rb") as file:
+            data = file.read(_MAX_LOCK_BYTES)
+    except OSError:
+        return None
+    # Text as the standard wants it, or four bytes as some old programs write.
+    text = data.strip(b" \t\r\n\0")
+    if text[:10].split(b" ")[0].isdigit():
+        return int(text[:10].split(b" ")[0])
+    return int.from_bytes(data, "little") if len(data) == 4 else None
+
+
+def _is_running(pid: int) -> bool:
+    if pid <= 0:
+        return False
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    except (OSError, OverflowError):
+        return True  # another user's
+    return True

@@ -1,0 +1,166 @@
+"""One table of a TOML file, read key by key; whatever does not fit is one line that names file and key."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+
+from rostether.errors import ConfigError, InvalidNameError
+from rostether.names.graph_name import validate_name
+
+# Boards, topics, patterns: a thousand is more than anybody types; it bounds each look.
+MAX_ENTRIES = 1000
+
+
+class TomlTable:
+    """A table and its place in the file; every getter returns None or nothing for a key that is not there.
+
+    All getters, and the constructor for keys that are not among `known`, raise ConfigError.
+    """
+
+    def __init__(self, file: str, place: str, content: object, *, known: Sequence[str] | None) -> None:
+        self._file = file
+        self._place = place
+        if not isinstance(content, dict):
+            raise self.error(f"must be a table, not {_show(content)}")
+        if len(content) > MAX_ENTRIES:
+            raise self.error(f"has {len(content)} entries; at most {MAX_ENTRIES} are taken")
+        self._content: Mapping[str, object] = content
+        for key in content:
+            if known is not None and key not in known:
+                raise self.error(f"unknown key; known are {', '.join(known)}", key)
+
+    @property
+    def is_given(self) -> bool:
+        """Whether the table has anything in it."""
+        return bool(self._content)
+
+    def error(self, text: str, key: str | None = None) -> ConfigError:
+        """Return the error to raise for a key, or for the table itself."""
+        return ConfigError(f"{self._file}:{self._at(key) if key is not None else self._place}: {text}")
+
+    def table(self, key: str, *, known: Sequence[str]) -> TomlTable:
+        """Return a table inside, empty if it is not there."""
+        return TomlTable(self._file, self._at(key), self._content.get(key, {}), known=known)
+
+    def tables(self, key: str, *, known: Sequence[str]) -> Iterator[tuple[str, TomlTable]]:
+        """Yield the tables inside a table, with their keys."""
+        outer = TomlTable(self._file, self._at(key), self._content.get(key, {}), known=None)
+        for name, content in outer._content.items():
+            yield name, TomlTable(self._file, outer._at(name), content, known=known)
+
+    def check_name(self, name: str) -> None:
+        """Check that the table's own key is a node name."""
+        self._check_graph_name(name, self._place)
+
+    def text(self, key: str, fits: Callable[[str], bool] = bool, hint: str = "a text") -> str | None:
+        """Return a text that `fits`."""
+        value = self._content.get(key)
+        if value is None or (isinstance(value, str) and fits(value)):
+            return value
+        raise self.error(f"write {hint}, not {_show(value)}", key)
+
+    def texts(self, key: str, fits: Callable[[str], bool], hint: str) -> list[str]:
+        """Return a list of texts that all fit."""
+        for value in self._list(key):
+            if not (isinstance(value, str) and fits(value)):
+                raise self.error(f"write {hint}, not {_show(value)}", key)
+        return [str(value) for value in self._list(key)]
+
+    def whole(self, key: str, lowest: int, highest: int) -> int | None:
+        """Return a whole number within bounds."""
+        value = self._content.get(key)
+        return None if value is None else self._whole(value, self._at(key), lowest, highest)
+
+    def number(self, key: str, lowest: float, highest: float) -> float | None:
+        """Return a number within bounds."""
+        value = self._content.get(key)
+        if value is None:
+            return None
+        if isinstance(value, bool) or not isinstance(value, int | float) or not lowest <= value <= highest:
+            raise self.error(f"write a number from {lowest:g} to {highest:g}, not {_show(value)}", key)
+        return float(value)
+
+    def flag(self, key: str) -> bool | None:
+        """Return true or false."""
+        value = self._content.get(key)
+        if value is None or isinstance(value, bool):
+            return value
+        raise self.error(f"write true or false, not {_show(value)}", key)
+
+    def graph_name(self, key: str) -> str | None:
+        """Return a ROS name."""
+        value = self._content.get(key)
+        return None if value is None else self._check_graph_name(value, self._at(key))
+
+    def graph_names(self, key: str) -> tuple[str, ...] | None:
+        """Return a list of ROS names."""
+        if key not in self._content:
+            return None
+        return tuple(self._check_graph_name(value, self._at(key)) for value in self._list(key))
+
+    def name_patterns(self, key: str) -> tuple[str, ...] | None:
+        """Return a list of full names in which `*` may stand."""
+        if key not in self._content:
+            return None
+        patterns = self.texts(key, _is_name_pattern, 'full names such as "/imu" or "/arm/*"')
+        return tuple(patterns)
+
+    def names_to_names(self, key: str) -> dict[str, str]:
+        """Return a table of ROS names."""
+        entries = self.table_of_any(key)
+        return {
+            self._check_graph_name(name, place): self._check_graph_name(value, place)
+            for name, value, place in entries
+        }
+
+    def names_to_numbers(self, key: str, lowest: int, highest: int) -> dict[str, int]:
+        """Return a table of whole numbers by ROS name."""
+        entries = self.table_of_any(key)
+        return {
+            self._check_graph_name(name, place): self._whole(value, place, lowest, highest)
+            for name, value, place in entries
+        }
+
+    def table_of_any(self, key: str) -> Iterator[tuple[str, object, str]]:
+        """Yield keys, values and places of a table inside."""
+        inner = TomlTable(self._file, self._at(key), self._content.get(key, {}), known=None)
+        for name, value in inner._content.items():
+            yield name, value, inner._at(name)
+
+    def _at(self, key: str) -> str:
+        shown = key if key.replace("_", "").replace("-", "").isalnum() else repr(key)
+        return f"{self._place}.{shown}" if self._place else shown
+
+    def _list(self, key: str) -> list[object]:
+        value = self._content.get(key, [])
+        if not isinstance(value, list):
+            raise self.error(f"write a list in brackets, not {_show(value)}", key)
+        if len(value) > MAX_ENTRIES:
+            raise self.error(f"has {len(value)} entries; at most {MAX_ENTRIES} are taken", key)
+        return value
+
+    def _whole(self, value: object, place: str, lowest: int, highest: int) -> int:
+        if isinstance(value, bool) or not isinstance(value, int) or not lowest <= value <= highest:
+            raise ConfigError(
+                f"{self._file}:{place}: write a whole number from {lowest} to {highest}, not {_show(value)}"
+            )
+        return value
+
+    def _check_graph_name(self, value: object, place: str) -> str:
+        if not isinstance(value, str) or not value:
+            raise ConfigError(f"{self._file}:{place}: write a ROS name such as /arm/imu, not {_show(value)}")
+        try:
+            return validate_name(value)
+        except InvalidNameError as error:
+            raise ConfigError(f"{self._file}:{place}: {error}") from None
+
+
+def _is_name_pattern(text: str) -> bool:
+    return text.startswith(("/", "*")) and all(
+        char.isascii() and (char.isalnum() or char in "/_*") for char in text
+    )
+
+
+def _show(value: object) -> str:
+    text = {True: "true", False: "false"}[value] if isinstance(value, bool) else repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."
