@@ -1,0 +1,106 @@
+"""What can be known of a serial port without opening it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Protocol
+
+from rostether.transports.port_holders import Holder, find_holders, is_character_device
+
+LISTED_PORTS = 6
+"""More do not fit a line."""
+
+_GROUP_MAY_USE = 0o060
+_LIKELY_PREFIXES = ("ttyACM", "ttyUSB", "cu.usb")
+
+
+class NamedPort(Protocol):
+    """A port of this machine."""
+
+    @property
+    def path(self) -> str:
+        """Where it is."""
+
+    @property
+    def description(self) -> str:
+        """What is plugged in there."""
+
+
+@dataclass(frozen=True, slots=True)
+class PortFacts:
+    """One port as it stands; `group` may use it, None where that would not help.
+
+    `near` and `others` are ports of this machine as people are shown them: alike in name, and all.
+    """
+
+    path: str
+    exists: bool = True
+    is_device: bool = True
+    may_open: bool = True
+    group: str | None = None
+    holders: tuple[Holder, ...] = ()
+    near: tuple[str, ...] = ()
+    others: tuple[str, ...] = ()
+
+
+def read_port_facts(path: str, list_ports: Callable[[], Sequence[NamedPort]]) -> PortFacts:
+    """Look at a port. Takes some ms: it walks through /proc."""
+    if os.name == "nt":
+        return _windows_facts(path, list_ports())
+    exists = os.path.exists(path)  # noqa: PTH110 - follows links as opening does
+    if not exists:
+        shown = {port.path: f"{port.path} ({port.description})" for port in list_ports()}
+        return PortFacts(
+            path,
+            exists=False,
+            near=tuple(shown.get(each, each) for each in near_names(path, list(shown))),
+            others=tuple(shown.values())[:LISTED_PORTS],
+        )
+    return PortFacts(
+        path,
+        is_device=is_character_device(path),
+        may_open=os.access(path, os.R_OK | os.W_OK),
+        group=group_of(path),
+        holders=tuple(find_holders(path)),
+    )
+
+
+def near_names(path: str, ports: Sequence[str]) -> list[str]:
+    """Return the ports, and links in the same folder, whose names are nearly this one's."""
+    folder, name = Path(path).parent, Path(path).name
+    try:
+        beside = [str(folder / each) for each in sorted(os.listdir(folder))]  # noqa: PTH208 - only names
+    except OSError:
+        beside = []
+    likely = [
+        each
+        for each in beside
+        if each in ports or Path(each).name.startswith(_LIKELY_PREFIXES) or not str(folder).startswith("/dev")
+    ]
+    known = {Path(each).name: each for each in (*likely, *ports)}
+    return [known[each] for each in get_close_matches(name, known, n=3, cutoff=0.6)]
+
+
+def group_of(path: str) -> str | None:
+    """Return the group whose members may use a port; None where only root may, or there are no groups."""
+    try:
+        import grp
+
+        status = Path(path).stat()
+        group = grp.getgrgid(status.st_gid).gr_name
+    except (ImportError, OSError, KeyError):
+        return None
+    if group == "root" or status.st_mode & _GROUP_MAY_USE != _GROUP_MAY_USE:
+        return None
+    return group
+
+
+def _windows_facts(path: str, ports: Sequence[NamedPort]) -> PortFacts:
+    shown = {port.path: f"{port.path} ({port.description})" for port in ports}
+    exists = path.upper().removeprefix("\\\\.\\") in (each.upper() for each in shown)
+    near = tuple(shown[each] for each in get_close_matches(path, shown, n=3))
+    return PortFacts(path, exists=exists, near=near, others=tuple(shown.values())[:LISTED_PORTS])

@@ -1,0 +1,121 @@
+"""Which other processes have a serial port or a listening port open, as far as Linux lets us see."""
+
+from __future__ import annotations
+
+import os
+import stat
+from dataclasses import dataclass
+from pathlib import Path
+
+_PTS = "/dev/pts/"
+# State of a listening socket in /proc/net/tcp.
+_LISTENING = "0A"
+
+
+@dataclass(frozen=True, slots=True)
+class Holder:
+    """A process; `name` is what it calls itself."""
+
+    pid: int
+    name: str
+
+    def __str__(self) -> str:
+        return f"{self.name} (pid {self.pid})"
+
+
+def find_holders(path: str) -> list[Holder]:
+    """Return who has a port open, without ourselves and without the program that made a pseudo-terminal."""
+    target = os.path.realpath(path)
+    holders = []
+    for pid in _pids():
+        links = _open_files(pid)
+        if target in links.values() and not _made_terminal(pid, links, target):
+            holders.append(Holder(pid, _name_of(pid)))
+    return holders
+
+
+def find_listener(port: int, *, kind: str = "tcp") -> Holder | None:
+    """Return who listens on a TCP (or has bound a UDP) port of this machine."""
+    inodes = _socket_inodes(port, kind)
+    if not inodes:
+        return None
+    wanted = {f"socket:[{inode}]" for inode in inodes}
+    for pid in _pids():
+        if wanted.intersection(_open_files(pid).values()):
+            return Holder(pid, _name_of(pid))
+    return None
+
+
+def _pids() -> list[int]:
+    try:
+        found = [int(entry) for entry in os.listdir("/proc") if entry.isdigit()]  # noqa: PTH208 - only names
+    except OSError:
+        return []
+    return sorted(pid for pid in found if pid != os.getpid())
+
+
+def _open_files(pid: int) -> dict[str, str]:
+    """Return by descriptor what a process has open; nothing where it has ended or is another user's."""
+    links: dict[str, str] = {}
+    try:
+        with os.scandir(f"/proc/{pid}/fd") as entries:
+            for entry in entries:
+                try:
+                    links[entry.name] = os.readlink(entry.path)  # noqa: PTH115 - Paths would take seconds
+                except OSError:
+                    continue
+    except OSError:
+        pass
+    return links
+
+
+def _made_terminal(pid: int, links: dict[str, str], target: str) -> bool:
+    """Whether a process has the other end of a pseudo-terminal: a simulator, whose terminal it is."""
+    if not target.startswith(_PTS):
+        return False
+    index = target.removeprefix(_PTS)
+    for descriptor, link in links.items():
+        if link.endswith("ptmx"):
+            try:
+                info = Path(f"/proc/{pid}/fdinfo/{descriptor}").read_text(encoding="ascii", errors="replace")
+            except OSError:
+                continue
+            if f"tty-index:\t{index}\n" in info:
+                return True
+    return False
+
+
+def _name_of(pid: int) -> str:
+    """Return the name of a process, for an interpreter that of its script."""
+    try:
+        name = Path(f"/proc/{pid}/comm").read_text(encoding="utf-8", errors="replace").strip()
+        words = Path(f"/proc/{pid}/cmdline").read_bytes().decode("utf-8", "replace").split("\0")
+    except OSError:
+        return "a process"
+    if name.startswith("python") and len(words) > 1:
+        script = next((word for word in words[1:] if word and not word.startswith("-")), "")
+        return f"{name} {Path(script).name}".strip()
+    return name
+
+
+def _socket_inodes(port: int, kind: str) -> set[str]:
+    inodes = set()
+    for table in (f"/proc/net/{kind}", f"/proc/net/{kind}6"):
+        try:
+            lines = Path(table).read_text(encoding="ascii", errors="replace").splitlines()[1:]
+        except OSError:
+            continue
+        for line in lines:
+            columns = line.split()
+            is_bound = kind == "udp" or columns[3] == _LISTENING
+            if is_bound and int(columns[1].rpartition(":")[2], 16) == port:
+                inodes.add(columns[9])
+    return inodes
+
+
+def is_character_device(path: str) -> bool:
+    """Tell whether a path is a device file, as serial ports are."""
+    try:
+        return stat.S_ISCHR(Path(path).stat().st_mode)
+    except OSError:
+        return False
