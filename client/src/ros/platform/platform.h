@@ -12,6 +12,9 @@
 #elif defined(ROSSERIAL_ARDUINO_UDP)
 #include "arduino_udp.h"
 #define ROS_HARDWARE ArduinoHardware
+#elif defined(__OPENCR__)
+#include "opencr.h"
+#define ROS_HARDWARE ArduinoHardware
 #elif defined(ARDUINO)
 #include "arduino.h"
 #define ROS_HARDWARE ArduinoHardware
@@ -21,8 +24,9 @@
 #elif defined(USE_HAL_DRIVER)
 #include "stm32_hal.h"
 #define ROS_HARDWARE STM32Hardware
-#elif defined(TARGET_IS_TM4C123_RA1) || defined(TARGET_IS_TM4C129_RA0) || defined(PART_TM4C123GH6PM) || \
-    defined(PART_TM4C1294NCPDT) || defined(PART_TM4C1294XL)
+#elif defined(PART_TM4C123GH6PM) || defined(PART_TM4C1294NCPDT) || defined(TARGET_IS_TM4C123_RA1) || \
+    defined(TARGET_IS_TM4C123_RA3) || defined(TARGET_IS_TM4C123_RB1) || defined(TARGET_IS_TM4C123_RB2) ||   \
+    defined(TARGET_IS_TM4C129_RA0) || defined(TARGET_IS_TM4C129_RA1) || defined(TARGET_IS_TM4C129_RA2)
 #include "tivac.h"
 #define ROS_HARDWARE TivaCHardware
 #elif defined(_WIN32)
@@ -42,8 +46,6 @@
 #define ROS_INPUT_SIZE 150
 #elif defined(__AVR_ATmega328P__) || defined(__AVR_ATmega328__) || defined(__AVR_ATmega328PB__) || defined(__AVR_ATmega32U4__)
 #define ROS_INPUT_SIZE 280
-#elif defined(__OPENCR__)
-#define ROS_INPUT_SIZE 1024
 #elif !defined(ARDUINO) && (defined(_WIN32) || defined(__unix__) || defined(__APPLE__))
 #define ROS_INPUT_SIZE 32768
 #else

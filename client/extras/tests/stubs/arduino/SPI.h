@@ -1,0 +1,3 @@
+#ifndef STUB_SPI_H_
+#define STUB_SPI_H_
+#endif

@@ -1,0 +1,36 @@
+// What the library uses of Mbed OS 6.
+#ifndef STUB_MBED_H_
+#define STUB_MBED_H_
+
+#include <stddef.h>
+#include <stdint.h>
+#include <sys/types.h>
+
+#include <chrono>
+
+#define MBED_MAJOR_VERSION 6
+
+enum PinName { USBTX, USBRX, p13, p14 };
+
+namespace mbed {
+
+class BufferedSerial {
+ public:
+  BufferedSerial(PinName tx, PinName rx, int baud = 9600);
+  void set_baud(int baud);
+  bool readable() const;
+  ssize_t read(void* buffer, size_t length);
+  ssize_t write(const void* buffer, size_t length);
+};
+
+class Timer {
+ public:
+  void start();
+  std::chrono::microseconds elapsed_time() const;
+};
+
+}  // namespace mbed
+
+using namespace mbed;
+
+#endif

@@ -1,0 +1,1 @@
+#include <driverlib/driverlib.h>

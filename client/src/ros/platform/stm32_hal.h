@@ -1,0 +1,108 @@
+// STM32 with ST's HAL (CubeMX, CubeIDE): a UART of the project, by default huart2, DMA where it is set up for it.
+//
+// The project sets the baud rate, and gives the UART its interrupt and, better, DMA: reception circular, transmission
+// normal. The program passes on what the HAL calls back:
+//
+//   void HAL_UART_TxCpltCallback(UART_HandleTypeDef*) { nh.getHardware()->flush(); }
+//   void HAL_UART_RxCpltCallback(UART_HandleTypeDef*) { nh.getHardware()->reset_rbuf(); }
+//   void HAL_UART_ErrorCallback(UART_HandleTypeDef*) { nh.getHardware()->reset_rbuf(); }
+//
+// Another UART: a class that derives from STM32Hardware with STM32Hardware(&huart3), for ros::NodeHandle_.
+#ifndef ROS_PLATFORM_STM32_HAL_H_
+#define ROS_PLATFORM_STM32_HAL_H_
+
+#include <stdint.h>
+
+// Every CubeMX project has main.h, which includes the HAL of its family.
+#if defined(ROS_STM32_HAL_HEADER)
+#include ROS_STM32_HAL_HEADER
+#else
+#include "main.h"
+#endif
+
+extern UART_HandleTypeDef huart2;
+
+class STM32Hardware {
+ public:
+  STM32Hardware() : huart(&huart2), rind(0), rhead(0), twind(0), tfind(0), tcount(0) {}
+  explicit STM32Hardware(UART_HandleTypeDef* huart_) : huart(huart_), rind(0), rhead(0), twind(0), tfind(0), tcount(0) {}
+
+  void init() {
+    rind = rhead = 0;
+    receive();
+  }
+
+  // After the HAL has taken a byte without DMA; and after an error, which ends reception in either mode.
+  void reset_rbuf() {
+    if (!huart->hdmarx && huart->ErrorCode == HAL_UART_ERROR_NONE) rhead = (rhead + 1) & (rbuflen - 1);
+    if (huart->RxState == HAL_UART_STATE_READY) {
+      if (huart->hdmarx) rind = 0;
+      receive();
+    }
+  }
+
+  int read() {
+    const uint16_t head = huart->hdmarx ? dmaHead() : rhead;
+    if (rind == head) return -1;
+    const uint8_t byte = rbuf[rind];
+    rind = (rind + 1) & (rbuflen - 1);
+    return byte;
+  }
+
+  int writable() {
+    if (tfind != twind) flush();
+    return room();
+  }
+  void write(uint8_t* bytes, int count) {
+    for (int i = 0; i < count; ++i) {
+      while (!room()) flush();
+      tbuf[twind] = bytes[i];
+      twind = (twind + 1) & (tbuflen - 1);
+    }
+    flush();
+  }
+
+  // Sends on what was written, up to the buffer's end, when the UART has done what it had before.
+  void flush() {
+    const uint32_t were_masked = __get_PRIMASK();
+    __disable_irq();
+    if (huart->gState == HAL_UART_STATE_READY) {
+      tfind = (tfind + tcount) & (tbuflen - 1);
+      tcount = tfind <= twind ? twind - tfind : tbuflen - tfind;
+      if (tcount) {
+        uint8_t* from = tbuf + tfind;
+        if ((huart->hdmatx ? HAL_UART_Transmit_DMA(huart, from, tcount) : HAL_UART_Transmit_IT(huart, from, tcount)) != HAL_OK) {
+          tcount = 0;
+        }
+      }
+    }
+    __set_PRIMASK(were_masked);
+  }
+
+  unsigned long time() { return HAL_GetTick(); }
+
+ protected:
+  static const uint16_t rbuflen = 512;
+  static const uint16_t tbuflen = 512;
+
+  uint16_t room() const { return static_cast<uint16_t>(tfind - twind - 1) & (tbuflen - 1); }
+  void receive() {
+    if (huart->hdmarx) {
+      HAL_UART_Receive_DMA(huart, rbuf, rbuflen);
+    } else {
+      HAL_UART_Receive_IT(huart, rbuf + rhead, 1);
+    }
+  }
+  uint16_t dmaHead() { return static_cast<uint16_t>(rbuflen - __HAL_DMA_GET_COUNTER(huart->hdmarx)) & (rbuflen - 1); }
+
+  UART_HandleTypeDef* huart;
+  uint8_t rbuf[rbuflen];
+  uint8_t tbuf[tbuflen];
+  uint16_t rind;            // next to read
+  volatile uint16_t rhead;  // where the next byte goes, without DMA
+  uint16_t twind;           // next to write
+  volatile uint16_t tfind;  // first not sent
+  volatile uint16_t tcount;  // under way
+};
+
+#endif
