@@ -21,6 +21,7 @@ VERBS = {
         "rostether.cli.serial_node:serial_node", "Bridge one board, typed as for serial_node.py."
     ),
     "board": VerbEntry("rostether.cli.board:board", "Run sketches on simulated boards."),
+    "doctor": VerbEntry("rostether.cli.doctor:doctor", "Say why a board does not connect."),
     "ports": VerbEntry("rostether.cli.ports:ports", "List serial ports with what they are."),
     "core": VerbEntry("rostether.cli.core:core", "Run the ROS master alone, like roscore."),
     "topic": VerbEntry("rostether.cli.topic:topic", "List, show, publish and measure topics."),

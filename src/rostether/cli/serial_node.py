@@ -83,7 +83,12 @@ async def _serve(
         if isinstance(links[0], TcpAddress):
             reporter.line(Level.INFO, f"Waiting for socket connections on port {links[0].port}")
         async with bridge(
-            used.environment, links, reporter, keeps_node=True, remappings=arguments.remappings
+            used.environment,
+            links,
+            reporter,
+            keeps_node=True,
+            remappings=arguments.remappings,
+            diagnostics=True,
         ) as supervisor:
             # A node that was killed, or that another one replaced, ends the process: respawn waits for that.
             await supervisor.wait_done()

@@ -44,6 +44,7 @@ from rostether.transports.address import Address
 @listen_option
 @msg_path_option
 @click.option("--ns-per-board", is_flag=True, help="Put each board's topics into a namespace of its name.")
+@click.option("--no-diagnostics", is_flag=True, help="Do not publish /diagnostics from the boards' nodes.")
 @click.option("-v", "--verbose", is_flag=True, help="Show the boards' debug lines too.")
 @click.option("--uvloop", is_flag=True, help="Run on uvloop: pip install 'rostether[uvloop]'.")
 def serve(
@@ -53,6 +54,7 @@ def serve(
     listen: str | None,
     msg_paths: tuple[Path, ...],
     ns_per_board: bool,
+    no_diagnostics: bool,
     verbose: bool,
     uvloop: bool,
 ) -> None:
@@ -78,7 +80,16 @@ def serve(
     links = [link for address in addresses for link in read_links(address, hosts)]
     reporter = ConsoleReporter(lowest=Level.DEBUG if verbose else Level.INFO)
     run(
-        _serve(environment, links, reporter, master is not None, master_port, msg_paths, ns_per_board),
+        _serve(
+            environment,
+            links,
+            reporter,
+            master is not None,
+            master_port,
+            msg_paths,
+            ns_per_board,
+            not no_diagnostics,
+        ),
         is_service=True,
         uvloop=uvloop,
     )
@@ -92,6 +103,7 @@ async def _serve(
     master_port: int | None,
     msg_paths: Sequence[Path],
     ns_per_board: bool,
+    diagnostics: bool,
 ) -> None:
     async with used_master(environment, is_chosen=is_chosen, port=master_port) as used:
         reporter.line(Level.INFO, used.line)
@@ -100,7 +112,12 @@ async def _serve(
         async with (
             simulated(links, reporter, msg_paths) as opened,
             bridge(
-                used.environment, opened, reporter, msg_paths=msg_paths, ns_per_board=ns_per_board
+                used.environment,
+                opened,
+                reporter,
+                msg_paths=msg_paths,
+                ns_per_board=ns_per_board,
+                diagnostics=diagnostics,
             ) as supervisor,
         ):
             await supervisor.wait_done()

@@ -58,10 +58,12 @@ async def bridge(
     ns_per_board: bool = False,
     keeps_node: bool = False,
     remappings: Mapping[str, str] | None = None,
+    diagnostics: bool = False,
 ) -> AsyncIterator[Supervisor]:
     """Serve boards as long as the block lasts; its end tells them to stop and leaves the graph.
 
-    With `keeps_node` the one link's node is there from the start, and its end ends `wait_done`.
+    With `keeps_node` the one link's node is there from the start, and its end ends `wait_done`. With
+    `diagnostics` each board's node publishes /diagnostics.
     Raises TransportOpenError for an address that cannot be listened on, InvalidNameError.
     """
     from rostether.bridge.supervisor import Supervisor
@@ -82,6 +84,7 @@ async def bridge(
         ns_per_board=ns_per_board,
         keeps_node=keeps_node,
         remappings=remappings,
+        diagnostics=diagnostics,
     )
     try:
         await supervisor.start(addresses)

@@ -1,0 +1,103 @@
+"""How a diagnosis is written: lines for people, records for scripts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rostether.bridge.diagnostics import BoardView, EndpointView
+from rostether.bridge.doctor import Diagnosis
+from rostether.bridge.findings.finding import Finding, Severity
+
+_WORDS = {Severity.WARN: "warning", Severity.ERROR: "error"}
+
+
+def lines_of(diagnosis: Diagnosis) -> Iterator[str]:
+    """Yield what people read: where, each finding with its next step, and what the board is."""
+    at = f" at {diagnosis.baud} baud" if diagnosis.baud else ""
+    yield f"{diagnosis.address}{at}"
+    for finding in diagnosis.findings:
+        yield f"  {_WORDS[finding.severity]} {finding.code}: {finding.seen}"
+        yield f"    next: {finding.next_step}"
+    board = diagnosis.board
+    if board is not None:
+        yield f"  board: {_describe(diagnosis, board)}"
+        for endpoint in board.endpoints:
+            yield f"    {_describe_endpoint(diagnosis, endpoint)}"
+    if diagnosis.is_well:
+        yield "  all is well"
+
+
+def finding_record(diagnosis: Diagnosis, finding: Finding) -> dict[str, object]:
+    """Return one finding as scripts take it."""
+    return {
+        "address": diagnosis.address,
+        "finding": str(finding.code),
+        "severity": _WORDS[finding.severity],
+        "subject": finding.subject or None,
+        "seen": finding.seen,
+        "next_step": finding.next_step,
+    }
+
+
+def board_record(diagnosis: Diagnosis) -> dict[str, object]:
+    """Return the last record of a diagnosis: whether all is well, and what the board is."""
+    record: dict[str, object] = {
+        "address": diagnosis.address,
+        "is_well": diagnosis.is_well,
+        "findings": [str(finding.code) for finding in diagnosis.findings],
+        "baud": diagnosis.baud,
+        "board": None,
+    }
+    board = diagnosis.board
+    if board is not None:
+        record["board"] = {
+            "peer": board.peer,
+            "protocol_version": board.protocol_version,
+            "is_settled": board.is_settled,
+            "watched_s": round(diagnosis.watched_s, 3),
+            "received_frames": board.received_frames,
+            "damaged_frames": board.damaged_frames,
+            "reset_count": board.reset_count,
+            "round_trip_ms": _scaled(board.round_trip_s, 1e3),
+            "clock_offset_ms": _scaled(diagnosis.clock_offset_s, 1e3),
+            "clock_drift_ppm": _scaled(diagnosis.clock_drift_ppm, 1),
+            "endpoints": [_endpoint_record(diagnosis, endpoint) for endpoint in board.endpoints],
+        }
+    return record
+
+
+def _endpoint_record(diagnosis: Diagnosis, endpoint: EndpointView) -> dict[str, object]:
+    return {
+        "role": endpoint.role,
+        "name": endpoint.name,
+        "type": endpoint.type,
+        "topic_id": endpoint.topic_id,
+        "buffer_bytes": endpoint.buffer_bytes,
+        "message_count": endpoint.message_count,
+        "rate_hz": round(_rate_hz(diagnosis, endpoint), 3),
+    }
+
+
+def _describe(diagnosis: Diagnosis, board: BoardView) -> str:
+    parts = [f"protocol version {board.protocol_version}", f"{board.received_frames} frames"]
+    parts.append(f"{board.damaged_frames} damaged")
+    if board.round_trip_s is not None:
+        parts.append(f"round trip {board.round_trip_s * 1e3:.1f} ms")
+    if diagnosis.clock_offset_s is not None:
+        parts.append(f"clock {diagnosis.clock_offset_s * 1e3:+.1f} ms")
+    if diagnosis.clock_drift_ppm is not None:
+        parts.append(f"drift {diagnosis.clock_drift_ppm:+.0f} ppm")
+    return f"{', '.join(parts)}; watched for {diagnosis.watched_s:.0f} s"
+
+
+def _describe_endpoint(diagnosis: Diagnosis, endpoint: EndpointView) -> str:
+    rate = f", {_rate_hz(diagnosis, endpoint):.1f} Hz" if endpoint.role == "publisher" else ""
+    return f"{endpoint.role} {endpoint.name} [{endpoint.type}]{rate}"
+
+
+def _rate_hz(diagnosis: Diagnosis, endpoint: EndpointView) -> float:
+    return diagnosis.rates_hz.get(f"{endpoint.role} {endpoint.name}", 0.0)
+
+
+def _scaled(value: float | None, factor: float) -> float | None:
+    return None if value is None else round(value * factor, 3)
