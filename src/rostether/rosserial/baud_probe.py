@@ -1,0 +1,253 @@
+"""Whether a port speaks rosserial, at which baud rate and protocol version: what to set, send, and believe.
+
+A board that hears a topic request at its own rate answers at once; at any other rate it hears noise and says
+nothing. So the rates are tried in turn, the likely ones first and again while a boot loader may still have
+the board. A board that was configured before sends messages unasked, which are noise at a wrong rate. But
+230400 and 250000 baud are so close that short frames get through: such rates must bring clean frames only.
+
+    phase    until                              then
+    LISTEN   1.2 s of silence                   ASK                       (only where asked to listen first)
+             something came                     SURVEY
+    SURVEY   each rate was heard for 1.1 s      ASK, if it has been quiet for long; else the end: not a board
+             text came twice at one rate        the end: not a board
+    ASK      each rate was asked, two times     the end: no answer
+    any      frames that only a board sends     the end: found
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import Enum, auto
+
+from rostether.rosserial.events import FrameDiscarded, HostEvent
+from rostether.rosserial.host_link import HostLink
+
+USUAL_BAUDS = (57600, 115200, 9600, 250000, 500000, 1000000, 38400, 19200, 230400, 460800, 921600, 2000000)
+"""In the order in which sketches have them: the library's default first, then what tutorials write."""
+
+BOOT_S = 2.5
+"""Opening a port resets many boards; their boot loaders take up to 2 s."""
+
+FIRST_DWELL_S = 0.5
+"""The two likeliest rates take turns while a boot loader may be at work."""
+
+QUICK_DWELL_S = 0.35
+"""Two requests; most sketches answer within 50 ms."""
+
+PATIENT_DWELL_S = 0.9
+"""Four requests, one of them in version 1; for a sketch whose loop() takes half a second."""
+
+LISTEN_S = 1.2
+"""A GPS receiver speaks once a second."""
+
+SURVEY_DWELL_S = 1.1
+"""As above; text is believed when two such stretches bring it."""
+
+QUIET_S = 4.0
+"""What came before that was a boot message."""
+
+MIN_MESSAGES = 2
+"""Noise passes for one message on an unknown topic id once in 65,536 tries, and not for two."""
+
+NEAR_RATIO = 1.12
+"""Rates closer than this read some of each other's frames: bits are sampled 0.8 bits too late at the most."""
+
+CONFIRM_S = 0.1
+"""At such a rate: what follows the first frame has come by then."""
+
+MAX_DAMAGE = 0.25
+"""At such a rate: how much of what came may be damaged. At the near one more than half is."""
+
+MIN_TEXT_BYTES = 16
+"""Noise passes for this much text once in a million tries."""
+
+MAX_KEPT_BYTES = 64 * 1024
+"""What came at the right rate is handed on, so that its announcements are not lost."""
+
+SHOWN_BYTES = 60
+"""What of foreign bytes is kept to show: a line of text."""
+
+
+class Step(Enum):
+    """What a stretch at one rate is for."""
+
+    LISTEN = auto()
+    SURVEY = auto()
+    ASK = auto()
+
+
+@dataclass(frozen=True, slots=True)
+class BoardFound:
+    """A board: `received` is what came at that rate, for the link that serves it."""
+
+    baud: int
+    version: int
+    received: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class NoBoard:
+    """No board: how many bytes came that mean nothing here, and which text at which rate, if it was text."""
+
+    foreign_bytes: int
+    text: bytes = b""
+    text_baud: int | None = None
+
+
+class BaudProbe:
+    """Probes one open port. Set the line to `baud` whenever that changes, send `data_to_send()`.
+
+    With `listens_first` nothing is sent before the line has been silent, and never to what speaks otherwise.
+    `known_baud` is where the board answered last time.
+    """
+
+    def __init__(
+        self,
+        bauds: Sequence[int] = USUAL_BAUDS,
+        *,
+        known_baud: int | None = None,
+        listens_first: bool = False,
+    ) -> None:
+        if known_baud is not None:
+            bauds = (known_baud, *(baud for baud in bauds if baud != known_baud))
+        self._bauds = tuple(bauds)
+        self._likely = self._bauds[:1] if known_baud is not None else self._bauds[:2]
+        self._steps = self._listen_steps() if listens_first else self._ask_steps()
+        self._step = Step.ASK
+        self._until_s = 0.0
+        self._link = HostLink()
+        self._received = bytearray()
+        self._noise = bytearray()
+        self._foreign_bytes = 0
+        self._heard_s = float("-inf")
+        self._text: tuple[int, bytes] | None = None
+        self._is_doubted = False
+        self._damaged: BoardFound | None = None
+        self.baud = self._bauds[0]
+        self.result: BoardFound | NoBoard | None = None
+
+    @property
+    def limit_s(self) -> float:
+        """How long it takes at most."""
+        count = len(self._bauds)
+        ask_s = BOOT_S + FIRST_DWELL_S + count * (QUICK_DWELL_S + PATIENT_DWELL_S)
+        return ask_s + LISTEN_S + (count + 1) * SURVEY_DWELL_S
+
+    def start(self, now_s: float) -> None:
+        """Begin."""
+        self._next(now_s)
+
+    def receive_data(self, data: bytes, now_s: float) -> None:
+        """Take a chunk from the port."""
+        if self.result is not None:
+            return
+        self._received += data[: MAX_KEPT_BYTES - len(self._received)]
+        self._heard_s = now_s
+        self._take(self._link.receive_data(data, now_s), now_s)
+
+    def get_timer(self) -> float | None:
+        """Return when to call `handle_timer`, on the clock of `now_s`; None at the end."""
+        if self.result is not None:
+            return None
+        timer_s = self._link.get_timer()
+        return self._until_s if timer_s is None else min(timer_s, self._until_s)
+
+    def handle_timer(self, now_s: float) -> None:
+        """Do what is due."""
+        if self.result is not None:
+            return
+        self._take(self._link.handle_timer(now_s), now_s)
+        if self.result is None and now_s >= self._until_s:
+            if self._is_doubted:
+                self._judge_damage()
+            self._judge_text()
+            if self.result is None:
+                self._next(now_s)
+
+    def data_to_send(self) -> bytes:
+        """Return what to send now; nothing while only listening."""
+        data = self._link.data_to_send()
+        return data if self._step is Step.ASK and self.result is None else b""
+
+    def _take(self, events: Sequence[HostEvent], now_s: float) -> None:
+        for event in events:
+            if isinstance(event, FrameDiscarded):
+                self._foreign_bytes += len(event.data)
+                self._noise += event.data[: SHOWN_BYTES - len(self._noise)]
+        statistics, version = self._link.statistics, self._link.version
+        control = statistics.frames_received - statistics.unannounced_messages
+        if version is not None and (control > 0 or statistics.unannounced_messages >= MIN_MESSAGES):
+            if not self._has_near_rate():
+                self.result = self._found(version)
+            elif not self._is_doubted:
+                self._is_doubted = True
+                self._until_s = now_s + CONFIRM_S
+
+    def _found(self, version: int) -> BoardFound:
+        return BoardFound(self.baud, version, bytes(self._received))
+
+    def _has_near_rate(self) -> bool:
+        return any(1 < max(baud / self.baud, self.baud / baud) < NEAR_RATIO for baud in self._bauds)
+
+    def _judge_damage(self) -> None:
+        statistics, version = self._link.statistics, self._link.version
+        if version is None:
+            return
+        if statistics.discarded_bytes <= MAX_DAMAGE * statistics.bytes_received:
+            self.result = self._found(version)
+        elif self._damaged is None:
+            self._damaged = self._found(version)
+
+    def _next(self, now_s: float) -> None:
+        following = next(self._steps, None)
+        if following is None or (following[0] is Step.ASK and self._is_busy(now_s)):
+            text_baud, text = self._text if self._text is not None else (None, b"")
+            self.result = self._damaged or NoBoard(self._foreign_bytes, text or bytes(self._noise), text_baud)
+            if self._damaged is not None:
+                self.baud = self._damaged.baud
+            return
+        self._step, self.baud, duration_s = following
+        self._until_s = now_s + duration_s
+        self._link = HostLink()
+        self._received.clear()
+        self._noise.clear()
+        self._is_doubted = False
+        if self._step is Step.ASK:
+            self._link.start(now_s)
+
+    def _is_busy(self, now_s: float) -> bool:
+        """Whether what was only listened to still speaks, and so is no board that waits to be asked."""
+        return self._step is not Step.ASK and now_s - self._heard_s < QUIET_S
+
+    def _judge_text(self) -> None:
+        if len(self._noise) < MIN_TEXT_BYTES or not _is_text(self._noise):
+            return
+        if self._step is Step.SURVEY and self._text is not None and self._text[0] == self.baud:
+            self.result = NoBoard(self._foreign_bytes, bytes(self._noise), self.baud)
+        else:
+            self._text = self.baud, bytes(self._noise)
+
+    def _listen_steps(self) -> Iterator[tuple[Step, int, float]]:
+        yield Step.LISTEN, self._bauds[0], LISTEN_S
+        if self._heard_s > float("-inf"):
+            for baud in self._bauds:
+                yield Step.SURVEY, baud, SURVEY_DWELL_S
+                if self._text is not None and self._text[0] == baud:
+                    yield Step.SURVEY, baud, SURVEY_DWELL_S
+        yield from self._ask_steps()
+
+    def _ask_steps(self) -> Iterator[tuple[Step, int, float]]:
+        spent_s, turn = 0.0, 0
+        while spent_s < BOOT_S:
+            yield Step.ASK, self._likely[turn % len(self._likely)], FIRST_DWELL_S
+            spent_s += FIRST_DWELL_S
+            turn += 1
+        for duration_s in (QUICK_DWELL_S, PATIENT_DWELL_S):
+            for baud in self._bauds:
+                yield Step.ASK, baud, duration_s
+
+
+def _is_text(noise: bytes | bytearray) -> bool:
+    printable = sum(32 <= byte < 127 or byte in b"\t\r\n" for byte in noise)
+    return printable * 10 >= len(noise) * 9
