@@ -11,6 +11,7 @@ import hashlib
 import json
 import os
 import shutil
+import stat
 import sys
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
@@ -172,8 +173,9 @@ def _measure(entry: Path) -> tuple[float, int, Path]:
     for path in [entry, *entry.rglob("*")]:
         with contextlib.suppress(OSError):
             status = path.lstat()
-            used_s = max(used_s, status.st_mtime)
-            size += status.st_size
+            if not stat.S_ISDIR(status.st_mode):
+                used_s = max(used_s, status.st_mtime)
+                size += status.st_size
     return used_s, size, entry
 
 

@@ -1,0 +1,34 @@
+"""Sketches written for a test, and a cache of compiled objects that all tests of a run share."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+
+from rostether.firmware.boards import Board
+from rostether.firmware.build import find_board
+
+EMPTY = "void setup() {}\nvoid loop() {}\n"
+
+
+def write_sketch(folder: Path, name: str, text: str, others: Mapping[str, str] | None = None) -> Path:
+    """Write folder/name/name.ino and other files of the sketch; returns the sketch's folder."""
+    sketch = folder / name
+    for file, content in {f"{name}.ino": text, **(others or {})}.items():
+        path = sketch / file
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(content)
+    return sketch
+
+
+def shared_cache(factory: pytest.TempPathFactory) -> Path:
+    """Return a folder that all workers of this run see."""
+    base = factory.getbasetemp()
+    return (base.parent if os.environ.get("PYTEST_XDIST_WORKER") else base) / "firmware-cache"
+
+
+def uno() -> Board:
+    return find_board("uno")

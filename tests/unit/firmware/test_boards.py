@@ -1,0 +1,111 @@
+from __future__ import annotations
+
+import pytest
+
+from rostether.errors import ConfigError
+from rostether.firmware.boards import BoardTable, names_other_platform
+from rostether.firmware.build import find_board
+
+BOARDS_TXT = """
+menu.cpu=Processor
+uno.name=Arduino UNO
+uno.upload_port.0.vid=0x2341
+uno.upload_port.0.pid=0x0043
+uno.upload.protocol=arduino
+uno.upload.maximum_size=32256
+uno.upload.maximum_data_size=2048
+uno.upload.speed=115200
+uno.build.mcu=atmega328p
+uno.build.f_cpu=16000000L
+nano.name=Arduino Nano
+nano.upload.protocol=arduino
+nano.build.f_cpu=16000000L
+nano.menu.cpu.atmega328=ATmega328P
+nano.menu.cpu.atmega328.upload.speed=115200
+nano.menu.cpu.atmega328.build.mcu=atmega328p
+nano.menu.cpu.atmega328old=ATmega328P (Old Bootloader)
+nano.menu.cpu.atmega328old.upload.speed=57600
+nano.menu.cpu.atmega328old.build.mcu=atmega328p
+"""
+
+
+@pytest.fixture
+def table() -> BoardTable:
+    return BoardTable(BOARDS_TXT)
+
+
+@pytest.mark.parametrize("name", ["uno", "Uno", "UNO", "Arduino Uno", "arduino:avr:uno", "uno-r3"])
+def test_the_uno_by_its_names(table: BoardTable, name: str) -> None:
+    board = table.find(name)
+    assert (board.mcu, board.f_cpu_hz, board.flash_bytes, board.ram_bytes) == (
+        "atmega328p",
+        16_000_000,
+        32256,
+        2048,
+    )
+    assert board.fqbn == "arduino:avr:uno"
+    assert board.usb_ids == ((0x2341, 0x0043),)
+
+
+@pytest.mark.parametrize(
+    ("name", "speed"),
+    [
+        ("nano", 115200),
+        ("nano:atmega328old", 57600),
+        ("nano:cpu=atmega328old", 57600),
+        ("arduino:avr:nano:cpu=atmega328old", 57600),
+        ("nano-old", 57600),
+    ],
+)
+def test_the_processor_chooses_among_what_a_board_can_have(table: BoardTable, name: str, speed: int) -> None:
+    assert table.find(name).upload_speed_baud == speed
+
+
+def test_an_unknown_board_names_those_that_are_near(table: BoardTable) -> None:
+    with pytest.raises(ConfigError, match=r"no board 'unno'; did you mean uno"):
+        table.find("unno")
+
+
+def test_a_board_like_no_other_names_the_usual_ones(table: BoardTable) -> None:
+    with pytest.raises(ConfigError, match=r"no board 'zzzz'; there is uno, nano, promini and more"):
+        table.find("zzzz")
+
+
+def test_an_unknown_processor_names_those_that_there_are(table: BoardTable) -> None:
+    with pytest.raises(ConfigError, match="it has atmega328, atmega328old"):
+        table.find("nano:atmega644")
+
+
+def test_other_platforms_are_left_to_arduino_cli() -> None:
+    assert names_other_platform("esp32:esp32:esp32")
+    assert not names_other_platform("arduino:avr:uno")
+    assert not names_other_platform("nano:atmega328old")
+    assert not find_board("esp32:esp32:esp32").is_avr
+
+
+@pytest.mark.avr
+@pytest.mark.parametrize(
+    ("name", "mcu", "flash_bytes", "ram_bytes", "protocol", "needs_touch"),
+    [
+        ("uno", "atmega328p", 32256, 2048, "arduino", False),
+        ("mega", "atmega2560", 253952, 8192, "wiring", False),
+        ("mega1280", "atmega1280", 126976, 8192, "arduino", False),
+        ("leonardo", "atmega32u4", 28672, 2560, "avr109", True),
+        ("micro", "atmega32u4", 28672, 2560, "avr109", True),
+        ("nano", "atmega328p", 30720, 2048, "arduino", False),
+        ("promini", "atmega328p", 30720, 2048, "arduino", False),
+        ("promini8", "atmega328p", 30720, 2048, "arduino", False),
+        ("mini", "atmega328p", 28672, 2048, "arduino", False),
+    ],
+)
+def test_the_boards_of_the_installed_core(
+    name: str, mcu: str, flash_bytes: int, ram_bytes: int, protocol: str, needs_touch: bool
+) -> None:
+    board = find_board(name)
+    assert (board.mcu, board.flash_bytes, board.ram_bytes) == (mcu, flash_bytes, ram_bytes)
+    assert (board.upload_protocol, board.needs_touch) == (protocol, needs_touch)
+
+
+@pytest.mark.avr
+def test_the_slow_pro_mini_runs_at_half_the_speed() -> None:
+    assert find_board("promini8").f_cpu_hz * 2 == find_board("promini").f_cpu_hz
