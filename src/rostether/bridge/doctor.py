@@ -16,8 +16,9 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
-from rostether.bridge.baud_search import USUAL_BAUDS, BaudFound, find_baud
+from rostether.bridge.baud_search import find_baud
 from rostether.bridge.diagnostics import BoardView
 from rostether.bridge.findings.finding import Code, Finding, error
 from rostether.bridge.findings.line_watch import NO_ANSWER_S
@@ -25,10 +26,11 @@ from rostether.bridge.findings.noise import show
 from rostether.bridge.findings.port import busy, cannot_open, open_error_finding, port_findings
 from rostether.bridge.watching import WATCH_S, Watched, watch_board
 from rostether.errors import RostetherError, TransportError
+from rostether.rosserial.baud_probe import USUAL_BAUDS, NoBoard
 from rostether.serde.store import TypeStore
 from rostether.transports.address import Address, SerialAddress, TcpAddress, UdpAddress
 from rostether.transports.opening import listen, open_transport
-from rostether.transports.port_facts import NamedPort, read_port_facts
+from rostether.transports.port_facts import NamedPort, PortFacts, read_port_facts
 from rostether.transports.port_holders import find_listener
 from rostether.transports.serial_errors import is_pseudo_terminal
 from rostether.transports.transport import Listener, Transport
@@ -71,6 +73,7 @@ class Doctor:
         answer_s: float = NO_ANSWER_S,
         bauds: Sequence[int] = USUAL_BAUDS,
         say: Callable[[str], object] = lambda _text: None,
+        read_facts: Callable[[str], Awaitable[PortFacts]] | None = None,
         list_ports: Callable[[], Sequence[NamedPort]] = list,
         open_transport: Callable[[Address], Awaitable[Transport]] = open_transport,
     ) -> None:
@@ -79,7 +82,7 @@ class Doctor:
         self._answer_s = answer_s
         self._bauds = bauds
         self._say = say
-        self._list_ports = list_ports
+        self._read_facts = read_facts or partial(asyncio.to_thread, read_port_facts, list_ports=list_ports)
         self._open = open_transport
         self._loop = asyncio.get_running_loop()
 
@@ -96,7 +99,7 @@ class Doctor:
         return self._diagnosis(address, await self._watch(transport, None))
 
     async def _examine_serial(self, address: SerialAddress) -> Diagnosis:
-        facts = await asyncio.to_thread(read_port_facts, address.path, self._list_ports)
+        facts = await self._read_facts(address.path)
         findings = port_findings(facts)
         if findings:
             return Diagnosis(str(address), tuple(findings), baud=address.baud)
@@ -106,7 +109,7 @@ class Doctor:
         try:
             watched = await self._watch(await self._open(address), baud)
         except RostetherError as failure:
-            facts = await asyncio.to_thread(read_port_facts, address.path, self._list_ports)
+            facts = await self._read_facts(address.path)
             return Diagnosis(str(address), (open_error_finding(facts, failure),), baud=address.baud)
         if baud is None or not _needs_search(watched):
             return self._diagnosis(address, watched, baud)
@@ -121,19 +124,19 @@ class Doctor:
                 bauds=self._bauds,
                 on_attempt=lambda baud: self._say(f"trying {baud} baud ..."),
             )
-            if found.frames_at is None:
+            if isinstance(found, NoBoard):
                 findings = (_judge_search(address, watched, found), *watched.findings[1:])
                 return replace(self._diagnosis(address, watched, address.baud), findings=findings)
-            self._say(f"a board answers at {found.frames_at} baud; watching it ...")
-            right = replace(address, baud=found.frames_at, reset=False)
+            self._say(f"a board answers at {found.baud} baud; watching it ...")
+            right = replace(address, baud=found.baud, reset=False)
             again = await self._watch(await self._open(right), right.baud)
         except TransportError as failure:
-            facts = await asyncio.to_thread(read_port_facts, address.path, self._list_ports)
+            facts = await self._read_facts(address.path)
             return Diagnosis(str(address), (open_error_finding(facts, failure),), baud=address.baud)
         wrong = error(
             Code.WRONG_BAUD,
-            f"the board does not speak at {address.baud} baud, but at {found.frames_at}",
-            f'connect with rostether serve "{address.path}?baud={found.frames_at}", or change setBaud() in '
+            f"the board does not speak at {address.baud} baud, but at {found.baud}",
+            f'connect with rostether serve "{address.path}?baud={found.baud}", or change setBaud() in '
             "the sketch",
         )
         return replace(self._diagnosis(right, again, right.baud), findings=(wrong, *again.findings))
@@ -198,13 +201,13 @@ def _needs_search(watched: Watched) -> bool:
     )
 
 
-def _judge_search(address: SerialAddress, watched: Watched, found: BaudFound) -> Finding:
+def _judge_search(address: SerialAddress, watched: Watched, found: NoBoard) -> Finding:
     """Say what is wrong when no baud rate brought a frame."""
     first = watched.findings[0]
-    if found.text_at is not None:
+    if found.text_baud is not None:
         return error(
             Code.TEXT_RECEIVED,
-            f"no rosserial frame at any usual baud rate, but text at {found.text_at} baud "
+            f"no rosserial frame at any usual baud rate, but text at {found.text_baud} baud "
             f"({show(found.text)}): the "
             "sketch prints on this port (Serial.print)",
             "upload a sketch that runs rosserial on this port",
