@@ -84,7 +84,7 @@ bool uart_start(char name);
 void uart_reset(void);
 size_t uart_room(void);
 void uart_receive(uint8_t byte, bool delayed);
-bool uart_is_idle(void);
+void uart_look(void);
 
 /* faults.c: what a bad line does to bytes. */
 enum direction { TO_BOARD, FROM_BOARD };

@@ -114,12 +114,13 @@ const char *canaries_guard(const char *place) {
 
 static void check(uint32_t address, unsigned count) {
     for (int i = 0; i < guard_count; i++) {
-        if (address + count <= guards[i].from || address >= guards[i].end || !may_report()) continue;
+        if (address + count <= guards[i].from || address >= guards[i].end) continue;
+        if (!may_report()) return;
         event_begin("guarded_write");
         event_int("address", address);
         event_int("pc", board.avr->pc);
-        event_int("cycles", (long long)board.avr->cycle);
         event_end_droppable();
+        return;
     }
 }
 

@@ -133,9 +133,11 @@ static const char *load_hex(FILE *file) {
     char line[600];
     uint8_t record[300];
     uint32_t upper = 0;
+    bool any = false;
     while (fgets(line, sizeof line, file)) {
         int count = read_record(line, record);
         if (count < 0) return "it is neither an ELF file nor a whole Intel HEX file";
+        any = true;
         uint32_t address = upper + (uint32_t)(record[1] << 8 | record[2]);
         if (record[3] == 1) return board.avr->codeend ? NULL : "it holds no program";
         if (record[3] == 2) upper = (uint32_t)(record[4] << 8 | record[5]) << 4;
@@ -144,7 +146,7 @@ static const char *load_hex(FILE *file) {
         if (!to_flash(address, record + 4, (size_t)count)) return "the program is larger than the board's flash";
         if (address + (uint32_t)count > board.avr->codeend) board.avr->codeend = address + (uint32_t)count;
     }
-    return "the file is cut short";
+    return any ? "the file is cut short" : "it is empty";
 }
 
 bool firmware_load(const char *path, char *error, size_t room) {

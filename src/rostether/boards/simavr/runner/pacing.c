@@ -74,6 +74,7 @@ static void run_slice(void) {
         core_run_until(end);
     else
         board.avr->cycle = end;
+    uart_look();
     pulses_look();
     canaries_look();
     link_flush();

@@ -31,26 +31,6 @@ static const struct waveform narrow[8] = {
     {NO_PWM, FIXED, 8}, {UP_AND_DOWN, OCRA, 0},  {NO_PWM, FIXED, 8}, {UP, OCRA, 0},
 };
 
-static avr_timer_comp_t *channel_of(const struct pin_place *place, avr_timer_t **timer) {
-    if (place->bit < 0) return NULL;
-    avr_irq_t *pin = avr_io_getirq(board.avr, AVR_IOCTL_IOPORT_GETIRQ(place->port), place->bit);
-    for (avr_io_t *io = board.avr->io_port; io; io = io->next) {
-        if (strcmp(io->kind, "timer") != 0) continue;
-        *timer = (avr_timer_t *)io;
-        for (int i = 0; i < AVR_TIMER_COMP_COUNT; i++) {
-            avr_ioport_getirq_t wire = {.bit = (*timer)->comp[i].com_pin};
-            if (wire.bit.reg && avr_ioctl(board.avr, AVR_IOCTL_IOPORT_GETIRQ_REGBIT, &wire) > 0 && wire.irq[0] == pin)
-                return &(*timer)->comp[i];
-        }
-    }
-    return NULL;
-}
-
-bool timers_drive(const struct pin_place *place) {
-    avr_timer_t *timer;
-    return channel_of(place, &timer) != NULL;
-}
-
 static unsigned read_wide(avr_io_addr_t low, avr_io_addr_t high) {
     const uint8_t *data = board.avr->data;
     return data[low] | (high ? data[high] << 8 : 0);
@@ -62,14 +42,12 @@ static double top_of(const avr_timer_t *timer, struct waveform waveform) {
     return (1 << waveform.bits) - 1;
 }
 
-struct pwm timers_pwm(const struct pin_place *place) {
+static struct pwm pwm_of(const avr_timer_t *timer, const avr_timer_comp_t *channel) {
     struct pwm result = {false, 0, 0};
     avr_t *avr = board.avr;
-    avr_timer_t *timer;
-    const avr_timer_comp_t *channel = channel_of(place, &timer);
-    if (!channel) return result;
-    uint8_t output = avr_regbit_get(avr, channel->com), mode = avr_regbit_get_array(avr, timer->wgm, 4);
-    unsigned clock = avr_regbit_get_array(avr, timer->cs, ARRAY_SIZE(timer->cs));
+    uint8_t output = avr_regbit_get(avr, channel->com);
+    uint8_t mode = avr_regbit_get_array(avr, (avr_regbit_t *)timer->wgm, 4);
+    unsigned clock = avr_regbit_get_array(avr, (avr_regbit_t *)timer->cs, ARRAY_SIZE(timer->cs));
     struct waveform waveform = timer->r_tcnth ? wide[mode & 15] : narrow[mode & 7];
     if (output < avr_timer_com_clear || !clock || waveform.slope == NO_PWM) return result;
     double top = top_of(timer, waveform), compare = read_wide(channel->r_ocr, channel->r_ocrh);
@@ -80,6 +58,37 @@ struct pwm timers_pwm(const struct pin_place *place) {
     if (output == avr_timer_com_set) result.duty = 1.0 - result.duty;
     result.period_us = ticks * (double)(1u << timer->cs_div[clock]) / CYCLES_PER_US;
     return result;
+}
+
+/* Looks at the channels wired to a pin: some pins of a mega have two. Returns how many there are. */
+static int look_at_channels(const struct pin_place *place, struct pwm *active) {
+    int count = 0;
+    if (place->bit < 0) return 0;
+    const avr_irq_t *pin = avr_io_getirq(board.avr, AVR_IOCTL_IOPORT_GETIRQ(place->port), place->bit);
+    for (avr_io_t *io = board.avr->io_port; io; io = io->next) {
+        if (strcmp(io->kind, "timer") != 0) continue;
+        const avr_timer_t *timer = (const avr_timer_t *)io;
+        for (int i = 0; i < AVR_TIMER_COMP_COUNT; i++) {
+            avr_ioport_getirq_t wire = {.bit = timer->comp[i].com_pin};
+            if (!wire.bit.reg || avr_ioctl(board.avr, AVR_IOCTL_IOPORT_GETIRQ_REGBIT, &wire) < 1) continue;
+            if (wire.irq[0] != pin) continue;
+            struct pwm pwm = pwm_of(timer, &timer->comp[i]);
+            if (pwm.active) *active = pwm;
+            count++;
+        }
+    }
+    return count;
+}
+
+bool timers_drive(const struct pin_place *place) {
+    struct pwm unused;
+    return look_at_channels(place, &unused) > 0;
+}
+
+struct pwm timers_pwm(const struct pin_place *place) {
+    struct pwm active = {false, 0, 0};
+    look_at_channels(place, &active);
+    return active;
 }
 
 void timers_start(void) {

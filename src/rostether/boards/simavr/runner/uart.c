@@ -124,7 +124,8 @@ static void receive_next(cycles_t from) {
     avr_cycle_timer_register(board.avr, due - board.avr->cycle, on_received, NULL);
 }
 
-static void tell_overruns(void) {
+/* Between slices. */
+void uart_look(void) {
     /* One event a tenth of a second says as much as a hundred. */
     if (!overruns || board.avr->cycle < overrun_told) return;
     event_begin("overrun");
@@ -149,7 +150,6 @@ static cycles_t on_received(avr_t *avr, cycles_t when, void *param) {
         }
         update_levels();
     }
-    tell_overruns();
     receive_next(when);
     return 0;
 }
@@ -208,8 +208,6 @@ void uart_reset(void) {
 }
 
 size_t uart_room(void) { return WAITING_ROOM - waiting_count; }
-
-bool uart_is_idle(void) { return !shifting && !receiving && waiting_count == 0; }
 
 void uart_receive(uint8_t byte, bool delayed) {
     size_t last = (waiting_first + waiting_count) % WAITING_ROOM;

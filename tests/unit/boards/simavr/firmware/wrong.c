@@ -9,7 +9,7 @@ volatile uint8_t starts __attribute__((section(".noinit")));
 volatile uint8_t cause;
 volatile uint8_t fence[4];
 volatile uint8_t buffer[8];
-volatile uint8_t fence_behind[4];
+volatile uint8_t too_many = 10;
 
 static uint8_t dig(uint8_t depth) {
     volatile uint8_t pad[16];
@@ -31,7 +31,7 @@ int main(void) {
         case 'i': asm volatile(".word 0x9404"); break;
         case 'w': *(volatile uint8_t *)0x4000 = 1; break;
         case 'r': cause = *(volatile uint8_t *)0x4000; break;
-        case 'b': for (uint8_t i = 0; i < 10; i++) buffer[i] = i; break;
+        case 'b': for (uint8_t i = 0; i < too_many; i++) buffer[i] = i; break;
         case 'f': fence[0] = 1; break;
         case 'd': buffer[0] = dig(20); break;
         case 'x': buffer[0] = dig(150); break;
