@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import os
+import shutil
 from collections.abc import Callable
 
 import pytest
@@ -12,11 +13,19 @@ from interop.ros1_peers import missing_ros1, missing_roscpp
 from unit.boards.simavr.programs import missing_simavr
 from unit.codegen.compilers import COMPILERS, missing_compiler
 
+
+def missing_program(program: str, package: str) -> str:
+    """Return why a program cannot be run here, or an empty string."""
+    return "" if shutil.which(program) else f"no {program} (apt install {package})"
+
+
 PEERS: dict[str, Callable[[], str]] = {
     "ros1": functools.cache(missing_ros1),
     "roscpp": functools.cache(missing_roscpp),
     "simavr": functools.cache(missing_simavr),
     **{name: functools.partial(functools.cache(missing_compiler), name) for name in COMPILERS},
+    "qemu": functools.partial(missing_program, "qemu-system-arm", "qemu-system-arm"),
+    "wine": functools.partial(missing_program, "wine", "wine"),
 }
 
 

@@ -6,12 +6,15 @@ extern "C" void HAL_UART_TxCpltCallback(UART_HandleTypeDef*) { nh.getHardware()-
 extern "C" void HAL_UART_RxCpltCallback(UART_HandleTypeDef*) { nh.getHardware()->reset_rbuf(); }
 #endif
 
+// A simulator then has nothing to simulate.
+static void waitForInterrupt() { __asm__ volatile("wfi"); }
+
 int main() {
   nh.initNode();
   setupNode();
   for (;;) {
     const unsigned long began_ms = nh.getHardware()->time();
     loopNode();
-    while (nh.getHardware()->time() - began_ms < 5) nh.spinOnce();
+    while (nh.getHardware()->time() - began_ms < 5) waitForInterrupt();
   }
 }

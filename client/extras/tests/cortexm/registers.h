@@ -1,0 +1,12 @@
+#ifndef REGISTERS_H_
+#define REGISTERS_H_
+
+#include <stdint.h>
+
+inline volatile uint32_t& at(uint32_t address) { return *reinterpret_cast<volatile uint32_t*>(address); }
+
+// What runs on SysTick's and UART0's interrupts.
+extern void (*tick_handler)();
+extern void (*uart_handler)();
+
+#endif

@@ -1,0 +1,200 @@
+#include <ros.h>
+#include <sensor_msgs/Range.h>
+#include <std_msgs/Int16.h>
+#include <std_msgs/String.h>
+#include <std_srvs/SetBool.h>
+
+#include "scripted_hardware.h"
+
+static void ignoreInt16(const std_msgs::Int16&) {}
+static void ignoreCall(const std_srvs::SetBoolRequest&, std_srvs::SetBoolResponse&) {}
+
+TEST(negotiation, tells_of_every_endpoint_in_the_order_it_came) {
+  Board<> board;
+  std_msgs::String text;
+  ros::Publisher chatter("chatter", &text);
+  ros::Subscriber<std_msgs::Int16> numbers("numbers", ignoreInt16);
+  ros::ServiceServer<std_srvs::SetBoolRequest, std_srvs::SetBoolResponse> server("power", ignoreCall);
+  ros::ServiceClient<std_srvs::SetBoolRequest, std_srvs::SetBoolResponse> client("lights");
+  board.node.initNode();
+  board.node.advertise(chatter);
+  board.node.subscribe(numbers);
+  board.node.advertiseService(server);
+  board.node.serviceClient(client);
+  board.line.send(frame(0));
+  EXPECT_EQUAL(board.node.spinOnce(), ros::SPIN_ERR);
+  const std::vector<TopicInfo> infos = board.announced();
+  EXPECT_EQUAL(infos.size(), 6u);
+  const struct {
+    int role;
+    const char *topic, *type, *md5sum;
+  } wanted[] = {
+      {0, "chatter", "std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1"},
+      {1, "numbers", "std_msgs/Int16", "8524586e34fbd7cb1c08c5f5f1ca0e57"},
+      {2, "power", "std_srvs/SetBool", "937c9679a518e3a18d831e57125ea522"},
+      {3, "power", "std_srvs/SetBool", "8b94c1b53db61fb6aed406028ad6332a"},
+      {4, "lights", "std_srvs/SetBool", "8b94c1b53db61fb6aed406028ad6332a"},
+      {5, "lights", "std_srvs/SetBool", "937c9679a518e3a18d831e57125ea522"},
+  };
+  for (size_t i = 0; i < 6; ++i) {
+    EXPECT_EQUAL(infos[i].role, wanted[i].role);
+    EXPECT_EQUAL(infos[i].topic, wanted[i].topic);
+    EXPECT_EQUAL(infos[i].type, wanted[i].type);
+    EXPECT_EQUAL(infos[i].md5sum, wanted[i].md5sum);
+    EXPECT(infos[i].id >= 100);
+    // What the host sends must fit; what it gets is only bounded by the frame.
+    EXPECT_EQUAL(infos[i].buffer_bytes, wanted[i].role % 2 ? 512u : 65535u);
+    for (size_t j = 0; j < i; ++j) EXPECT(infos[j].id != infos[i].id);
+  }
+}
+
+TEST(negotiation, asks_for_the_time_first) {
+  Board<> board;
+  std_msgs::String text;
+  ros::Publisher chatter("chatter", &text);
+  board.node.initNode();
+  board.node.advertise(chatter);
+  board.line.send(frame(0));
+  board.node.spinOnce();
+  const std::vector<Frame> frames = board.line.take();
+  EXPECT_EQUAL(frames.size(), 2u);
+  EXPECT_EQUAL(frames[0].id, 10);
+  EXPECT_EQUAL(frames[0].payload, Bytes(8));
+}
+
+TEST(negotiation, without_endpoints_it_only_asks_for_the_time) {
+  Board<> board;
+  board.meet();
+  board.line.send(frame(0));
+  EXPECT_EQUAL(board.node.spinOnce(), ros::SPIN_ERR);
+  EXPECT_EQUAL(board.line.take().size(), 1u);
+}
+
+TEST(negotiation, introduces_itself_after_its_own_reset_without_being_asked) {
+  Board<> board;
+  std_msgs::String text;
+  ros::Publisher chatter("chatter", &text);
+  board.node.initNode();
+  board.node.advertise(chatter);
+  EXPECT_EQUAL(board.node.spinOnce(), ros::SPIN_OK);
+  EXPECT_EQUAL(board.announced().size(), 1u);
+  EXPECT(!board.node.connected());
+  // A host that was there all the time answers the question for the time, and messages flow.
+  board.line.send(Board<>::time(1700000000));
+  EXPECT_EQUAL(board.node.spinOnce(), ros::SPIN_OK);
+  EXPECT(board.node.connected());
+  text.data = "up again";
+  EXPECT_EQUAL(chatter.publish(&text), 8 + 4 + 8);
+}
+
+TEST(negotiation, introduces_itself_again_while_nobody_answers) {
+  Board<> board;
+  std_msgs::String text;
+  ros::Publisher chatter("chatter", &text);
+  board.node.initNode();
+  board.node.advertise(chatter);
+  size_t introductions = 0;
+  for (int ms = 0; ms < 30000; ++ms) {
+    ++board.line.now_ms;
+    board.node.spinOnce();
+    introductions += board.announced().size();
+  }
+  EXPECT(introductions >= 12 && introductions <= 15);
+}
+
+TEST(negotiation, a_second_initNode_starts_anew) {
+  Board<> board;
+  std_msgs::String text;
+  ros::Publisher chatter("chatter", &text);
+  board.node.advertise(chatter);
+  board.meet();
+  board.line.send(Bytes(frame(0).begin(), frame(0).begin() + 5));
+  board.node.spinOnce();
+  board.node.initNode();
+  EXPECT_EQUAL(board.line.begun, 2);
+  EXPECT(!board.node.connected());
+  board.node.spinOnce();
+  EXPECT_EQUAL(board.announced().size(), 1u);
+  board.line.send(frame(0));
+  EXPECT_EQUAL(board.node.spinOnce(), ros::SPIN_ERR);
+}
+
+TEST(negotiation, advertising_twice_is_advertising_once) {
+  Board<> board;
+  std_msgs::String text;
+  ros::Publisher chatter("chatter", &text);
+  ros::Subscriber<std_msgs::Int16> numbers("numbers", ignoreInt16);
+  board.node.initNode();
+  EXPECT(board.node.advertise(chatter));
+  EXPECT(board.node.subscribe(numbers));
+  EXPECT(board.node.advertise(chatter));
+  EXPECT(board.node.subscribe(numbers));
+  board.node.negotiateTopics();
+  EXPECT_EQUAL(board.announced().size(), 2u);
+}
+
+TEST(negotiation, an_endpoint_that_comes_later_is_told_at_once) {
+  Board<> board;
+  std_msgs::String text;
+  ros::Publisher chatter("chatter", &text);
+  ros::Subscriber<std_msgs::Int16> numbers("numbers", ignoreInt16);
+  board.node.advertise(chatter);
+  board.meet();
+  board.node.subscribe(numbers);
+  const std::vector<TopicInfo> infos = board.announced();
+  EXPECT_EQUAL(infos.size(), 1u);
+  EXPECT_EQUAL(infos[0].topic, "numbers");
+  EXPECT(infos[0].id != chatter.id_);
+}
+
+TEST(negotiation, endpoints_may_come_before_initNode) {
+  Board<> board;
+  std_msgs::String text;
+  ros::Publisher chatter("chatter", &text);
+  board.node.advertise(chatter);
+  EXPECT_EQUAL(chatter.publish(&text), 0);
+  EXPECT_EQUAL(board.node.spinOnce(), ros::SPIN_OK);
+  board.line.take();
+  board.meet();
+  text.data = "x";
+  EXPECT(chatter.publish(&text) > 0);
+}
+
+TEST(negotiation, two_hundred_endpoints) {
+  Board<> board;
+  std::vector<std_msgs::String> messages(200);
+  std::deque<ros::Publisher> publishers;
+  board.node.initNode();
+  for (size_t i = 0; i < messages.size(); ++i) {
+    publishers.emplace_back("topic", &messages[i]);
+    board.node.advertise(publishers.back());
+  }
+  board.node.negotiateTopics();
+  const std::vector<TopicInfo> infos = board.announced();
+  EXPECT_EQUAL(infos.size(), 200u);
+  EXPECT_EQUAL(infos[199].id, 299);
+}
+
+TEST(negotiation, the_node_keeps_saying_what_size_hints_make_of_its_input) {
+  Board<PlainHardware, 150> board;
+  ros::Subscriber<std_msgs::Int16> numbers("numbers", ignoreInt16);
+  board.node.initNode();
+  board.node.subscribe(numbers);
+  board.node.negotiateTopics();
+  EXPECT_EQUAL(board.announced()[0].buffer_bytes, 150u);
+}
+
+TEST(negotiation, a_message_as_large_as_announced_comes_in) {
+  Board<PlainHardware, 150> board;
+  static size_t length;
+  length = 0;
+  ros::Subscriber<std_msgs::String> texts("texts", [](const std_msgs::String& message) { length = strlen(message.data); });
+  board.node.subscribe(texts);
+  board.meet();
+  board.line.send(frame(texts.id_, Payload().text(std::string(146, 'a'))));
+  board.node.spinOnce();
+  EXPECT_EQUAL(length, 146u);
+  board.line.send(frame(texts.id_, Payload().text(std::string(147, 'b'))));
+  board.node.spinOnce();
+  EXPECT_EQUAL(length, 146u);
+}

@@ -1,0 +1,135 @@
+#include <ros.h>
+#include <std_msgs/String.h>
+
+#include "scripted_hardware.h"
+
+static const unsigned long PERIOD_MS = 2500;
+
+TEST(silence, the_time_is_asked_for_about_every_two_seconds) {
+  Board<> board;
+  board.meet();
+  unsigned long last_ms = board.line.now_ms;
+  int asked = 0;
+  board.line.on_frame = [&](const Frame& got) {
+    EXPECT_EQUAL(got.id, 10);
+    EXPECT(board.line.now_ms - last_ms <= PERIOD_MS);
+    EXPECT(board.line.now_ms - last_ms >= 2000);
+    last_ms = board.line.now_ms;
+    ++asked;
+    board.line.send(Board<>::time(1700000000));
+  };
+  for (int ms = 0; ms < 60000; ++ms) {
+    ++board.line.now_ms;
+    EXPECT_EQUAL(board.node.spinOnce(), ros::SPIN_OK);
+    EXPECT(board.node.connected());
+  }
+  EXPECT(asked >= 24);
+}
+
+TEST(silence, after_eleven_seconds_the_host_is_gone) {
+  Board<> board;
+  std_msgs::String text;
+  ros::Publisher chatter("chatter", &text);
+  board.node.advertise(chatter);
+  board.meet();
+  const unsigned long answered_ms = board.line.now_ms;
+  while (board.node.connected()) {
+    ++board.line.now_ms;
+    board.node.spinOnce();
+    EXPECT(board.line.now_ms - answered_ms < 12000);
+  }
+  EXPECT(board.line.now_ms - answered_ms >= 10500);
+  board.line.take();
+  text.data = "nobody hears";
+  EXPECT_EQUAL(chatter.publish(&text), 0);
+  EXPECT_EQUAL(board.line.take().size(), 0u);
+  // It comes back by the question for the topics, or by an answer to the introductions.
+  board.line.send(frame(0));
+  EXPECT_EQUAL(board.node.spinOnce(), ros::SPIN_ERR);
+  EXPECT(board.node.connected());
+  EXPECT(chatter.publish(&text) > 0);
+}
+
+TEST(silence, messages_alone_do_not_count_as_a_host) {
+  Board<> board;
+  board.meet();
+  for (int ms = 0; ms < 12000; ++ms) {
+    ++board.line.now_ms;
+    if (ms % 100 == 0) board.line.send(frame(4711));
+    board.node.spinOnce();
+  }
+  EXPECT(!board.node.connected());
+}
+
+TEST(silence, stopping_is_obeyed_at_once) {
+  Board<> board;
+  std_msgs::String text;
+  ros::Publisher chatter("chatter", &text);
+  board.node.advertise(chatter);
+  board.meet();
+  board.line.send(frame(11));
+  EXPECT_EQUAL(board.node.spinOnce(), ros::SPIN_OK);
+  EXPECT(!board.node.connected());
+  EXPECT_EQUAL(chatter.publish(&text), 0);
+  board.line.send(frame(0));
+  EXPECT_EQUAL(board.node.spinOnce(), ros::SPIN_ERR);
+  EXPECT(board.node.connected());
+}
+
+TEST(silence, a_sketch_that_sleeps_for_a_minute_still_asks) {
+  Board<> board;
+  board.meet();
+  for (int i = 0; i < 20; ++i) {
+    board.line.now_ms += 60000 + 700u * static_cast<unsigned>(i);
+    board.node.spinOnce();
+    EXPECT_EQUAL(board.line.take(10).size(), 1u);
+    board.line.send(Board<>::time(1700000000));
+    board.node.spinOnce();
+    EXPECT(board.node.connected());
+  }
+}
+
+TEST(silence, the_milliseconds_overflow_without_a_trace) {
+  Board<> board;
+  std_msgs::String text;
+  ros::Publisher chatter("chatter", &text);
+  board.node.advertise(chatter);
+  board.line.now_ms = 0xffffffffUL - 5000;
+  board.meet(1700000000);
+  board.line.on_frame = [&](const Frame&) {};
+  ros::Time last = board.node.now();
+  for (unsigned long ms = 1; ms < 10000; ++ms) {
+    board.line.now_ms = (0xffffffffUL - 5000 + ms) & 0xffffffffUL;
+    board.node.spinOnce();
+    const ros::Time now = board.node.now();
+    EXPECT(now >= last);
+    last = now;
+  }
+  EXPECT_EQUAL(last.sec, 1700000009u);
+  EXPECT_EQUAL(board.line.take(10).size(), 4u);
+}
+
+TEST(silence, an_unconfigured_node_answers_a_wrong_version_once) {
+  Board<> board;
+  board.node.initNode();
+  board.node.spinOnce();
+  board.line.take();
+  for (int i = 0; i < 30; ++i) board.line.now_ms += 1, board.node.spinOnce();
+  board.line.send({0xff, 0x00});
+  EXPECT_EQUAL(board.node.spinOnce(), ros::SPIN_OK);
+  EXPECT_EQUAL(board.line.take(10).size(), 1u);
+  // A burst of them is one question, also when the clock ticks meanwhile.
+  board.line.now_ms += 100;
+  board.line.sendSlowly({0xff, 0x00, 0xff, 0x00, 0xff, 0x00, 0xff, 0x01}, 1);
+  for (int i = 0; i < 15; ++i) board.line.now_ms += 1, board.node.spinOnce();
+  EXPECT_EQUAL(board.line.take(10).size(), 1u);
+}
+
+TEST(silence, a_configured_node_ignores_a_wrong_version) {
+  Board<> board;
+  board.meet();
+  board.line.now_ms += 100;
+  board.line.send({0xff, 0x00, 0xff, 0x00, 0xff, 0x00});
+  EXPECT_EQUAL(board.node.spinOnce(), ros::SPIN_OK);
+  EXPECT_EQUAL(board.line.take().size(), 0u);
+}

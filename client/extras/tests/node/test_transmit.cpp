@@ -1,0 +1,188 @@
+#include <ros.h>
+#include <sensor_msgs/JointState.h>
+#include <std_msgs/Int16.h>
+#include <std_msgs/String.h>
+
+#include "scripted_hardware.h"
+
+static int heard;
+static void hear(const std_msgs::Int16&) { ++heard; }
+
+template <class Hardware>
+struct Sender : Board<Hardware> {
+  std_msgs::String text;
+  ros::Publisher chatter;
+  ros::Subscriber<std_msgs::Int16> numbers;
+  Sender() : chatter("chatter", &text), numbers("numbers", hear) {
+    heard = 0;
+    this->node.advertise(chatter);
+    this->node.subscribe(numbers);
+    this->meet();
+  }
+};
+
+TEST(transmit, messages_of_all_lengths_are_whole) {
+  Sender<PlainHardware> sender;
+  for (size_t length = 0; length < 3000; ++length) {
+    const std::string text(length, static_cast<char>('a' + length % 26));
+    sender.text.data = text.c_str();
+    EXPECT_EQUAL(sender.chatter.publish(&sender.text), static_cast<int>(length) + 12);
+    const std::vector<Frame> frames = sender.line.take();
+    EXPECT_EQUAL(frames.size(), 1u);
+    EXPECT_EQUAL(frames[0].payload, Payload().text(text));
+  }
+}
+
+TEST(transmit, what_no_frame_holds_is_not_sent) {
+  Sender<PlainHardware> sender;
+  const std::string longest(65535 - 8 - 4, 'x'), longer(65535 - 8 - 3, 'x'), huge(200000, 'x');
+  sender.text.data = longest.c_str();
+  EXPECT_EQUAL(sender.chatter.publish(&sender.text), 65535);
+  EXPECT_EQUAL(sender.line.take().size(), 1u);
+  const char* const too_long[] = {longer.c_str(), huge.c_str()};
+  for (const char* text : too_long) {
+    const int dropped = sender.node.dropped();
+    sender.text.data = text;
+    EXPECT_EQUAL(sender.chatter.publish(&sender.text), -1);
+    EXPECT_EQUAL(sender.line.take().size(), 0u);
+    EXPECT_EQUAL(sender.node.dropped() - dropped, 1);
+  }
+}
+
+TEST(transmit, it_goes_on_reading_while_the_transmitter_is_full) {
+  Sender<QueueingHardware> sender;
+  // A line as slow out as in: while 400 bytes go out, 20 messages come in.
+  const Bytes number = frame(sender.numbers.id_, Payload().u16(1));
+  for (int i = 0; i < 20; ++i) sender.line.sendSlowly(number, 0);
+  const std::string text(400, 'x');
+  sender.text.data = text.c_str();
+  EXPECT_EQUAL(sender.chatter.publish(&sender.text), 412);
+  EXPECT(sender.line.arriving.empty());
+  EXPECT_EQUAL(heard, 0);
+  sender.node.spinOnce();
+  EXPECT_EQUAL(heard, 20);
+}
+
+TEST(transmit, what_comes_in_meanwhile_waits_in_the_line_when_the_buffer_is_full) {
+  Sender<QueueingHardware> sender;
+  const Bytes number = frame(sender.numbers.id_, Payload().u16(1));
+  for (int i = 0; i < 200; ++i) sender.line.send(number);
+  const std::string text(4000, 'x');
+  sender.text.data = text.c_str();
+  EXPECT_EQUAL(sender.chatter.publish(&sender.text), 4012);
+  EXPECT(!sender.line.arriving.empty());
+  sender.node.spinOnce();
+  EXPECT_EQUAL(heard, 200);
+  EXPECT_EQUAL(sender.node.dropped(), 0);
+}
+
+TEST(transmit, a_transmitter_that_takes_nothing_is_given_up) {
+  Sender<QueueingHardware> sender;
+  sender.node.getHardware()->stuck = true;
+  sender.text.data = "nobody takes this";
+  const unsigned long began_ms = sender.line.now_ms;
+  EXPECT_EQUAL(sender.chatter.publish(&sender.text), -1);
+  EXPECT(sender.line.now_ms - began_ms > 50 && sender.line.now_ms - began_ms < 500);
+  EXPECT_EQUAL(sender.node.dropped(), 1);
+  EXPECT_EQUAL(sender.line.written.size(), 0u);
+  // Spinning does not wait for it over and over.
+  const unsigned long spun_ms = sender.line.now_ms;
+  for (int i = 0; i < 100; ++i) sender.node.spinOnce();
+  EXPECT(sender.line.now_ms - spun_ms < 500);
+  sender.node.getHardware()->stuck = false;
+  EXPECT(sender.chatter.publish(&sender.text) > 0);
+}
+
+TEST(transmit, publishing_while_a_callback_runs) {
+  static Sender<QueueingHardware>* sender;
+  Sender<QueueingHardware> one;
+  sender = &one;
+  static std::string last;
+  ros::Subscriber<std_msgs::String> texts("texts", [](const std_msgs::String& message) {
+    // The message is still there after all that was read meanwhile.
+    for (int i = 0; i < 3; ++i) sender->chatter.publish(&message);
+    last = message.data;
+  });
+  one.node.subscribe(texts);
+  one.line.take();
+  const Bytes number = frame(one.numbers.id_, Payload().u16(1));
+  const std::string wanted(200, 'e');
+  one.line.send(frame(texts.id_, Payload().text(wanted)));
+  for (int i = 0; i < 30; ++i) one.line.send(number);
+  one.node.spinOnce();
+  EXPECT_EQUAL(last, wanted);
+  EXPECT_EQUAL(heard, 30);
+  const std::vector<Frame> frames = one.line.take(one.chatter.id_);
+  EXPECT_EQUAL(frames.size(), 3u);
+  for (const Frame& got : frames) EXPECT_EQUAL(got.payload, Payload().text(wanted));
+}
+
+TEST(transmit, logs_of_every_level_and_from_flash) {
+  Board<> board;
+  board.node.initNode();
+  board.node.logdebug("d");
+  board.node.loginfo("i");
+  board.node.logwarn("w");
+  board.node.logerror("e");
+  board.node.logfatal("f");
+  board.node.logfatal("");
+  const std::vector<Frame> frames = board.line.take();
+  EXPECT_EQUAL(frames.size(), 6u);
+  for (uint8_t level = 0; level < 5; ++level) {
+    EXPECT_EQUAL(frames[level].id, 7);
+    EXPECT_EQUAL(frames[level].payload, Payload().u8(level).text(std::string(1, "diwef"[level])));
+  }
+  EXPECT_EQUAL(frames[5].payload, Payload().u8(4).text(""));
+  const __FlashStringHelper* flash = reinterpret_cast<const __FlashStringHelper*>("from flash");
+  board.node.logdebug(flash);
+  board.node.loginfo(flash);
+  board.node.logwarn(flash);
+  board.node.logerror(flash);
+  board.node.logfatal(flash);
+  const std::vector<Frame> more = board.line.take();
+  EXPECT_EQUAL(more.size(), 5u);
+  for (uint8_t level = 0; level < 5; ++level) EXPECT_EQUAL(more[level].payload, Payload().u8(level).text("from flash"));
+}
+
+TEST(transmit, a_log_too_long_for_a_frame_is_no_lying_frame) {
+  Board<> board;
+  board.meet();
+  const std::string huge(70000, 'x');
+  board.node.loginfo(huge.c_str());
+  EXPECT(board.line.written.empty());
+  EXPECT_EQUAL(board.line.noise, 0u);
+  board.node.loginfo("next");
+  EXPECT_EQUAL(board.line.take(7).back().payload, Payload().u8(1).text("next"));
+}
+
+TEST(transmit, publishing_needs_a_topic_a_host_and_the_right_type) {
+  Board<> board;
+  std_msgs::String text;
+  std_msgs::Int16 number;
+  ros::Publisher chatter("chatter", &text);
+  text.data = "hello";
+  EXPECT_EQUAL(chatter.publish(&text), 0);
+  board.node.initNode();
+  EXPECT_EQUAL(chatter.publish(&text), 0);
+  board.node.advertise(chatter);
+  EXPECT_EQUAL(chatter.publish(&text), 0);
+  board.node.negotiateTopics();
+  board.line.take();
+  EXPECT_EQUAL(chatter.publish(&text), 17);
+  EXPECT_EQUAL(chatter.publish(&number), -1);
+  EXPECT_EQUAL(board.line.take().size(), 1u);
+}
+
+TEST(transmit, null_pointers_are_empty_strings_and_arrays) {
+  Board<> board;
+  sensor_msgs::JointState state;
+  ros::Publisher joints("joints", &state);
+  board.node.advertise(joints);
+  board.meet();
+  state.header.frame_id = nullptr;
+  EXPECT_EQUAL(joints.publish(&state), 8 + 12 + 4 + 4 * 4);
+  char* names[] = {const_cast<char*>("a"), nullptr};
+  state.name = names;
+  state.name_length = 2;
+  EXPECT_EQUAL(joints.publish(&state), 8 + 12 + 4 + 4 * 4 + 5 + 4);
+}

@@ -1,0 +1,139 @@
+"""A simulated Cortex-M board: qemu-system-arm running an ELF, its UART on a pseudo-terminal.
+
+async with await QemuBoard.start(elf) as board:
+    ...                              # `board.address` is what `serve` opens
+    await board.reset()
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import re
+import shutil
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from rostether.errors import BoardError
+
+PROGRAM = "qemu-system-arm"
+# A TI Stellaris, the forerunner of the Tiva C with the same UART.
+DEFAULT_MACHINE = "lm3s6965evb"
+# It answers within a quarter of a second on an idle machine.
+START_LIMIT_S = 20.0
+END_LIMIT_S = 2.0
+
+_TERMINAL = re.compile(rb"char device redirected to (\S+)")
+
+
+class QemuBoard:
+    """One board. It ends with `close`, and with this process."""
+
+    def __init__(self, process: asyncio.subprocess.Process, terminal: str) -> None:
+        self._process = process
+        self._terminal = terminal
+        # What qemu says must be read, or it stops when the pipe is full.
+        self._reading = asyncio.get_running_loop().create_task(self._read())
+
+    @classmethod
+    async def start(cls, program: Path, *, machine: str = DEFAULT_MACHINE) -> Self:
+        """Start an ELF file on a machine that qemu knows. Raises BoardError when it does not run it."""
+        qemu = shutil.which(PROGRAM)
+        if qemu is None:
+            raise BoardError(f"{PROGRAM} is not installed: apt install qemu-system-arm")
+        # The kernel ends it when we are killed; without setpriv only `close` does.
+        setpriv = shutil.which("setpriv")
+        guard = [setpriv, "--pdeathsig", "KILL"] if setpriv else []
+        options = ["-machine", machine, "-display", "none", "-serial", "pty", "-monitor", "stdio"]
+        process = await asyncio.create_subprocess_exec(
+            *guard,
+            qemu,
+            *options,
+            "-kernel",
+            str(program),
+            stdin=asyncio.subprocess.PIPE,
+            stdout=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.STDOUT,
+        )
+        try:
+            async with asyncio.timeout(START_LIMIT_S):
+                return cls(process, await _find_terminal(process))
+        except BaseException as error:
+            await _end(process)
+            if isinstance(error, TimeoutError):
+                raise BoardError(
+                    f"{PROGRAM} did not start within {START_LIMIT_S:g} s; is the machine busy?"
+                ) from None
+            raise
+
+    @property
+    def address(self) -> str:
+        """Return the link address of the board's UART, as `serve` takes it."""
+        return self._terminal
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether qemu is gone."""
+        return self._reading.done()
+
+    async def reset(self) -> None:
+        """Press the reset button. Raises BoardError when the board has ended."""
+        stdin = self._process.stdin
+        assert stdin is not None
+        if self.has_ended:
+            raise BoardError("the simulated board has ended")
+        with contextlib.suppress(ConnectionError):
+            stdin.write(b"system_reset\n")
+            await stdin.drain()
+
+    async def wait_end(self) -> None:
+        """Wait until it has ended by itself."""
+        await asyncio.shield(self._reading)
+        await self._process.wait()
+
+    async def close(self) -> None:
+        """End it and wait for that. Idempotent."""
+        await _end(self._process)
+        await self._reading
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        await self.close()
+
+    async def _read(self) -> None:
+        stdout = self._process.stdout
+        assert stdout is not None
+        while await stdout.read(4096):
+            pass
+
+
+async def _find_terminal(process: asyncio.subprocess.Process) -> str:
+    stdout = process.stdout
+    assert stdout is not None
+    said = b""
+    while chunk := await stdout.read(4096):
+        said += chunk
+        found = _TERMINAL.search(said)
+        if found is not None:
+            return found[1].decode()
+    lines = said.decode(errors="replace").strip().splitlines()
+    raise BoardError(f"{PROGRAM} does not run this program: {lines[-1] if lines else 'it said nothing'}")
+
+
+async def _end(process: asyncio.subprocess.Process) -> None:
+    if process.stdin is not None:
+        process.stdin.close()
+    with contextlib.suppress(ProcessLookupError):
+        process.terminate()
+    try:
+        async with asyncio.timeout(END_LIMIT_S):
+            await process.wait()
+    except TimeoutError:
+        with contextlib.suppress(ProcessLookupError):
+            process.kill()
+        await process.wait()

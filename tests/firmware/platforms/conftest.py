@@ -1,0 +1,51 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from firmware.platforms.programs import CORTEX_M, NODE, STUBS, compile_program
+from rostether.codegen.arduino_library import write_library
+from rostether.msgdef.registry import Registry
+
+
+@pytest.fixture(scope="session")
+def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The client library with the messages that the tests' programs use."""
+    directory = tmp_path_factory.mktemp("library")
+    return write_library(directory, Registry(), packages=["std_msgs", "std_srvs", "sensor_msgs"]).path
+
+
+@pytest.fixture(scope="session")
+def linux_program(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The node for Linux, watched for undefined behaviour and lost memory."""
+    output = tmp_path_factory.mktemp("linux") / "node"
+    sanitize = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+    return compile_program(["g++", "-O1", *sanitize], [NODE / "host.cpp"], library, output)
+
+
+@pytest.fixture(scope="session")
+def cortex_m_program(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The node for a Stellaris, with platform/tivac.h."""
+    command = [
+        *("arm-none-eabi-g++", "-mcpu=cortex-m3", "-mthumb", "-Os", "-ffunction-sections", "-fdata-sections"),
+        *(
+            "-fno-exceptions",
+            "-fno-rtti",
+            "-nostartfiles",
+            "-Wl,--gc-sections",
+            "-T",
+            str(CORTEX_M / "lm3s6965.ld"),
+        ),
+        *("-DPART_TM4C123GH6PM", f"-I{STUBS}/tivaware", f"-I{CORTEX_M}"),
+    ]
+    sources = [NODE / "embedded.cpp", CORTEX_M / "startup.cpp", CORTEX_M / "driverlib.cpp"]
+    return compile_program(command, sources, library, tmp_path_factory.mktemp("cortexm") / "node.elf")
+
+
+@pytest.fixture(scope="session")
+def windows_program(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The node for Windows."""
+    output = tmp_path_factory.mktemp("windows") / "node.exe"
+    command = ["x86_64-w64-mingw32-g++", "-O2", "-static"]
+    return compile_program(command, [NODE / "host.cpp"], library, output, "-lws2_32")

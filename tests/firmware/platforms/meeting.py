@@ -1,0 +1,105 @@
+"""The node of client/extras/tests/platforms, met over the bridge by a program in the same graph."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator
+from typing import Any
+
+from rostether.bridge.settings import BridgeSettings
+from rostether.bridge.supervisor import Supervisor
+from rostether.graph.memory_network import MemoryNetwork
+from rostether.graph.typed_graph import TypedGraph
+from rostether.msgdef.registry import Registry
+from rostether.serde.store import TypeStore
+from rostether.serde.values import Message
+from rostether.transports.address import parse_address
+from unit.bridge.doubles import RecordingReporter, until
+
+STORE = TypeStore(Registry())
+# Longer than any silence of a node that works; a busy machine takes its time.
+PATIENCE_S = 20.0
+
+
+class Meeting:
+    """A graph in memory with a bridge and a program that uses the node."""
+
+    def __init__(self, network: MemoryNetwork, graph: TypedGraph) -> None:
+        self.network = network
+        self.graph = graph
+        self.reporter = RecordingReporter()
+        self.counts: list[int] = []
+        self.answers: list[str] = []
+
+    @contextlib.asynccontextmanager
+    async def bridge(self, address: str) -> AsyncIterator[list[str]]:
+        """Serve an address; gives the addresses listened on, with their ports."""
+        # The graph is to see at once that a board is gone.
+        settings = BridgeSettings(grace_s=0.0)
+        supervisor = Supervisor(self.network.join, STORE, reporter=self.reporter, settings=settings)
+        await supervisor.start([parse_address(address)])
+        try:
+            yield supervisor.listening_on
+        finally:
+            await supervisor.close()
+
+    async def counting(self, more: int = 3) -> None:
+        """Wait until the node publishes."""
+        before = len(self.counts)
+        await until(lambda: len(self.counts) >= before + more, "the node's counter", PATIENCE_S)
+
+    async def ask(self, question: str) -> str:
+        """Say something to the node, and return what it answers."""
+        publisher = await self.graph.publisher("/question", "std_msgs/String")
+        try:
+            assert await publisher.wait_for_subscriber(PATIENCE_S), "the node does not subscribe"
+            before = len(self.answers)
+            publisher.publish(data=question)
+            await until(lambda: len(self.answers) > before, f"an answer to {question[:40]!r}", PATIENCE_S)
+            return self.answers[before]
+        finally:
+            await publisher.close()
+
+    async def converse(self) -> None:
+        """Use all that the node offers."""
+        await self.counting()
+        assert await self.ask("hello") == "hello"
+        long = "".join(chr(32 + n % 95) for n in range(450))
+        assert await self.ask(long) == long
+        await self.graph.set_param("/greeting", "good morning")
+        assert await self.ask("parameter") == "good morning"
+        assert await self.ask("service") == "pulled"
+        for data, said in ((True, "on"), (False, "off")):
+            response = await self.graph.call("/switch", "std_srvs/SetBool", {"data": data})
+            assert (response.success, response.message) == (data, said)
+        assert self.reporter.having("here I am"), self.reporter.texts
+
+
+@contextlib.asynccontextmanager
+async def meeting() -> AsyncIterator[Meeting]:
+    """Open a graph, with a program in it that listens to the node and has the service that it calls."""
+    network = MemoryNetwork()
+    graph = TypedGraph(await network.join("program"), STORE)
+    made = Meeting(network, graph)
+
+    def pull(_request: Message) -> dict[str, Any]:
+        return {"success": True, "message": "pulled"}
+
+    async def hear_counts() -> None:
+        async for message in graph.messages("/count", "std_msgs/UInt32"):
+            made.counts.append(message.data)
+
+    async def hear_answers() -> None:
+        async for message in graph.messages("/answer", "std_msgs/String"):
+            made.answers.append(message.data)
+
+    await graph.serve("/trigger", "std_srvs/Trigger", pull)
+    ears = [asyncio.ensure_future(hear_counts()), asyncio.ensure_future(hear_answers())]
+    try:
+        yield made
+    finally:
+        for ear in ears:
+            ear.cancel()
+        await asyncio.gather(*ears, return_exceptions=True)
+        await graph.close()

@@ -1,0 +1,53 @@
+"""Builds and runs the programs of client/extras/tests."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import subprocess
+from collections.abc import AsyncIterator, Mapping, Sequence
+from pathlib import Path
+
+from rostether.codegen.library_source import client_library
+
+EXTRAS = client_library() / "extras" / "tests"
+NODE = EXTRAS / "platforms"
+STUBS = EXTRAS / "stubs"
+CORTEX_M = EXTRAS / "cortexm"
+WARNINGS = ("-std=gnu++11", "-Wall", "-Wextra", "-Werror")
+
+
+def compile_program(
+    command: Sequence[str], sources: Sequence[Path], library: Path, output: Path, *after: str
+) -> Path:
+    """Compile and link sources against a generated library; fails with what the compiler says."""
+    output.parent.mkdir(parents=True, exist_ok=True)
+    done = subprocess.run(
+        [*command, *WARNINGS, f"-I{library}/src", *map(str, sources), "-o", str(output), *after],
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    assert not done.stderr, done.stderr
+    return output
+
+
+@contextlib.asynccontextmanager
+async def running(
+    *command: str | Path, environment: Mapping[str, str] | None = None
+) -> AsyncIterator[asyncio.subprocess.Process]:
+    """Run a program for as long as the block lasts."""
+    process = await asyncio.create_subprocess_exec(
+        *map(str, command),
+        stdin=asyncio.subprocess.DEVNULL,
+        stdout=asyncio.subprocess.DEVNULL,
+        stderr=asyncio.subprocess.DEVNULL,
+        env={**os.environ, **(environment or {})},
+    )
+    try:
+        yield process
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            process.kill()
+        await process.wait()

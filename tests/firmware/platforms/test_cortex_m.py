@@ -1,0 +1,40 @@
+"""The node on a Cortex-M in qemu, with the platform header of the Tiva C, through the real bridge."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import pytest
+
+from firmware.platforms.meeting import meeting
+from rostether.boards.qemu import QemuBoard
+
+pytestmark = [pytest.mark.arm, pytest.mark.qemu]
+
+
+async def test_converses_over_its_uart(cortex_m_program: Path) -> None:
+    async with (
+        meeting() as met,
+        await QemuBoard.start(cortex_m_program) as board,
+        met.bridge(board.address),
+    ):
+        await met.converse()
+
+
+async def test_comes_back_within_two_seconds_of_a_reset(cortex_m_program: Path) -> None:
+    async with (
+        meeting() as met,
+        await QemuBoard.start(cortex_m_program) as board,
+        met.bridge(board.address),
+    ):
+        # Far enough that a smaller number can only come after the reset.
+        await met.counting(20)
+        before = met.counts[-1]
+        seen = len(met.counts)
+        began_s = time.monotonic()
+        await board.reset()
+        while not any(count < before for count in met.counts[seen:]):
+            await met.counting(1)
+        assert time.monotonic() - began_s < 2.0
+        await met.converse()

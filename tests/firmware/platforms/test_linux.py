@@ -1,0 +1,103 @@
+"""The node as a Linux program: serial port and TCP, through the real bridge."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import fcntl
+import os
+import socket
+import struct
+import termios
+import time
+import tty
+from pathlib import Path
+
+import pytest
+
+from firmware.platforms.meeting import PATIENCE_S, meeting
+from firmware.platforms.programs import running
+from unit.bridge.doubles import until
+
+pytestmark = pytest.mark.gcc
+
+
+async def test_converses_over_tcp(linux_program: Path) -> None:
+    async with (
+        meeting() as met,
+        met.bridge("tcp://127.0.0.1:0") as (address,),
+        running(linux_program, address.removeprefix("tcp://")),
+    ):
+        await met.converse()
+
+
+async def test_converses_over_a_serial_port(linux_program: Path, tmp_path: Path) -> None:
+    port = tmp_path / "port"
+    async with meeting() as met, met.bridge(f"pty:{port}"), running(linux_program, port, "1000000"):
+        await met.converse()
+
+
+async def test_takes_its_port_from_the_environment(linux_program: Path) -> None:
+    async with meeting() as met, met.bridge("tcp://127.0.0.1:0") as (address,):
+        place = f"localhost:{address.rpartition(':')[2]}"
+        async with running(linux_program, environment={"ROSSERIAL_PORT": place}):
+            await met.counting()
+
+
+async def test_comes_back_within_two_seconds_of_the_bridge(linux_program: Path) -> None:
+    async with meeting() as met, contextlib.AsyncExitStack() as node:
+        async with met.bridge("tcp://127.0.0.1:0") as (address,):
+            await node.enter_async_context(running(linux_program, address.removeprefix("tcp://")))
+            await met.counting()
+        # Long enough for the pauses between its attempts to reach their longest.
+        await asyncio.sleep(2.0)
+        began_s = time.monotonic()
+        async with met.bridge(address):
+            await met.counting(1)
+            assert time.monotonic() - began_s < 2.0
+            await met.converse()
+
+
+async def test_comes_back_to_a_serial_port_that_was_gone(linux_program: Path, tmp_path: Path) -> None:
+    port = tmp_path / "port"
+    async with meeting() as met, running(linux_program, port):
+        for _ in range(2):
+            async with met.bridge(f"pty:{port}"):
+                await met.counting()
+                assert await met.ask("hello") == "hello"
+
+
+async def test_survives_a_host_that_resets_the_connection_while_it_writes(linux_program: Path) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        server.settimeout(PATIENCE_S)
+        host, port = server.getsockname()
+        async with running(linux_program, f"{host}:{port}") as process:
+            for _ in range(3):
+                connection, _ = await asyncio.to_thread(server.accept)
+                # So that closing answers what still comes with a reset.
+                connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\x01\0\0\0\0\0\0\0")
+                assert await asyncio.to_thread(connection.recv, 16)
+                connection.close()
+            assert process.returncode is None
+
+
+@pytest.mark.parametrize(
+    "baud", [9600, 57600, 115200, 250000, 500000, 1000000, 2000000, 3000000], ids="{} baud".format
+)
+async def test_sets_the_baud_rate(linux_program: Path, baud: int) -> None:
+    master, slave = os.openpty()
+    try:
+        tty.setraw(slave)
+        async with running(linux_program, os.ttyname(slave), str(baud)):
+            await until(lambda: _speed(slave) == baud, f"{baud} baud", PATIENCE_S)
+    finally:
+        os.close(master)
+        os.close(slave)
+
+
+def _speed(fd: int) -> int:
+    """Return the output speed in baud, by the kernel's own structure: termios only knows standard rates."""
+    line = fcntl.ioctl(fd, 0x802C542A, bytes(44))
+    speed: int = struct.unpack("<4I20s2I", line)[-1]
+    assert termios.tcgetattr(fd)[3] & termios.ECHO == 0
+    return speed

@@ -1,0 +1,49 @@
+"""The node as a Windows program in wine: TCP and a COM port, through the real bridge."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from firmware.platforms.meeting import meeting
+from firmware.platforms.programs import running
+
+pytestmark = [pytest.mark.mingw, pytest.mark.wine, pytest.mark.timeout(120)]
+
+
+@pytest.fixture(scope="module")
+def wine(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, str]]:
+    """The environment of a Windows of our own: made once, which takes some seconds."""
+    prefix = tmp_path_factory.mktemp("wine")
+    # Without them it would offer to fetch .NET and a browser.
+    environment = {"WINEPREFIX": str(prefix), "WINEDEBUG": "-all", "WINEDLLOVERRIDES": "mscoree=;mshtml="}
+    everything = {**os.environ, **environment}
+    null = subprocess.DEVNULL
+    subprocess.run(["wineboot", "--init"], env=everything, check=True, stdin=null, stdout=null, stderr=null)
+    yield environment
+    subprocess.run(["wineserver", "--kill"], env=everything, check=False, stdout=null, stderr=null)
+
+
+async def test_converses_over_tcp_and_comes_back(windows_program: Path, wine: dict[str, str]) -> None:
+    async with meeting() as met:
+        async with met.bridge("tcp://127.0.0.1:0") as (address,):
+            pass
+        async with running("wine", windows_program, address.removeprefix("tcp://"), environment=wine):
+            for _ in range(2):
+                async with met.bridge(address):
+                    await met.converse()
+                await asyncio.sleep(0.5)
+
+
+async def test_converses_over_a_com_port(windows_program: Path, wine: dict[str, str], tmp_path: Path) -> None:
+    port = tmp_path / "port"
+    async with meeting() as met, met.bridge(f"pty:{port}"):
+        # Beyond COM9, which needs the long form of the name.
+        (Path(wine["WINEPREFIX"]) / "dosdevices" / "com33").symlink_to(port)
+        async with running("wine", windows_program, "COM33", "115200", environment=wine):
+            await met.converse()
