@@ -9,6 +9,7 @@ from rostether.bridge.endpoint_factory import EndpointFactory
 from rostether.bridge.endpoints import EndpointTable
 from rostether.bridge.reporter import Notices, Reporter
 from rostether.bridge.settings import DEFAULT_SETTINGS, BridgeSettings
+from rostether.devices.settings import NO_SETTINGS, DeviceSettings
 from rostether.graph.ports import Graph
 from rostether.serde.store import TypeStore
 
@@ -23,9 +24,11 @@ class BoardNode:
         reporter: Reporter,
         clock: Callable[[], float],
         settings: BridgeSettings = DEFAULT_SETTINGS,
+        device: DeviceSettings = NO_SETTINGS,
     ) -> None:
         self.graph = graph
         self.settings = settings
+        self.device = device
         self.notices = Notices(reporter, graph.node_name, clock)
         self.notices.to_graph = graph.log
         self.endpoints = EndpointTable(EndpointFactory(graph, store, self.notices, settings), self.notices)

@@ -23,6 +23,7 @@ class Board:
     """One node name that is taken: no node while it still joins, no session while the board is lost.
 
     A node that `is_kept` stays in the graph without its board: before that has come, and after it is lost.
+    `grace_s` is the board's own, instead of the registry's.
     """
 
     name: str
@@ -30,6 +31,7 @@ class Board:
     session: Session | None = None
     is_lost: bool = False
     is_kept: bool = False
+    grace_s: float | None = None
     farewell: asyncio.TimerHandle | None = None
     leaving: asyncio.Task[None] | None = None
 
@@ -87,7 +89,8 @@ class BoardRegistry:
             self._boards.pop(board.name, None)
         elif self._boards.get(board.name) is board:
             board.is_lost = True
-            board.farewell = asyncio.get_running_loop().call_later(self._grace_s, self._part, board)
+            grace_s = self._grace_s if board.grace_s is None else board.grace_s
+            board.farewell = asyncio.get_running_loop().call_later(grace_s, self._part, board)
 
     def dismiss(self, board: Board) -> None:
         """The board's node was shut down from outside: whoever did it would be fought by serving it again."""

@@ -1,4 +1,4 @@
-"""The node name of a board: what its link address says, else what stays the same when it comes back.
+"""The node name of a board: its link address's, else devices.toml's, else what stays when it comes back.
 
 A serial port on USB is named by the adapter's serial number where it has one, so that a board keeps its name
 whichever port it gets; other ports by their path; boards on a network by their address without the port,
@@ -9,6 +9,9 @@ from __future__ import annotations
 
 import re
 
+from rostether.devices.board_identity import BoardIdentity
+from rostether.devices.settings import NO_SETTINGS, DeviceSettings
+from rostether.names.graph_name import join as join_names
 from rostether.transports.address import Address, PtyAddress, SerialAddress
 
 _ILLEGAL = re.compile(r"[^A-Za-z0-9_]+")
@@ -16,23 +19,45 @@ _ILLEGAL = re.compile(r"[^A-Za-z0-9_]+")
 MAX_NAME_CHARACTERS = 64
 
 
-def node_base_name(address: Address, peer: str, serial_number: str | None = None) -> str:
+def node_name(
+    address: Address, peer: str, identity: BoardIdentity, device: DeviceSettings = NO_SETTINGS
+) -> str:
+    """Return the full node name of who is at the other end of a link."""
+    namespace = join_names("/", address.ns or device.namespace or "/")
+    return join_names(namespace, node_base_name(address, peer, identity, device))
+
+
+def node_base_name(
+    address: Address, peer: str, identity: BoardIdentity, device: DeviceSettings = NO_SETTINGS
+) -> str:
     """Return a legal name without slashes (`name=` may have some) for who is at the other end of a link.
 
-    `peer` is the transport's, `serial_number` the USB adapter's where there is one.
+    `peer` is the transport's.
     """
-    if address.name is not None:
-        return address.name.strip("~/")
-    if serial_number:
-        return _legal(f"board_{serial_number}")
+    given = address.name if address.name is not None else device.name
+    if given is not None:
+        return given.strip("~/")
+    if identity.own_serial_number is not None:
+        return _legal(f"board_{identity.own_serial_number}")
     if isinstance(address, SerialAddress):
         return _legal(re.split(r"[/\\]", address.path)[-1])
     if isinstance(address, PtyAddress):
         return _legal(address.link.rsplit("/", 1)[-1])
     kind, _, place = peer.partition(" ")
-    if kind in ("tcp", "udp"):
-        place = place.rpartition(":")[0].strip("[]") or place
-    return _legal(f"{kind}_{place}")
+    return _legal(f"{kind}_{network_address(peer) or place}")
+
+
+def identify_peer(peer: str) -> BoardIdentity:
+    """Return what can be known of a board that is no serial port."""
+    return BoardIdentity(address=network_address(peer))
+
+
+def network_address(peer: str) -> str | None:
+    """Return the address of a network peer, without the port it has for this one connection."""
+    kind, _, place = peer.partition(" ")
+    if kind not in ("tcp", "udp"):
+        return None
+    return place.rpartition(":")[0].strip("[]") or place
 
 
 def numbered(base_name: str, number: int) -> str:

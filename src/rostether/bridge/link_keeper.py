@@ -5,14 +5,20 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Awaitable
 from dataclasses import replace
-from pathlib import Path
 from typing import Protocol
 
+from rostether.bridge.identity import identify_peer
 from rostether.bridge.reporter import Reporter
+from rostether.devices.board_identity import BoardIdentity
+from rostether.devices.device_book import DeviceBook
+from rostether.devices.port_finder import PortFinder
+from rostether.devices.port_watch import ListPorts
+from rostether.devices.settings import DeviceSettings
 from rostether.errors import TransportError
 from rostether.graph.ports import Level
 from rostether.transports.address import Address, SerialAddress
 from rostether.transports.backoff import Backoff
+from rostether.transports.opening import list_serial_ports
 from rostether.transports.transport import Transport
 
 # A board that is plugged in answers within a second of being seen; a look costs microseconds.
@@ -34,46 +40,56 @@ class ServeLink(Protocol):
     """Uses an open link until it ends."""
 
     def __call__(
-        self, address: Address, transport: Transport, serial_number: str | None
+        self, address: Address, transport: Transport, identity: BoardIdentity
     ) -> Awaitable[TransportError | None]:
         """Serve; returns why the link ended, None if it was our own wish."""
 
 
-def _exists(path: str) -> bool:
-    return Path(path).exists()
-
-
 class LinkKeeper:
-    """Keeps the link of one address."""
+    """Keeps the link of one address; `devices` may set a board's speed where the address does not.
 
-    def __init__(self, address: Address, open_link: OpenLink, serve: ServeLink, reporter: Reporter) -> None:
+    `list_ports` is the system's list of serial ports.
+    """
+
+    def __init__(
+        self,
+        address: Address,
+        open_link: OpenLink,
+        serve: ServeLink,
+        reporter: Reporter,
+        devices: DeviceBook | None = None,
+        list_ports: ListPorts = list_serial_ports,
+    ) -> None:
         self._address = address
         self._open_link = open_link
         self._serve = serve
         self._reporter = reporter
-        # Where the same board is found when it comes back under another number.
-        self._by_id: str | None = None
+        self._devices = devices if devices is not None else DeviceBook()
+        self._finder: PortFinder | None = None
+        # What is no path is a port of Windows, which tells only by opening it.
+        if isinstance(address, SerialAddress) and "/" in address.path:
+            self._finder = PortFinder(address.path, list_ports, asyncio.get_running_loop().time)
 
     async def run(self) -> None:
         """Serve the link until cancelled."""
         while True:
-            address, transport = await self._open()
-            serial_number = self._identify(address)
-            error = await self._serve(address, transport, serial_number)
+            address, identity, transport = await self._open()
+            error = await self._serve(address, transport, identity or identify_peer(transport.peer))
             if error is not None:
                 self._reporter.line(Level.WARN, str(error))
             # An own close, after a fault of the session, must not become a busy loop.
             await asyncio.sleep(PRESENCE_POLL_S)
 
-    async def _open(self) -> tuple[Address, Transport]:
+    async def _open(self) -> tuple[Address, BoardIdentity | None, Transport]:
         loop = asyncio.get_running_loop()
         backoff = Backoff(limit_s=MAX_RETRY_S)
         began_s = loop.time()
         told = ""
         while True:
-            address = await self._wait_present()
+            path = await self._wait_present()
+            address, identity = self._identify(path)
             try:
-                transport = await self._open_link(address)
+                transport = await self._open_link(address if path is None else _at(address, path))
             except TransportError as error:
                 lasting = loop.time() - began_s >= SETTLE_S or not isinstance(address, SerialAddress)
                 if lasting and str(error) != told:
@@ -82,34 +98,40 @@ class LinkKeeper:
                 await asyncio.sleep(backoff.next_delay_s())
                 continue
             baud = f" at {address.baud} baud" if isinstance(address, SerialAddress) else ""
-            self._reporter.line(Level.INFO, f"Connecting to {address}{baud}")
-            return address, transport
+            self._reporter.line(Level.INFO, f"Connecting to {path or address}{baud}")
+            return address, identity, transport
 
-    async def _wait_present(self) -> Address:
-        address = self._address
-        if not isinstance(address, SerialAddress) or "/" not in address.path:
-            return address
+    async def _wait_present(self) -> str | None:
+        """Return the path to open, None for what is no serial port with a path."""
+        if self._finder is None:
+            return None
         told = False
-        while True:
-            for path in (address.path, self._by_id):
-                if path is not None and _exists(path):
-                    return address if path == address.path else replace(address, path=path)
+        while (path := self._finder.find()) is None:
             if not told:
                 told = True
                 self._reporter.line(
-                    Level.WARN, f"{address.path} is not there; waiting for it to be plugged in"
+                    Level.WARN, f"{self._address} is not there; waiting for it to be plugged in"
                 )
             await asyncio.sleep(PRESENCE_POLL_S)
+        return path
 
-    def _identify(self, address: Address) -> str | None:
-        """Return the USB serial number behind a serial port, and remember where the board is found by it."""
-        if not isinstance(address, SerialAddress):
-            return None
-        from rostether.transports.serial import list_ports  # imports serialx, which is open by now anyway
+    def _identify(self, path: str | None) -> tuple[Address, BoardIdentity | None]:
+        """Return who is behind a serial port, and the address with what is set for that board."""
+        address = self._address
+        if self._finder is None or path is None or not isinstance(address, SerialAddress):
+            return address, None
+        identity = self._finder.identify(path)
+        return with_settings(address, self._devices.settings_for(address.name, identity)), identity
 
-        real_path = str(Path(address.path).resolve())
-        for port in list_ports():
-            if port.path == real_path:
-                self._by_id = port.by_id
-                return port.serial_number
-        return None
+
+def with_settings(address: SerialAddress, device: DeviceSettings) -> SerialAddress:
+    """Return the address with a device's speed and reset, where it does not have its own."""
+    if device.baud is not None and "baud" not in address.given:
+        address = replace(address, baud=device.baud)
+    if device.reset is not None and "reset" not in address.given:
+        address = replace(address, reset=device.reset)
+    return address
+
+
+def _at(address: Address, path: str) -> Address:
+    return replace(address, path=path) if isinstance(address, SerialAddress) else address

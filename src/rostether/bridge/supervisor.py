@@ -15,11 +15,14 @@ from rostether.bridge.board_node import BoardNode
 from rostether.bridge.board_registry import Board, BoardRegistry
 from rostether.bridge.diagnostics import BoardView, view_board
 from rostether.bridge.health_round import HealthRound
-from rostether.bridge.identity import node_base_name
+from rostether.bridge.identity import identify_peer, node_name
 from rostether.bridge.link_keeper import LinkKeeper
 from rostether.bridge.reporter import LimitedReporter, Reporter, SilentReporter
 from rostether.bridge.session import Session
 from rostether.bridge.settings import DEFAULT_SETTINGS, BridgeSettings
+from rostether.devices.board_identity import BoardIdentity
+from rostether.devices.device_book import DeviceBook
+from rostether.devices.settings import DeviceSettings
 from rostether.errors import MasterUnreachableError, RostetherError, SessionError, TransportError
 from rostether.graph.ports import Graph, JoinGraph, Level
 from rostether.names.graph_name import join as join_names
@@ -56,7 +59,7 @@ class Supervisor:
     With `ns_per_board` a board's topics go into a namespace of its name, unless its address has `ns=`.
     With `keeps_node` the one address's node, which has a `name=`, is there from the start and stays while no
     board is; when it is shut down from outside, all is done. With `diagnostics` each board's node publishes
-    /diagnostics.
+    /diagnostics. `devices` has what is set for single boards.
     """
 
     def __init__(
@@ -70,6 +73,7 @@ class Supervisor:
         keeps_node: bool = False,
         remappings: Mapping[str, str] | None = None,
         diagnostics: bool = False,
+        devices: DeviceBook | None = None,
         open_transport: OpenTransport = open_transport,
         listen: Listen = listen,
     ) -> None:
@@ -79,7 +83,8 @@ class Supervisor:
         self._settings = settings
         self._ns_per_board = ns_per_board
         self._keeps_node = keeps_node
-        self._remappings = remappings
+        self._remappings = dict(remappings or {})
+        self._devices = devices if devices is not None else DeviceBook()
         self._open_transport = open_transport
         self._listen = listen
         self._clock = asyncio.get_running_loop().time
@@ -121,7 +126,7 @@ class Supervisor:
             if address.listens:
                 await self._start_listening(address)
             else:
-                keeper = LinkKeeper(address, self._open_transport, self._serve, self._reporter)
+                keeper = LinkKeeper(address, self._open_transport, self._serve, self._reporter, self._devices)
                 self._run(keeper.run())
 
     async def wait_done(self) -> None:
@@ -162,14 +167,15 @@ class Supervisor:
 
     async def _serve_peer(self, address: Address, transport: Transport) -> None:
         self._door.line(Level.INFO, f"Connection from {transport.peer}")
-        error = await self._serve(address, transport, None)
+        error = await self._serve(address, transport, identify_peer(transport.peer))
         self._door.line(Level.INFO, str(error) if error is not None else f"{transport.peer} is closed")
 
     async def _serve(
-        self, address: Address, transport: Transport, serial_number: str | None
+        self, address: Address, transport: Transport, identity: BoardIdentity
     ) -> TransportError | None:
         """Serve one connection until it ends; returns why. Raises SessionError, InvalidNameError."""
-        name = _node_name(address, transport.peer, serial_number)
+        device = self._devices.settings_for(address.name, identity)
+        name = node_name(address, transport.peer, identity, device)
         is_remote = isinstance(address, TcpAddress | UdpAddress) and not _is_loopback(transport.peer)
         try:
             board = await self._boards.claim(name, replaces_silent=is_remote and address.listens)
@@ -178,8 +184,8 @@ class Supervisor:
             raise
         session: Session | None = None
         try:
-            node = board.node or await self._give_node(address, board)
-            node.hardware_id = serial_number or _place(transport.peer)
+            node = board.node or await self._give_node(address, board, device)
+            node.hardware_id = _hardware_id(identity, transport.peer)
             baud = address.baud if isinstance(address, SerialAddress | XbeeAddress) else None
             session = board.session = Session(transport, node, baud=baud)
             session.start()
@@ -209,30 +215,34 @@ class Supervisor:
             self._done.set()
 
     async def _join_early(self, address: Address) -> None:
-        board = await self._boards.claim(_node_name(address))
+        nobody = BoardIdentity()
+        device = self._devices.settings_for(address.name, nobody)
+        board = await self._boards.claim(node_name(address, "", nobody, device))
         board.is_kept = True
         try:
-            await self._give_node(address, board)
+            await self._give_node(address, board, device)
         finally:
             self._boards.lose(board, None)
 
-    async def _give_node(self, address: Address, board: Board) -> BoardNode:
+    async def _give_node(self, address: Address, board: Board, device: DeviceSettings) -> BoardNode:
         """Join the graph for a board, and obey from then on when the graph ends that."""
-        namespace = join_names("/", address.ns or (board.name if self._ns_per_board else "/"))
-        graph = await self._join_graph(board.name, namespace)
-        node = board.node = BoardNode(graph, self._store, self._reporter, self._clock, self._settings)
+        given = address.ns or device.namespace
+        namespace = join_names("/", given or (board.name if self._ns_per_board else "/"))
+        graph = await self._join_graph(board.name, namespace, {**self._remappings, **device.remap})
+        node = board.node = BoardNode(graph, self._store, self._reporter, self._clock, self._settings, device)
+        board.grace_s = device.grace_s
         self._run(self._watch(board, node))
         return node
 
-    async def _join_graph(self, node_name: str, namespace: str) -> Graph:
+    async def _join_graph(self, name: str, namespace: str, remappings: Mapping[str, str]) -> Graph:
         backoff = Backoff(first_s=0.2, limit_s=MAX_JOIN_WAIT_S)
         told = False
         while True:
             try:
-                return await self._join(node_name, namespace=namespace, remappings=self._remappings)
+                return await self._join(name, namespace=namespace, remappings=remappings)
             except MasterUnreachableError as error:
                 if not told:
-                    self._reporter.line(Level.WARN, f"{error}; waiting for it", node=node_name)
+                    self._reporter.line(Level.WARN, f"{error}; waiting for it", node=name)
                 told = True
                 await asyncio.sleep(backoff.next_delay_s())
 
@@ -260,14 +270,11 @@ class Supervisor:
             )
 
 
-def _node_name(address: Address, peer: str = "", serial_number: str | None = None) -> str:
-    return join_names(join_names("/", address.ns or "/"), node_base_name(address, peer, serial_number))
-
-
-def _place(peer: str) -> str:
-    """Return a peer without the port it has for this one connection."""
+def _hardware_id(identity: BoardIdentity, peer: str) -> str:
+    """Return what stays the same when the board comes back."""
     kind, _, place = peer.partition(" ")
-    return f"{kind} {place.rpartition(':')[0]}" if kind in ("tcp", "udp") else peer
+    peer = f"{kind} {place.rpartition(':')[0]}" if kind in ("tcp", "udp") else peer
+    return identity.own_serial_number or identity.usb_location or peer
 
 
 def _is_loopback(peer: str) -> bool:

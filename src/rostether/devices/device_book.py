@@ -30,6 +30,11 @@ class DeviceBook:
                 return device
         return self.defaults
 
+    def settings_for(self, node_name: str | None, identity: BoardIdentity) -> DeviceSettings:
+        """Return the settings of a board whose link may give it a name: that counts more than its marks."""
+        named = self.settings_named(node_name) if node_name is not None else None
+        return named if named is not None else self.settings_of(identity)
+
     def settings_named(self, node_name: str) -> DeviceSettings | None:
         """Return the settings of the device that has this name, for links that name their board."""
         wanted = node_name.strip("~/")

@@ -12,7 +12,7 @@ An empty host is loopback. Every address takes `name=` and `ns=`, the board's no
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from rostether.errors import ConfigError
@@ -43,11 +43,15 @@ class _Named:
 
 @dataclass(frozen=True, slots=True)
 class SerialAddress(_Named):
-    """A serial port or a pseudo-terminal's slave; `reset=False` leaves DTR and RTS alone."""
+    """A serial port or a pseudo-terminal's slave; `reset=False` leaves DTR and RTS alone.
+
+    `given` are the options that somebody wrote: they count more than a file of settings.
+    """
 
     path: str
     baud: int = DEFAULT_BAUD
     reset: bool = True
+    given: tuple[str, ...] = field(default=(), compare=False, kw_only=True)
 
     def __str__(self) -> str:
         return self.path
@@ -164,7 +168,7 @@ def parse_address(text: str) -> Address:
     match scheme:
         case "serial":
             path, reset = _require_path(text, place), reader.flag("reset", default=True)
-            return SerialAddress(path, reader.baud(), reset, name=name, ns=ns)
+            return SerialAddress(path, reader.baud(), reset, name=name, ns=ns, given=tuple(options))
         case "tcp":
             host, port = _parse_endpoint(text, place)
             return TcpAddress(host, port, reader.flag("connect"), reader.networks(), name=name, ns=ns)

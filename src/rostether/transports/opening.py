@@ -15,7 +15,15 @@ from rostether.transports.address import (
     XbeeAddress,
     parse_address,
 )
+from rostether.transports.serial_port import SerialPort
 from rostether.transports.transport import Listener, Transport
+
+
+def list_serial_ports() -> list[SerialPort]:
+    """Return the serial ports that are there now, sorted by path."""
+    from rostether.transports import serial  # imports serialx
+
+    return serial.list_ports()
 
 
 async def open_transport(address: Address | str) -> Transport:

@@ -81,6 +81,23 @@ class SerialTransport(StreamTransport, asyncio.Protocol):
         super().__init__(path, can_pause=is_pty)
         self._drain_timer: asyncio.TimerHandle | None = None
 
+    @property
+    def has_baud(self) -> bool:
+        """Whether the line has a speed: a pseudo-terminal has none."""
+        return not self._can_pause
+
+    def set_baud(self, baud: int) -> bool:
+        """Change the speed of the open line; False if this port cannot have it. What was read is dropped."""
+        port = self._port()
+        if port is None or not self.has_baud:
+            return True
+        try:
+            port.reconfigure_port(baudrate=baud)
+            port.reset_read_buffer()
+        except (OSError, serialx.SerialException, ValueError):
+            return False
+        return True
+
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Take the asyncio side; reading waits for `start`."""
         # serialx asks the kernel for 256 KiB each time and pays 30 us for that buffer, but a terminal never

@@ -59,6 +59,13 @@ class StreamTransport(asyncio.BaseProtocol):
             receiver.pause_writing()
         self._apply_reading()
 
+    def release(self, unread: bytes = b"") -> None:
+        """Deliver to nobody until `start` is called once more, which then gets `unread` first."""
+        self._receiver = None
+        self._early[:0] = unread
+        if self._wire is not None and not self._lost and not self._closing:
+            self._wire.pause_reading()
+
     def write(self, data: bytes | bytearray | memoryview) -> None:
         """Queue bytes. Never blocks; after the pipe ended it does nothing."""
         if self._closing or self._lost or self._wire is None:

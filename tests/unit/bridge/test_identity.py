@@ -2,7 +2,9 @@ from __future__ import annotations
 
 import pytest
 
-from rostether.bridge.identity import node_base_name, numbered
+from rostether.bridge.identity import identify_peer, network_address, node_base_name, node_name, numbered
+from rostether.devices.board_identity import BoardIdentity
+from rostether.devices.settings import DeviceSettings
 from rostether.names.graph_name import is_legal_name
 from rostether.transports.address import parse_address
 
@@ -26,14 +28,15 @@ from rostether.transports.address import parse_address
     ],
 )
 def test_name_of_a_board(address: str, peer: str, serial_number: str | None, name: str) -> None:
-    found = node_base_name(parse_address(address), peer, serial_number)
+    identity = BoardIdentity(serial_number=serial_number, address=network_address(peer))
+    found = node_base_name(parse_address(address), peer, identity)
     assert found == name
     assert is_legal_name(found)
 
 
 @pytest.mark.parametrize("number_of", ["", "???", "\u00e4\u00f6", "9" * 200, "/", "a" * 200])
 def test_any_serial_number_gives_a_legal_name(number_of: str) -> None:
-    name = node_base_name(parse_address("/dev/tty0"), "/dev/tty0", number_of)
+    name = node_base_name(parse_address("/dev/tty0"), "/dev/tty0", BoardIdentity(serial_number=number_of))
     assert name
     assert is_legal_name(name)
     assert "/" not in name
@@ -42,3 +45,18 @@ def test_any_serial_number_gives_a_legal_name(number_of: str) -> None:
 
 def test_boards_of_one_name_are_numbered() -> None:
     assert [numbered("arm", number) for number in (1, 2, 3)] == ["arm", "arm_2", "arm_3"]
+
+
+def test_a_file_names_boards_that_the_address_does_not() -> None:
+    nobody = BoardIdentity()
+    device = DeviceSettings(name="arm", namespace="/lab")
+    assert node_name(parse_address("/dev/ttyACM0"), "", nobody, device) == "/lab/arm"
+    assert node_name(parse_address("/dev/ttyACM0?name=leg"), "", nobody, device) == "/lab/leg"
+    assert node_name(parse_address("/dev/ttyACM0?ns=hall"), "", nobody, device) == "/hall/arm"
+    assert node_name(parse_address("/dev/ttyACM0"), "", nobody) == "/ttyACM0"
+
+
+def test_a_network_board_is_known_by_its_address_without_the_port() -> None:
+    assert identify_peer("tcp 192.168.1.7:51234").key == identify_peer("tcp 192.168.1.7:51235").key
+    assert identify_peer("tcp [fe80::1]:51234").address == "fe80::1"
+    assert identify_peer("xbee 0x0001").address is None
