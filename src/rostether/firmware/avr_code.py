@@ -32,7 +32,7 @@ class Op(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Instruction:
-    """One instruction. `target` is a byte address; `value` what is added or loaded, `register` into which."""
+    """One instruction. `target` is a byte address, `value` what is added or loaded, for `register`."""
 
     op: Op
     size: int = 2
@@ -51,7 +51,6 @@ _FIXED = {
     0x9478: Op.ENABLE_INTERRUPTS,
     # The low byte goes through r28 first when read, and last when written.
     0xB7CD: Op.READ_STACK_POINTER,
-    0xBFCD: Op.WRITE_STACK_POINTER,
 }
 _OTHER = Instruction(Op.OTHER)
 _OTHER_LONG = Instruction(Op.OTHER, 4)
@@ -66,6 +65,8 @@ def decode(code: bytes, address: int) -> Instruction:
         return Instruction(op)
     if word & 0xFC0F == 0x9000:  # lds, sts
         return _OTHER_LONG
+    if word & 0xFE0F == 0xBE0D:  # out 0x3d
+        return Instruction(Op.WRITE_STACK_POINTER, register=word >> 4 & 0x1F)
     if word & 0xFE0F == 0x920F:
         return Instruction(Op.PUSH)
     if word & 0xFE0F == 0x900F:

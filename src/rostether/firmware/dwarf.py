@@ -14,6 +14,7 @@ from rostether.firmware.dwarf_reader import DwarfReader
 from rostether.firmware.elf import ElfFile
 
 _NEWEST_VERSION = 4
+_DAMAGE = (struct.error, IndexError, ValueError, ZeroDivisionError)
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +36,7 @@ def code_ranges(elf: ElfFile) -> list[CodeRange]:
             end = reader.position + 4 + struct.unpack_from("<I", data, reader.position)[0]
             ranges += _read_program(DwarfReader(data[:end], reader.position + 4))
             reader.position = end
-    except (struct.error, IndexError):
+    except _DAMAGE:
         pass  # what was read until here is still good
     return sorted(ranges, key=lambda each: each.start)
 
@@ -50,7 +51,7 @@ def file_tables(elf: ElfFile) -> dict[int, list[str]]:
             header = _Header(DwarfReader(data, offset + 4))
             tables[offset] = header.files
             offset += 4 + struct.unpack_from("<I", data, offset)[0]
-    except (struct.error, IndexError):
+    except _DAMAGE:
         pass
     return tables
 

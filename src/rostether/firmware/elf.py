@@ -6,6 +6,7 @@ Source: System V ABI, chapter 4. 32 bits and little endian, as all microcontroll
 from __future__ import annotations
 
 import struct
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -56,6 +57,7 @@ class ElfFile:
         if content[:6] != _MAGIC:
             raise FirmwareError(f"{name} is no ELF file of a microcontroller (32 bits, little endian)")
         self._content = content
+        self._name = name
         try:
             header = _HEADER.unpack_from(content, 16)
             self.machine: int = header[1]
@@ -107,17 +109,20 @@ class ElfFile:
 
     @cached_property
     def symbols(self) -> list[Symbol]:
-        """All symbols that have an address, by address."""
-        found = []
+        """All symbols that have an address, by address. Raises FirmwareError for a broken table."""
+        try:
+            return sorted(self._read_symbols(), key=lambda symbol: symbol.address)
+        except (struct.error, IndexError):
+            raise FirmwareError(f"{self._name} is a broken ELF file; build it again") from None
+
+    def _read_symbols(self) -> Iterator[Symbol]:
         for header in self._headers:
             if header[1] != _SYMBOL_TABLE:
                 continue
             names = self._bits(self._headers[header[6]])
             for name, value, size, info, _, index in _SYMBOL.iter_unpack(self._bits(header)):
                 if 0 < index < _RESERVED_INDEX:
-                    section = self.sections[index].name
-                    found.append(Symbol(_text(names, name), value, size, info & 0xF, section))
-        return sorted(found, key=lambda symbol: symbol.address)
+                    yield Symbol(_text(names, name), value, size, info & 0xF, self.sections[index].name)
 
     def read_at(self, address: int, size: int) -> bytes:
         """Return bytes that the file has for an address; fewer when it has not so many."""

@@ -62,7 +62,7 @@ class Endpoint:
     def note(self, buffer_bytes: int) -> str:
         """Return what its size means for the buffer, in a phrase."""
         if self.incoming_bytes is None:
-            return "sent as it is written: no buffer"
+            return "sent without a buffer"
         if not buffer_bytes:
             return ""
         if self.incoming_bytes > buffer_bytes:

@@ -15,6 +15,7 @@ from rostether.firmware.avr_pointers import pointer_kind
 MAX_DEPTH_BYTES = 65536
 """More than any AVR has: code that pushes in a loop must not be followed for ever."""
 
+_FRAME_POINTER = 28
 _SHARED_REGISTERS = 18
 # libgcc's `__prologue_saves__` pushes r2 to r17, r28 and r29, two bytes of code each, from where it is
 # entered; then it subtracts X from the stack pointer and goes on at Z, which is behind the jump.
@@ -113,8 +114,10 @@ def _step(
             # subi counts with eight bits; its carry and what sbci takes are the rest.
             return [(following, (depth, None if frame is None else _with_high(frame, depth, instruction)))]
         case Op.WRITE_STACK_POINTER:
-            found.is_unknown |= frame is None
-            return [(following, (depth if frame is None else max(frame, 0), frame))]
+            if frame is None or instruction.register != _FRAME_POINTER:
+                found.is_unknown = True
+                return [(following, state)]
+            return [(following, (max(frame, 0), frame))]
         case Op.CALL:
             if instruction.target == following:  # rcall .+0 makes room for a frame
                 return [(following, (depth + code.return_bytes, frame))]

@@ -3,6 +3,7 @@ from __future__ import annotations
 import asyncio
 import re
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -29,11 +30,11 @@ void loop() { message.data = "hello"; chatter.publish(&message); nh.spinOnce(); 
 """
 
 
-async def build(sketch: Path, board: str = "uno", **options: object) -> BuiltFirmware:
-    return await build_sketch(sketch, find_board(board), BuildOptions(**options))  # type: ignore[arg-type]
+async def build(sketch: Path, board: str = "uno", **options: Any) -> BuiltFirmware:
+    return await build_sketch(sketch, find_board(board), BuildOptions(**options))
 
 
-async def refuse(sketch: Path, **options: object) -> SketchError:
+async def refuse(sketch: Path, **options: Any) -> SketchError:
     with pytest.raises(SketchError) as caught:
         await build(sketch, **options)
     return caught.value

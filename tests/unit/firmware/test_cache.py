@@ -114,7 +114,7 @@ def test_what_was_used_lately_stays(cache: BuildCache, monkeypatch: pytest.Monke
 
 
 def test_it_is_not_looked_through_at_every_build(cache: BuildCache, monkeypatch: pytest.MonkeyPatch) -> None:
-    looks = []
+    looks: list[float] = []
     monkeypatch.setattr(cache, "_remove_oldest", looks.append)
     now_s = time.time()
     cache.prune(now_s)
