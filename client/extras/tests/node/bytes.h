@@ -5,7 +5,6 @@
 #include <stdint.h>
 #include <string.h>
 
-#include <ostream>
 #include <string>
 #include <vector>
 
@@ -100,10 +99,13 @@ inline TopicInfo topicInfo(const Frame& frame) {
   return info;
 }
 
-inline std::ostream& operator<<(std::ostream& stream, const Bytes& bytes) {
+inline bool operator==(const Bytes& bytes, const Payload& payload) { return bytes == static_cast<const Bytes&>(payload); }
+
+inline std::string show(const Bytes& bytes) {
   static const char digits[] = "0123456789abcdef";
-  for (size_t i = 0; i < bytes.size(); ++i) stream << digits[bytes[i] >> 4] << digits[bytes[i] & 15];
-  return stream;
+  std::string text;
+  for (size_t i = 0; i < bytes.size(); ++i) text = text + digits[bytes[i] >> 4] + digits[bytes[i] & 15];
+  return text;
 }
 
 #endif

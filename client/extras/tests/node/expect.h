@@ -5,9 +5,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include <sstream>
 #include <string>
 #include <vector>
+
+#include "bytes.h"
 
 struct TestCase {
   const char* concept_name;
@@ -34,12 +35,18 @@ struct Registration {
   exit(1);
 }
 
+inline std::string show(const std::string& text) { return text; }
+inline std::string show(const char* text) { return text; }
+inline std::string show(double number) { return std::to_string(number); }
+inline std::string show(int number) { return std::to_string(number); }
+inline std::string show(unsigned number) { return std::to_string(number); }
+inline std::string show(long number) { return std::to_string(number); }
+inline std::string show(unsigned long number) { return std::to_string(number); }
+
 template <class A, class B>
 void expectEqual(const char* file, int line, const char* text, const A& got, const B& wanted) {
   if (got == wanted) return;
-  std::ostringstream message;
-  message << text << ": got " << got << ", wanted " << wanted;
-  failExpectation(file, line, message.str());
+  failExpectation(file, line, std::string(text) + ": got " + show(got) + ", wanted " + show(wanted));
 }
 
 #define EXPECT(condition) \

@@ -1,0 +1,96 @@
+"""The Arduino platform headers: ports of any class, and the network ones run against the real bridge.
+
+The network sketches run on Linux here, with clients that have Arduino's interfaces over the system's sockets.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import socket
+import struct
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+
+from firmware.platforms.meeting import PATIENCE_S, meeting
+from firmware.platforms.programs import EXTRAS, compile_program, running
+from rostether.rosserial.frame import encode_frame
+
+pytestmark = pytest.mark.gcc
+
+ON_HOST = EXTRAS / "arduino_on_host"
+SANITIZED = ("g++", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-DARDUINO=10819")
+
+
+@pytest.fixture(scope="session")
+def tcp_sketch(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The node with ROSSERIAL_ARDUINO_TCP."""
+    return _compile("network_node.cpp", library, tmp_path_factory, "-DROSSERIAL_ARDUINO_TCP")
+
+
+@pytest.fixture(scope="session")
+def udp_sketch(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The node with ROSSERIAL_ARDUINO_UDP."""
+    return _compile("network_node.cpp", library, tmp_path_factory, "-DROSSERIAL_ARDUINO_UDP")
+
+
+def _compile(source: str, library: Path, places: pytest.TempPathFactory, *flags: str) -> Path:
+    output = places.mktemp("arduino") / Path(source).stem
+    return compile_program([*SANITIZED, *flags, f"-I{ON_HOST}"], [ON_HOST / source], library, output)
+
+
+def test_ports_of_any_class(library: Path, tmp_path_factory: pytest.TempPathFactory) -> None:
+    done = subprocess.run([_compile("serial_ports.cpp", library, tmp_path_factory)], check=False)
+    assert done.returncode == 0, f"check {done.returncode} of serial_ports.cpp failed"
+
+
+async def test_tcp_converses_and_comes_back_within_two_seconds(tcp_sketch: Path) -> None:
+    async with meeting() as met, contextlib.AsyncExitStack() as node:
+        async with met.bridge("tcp://127.0.0.1:0") as (address,):
+            await node.enter_async_context(running(tcp_sketch, address.rpartition(":")[2]))
+            await met.converse()
+        # Long enough for the pauses between its attempts to reach their longest.
+        await asyncio.sleep(2.0)
+        began_s = time.monotonic()
+        async with met.bridge(address):
+            await met.counting(1)
+            assert time.monotonic() - began_s < 2.0
+            await met.converse()
+
+
+async def test_udp_converses(udp_sketch: Path) -> None:
+    async with (
+        meeting() as met,
+        met.bridge("udp://127.0.0.1:0") as (address,),
+        running(udp_sketch, address.rpartition(":")[2]),
+    ):
+        await met.converse()
+
+
+async def test_udp_sends_whole_frames_and_hears_only_the_host(udp_sketch: Path) -> None:
+    request_topics = encode_frame(0, b"")
+    with _udp_socket() as host, _udp_socket() as stranger:
+        async with running(udp_sketch, str(host.getsockname()[1])):
+            # What it says of itself, again every 2.2 s: seven topic infos, two for each service, and the time.
+            first, board = await asyncio.to_thread(host.recvfrom, 2048)
+            datagrams = [first] + [await asyncio.to_thread(host.recv, 2048) for _ in range(7)]
+            for datagram in datagrams:
+                sync, version, length = struct.unpack_from("<BBH", datagram)
+                assert (sync, version, length + 8) == (0xFF, 0xFE, len(datagram))
+            stranger.sendto(request_topics, board)
+            host.settimeout(0.3)
+            with pytest.raises(TimeoutError):
+                await asyncio.to_thread(host.recv, 2048)
+            host.settimeout(PATIENCE_S)
+            host.sendto(request_topics, board)
+            assert await asyncio.to_thread(host.recv, 2048)
+
+
+def _udp_socket() -> socket.socket:
+    made = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    made.bind(("127.0.0.1", 0))
+    made.settimeout(PATIENCE_S)
+    return made

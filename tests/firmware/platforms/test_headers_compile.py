@@ -1,0 +1,128 @@
+"""Each platform's header, with the node that uses all of it, is C++ without a warning for its boards.
+
+Where the vendor's kit is not here it is compiled against declarations of the calls that it makes.
+"""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from firmware.platforms.programs import NODE, STUBS, WARNINGS
+from unit.codegen.compilers import ARDUINO_CORE
+
+ARM = ("arm-none-eabi-g++", "-Os", "-mcpu=cortex-m4", "-mthumb", "-fno-exceptions")
+ARDUINO = ("-DARDUINO=10819", f"-I{STUBS}/arduino")
+
+EMBEDDED = {
+    "mbed 6": ("-D__MBED__", "-std=gnu++14", f"-I{STUBS}/mbed6"),
+    "mbed 2": ("-D__MBED__", f"-I{STUBS}/mbed2"),
+    "mbed 6, own pins": ("-D__MBED__", "-std=gnu++14", "-DMBEDTX=p13", "-DMBEDRX=p14", f"-I{STUBS}/mbed6"),
+    "STM32 HAL": ("-DUSE_HAL_DRIVER", f"-I{STUBS}/stm32"),
+    "TM4C123": ("-DPART_TM4C123GH6PM", f"-I{STUBS}/tivaware"),
+    "TM4C129": ("-DTARGET_IS_TM4C129_RA0", "-DTM4C129FREQ=120000000", f"-I{STUBS}/tivaware"),
+}
+BOARDS = {
+    "ESP8266": ("-DESP8266",),
+    "ESP32": ("-DESP32",),
+    "ESP32 with Ethernet": ("-DESP32", "-DESP32_ETH"),
+    "Uno R4 WiFi": ("-DARDUINO_UNOWIFIR4",),
+    "Pico W": ("-DARDUINO_ARCH_RP2040", "-DARDUINO_RASPBERRY_PI_PICO_W"),
+    "Teensy": ("-DTEENSYDUINO=157",),
+    "Due": ("-D_SAM3XA_", "-DUSBCON"),
+    "SAMD": ("-DARDUINO_ARCH_SAMD", "-DUSBCON"),
+    "OpenCR": ("-D__OPENCR__",),
+    "Maple Mini": ("-D__STM32F1__",),
+    "STM32duino": ("-DARDUINO_ARCH_STM32",),
+}
+SWITCHES = {
+    "serial": (),
+    "USB": ("-DUSE_USBCON",),
+    "TCP": ("-DROSSERIAL_ARDUINO_TCP",),
+    "UDP": ("-DROSSERIAL_ARDUINO_UDP",),
+    "TCP over Wi-Fi": ("-DROSSERIAL_ARDUINO_TCP", "-DROSSERIAL_ARDUINO_WIFI"),
+}
+AVRS = {
+    "Uno": ("-mmcu=atmega328p", "standard"),
+    "Mega": ("-mmcu=atmega2560", "mega"),
+    "Leonardo": ("-mmcu=atmega32u4", "leonardo", "-DUSBCON", "-DUSB_VID=0x2341", "-DUSB_PID=0x8036"),
+    "ATmega168": ("-mmcu=atmega168", "standard"),
+}
+
+
+def _compile(library: Path, command: tuple[str, ...], source: Path) -> str:
+    done = subprocess.run(
+        [*command[:1], *WARNINGS, *command[1:], f"-I{library}/src", "-fsyntax-only", str(source)],
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stderr
+
+
+@pytest.mark.arm
+@pytest.mark.parametrize("kit", EMBEDDED)
+def test_kits(library: Path, kit: str) -> None:
+    assert not _compile(library, (*ARM, *EMBEDDED[kit]), NODE / "embedded.cpp")
+
+
+@pytest.mark.arm
+@pytest.mark.parametrize("switch", SWITCHES)
+@pytest.mark.parametrize("board", BOARDS)
+def test_arduino_boards(library: Path, board: str, switch: str) -> None:
+    assert not _compile(library, (*ARM, *ARDUINO, *BOARDS[board], *SWITCHES[switch]), NODE / "arduino.cpp")
+
+
+@pytest.mark.arm
+@pytest.mark.parametrize(
+    ("board", "switch"), [("Teensy", "USE_TEENSY_HW_SERIAL"), ("STM32duino", "USE_STM32_HW_SERIAL")]
+)
+def test_arduino_hardware_ports(library: Path, board: str, switch: str) -> None:
+    assert not _compile(library, (*ARM, *ARDUINO, *BOARDS[board], f"-D{switch}"), NODE / "arduino.cpp")
+
+
+@pytest.mark.avr
+@pytest.mark.parametrize("switch", ["serial", "USB"])
+@pytest.mark.parametrize("board", AVRS)
+def test_avr_boards(library: Path, board: str, switch: str) -> None:
+    mcu, variant, *macros = AVRS[board]
+    command = ("avr-g++", "-Os", "-fno-exceptions", mcu, "-DF_CPU=16000000L", "-DARDUINO=10819", *macros)
+    core = (f"-I{ARDUINO_CORE}/cores/arduino", f"-I{ARDUINO_CORE}/variants/{variant}")
+    assert not _compile(library, (*command, *core, *SWITCHES[switch]), NODE / "arduino.cpp")
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        pytest.param(("g++", "-O2", "-Wpedantic"), marks=pytest.mark.gcc),
+        pytest.param(("g++", "-O2", "-std=c++20"), marks=pytest.mark.gcc),
+        pytest.param(("clang++", "-O2", "-std=c++11", "-Wpedantic"), marks=pytest.mark.clang),
+        pytest.param(("x86_64-w64-mingw32-g++", "-O2"), marks=pytest.mark.mingw),
+        pytest.param(("x86_64-w64-mingw32-g++", "-O2", "-std=c++11"), marks=pytest.mark.mingw),
+    ],
+    ids=" ".join,
+)
+def test_operating_systems(library: Path, command: tuple[str, ...]) -> None:
+    ports = (
+        ("WindowsHardware", "WindowsCom") if "mingw" in command[0] else ("EmbeddedLinuxHardware", "PosixTty")
+    )
+    for port in ports:
+        chosen = f"-DPLATFORM_NODE_HANDLE=ros::NodeHandle_<{port}>"
+        assert not _compile(library, (*command, chosen), NODE / "host.cpp")
+
+
+@pytest.mark.arm
+def test_an_unknown_system_is_told_what_to_do(library: Path, tmp_path: Path) -> None:
+    source = tmp_path / "main.cpp"
+    source.write_text("#include <ros.h>\n")
+    with pytest.raises(AssertionError, match="define ROS_NO_PLATFORM and give ros::NodeHandle_ a Hardware"):
+        _compile(library, ARM, source)
+    source.write_text(
+        "#define ROS_NO_PLATFORM\n#include <ros.h>\n"
+        "struct Own { void init() {} int read() { return -1; } void write(uint8_t*, int) {}\n"
+        "             unsigned long time() { return 0; } };\n"
+        "ros::NodeHandle_<Own> nh;\nvoid start() { nh.initNode(); nh.spinOnce(); }\n"
+    )
+    assert not _compile(library, ARM, source)
