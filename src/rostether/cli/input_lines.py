@@ -52,4 +52,7 @@ async def _read(descriptor: int) -> bytes:
 
 def _may_read(descriptor: int) -> bool:
     """Tell whether reading would stop us: a command in the background must not read from the terminal."""
-    return not os.isatty(descriptor) or os.tcgetpgrp(descriptor) == os.getpgrp()
+    try:
+        return not os.isatty(descriptor) or os.tcgetpgrp(descriptor) == os.getpgrp()
+    except OSError:
+        return True  # a terminal that is not ours stops nobody

@@ -13,9 +13,11 @@ from rostether.graph.ports import Level
 from rostether.transports.address import Address, SerialAddress, SimAddress
 
 if TYPE_CHECKING:
+    from rostether.boards.simavr.board_events import BoardEvent
     from rostether.boards.simavr.simulated_board import SimulatedBoard
     from rostether.bridge.reporter import Reporter
 
+_KNOWN_FROM_ITS_START = ("ready", "reset")
 _WARNINGS = (
     "asleep",
     "bad_opcode",
@@ -87,9 +89,14 @@ def _name(program: Path, taken: Sequence[str]) -> str:
 async def _report(board: SimulatedBoard, title: str, reporter: Reporter) -> None:
     from rostether.boards.simavr.board_events import show_event
 
-    async for event in board.events():
+    def tell(event: BoardEvent) -> None:
         level = Level.WARN if event.name in _WARNINGS else Level.INFO
         reporter.line(level, f"{title}: {show_event(event).strip()}")
+
+    for event in [each for each in board.recent if each.name not in _KNOWN_FROM_ITS_START]:
+        tell(event)
+    async for event in board.events():
+        tell(event)
     reporter.line(Level.ERROR, f"{title}: the simulated board has ended")
 
 

@@ -1,0 +1,173 @@
+"""`board run` as a process: what it prints, what it takes, how it ends."""
+
+from __future__ import annotations
+
+import json
+import os
+import pty
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from unit.boards.simavr.programs import build
+
+pytestmark = pytest.mark.simavr
+
+COMMAND = (sys.executable, "-m", "rostether", "board", "run")
+
+
+def run_to_end(*arguments: str, words: str = "") -> subprocess.CompletedProcess[str]:
+    return subprocess.run([*COMMAND, *arguments], input=words, capture_output=True, text=True, timeout=30)
+
+
+@contextmanager
+def running(*arguments: str, **options: Any) -> Iterator[subprocess.Popen[str]]:
+    options = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | options
+    process = subprocess.Popen([*COMMAND, *arguments], text=True, **options)
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def read_until(process: subprocess.Popen[str], text: str) -> str:
+    assert process.stdout is not None
+    for line in process.stdout:
+        if text in line:
+            return line
+    raise AssertionError(f"it never printed {text!r}")
+
+
+def test_it_says_what_runs_where_and_ends_when_told() -> None:
+    result = run_to_end(str(build("tick")), "--for", "30ms", "--watch", "D13")
+    lines = result.stdout.splitlines()
+    assert lines[0].startswith(f"uno (atmega328p) runs {build('tick')}; serial port /dev/pts/")
+    assert lines[1] == "    0.000000  pin D13 level=0 output=no"
+    assert lines[2] == "    0.000000  reset cause=power"
+    assert lines[-1].split() == ["0.030000", "stopped", "cycles=480000"]
+    assert (result.returncode, result.stderr) == (0, "")
+
+
+def test_without_a_clock_as_json() -> None:
+    result = run_to_end(str(build("tick")), "--fast", "--for", "20s", "--json")
+    events = [json.loads(line) for line in result.stdout.splitlines()]
+    assert [event["event"] for event in events] == ["ready", "reset", "stopped"]
+    assert events[0]["mcu"] == "atmega328p"
+    assert events[-1]["time_s"] == pytest.approx(20)
+
+
+def test_lines_of_input_are_words() -> None:
+    words = "memory ticks\n\n  cycles\nnonsense\nadc A0=9\nquit\n"
+    result = run_to_end(str(build("tick")), "--json", words=words)
+    assert result.returncode == 0
+    names = [json.loads(line)["event"] for line in result.stdout.splitlines()]
+    assert names == ["ready", "reset", "memory", "cycles"]
+    errors = result.stderr.splitlines()
+    assert errors[0].startswith("rostether: error: nonsense: no such word; words are adc aref ")
+    assert errors[1].startswith("rostether: error: adc A0=9: volts are written as")
+    assert len(errors) == 2
+
+
+def test_the_end_of_input_does_not_end_it(tmp_path: Path) -> None:
+    lines = tmp_path / "words"
+    lines.write_text("watch D13")
+    with lines.open() as given, running(str(build("tick")), "--for", "300ms", stdin=given) as process:
+        stdout, _ = process.communicate(timeout=20)
+    assert "pin D13 level=0" in stdout
+    assert "stopped" in stdout
+    assert process.returncode == 0
+
+
+@pytest.mark.parametrize(("sign", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 0)])
+def test_signals_end_it_quietly(tmp_path: Path, sign: signal.Signals, code: int) -> None:
+    link = tmp_path / "board"
+    with running(str(build("tick")), "--link", str(link)) as process:
+        assert f"linked at {link}" in read_until(process, "serial port")
+        assert link.is_symlink()
+        process.send_signal(sign)
+        assert process.wait(20) == code
+        assert process.stderr is not None
+        assert process.stderr.read() == ""
+    assert not link.is_symlink()
+
+
+def test_words_typed_in_a_terminal() -> None:
+    ours, theirs = pty.openpty()
+    try:
+        with running(str(build("tick")), stdin=theirs, start_new_session=True) as process:
+            read_until(process, "reset cause=power")
+            os.write(ours, b"cycles\n")
+            assert "cycles=" in read_until(process, "cycles ")
+            # The terminal's mode is left as it was: a program that shares it must not find it non-blocking.
+            assert os.get_blocking(theirs)
+    finally:
+        os.close(ours)
+        os.close(theirs)
+
+
+def test_a_reader_who_has_had_enough_ends_it() -> None:
+    command = f"{' '.join(COMMAND)} {build('tick')} --watch serial --json | head -n 3"
+    result = subprocess.run(
+        ["bash", "-o", "pipefail", "-c", command], capture_output=True, text=True, timeout=30
+    )
+    assert (result.returncode, result.stderr) == (0, "")
+    assert len(result.stdout.splitlines()) == 3
+
+
+def test_options_are_words_for_the_board() -> None:
+    options = ["--adc", "A0=1.5", "--adc", "A1=2", "--pin", "D7=1", "--range", "none", "--attitude", "1 2 3"]
+    options += ["--servo", "D9", "--fault", "flip=0.1,seed=2", "--guard", "ticks", "--autoreset"]
+    options += ["--hcsr04", "trig=D8,echo=D7", "--network", "localhost:1", "--seed", "3", "--tcp", "0"]
+    result = run_to_end(str(build("tick")), *options, "--for", "20ms")
+    assert (result.returncode, result.stderr) == (0, "")
+    assert "serial port tcp://127.0.0.1:" in result.stdout
+    assert "guarded write" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "said"),
+    [
+        (["missing.elf"], 1, "missing.elf cannot be read"),
+        (["missing.ino"], 1, "missing.ino is not there; name a sketch"),
+        (["ELF", "--board", "due"], 1, "no simulated board 'due'; there are uno, nano"),
+        (["ELF", "--board", "mega"], 1, "built for another chip"),
+        (["ELF", "--watch", "D77"], 1, "watch D77: this board has no such pin"),
+        (["ELF", "--for", "soon"], 1, "for soon: how long to run"),
+        (["ELF", "--link", "x", "--tcp", "1"], 2, "give one of them"),
+        ([], 2, "PROGRAM"),
+    ],
+)
+def test_what_is_wrong_is_said_in_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], code: int, said: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    result = run_to_end(*(str(build("tick")) if each == "ELF" else each for each in arguments))
+    assert result.returncode == code
+    assert said in result.stderr
+    assert len(result.stderr.splitlines()) == 1
+    assert result.stdout == ""
+
+
+def test_a_sketch_is_built_first(tmp_path: Path) -> None:
+    sketch = tmp_path / "Hello.ino"
+    sketch.write_text('void setup() { Serial.begin(9600); Serial.print("hi"); }\nvoid loop() {}\n')
+    result = run_to_end(str(sketch), "--fast", "--for", "50ms", "--json", "--watch", "serial")
+    sent = [json.loads(line).get("data", "") for line in result.stdout.splitlines()]
+    assert bytes.fromhex("".join(sent)) == b"hi"
+
+
+def test_a_sketch_that_does_not_compile_shows_why(tmp_path: Path) -> None:
+    sketch = tmp_path / "Wrong.ino"
+    sketch.write_text("void setup() { wrong(); }\nvoid loop() {}\n")
+    result = run_to_end(str(sketch))
+    assert result.returncode == 1
+    assert "Wrong.ino" in result.stderr
+    assert "wrong" in result.stderr
+    assert "rostether: error: " in result.stderr.splitlines()[-1]
