@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -14,6 +15,7 @@ from rostether.bridge.reporter import SilentReporter
 from rostether.bridge.session import Session
 from rostether.errors import TransportError
 from rostether.graph.memory_network import MemoryNetwork
+from rostether.rostime import Time
 from rostether.serde.store import TypeStore
 from rostether.transports.transport import Transport
 
@@ -21,7 +23,7 @@ WATCH_S = 8.0
 """Three time requests come in it, which tell how fast loop() is, and enough frames for a percentage."""
 
 UNREST_S = 20.0
-"""How long to watch a board that was reset meanwhile: a loop shows by then."""
+"""How long to watch a board that was reset, or whose time request was late: the rule shows by then."""
 
 _LOOK_S = 0.1
 _FIND_PERIOD_S = 1.0
@@ -44,8 +46,10 @@ async def watch_board(
     transport: Transport, baud: int | None, store: TypeStore, *, watch_s: float, answer_s: float
 ) -> Watched:
     """Serve a board for `watch_s` after its first answer, or give it up after `answer_s`; closes its line."""
-    graph = await MemoryNetwork().join(_NODE)
     clock = asyncio.get_running_loop().time
+    # A step of the wall clock meanwhile would pass for drift of the board's.
+    epoch_ns = time.time_ns() - round(clock() * 1e9)
+    graph = await MemoryNetwork(lambda: Time.from_ns(epoch_ns + round(clock() * 1e9))).join(_NODE)
     node = BoardNode(graph, store, SilentReporter(), clock)
     session = Session(transport, node, baud=baud)
     began_s = clock()
@@ -93,8 +97,8 @@ async def _watch(
             session.node.health.find(now_s)
         if session.watch.was_alive:
             alive_s = now_s if alive_s is None else alive_s
-            is_restless = session.link.statistics.resets > 0 and watch_s >= WATCH_S
-            if now_s - alive_s >= (UNREST_S if is_restless else watch_s):
+            is_doubtful = session.link.statistics.resets > 0 or session.watch.loop_speed.is_suspect
+            if now_s - alive_s >= (max(UNREST_S, watch_s) if is_doubtful else watch_s):
                 break
         elif now_s - began_s >= answer_s:
             break

@@ -9,9 +9,9 @@ stamps does. Each time answer sets its clock; until the next one the clock runs 
          +-----------------+-----------------------------+---> time
 
 A stamp is as late as the message was under way, never early, so the lower edge is the clock: its height is
-the offset, its slope the drift. Both ends of an interval are compared, and the median over many of them
-rejects the intervals that a busy line has spoilt. Stamps that are not near the host's time (zero, or time
-since boot) tell nothing and are left out.
+the offset, worst at the end, its slope the drift. Both ends of an interval are compared, and the median over
+many of them rejects the intervals that a busy line has spoilt. Stamps that are not near the host's time
+(zero, or time since boot) tell nothing and are left out.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ class ClockEstimate:
         return -median(self._slopes) * 1e6
 
     def offset_s(self, round_trip_s: float | None = None) -> float | None:
-        """Return how far the board's clock is ahead of the host's; None while not known.
+        """Return how far the board's clock is ahead just before it is set again; None while not known.
 
         Half of the line's shortest round trip is taken for the way of a stamp that nothing delayed.
         """
@@ -111,7 +111,7 @@ class ClockEstimate:
         early = min((each for each in samples if each[0] <= first_s + third_s), key=_lag)
         late = min((each for each in samples if each[0] >= last_s - third_s), key=_lag)
         least_s = min(lag_s for _, lag_s in samples)
-        self._lags.append(least_s)
+        self._lags.append(late[1])
         span_s = late[0] - early[0]
         if span_s >= MIN_SPAN_S and max(early[1], late[1]) - least_s <= MAX_EXCESS_S:
             self._slopes.append((late[1] - early[1]) / span_s)

@@ -24,6 +24,7 @@ from rostether.rosserial.events import (
     ServiceAnnounced,
     TimeRequested,
     TopicAnnounced,
+    TopicRole,
     UnknownTopicId,
 )
 from rostether.rosserial.link_statistics import LinkStatistics
@@ -68,6 +69,7 @@ class LineWatch:
         self._settled_starts = 0
         self._unknown_id: tuple[int, float] | None = None
         self._unknown_count = 0
+        self._is_listener = False
 
     @property
     def was_alive(self) -> bool:
@@ -86,14 +88,17 @@ class LineWatch:
             self._silence_s = None
             self.noise.alive()
         if isinstance(event, TimeRequested):
-            asked = self._statistics.topic_requests + self._statistics.probes
-            self.loop_speed.request(now_s, asked)
+            self.loop_speed.request(now_s, self._statistics.topic_requests)
         elif isinstance(event, DeviceReset):
             self._resets.happened(now_s)
             self.loop_speed.forget()
         elif isinstance(event, ProtocolDetected):
             self._version = event.version
             self._alive_s = now_s
+        elif isinstance(event, ServiceAnnounced) or (
+            isinstance(event, TopicAnnounced) and event.role is TopicRole.SUBSCRIBER
+        ):
+            self._is_listener = True
         elif isinstance(event, NegotiationSettled):
             self._settled_s = now_s
             self._settled_starts = self._statistics.time_requests
@@ -109,15 +114,18 @@ class LineWatch:
     def find(self, now_s: float) -> list[Finding]:
         """Return what is wrong now, the worst first. Called about once a second."""
         damage = self._damage.find(self._statistics.frames_received, now_s) if self.was_alive else None
+        resets = self._find_resets(now_s, damage)
+        # A board that starts again begins to count anew: its requests are late for that.
+        slow = None if resets else self.loop_speed.find(is_listener=self._is_listener)
         found = [
             self._find_absence(now_s),
-            self._find_resets(now_s, damage),
+            resets,
             *self._announcements.find(),
             self._find_version(),
             damage,
             self._find_text(),
             self._find_unknown(now_s),
-            self.loop_speed.find(),
+            slow,
         ]
         return [each for each in found if each is not None]
 

@@ -1,7 +1,7 @@
 """How late a board's time requests are: as late as its loop() is slow.
 
-A configured board asks for the time when 2.5 s have passed, at its next nh.spinOnce(). The requests that
-answer a topic request or a probe say nothing, unless they come when the next one has been overdue anyway.
+A configured board asks for the time when 2.5 s have passed, at its next nh.spinOnce(). A request that
+answers a topic request says nothing, unless it comes when the next one has been overdue anyway.
 """
 
 from __future__ import annotations
@@ -12,10 +12,13 @@ from statistics import median
 from rostether.bridge.findings.finding import Code, Finding, warning
 from rostether.rosserial.time_sync import REQUEST_PERIOD_S
 
-SLOW_S = 0.1
-"""At 57600 baud the 64 bytes that many boards buffer come in 11 ms; a tenth of a second people feel too."""
+SLOW_LISTENER_S = 0.1
+"""Where the board listens to topics or serves calls: at 57600 baud 64 bytes, its buffer, come in 11 ms."""
 
-OVERDUE_S = 0.5
+SLOW_TALKER_S = 0.6
+"""A board that only publishes loses nothing; the library's own first example sleeps a second in loop()."""
+
+OVERDUE_S = 0.4
 """Later than this is late whatever was asked meanwhile."""
 
 TOLERANCE_S = 0.1
@@ -41,8 +44,13 @@ class LoopSpeed:
             return None
         return max(0.0, median(self._late_s))
 
+    @property
+    def is_suspect(self) -> bool:
+        """Whether one request was late, and no second one has told whether that is the rule."""
+        return len(self._late_s) == 1 and self._late_s[0] >= SLOW_LISTENER_S
+
     def request(self, now_s: float, asked: int) -> None:
-        """Take a time request; `asked` counts what we sent that provokes one."""
+        """Take a time request; `asked` counts our topic requests, each of which provokes one."""
         last_s, self._last_s = self._last_s, now_s
         was_provoked = asked != self._asked
         self._asked = asked
@@ -57,10 +65,10 @@ class LoopSpeed:
         """Note that the board was reset: its next request is not due when it was."""
         self._last_s = None
 
-    def find(self) -> Finding | None:
-        """Judge."""
+    def find(self, *, is_listener: bool) -> Finding | None:
+        """Judge; `is_listener`: the board has subscribers or services."""
         late_s = self.late_s
-        if late_s is None or late_s < SLOW_S:
+        if late_s is None or late_s < (SLOW_LISTENER_S if is_listener else SLOW_TALKER_S):
             return None
         return warning(
             Code.SLOW_LOOP,

@@ -10,10 +10,11 @@ WINDOW_S = 60.0
 MIN_RESETS = 3
 """Someone who presses the button, and an upload, reset a board twice."""
 
-UNSETTLED_S = 6.0
-"""At 57600 baud fifty announcements and their confirmation take 2 s; this is three times that."""
+UNSETTLED_S = 8.0
+"""At 57600 baud fifty announcements and their confirmation take 2 s; this is four times that."""
 
-MIN_STARTS = 4
+MIN_STARTS = 8
+"""As often did the board begin to answer: a healthy one does three or four times."""
 
 
 class Resets:
