@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from firmware.platforms.programs import CORTEX_M, NODE, STUBS, compile_program
+from firmware.platforms.programs import NODE, compile_for_cortex_m, compile_program
 from rostether.codegen.arduino_library import write_library
 from rostether.msgdef.registry import Registry
 
@@ -12,8 +12,8 @@ from rostether.msgdef.registry import Registry
 @pytest.fixture(scope="session")
 def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The client library with the messages that the tests' programs use."""
-    directory = tmp_path_factory.mktemp("library")
-    return write_library(directory, Registry(), packages=["std_msgs", "std_srvs", "sensor_msgs"]).path
+    packages = ["std_msgs", "std_srvs", "tf", "rosserial_arduino"]
+    return write_library(tmp_path_factory.mktemp("library"), Registry(), packages=packages).path
 
 
 @pytest.fixture(scope="session")
@@ -27,20 +27,9 @@ def linux_program(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Pa
 @pytest.fixture(scope="session")
 def cortex_m_program(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The node for a Stellaris, with platform/tivac.h."""
-    command = [
-        *("arm-none-eabi-g++", "-mcpu=cortex-m3", "-mthumb", "-Os", "-ffunction-sections", "-fdata-sections"),
-        *(
-            "-fno-exceptions",
-            "-fno-rtti",
-            "-nostartfiles",
-            "-Wl,--gc-sections",
-            "-T",
-            str(CORTEX_M / "lm3s6965.ld"),
-        ),
-        *("-DPART_TM4C123GH6PM", f"-I{STUBS}/tivaware", f"-I{CORTEX_M}"),
-    ]
-    sources = [NODE / "embedded.cpp", CORTEX_M / "startup.cpp", CORTEX_M / "driverlib.cpp"]
-    return compile_program(command, sources, library, tmp_path_factory.mktemp("cortexm") / "node.elf")
+    return compile_for_cortex_m(
+        NODE / "embedded.cpp", library, tmp_path_factory.mktemp("cortexm") / "node.elf"
+    )
 
 
 @pytest.fixture(scope="session")

@@ -13,6 +13,7 @@ from rostether.codegen.library_source import client_library
 
 EXTRAS = client_library() / "extras" / "tests"
 NODE = EXTRAS / "platforms"
+EXAMPLES = client_library() / "examples"
 STUBS = EXTRAS / "stubs"
 CORTEX_M = EXTRAS / "cortexm"
 WARNINGS = ("-std=gnu++11", "-Wall", "-Wextra", "-Werror")
@@ -31,6 +32,19 @@ def compile_program(
     assert done.returncode == 0, done.stderr
     assert not done.stderr, done.stderr
     return output
+
+
+def compile_for_cortex_m(source: Path, library: Path, output: Path, *flags: str) -> Path:
+    """Compile a program for qemu's Stellaris, with the platform header of the Tiva C."""
+    command = [
+        *("arm-none-eabi-g++", "-mcpu=cortex-m3", "-mthumb", "-Os", "-ffunction-sections", "-fdata-sections"),
+        *("-fno-exceptions", "-fno-rtti", "-nostartfiles", "-Wl,--gc-sections"),
+        *("-T", str(CORTEX_M / "lm3s6965.ld"), "-DPART_TM4C123GH6PM"),
+        *(f"-I{STUBS}/tivaware", f"-I{CORTEX_M}", *flags),
+    ]
+    return compile_program(
+        command, [source, CORTEX_M / "startup.cpp", CORTEX_M / "driverlib.cpp"], library, output
+    )
 
 
 @contextlib.asynccontextmanager

@@ -74,7 +74,7 @@ async def test_udp_sends_whole_frames_and_hears_only_the_host(udp_sketch: Path) 
     request_topics = encode_frame(0, b"")
     with _udp_socket() as host, _udp_socket() as stranger:
         async with running(udp_sketch, str(host.getsockname()[1])):
-            # What it says of itself, again every 2.2 s: seven topic infos, two for each service, and the time.
+            # What it says of itself, again every 2.2 s: seven topic infos (a service has two), and the time.
             first, board = await asyncio.to_thread(host.recvfrom, 2048)
             datagrams = [first] + [await asyncio.to_thread(host.recv, 2048) for _ in range(7)]
             for datagram in datagrams:

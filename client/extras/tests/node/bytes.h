@@ -104,8 +104,8 @@ inline bool operator==(const Bytes& bytes, const Payload& payload) { return byte
 inline std::string show(const Bytes& bytes) {
   static const char digits[] = "0123456789abcdef";
   std::string text;
-  for (size_t i = 0; i < bytes.size(); ++i) text = text + digits[bytes[i] >> 4] + digits[bytes[i] & 15];
-  return text;
+  for (size_t i = 0; i < bytes.size() && i < 64; ++i) text = text + digits[bytes[i] >> 4] + digits[bytes[i] & 15];
+  return bytes.size() > 64 ? text + "..." : text;
 }
 
 #endif

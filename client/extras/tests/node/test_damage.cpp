@@ -22,12 +22,13 @@ struct Target : Board<PlainHardware, 280> {
     meet();
   }
   // Sends what must be dropped, and then what must not.
-  void dropped(const Bytes& bytes, int count = 1) {
+  void dropped(const Bytes& bytes, int count = 0) {
     const int before = node.dropped(), heard = numbers_heard;
     line.send(bytes + frame(numbers.id_, Payload().u16(1)));
     for (int ms = 0; ms < 400; ++ms) ++line.now_ms, node.spinOnce();
     EXPECT_EQUAL(numbers_heard, heard + 1);
-    EXPECT_EQUAL(node.dropped() - before, count);
+    if (count) EXPECT_EQUAL(node.dropped() - before, count);
+    EXPECT(node.dropped() > before);
   }
 };
 
@@ -35,8 +36,8 @@ TEST(damage, unknown_ids_are_dropped_and_counted) {
   Target target;
   const uint16_t ids[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 12, 99, 104, 125, 250, 65535};
   for (uint16_t id : ids) {
-    target.dropped(frame(id));
-    target.dropped(frame(id, Bytes(50)));
+    target.dropped(frame(id), 1);
+    target.dropped(frame(id, Bytes(50)), 1);
   }
 }
 
@@ -124,6 +125,5 @@ TEST(damage, boot_noise_before_the_first_frame) {
 
 TEST(damage, nothing_but_syncs) {
   Target target;
-  const int before = target.node.dropped();
-  target.dropped(Bytes(1000, 0xff), target.node.dropped() - before + 1000);
+  target.dropped(Bytes(1000, 0xff), 1000);
 }

@@ -108,7 +108,7 @@ TEST(negotiation, a_second_initNode_starts_anew) {
   ros::Publisher chatter("chatter", &text);
   board.node.advertise(chatter);
   board.meet();
-  board.line.send(Bytes(frame(0).begin(), frame(0).begin() + 5));
+  board.line.send({0xff, 0xfe, 0x00, 0x00, 0xff});
   board.node.spinOnce();
   board.node.initNode();
   EXPECT_EQUAL(board.line.begun, 2);

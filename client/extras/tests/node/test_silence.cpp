@@ -80,7 +80,7 @@ TEST(silence, a_sketch_that_sleeps_for_a_minute_still_asks) {
   Board<> board;
   board.meet();
   for (int i = 0; i < 20; ++i) {
-    board.line.now_ms += 60000 + 700u * static_cast<unsigned>(i);
+    board.line.now_ms += 60000;
     board.node.spinOnce();
     EXPECT_EQUAL(board.line.take(10).size(), 1u);
     board.line.send(Board<>::time(1700000000));
