@@ -9,7 +9,7 @@ import os
 import shutil
 import sys
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from rostether.errors import BoardError
@@ -44,18 +44,25 @@ async def build_runner() -> Path:
         return program
     try:
         program.parent.mkdir(parents=True, exist_ok=True)
-        handle, fresh = tempfile.mkstemp(prefix=f".{_NAME}-", dir=program.parent)
+        folder = tempfile.TemporaryDirectory(prefix=f".{_NAME}-", dir=program.parent)
     except OSError as error:
         raise BoardError(
             f"cannot write to {program.parent}: {error.strerror}; set XDG_CACHE_HOME to a folder of yours"
         ) from None
-    os.close(handle)
-    try:
-        await _compile(compiler, sources, fresh)
-        os.replace(fresh, program)  # noqa: PTH105 - at once, so that nobody starts half a program
-    finally:
-        with contextlib.suppress(FileNotFoundError):
-            os.unlink(fresh)  # noqa: PTH108
+    with folder as fresh:
+        objects = [f"{fresh}/{source.stem}.o" for source in sources]
+        limit = asyncio.Semaphore(os.cpu_count() or 1)
+        try:
+            async with asyncio.TaskGroup() as tasks:
+                for source, made in zip(sources, objects, strict=True):
+                    headers = ("-isystem", str(HEADERS))
+                    command = (compiler, *FLAGS, *headers, "-c", str(source), "-o", made)
+                    tasks.create_task(_run(command, limit))
+        except* BoardError as failures:
+            raise failures.exceptions[0] from None
+        await _run((compiler, *objects, "-o", f"{fresh}/{_NAME}", *LIBRARIES), limit)
+        # At once, so that nobody starts half a program.
+        os.replace(f"{fresh}/{_NAME}", program)  # noqa: PTH105
     return program
 
 
@@ -94,21 +101,21 @@ def _key(compiler: str) -> str:
     return content.hexdigest()[:16]
 
 
-async def _compile(compiler: str, sources: list[Path], target: str) -> None:
-    process = await asyncio.create_subprocess_exec(
-        compiler,
-        *FLAGS,
-        "-isystem",
-        str(HEADERS),
-        *map(str, sources),
-        "-o",
-        target,
-        *LIBRARIES,
-        stdin=asyncio.subprocess.DEVNULL,
-        stdout=asyncio.subprocess.DEVNULL,
-        stderr=asyncio.subprocess.PIPE,
-        env={**os.environ, "LC_ALL": "C"},
-    )
+async def _run(command: Sequence[str], limit: asyncio.Semaphore) -> None:
+    async with limit:
+        process = await asyncio.create_subprocess_exec(
+            *command,
+            stdin=asyncio.subprocess.DEVNULL,
+            stdout=asyncio.subprocess.DEVNULL,
+            stderr=asyncio.subprocess.PIPE,
+            env={**os.environ, "LC_ALL": "C"},
+        )
+        printed = await _end(process)
+    if process.returncode != 0:
+        raise BoardError(_explain(command[0], printed.decode(errors="replace")))
+
+
+async def _end(process: asyncio.subprocess.Process) -> bytes:
     try:
         _, printed = await process.communicate()
     except asyncio.CancelledError:
@@ -116,9 +123,10 @@ async def _compile(compiler: str, sources: list[Path], target: str) -> None:
             process.kill()
         await process.wait()
         raise
-    if process.returncode == 0:
-        return
-    text = printed.decode(errors="replace")
+    return printed
+
+
+def _explain(compiler: str, text: str) -> str:
     for sign, reason in (
         ("gelf.h", "libelf is not installed"),
         ("-lelf", "libelf is not installed"),
@@ -126,7 +134,7 @@ async def _compile(compiler: str, sources: list[Path], target: str) -> None:
         ("avr_", "libsimavr is not installed"),
         ("-lsimavr", "libsimavr is not installed"),
     ):
-        if f"{sign}" in text and ("No such file" in text or "cannot find" in text):
-            raise BoardError(_advice(reason))
+        if sign in text and ("No such file" in text or "cannot find" in text):
+            return _advice(reason)
     first = next((line for line in text.splitlines() if "error" in line), text.strip()[:200])
-    raise BoardError(f"the simulated boards' runner does not compile with {compiler}: {first}")
+    return f"the simulated boards' runner does not compile with {compiler}: {first}"
