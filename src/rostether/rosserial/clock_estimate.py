@@ -51,7 +51,7 @@ class ClockEstimate:
         self._answered_ns = 0
         self._samples: list[tuple[float, float]] = []
         self._slopes: deque[float] = deque(maxlen=INTERVALS)
-        self._lags: deque[float] = deque(maxlen=INTERVALS)
+        self._ends: deque[tuple[float, float]] = deque(maxlen=MIN_INTERVALS)
         self.unsound_count = 0
         """Stamps that were not near the host's time."""
 
@@ -67,9 +67,10 @@ class ClockEstimate:
 
         Half of the line's shortest round trip is taken for the way of a stamp that nothing delayed.
         """
-        if not self._lags:
+        if not self._ends:
             return None
-        return (round_trip_s or 0.0) / 2 - median(list(self._lags)[-MIN_INTERVALS:])
+        slope = median(self._slopes) if self._slopes else 0.0
+        return (round_trip_s or 0.0) / 2 - median(lag_s + slope * rest_s for lag_s, rest_s in self._ends)
 
     def answered(self, host_ns: int, now_s: float) -> None:
         """Note that the board's clock is being set to `host_ns`."""
@@ -111,7 +112,7 @@ class ClockEstimate:
         early = min((each for each in samples if each[0] <= first_s + third_s), key=_lag)
         late = min((each for each in samples if each[0] >= last_s - third_s), key=_lag)
         least_s = min(lag_s for _, lag_s in samples)
-        self._lags.append(late[1])
+        self._ends.append((late[1], last_s - late[0]))
         span_s = late[0] - early[0]
         if span_s >= MIN_SPAN_S and max(early[1], late[1]) - least_s <= MAX_EXCESS_S:
             self._slopes.append((late[1] - early[1]) / span_s)
