@@ -90,7 +90,9 @@ class NodeHandleBase_ : public FrameSink {
   // `text` is a const char* or a FlashText.
   template <class Text>
   void log(uint8_t level, Text text) {
-    FrameWriter writer(*this, ID_LOG, static_cast<uint16_t>(5 + lengthOf(text)));
+    const size_t length = 5 + lengthOf(text);
+    if (isTooLong(length)) return;
+    FrameWriter writer(*this, ID_LOG, static_cast<uint16_t>(length));
     writer.put(&level, 1);
     writer.string(text);
     writer.finish();
@@ -111,10 +113,7 @@ class NodeHandleBase_ : public FrameSink {
     if (!connected_) return 0;
     const typename WireFormat<M>::Written written(message);
     const size_t length = written.length();
-    if (length > 0xffff - FRAME_OVERHEAD_BYTES) {
-      window_.countDropped();
-      return -1;
-    }
+    if (isTooLong(length)) return -1;
     FrameWriter writer(*this, id, static_cast<uint16_t>(length));
     written.write(writer);
     return writer.finish() ? static_cast<int>(length + FRAME_OVERHEAD_BYTES) : -1;
@@ -144,18 +143,22 @@ class NodeHandleBase_ : public FrameSink {
   // For drivers: ends the spinOnce under way, so that what the message points to outlasts it until the next.
   void pauseReading() { window_.hold(); }
 
-  // An endpoint for the duration of one exchange, on an id of its own choice.
+  // An endpoint for the duration of one exchange, on an id of its own choice; behind the others, so that of two on one
+  // id the older is answered first.
   class Visit {
    public:
-    Visit(NodeHandleBase_& node, Endpoint& endpoint) : node_(node), endpoint_(endpoint) {
-      endpoint.next_ = node.endpoints_;
-      node.endpoints_ = &endpoint;
-    }
-    ~Visit() { node_.endpoints_ = endpoint_.next_; }
+    Visit(NodeHandleBase_& node, Endpoint& endpoint) : node_(node), endpoint_(endpoint) { *link(nullptr) = &endpoint; }
+    ~Visit() { *link(&endpoint_) = endpoint_.next_; }
     Visit(const Visit&) = delete;
     Visit& operator=(const Visit&) = delete;
 
    private:
+    Endpoint** link(const Endpoint* wanted) const {
+      Endpoint** link = &node_.endpoints_;
+      while (*link != wanted) link = &(*link)->next_;
+      return link;
+    }
+
     NodeHandleBase_& node_;
     Endpoint& endpoint_;
   };
@@ -168,7 +171,7 @@ class NodeHandleBase_ : public FrameSink {
 
   constexpr NodeHandleBase_()
       : window_(), endpoints_(nullptr), clock_(), spin_timeout_ms_(SPIN_TIMEOUT_MS), requested_ms_(0), heard_ms_(0), user_topics_(0), unanswered_(0),
-        connected_(false), awaiting_time_(false) {}
+        depth_(0), connected_(false), awaiting_time_(false) {}
 
   // Starts anew: the next spinOnce introduces the node.
   void begin(uint8_t* buffer, uint16_t buffer_bytes) {
@@ -192,7 +195,13 @@ class NodeHandleBase_ : public FrameSink {
   ROS_NOINLINE int work(uint8_t found, uint16_t began_ms) {
     for (; found; found = window_.examine()) {
       if (found & ReceiveWindow::FOREIGN && !connected_ && since(requested_ms_, shortTime()) > ANSWER_PAUSE_MS) requestSyncTime();
-      if (found & ReceiveWindow::WHOLE && !dispatch()) return SPIN_ERR;
+      if (found & ReceiveWindow::WHOLE) {
+        if (depth_ == MAX_DEPTH) return SPIN_OK;
+        ++depth_;
+        const bool went_on = dispatch();
+        --depth_;
+        if (!went_on) return SPIN_ERR;
+      }
       if (window_.held()) return SPIN_OK;
       if (since(began_ms, shortTime()) > spin_timeout_ms_) {
         rest(true);
@@ -241,6 +250,8 @@ class NodeHandleBase_ : public FrameSink {
   static const uint16_t GAP_MS = 200;
   // A host that looks for boards sends wrong version bytes, and noise has them; one answer is enough for a burst.
   static const uint8_t ANSWER_PAUSE_MS = 20;
+  // Callbacks that wait in a spinOnce of their own, within such callbacks: more would take all of an Uno's stack.
+  static const uint8_t MAX_DEPTH = 3;
   // What came in within this time is handled in one go; a line that never pauses must not keep loop() from running.
   static const uint16_t SPIN_TIMEOUT_MS = 1000;
 
@@ -263,6 +274,13 @@ class NodeHandleBase_ : public FrameSink {
 
   void introduce() {
     for (Endpoint* endpoint = endpoints_; endpoint; endpoint = endpoint->next_) endpoint->driver_(*endpoint, *this, nullptr);
+  }
+
+  // Counts what no frame can hold.
+  bool isTooLong(size_t length) {
+    if (length <= 0xffff - FRAME_OVERHEAD_BYTES) return false;
+    window_.countDropped();
+    return true;
   }
 
   static size_t lengthOf(FlashText text) { return ROS_FLASH_LENGTH(text.address); }
@@ -328,6 +346,7 @@ class NodeHandleBase_ : public FrameSink {
   uint16_t heard_ms_;
   uint16_t user_topics_;
   uint8_t unanswered_;
+  uint8_t depth_;
   bool connected_;
   bool awaiting_time_;
 };

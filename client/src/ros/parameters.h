@@ -63,6 +63,7 @@ class ParameterRequest : public Endpoint {
     }
     if (!node.accept(reader)) return;
     state_ = fits ? FOUND : MISFIT;
+    id_ = 0;  // the next answer is for another request
     if (!fits) return;
     for (size_t i = 0; i < int_count; ++i) {
       int32_t value;
