@@ -11,6 +11,9 @@ _VERBS = {
     "size": VerbEntry(
         "rostether.cli.firmware_size:firmware_size", "Show what a sketch takes of its board's memory."
     ),
+    "sim": VerbEntry(
+        "rostether.cli.firmware_sim:firmware_sim", "Build a sketch and run it on a simulated board."
+    ),
     "upload": VerbEntry("rostether.cli.firmware_upload:firmware_upload", "Build a sketch and flash a board."),
     "lib": VerbEntry("rostether.cli.firmware_lib:firmware_lib", "Generate the C++ client library, ros_lib."),
 }
