@@ -44,9 +44,9 @@ def steps(page: Path) -> list[Step]:
 
 
 def programs(page: Path) -> dict[str, str]:
-    """Return the Python programs that the page tells to save, by file name."""
+    """Return the Python programs and sketches that the page tells to save, by file name."""
     titled = (
-        (re.search(r'title="([\w.]+\.py)"', match["info"]), match)
+        (re.search(r'title="([\w.]+\.(?:py|ino))"', match["info"]), match)
         for match in _FENCE.finditer(page.read_text())
     )
     return {title[1]: match["body"] for title, match in titled if title is not None}

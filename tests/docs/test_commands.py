@@ -25,6 +25,7 @@ PAGES = sorted(
     page for page in [REPOSITORY / "README.md", *(REPOSITORY / "docs").rglob("*.md")] if steps(page)
 )
 PATIENCE_S = 20.0
+SIMULATING = ("board run", "firmware sim ", "sim:")
 # Commands that set a machine up are typed by tests of their own.
 NOT_TYPED = ("make test", "git clone", "cd ", "pip ", "pipx ", "sudo ")
 
@@ -123,9 +124,19 @@ class Terminal:
                 self._end(process)
 
 
+def _name(page: Path) -> str:
+    return str(page.relative_to(REPOSITORY))
+
+
+def _needs(page: Path) -> list[pytest.MarkDecorator]:
+    """Return the peers that a page's commands need besides our own."""
+    typed = " ".join(command for step in steps(page) for command in step.commands)
+    return [pytest.mark.simavr] if any(sign in typed for sign in SIMULATING) else []
+
+
 @pytest.mark.timeout(240)
 @pytest.mark.usefixtures("alone")
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(REPOSITORY)))
+@pytest.mark.parametrize("page", [pytest.param(page, marks=_needs(page), id=_name(page)) for page in PAGES])
 def test_page(page: Path, tmp_path: Path) -> None:
     # Only the README speaks to someone who stands in a clone.
     terminal = Terminal(REPOSITORY if page.name == "README.md" else tmp_path, tmp_path)
