@@ -16,6 +16,7 @@ from types import TracebackType
 from typing import Self
 
 from rostether.errors import BoardError
+from rostether.transports.pty_link import check_link, place_link, remove_link
 
 PROGRAM = "qemu-system-arm"
 # A TI Stellaris, the forerunner of the Tiva C with the same UART.
@@ -23,22 +24,36 @@ DEFAULT_MACHINE = "lm3s6965evb"
 # It answers within a quarter of a second on an idle machine.
 START_LIMIT_S = 20.0
 END_LIMIT_S = 2.0
+# Its last lines say why it ended.
+MAX_SAID_BYTES = 4096
 
 _TERMINAL = re.compile(rb"char device redirected to (\S+)")
 
 
 class QemuBoard:
-    """One board. It ends with `close`, and with this process."""
+    """One board. It ends with `close`, and with this process.
 
-    def __init__(self, process: asyncio.subprocess.Process, terminal: str) -> None:
+    `last_words`: what qemu found wrong, once it has ended by itself.
+    """
+
+    def __init__(self, process: asyncio.subprocess.Process, terminal: str, link_path: Path | None) -> None:
         self._process = process
         self._terminal = terminal
+        self._link_path = link_path
+        self.last_words = ""
         # What qemu says must be read, or it stops when the pipe is full.
         self._reading = asyncio.get_running_loop().create_task(self._read())
 
     @classmethod
-    async def start(cls, program: Path, *, machine: str = DEFAULT_MACHINE) -> Self:
-        """Start an ELF file on a machine that qemu knows. Raises BoardError when it does not run it."""
+    async def start(
+        cls, program: Path, *, machine: str = DEFAULT_MACHINE, link_path: Path | None = None
+    ) -> Self:
+        """Start an ELF file on a machine that qemu knows, its terminal linked at `link_path`.
+
+        Raises BoardError when qemu does not run it, TransportOpenError for a `link_path` in use.
+        """
+        if link_path is not None:
+            check_link(link_path)
         qemu = shutil.which(PROGRAM)
         if qemu is None:
             raise BoardError(f"{PROGRAM} is not installed: apt install qemu-system-arm")
@@ -58,7 +73,10 @@ class QemuBoard:
         )
         try:
             async with asyncio.timeout(START_LIMIT_S):
-                return cls(process, await _find_terminal(process))
+                terminal = await _find_terminal(process)
+            if link_path is not None:
+                place_link(link_path, terminal)
+            return cls(process, terminal, link_path)
         except BaseException as error:
             await _end(process)
             if isinstance(error, TimeoutError):
@@ -94,6 +112,9 @@ class QemuBoard:
 
     async def close(self) -> None:
         """End it and wait for that. Idempotent."""
+        if self._link_path is not None:
+            remove_link(self._link_path, self._terminal)
+            self._link_path = None
         await _end(self._process)
         await self._reading
 
@@ -108,8 +129,10 @@ class QemuBoard:
     async def _read(self) -> None:
         stdout = self._process.stdout
         assert stdout is not None
-        while await stdout.read(4096):
-            pass
+        said = b""
+        while chunk := await stdout.read(4096):
+            said = (said + chunk)[-MAX_SAID_BYTES:]
+        self.last_words = _complaint(said)
 
 
 async def _find_terminal(process: asyncio.subprocess.Process) -> str:
@@ -121,8 +144,14 @@ async def _find_terminal(process: asyncio.subprocess.Process) -> str:
         found = _TERMINAL.search(said)
         if found is not None:
             return found[1].decode()
-    lines = said.decode(errors="replace").strip().splitlines()
-    raise BoardError(f"{PROGRAM} does not run this program: {lines[-1] if lines else 'it said nothing'}")
+    raise BoardError(f"{PROGRAM} does not run this program: {_complaint(said) or 'it said nothing'}")
+
+
+def _complaint(said: bytes) -> str:
+    """Return what qemu found wrong, of all that it and its monitor said."""
+    lines = (line.strip() for line in said.decode(errors="replace").splitlines())
+    wrong = [line.removeprefix(f"{PROGRAM}: ") for line in lines if line.startswith(PROGRAM)]
+    return wrong[-1] if wrong else ""
 
 
 async def _end(process: asyncio.subprocess.Process) -> None:

@@ -22,6 +22,10 @@ if TYPE_CHECKING:
     from rostether.boards.simavr.simulated_board import SimulatedBoard
 
 
+_QEMU_MACHINES = ("lm3s6965evb",)
+"""Boards with a Cortex-M, which qemu simulates."""
+
+
 @dataclass(frozen=True, slots=True)
 class _Start:
     board: str
@@ -45,7 +49,10 @@ class _Start:
 )
 @click.argument("program", type=click.Path(path_type=Path))
 @click.option(
-    "--board", default="uno", show_default=True, help="uno, nano, promini, mega, leonardo or micro."
+    "--board",
+    default="uno",
+    show_default=True,
+    help="uno, nano, promini, mega, leonardo, micro; lm3s6965evb in qemu.",
 )
 @click.option("--link", type=click.Path(path_type=Path), help="Link the board's serial port here.")
 @click.option("--tcp", type=click.IntRange(0, 65535), metavar="PORT", help="Its serial port as a TCP port.")
@@ -115,6 +122,12 @@ async def _run(program: Path, start: _Start, msg_paths: Sequence[Path], as_json:
     from rostether.boards.simavr.simulated_board import SimulatedBoard
     from rostether.cli.board_program import find_program
 
+    if start.board in _QEMU_MACHINES:
+        from rostether.cli.board_qemu import run_in_qemu
+
+        others = (start.words, start.duration, start.uart, start.tcp_port, start.is_fast, start.seed)
+        await run_in_qemu(program, start.board, start.link_path, has_words=any(others), as_json=as_json)
+        return
     kind_of(start.board)
     found = await find_program(program, start.board, msg_paths)
     link: Literal["pty", "tcp"] = "pty" if start.tcp_port is None else "tcp"
