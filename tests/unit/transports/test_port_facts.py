@@ -1,0 +1,94 @@
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from rostether.transports.port_facts import group_of, near_names, read_port_facts
+
+
+@dataclass(frozen=True)
+class Port:
+    path: str
+    description: str = "Arduino Uno"
+
+
+def test_a_port_that_is_not_there_has_neighbours() -> None:
+    ports = [Port("/dev/ttyACM0"), Port("/dev/ttyUSB3")]
+    facts = read_port_facts("/dev/ttyACM9", lambda: ports)
+    assert not facts.exists
+    assert "/dev/ttyACM0 (Arduino Uno)" in facts.near
+    assert facts.others == ("/dev/ttyACM0 (Arduino Uno)", "/dev/ttyUSB3 (Arduino Uno)")
+
+
+def test_links_beside_a_port_are_near_too(tmp_path: Path) -> None:
+    (tmp_path / "board").touch()
+    (tmp_path / "unlike").touch()
+    assert near_names(str(tmp_path / "bord"), []) == [str(tmp_path / "board")]
+    assert near_names("/nowhere/at/all", []) == []
+
+
+def test_a_file_is_no_device(tmp_path: Path) -> None:
+    path = tmp_path / "file"
+    path.touch()
+    facts = read_port_facts(str(path), list)
+    assert facts.exists
+    assert not facts.is_device
+
+
+def test_a_port_of_ours() -> None:
+    master, slave = os.openpty()
+    facts = read_port_facts(os.ttyname(slave), list)
+    assert facts.is_device
+    assert facts.may_open
+    assert facts.holders == ()
+    os.close(slave)
+    os.close(master)
+
+
+def test_the_group_that_may_use_a_port(tmp_path: Path) -> None:
+    import grp
+
+    path = tmp_path / "port"
+    path.touch()
+    gid = next((each.gr_gid for each in grp.getgrall() if each.gr_name == "dialout"), None)
+    if os.getuid() != 0 or gid is None:
+        pytest.skip("only root gives files to other groups")
+    os.chown(path, 0, gid)
+    path.chmod(0o660)
+    assert group_of(str(path)) == "dialout"
+    path.chmod(0o600)
+    assert group_of(str(path)) is None
+    assert group_of(str(tmp_path / "nothing")) is None
+
+
+ASK = """
+import difflib, grp, os, sys
+from rostether.transports.port_facts import read_port_facts
+os.setgid(65534)
+os.setuid(65534)
+print(read_port_facts(sys.argv[1], list).may_open)
+"""
+
+
+def test_who_may_not_open_it_is_told() -> None:
+    if os.getuid() != 0:
+        pytest.skip("only root becomes somebody else")
+    master, slave = os.openpty()
+    path = os.ttyname(slave)
+    Path(path).chmod(0o600)
+    try:
+        answer = subprocess.run(
+            [sys.executable, "-c", ASK, path],
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert answer.stdout.strip() == "False", answer.stderr
+    finally:
+        os.close(slave)
+        os.close(master)
