@@ -25,8 +25,8 @@ class NodeHandle_ : public NodeHandleBase_ {
   static const uint16_t INPUT_BYTES = INPUT_SIZE < 16 ? 16 : INPUT_SIZE;
   static_assert(INPUT_SIZE <= 0xffff - FRAME_OVERHEAD_BYTES, "no frame is longer than 65535 bytes");
 
-  NodeHandle_() {}
-  explicit NodeHandle_(const Hardware& hardware) : hardware_(hardware) {}
+  NodeHandle_() : stalled_(false) {}
+  explicit NodeHandle_(const Hardware& hardware) : hardware_(hardware), stalled_(false) {}
 
   Hardware* getHardware() { return &hardware_; }
 
@@ -96,12 +96,16 @@ class NodeHandle_ : public NodeHandleBase_ {
         bytes += room;
         count = static_cast<uint16_t>(count - room);
         progress_ms = milliseconds();
-      } else if (since(progress_ms, milliseconds()) > STALL_MS) {
+        stalled_ = false;
+      } else if (stalled_ || since(progress_ms, milliseconds()) > STALL_MS) {
+        // The next frame does not wait for it again.
+        stalled_ = true;
         window_.countDropped();
         return false;
       }
       receive();
     }
+    stalled_ = false;
     hardware.write(bytes, count);
     return true;
   }
@@ -124,6 +128,7 @@ class NodeHandle_ : public NodeHandleBase_ {
   }
 
   Hardware hardware_;
+  bool stalled_;
   uint8_t buffer_[INPUT_BYTES + FRAME_OVERHEAD_BYTES];
 };
 
