@@ -19,8 +19,8 @@ _DEPENDENCY = re.compile(r"(?:\\.|[^\s\\])+")
 _RECIPES = {".c": "c.o", ".S": "S.o"}
 # Flags of a recipe that make it write dependencies or an object, which a scan does not want.
 _OUTPUT_FLAGS = frozenset(("-c", "-MMD", "-flto", "-o", "{object_file}", "{preprocessed_file_path}"))
-# With this the linker places what does not fit as well, so that we can say by how much and what takes it.
-_ROOMY_FLASH = "-Wl,--defsym=__TEXT_REGION_LENGTH__=0x400000"
+# With these the linker places what does not fit as well, so that we can say by how much and what takes it.
+_ROOMY = ("-Wl,--defsym=__TEXT_REGION_LENGTH__=0x400000", "-Wl,--defsym=__DATA_REGION_LENGTH__=0xfd00")
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,7 +133,7 @@ class Compiler:
 
     async def link(self, objects: Sequence[Path], archive: Path, name: str) -> tuple[Path, Path]:
         """Return the ELF and HEX files of a program. Raises SketchError with what the linker printed."""
-        recipe = [*self._toolchain.recipe("c.combine", self._board), _ROOMY_FLASH]
+        recipe = [*self._toolchain.recipe("c.combine", self._board), *_ROOMY]
         key = digest("link", self._toolchain.identity, recipe, objects, archive, name)
         elf, image = (self._cache.find("programs", key, f"{name}.{suffix}") for suffix in ("elf", "hex"))
         if elf is not None and image is not None:

@@ -93,7 +93,8 @@ def find_endpoints(
         types = finder.types(variable)
         if types:
             found += list(_endpoint(role, variable.name, finder.topic(variable), types, registry))
-    return found
+    roles = list(_CLASSES.values())
+    return sorted(found, key=lambda each: (roles.index(each.role), each.topic or each.name))
 
 
 class _Finder:
