@@ -14,14 +14,17 @@ from typing import Protocol
 from rostether.bridge.board_node import BoardNode
 from rostether.bridge.board_registry import Board, BoardRegistry
 from rostether.bridge.diagnostics import BoardView, view_board
+from rostether.bridge.discovery import Discovery
 from rostether.bridge.health_round import HealthRound
 from rostether.bridge.identity import identify_peer, node_name
 from rostether.bridge.link_keeper import LinkKeeper
+from rostether.bridge.machine_ports import THIS_MACHINE, MachinePorts
 from rostether.bridge.reporter import LimitedReporter, Reporter, SilentReporter
 from rostether.bridge.session import Session
 from rostether.bridge.settings import DEFAULT_SETTINGS, BridgeSettings
 from rostether.devices.board_identity import BoardIdentity
 from rostether.devices.device_book import DeviceBook
+from rostether.devices.known_boards import KnownBoards
 from rostether.devices.settings import DeviceSettings
 from rostether.errors import MasterUnreachableError, RostetherError, SessionError, TransportError
 from rostether.graph.ports import Graph, JoinGraph, Level
@@ -128,6 +131,21 @@ class Supervisor:
             else:
                 keeper = LinkKeeper(address, self._open_transport, self._serve, self._reporter, self._devices)
                 self._run(keeper.run())
+
+    def discover(
+        self, known: KnownBoards, *, ports: MachinePorts = THIS_MACHINE, taken: Sequence[Address] = ()
+    ) -> None:
+        """Serve the boards on this machine's serial ports from now on, as they come; not those `taken`."""
+        discovery = Discovery(
+            devices=self._devices,
+            known=known,
+            serve=self._serve,
+            spawn=self._run,
+            reporter=self._reporter,
+            taken=[address.path for address in taken if isinstance(address, SerialAddress | XbeeAddress)],
+            ports=ports,
+        )
+        self._run(discovery.run())
 
     async def wait_done(self) -> None:
         """Wait until nothing is served any more: closed, or every board's node was shut down from outside.
@@ -246,10 +264,11 @@ class Supervisor:
                 told = True
                 await asyncio.sleep(backoff.next_delay_s())
 
-    def _run(self, work: Awaitable[object]) -> None:
+    def _run(self, work: Awaitable[object]) -> asyncio.Task[None]:
         task = asyncio.get_running_loop().create_task(self._guard(work))
         self._tasks.add(task)
         task.add_done_callback(self._ended)
+        return task
 
     def _ended(self, task: asyncio.Task[None]) -> None:
         self._tasks.discard(task)

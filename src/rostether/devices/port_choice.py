@@ -16,8 +16,10 @@ class Choice(Enum):
 
     SERVE = auto()
     """The user's file says what it is: connect without looking for its speed."""
+    EXPECT = auto()
+    """The user says that it is a board: ask until it answers."""
     ASK = auto()
-    """A board, or a port that the user allows: ask whether it speaks rosserial."""
+    """A board, which may run any sketch: ask whether it speaks rosserial."""
     LISTEN = auto()
     """Probably a board: listen first, and ask only if nothing else speaks there."""
     OFFER = auto()
@@ -43,9 +45,9 @@ def choose(port: SerialPort, settings: DeviceSettings, discovery: DiscoverySetti
     if any(fits_entry(identity, entry) for entry in discovery.ignore):
         return Choice.LEAVE
     if settings.match is not None:
-        return Choice.SERVE if settings.baud is not None else Choice.ASK
+        return Choice.SERVE if settings.baud is not None else Choice.EXPECT
     if any(fits_entry(identity, entry) for entry in discovery.probe):
-        return Choice.ASK
+        return Choice.EXPECT
     match kind_of(port.usb_vendor_id, port.usb_product_id):
         case Kind.BOARD:
             return Choice.ASK

@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from rostether.transports.serial_errors import find_holder
+from rostether.transports.port_holders import find_holders
 
 # Where minicom, gpsd, pppd and the like leave `LCK..ttyUSB0` with their process id.
 LOCK_FOLDERS = ("/run/lock", "/var/lock", "/run/lock/lockdev")
@@ -17,9 +17,8 @@ _MAX_LOCK_BYTES = 64
 
 def find_user(path: str) -> str | None:
     """Name the program that uses a port, None if none is known; looks through /proc, which takes a while."""
-    holder = find_holder(path, others_only=True)
-    if holder is not None:
-        return holder
+    for holder in find_holders(path):
+        return str(holder)
     for folder in LOCK_FOLDERS:
         for name in {path, os.path.realpath(path)}:
             pid = _read_lock(Path(folder) / f"LCK..{name.rpartition('/')[2]}")

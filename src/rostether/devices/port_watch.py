@@ -67,8 +67,12 @@ class PortWatch:
             period_s = LIST_PERIOD_S if any(marks) else BLIND_LIST_PERIOD_S
             if now_s < settled_s or now_s - listed_s >= period_s:
                 listed_s = now_s
-                ports = self.list()
-                if ports != known:
+                try:
+                    ports = self.list()
+                except OSError:
+                    # A port went away while the system was describing it; the next look has the rest.
+                    ports = known
+                if ports is not None and ports != known:
                     known = ports
                     yield ports
             await asyncio.sleep(self._period_s)

@@ -61,7 +61,7 @@ def explain_open_error(
     )
 
 
-def find_holder(path: str, *, others_only: bool = False) -> str | None:
+def find_holder(path: str) -> str | None:
     """Name the process that has a port open, where the system lets us see it: `screen (pid 4711)`."""
     target = os.path.realpath(path)
     own = os.getpid()
@@ -76,7 +76,7 @@ def find_holder(path: str, *, others_only: bool = False) -> str | None:
             except OSError:
                 continue
             return f"{name} (pid {pid})"
-    return "this program" if not others_only and _has_open(own, target) else None
+    return "this program" if _has_open(own, target) else None
 
 
 def _has_open(pid: int, target: str) -> bool:

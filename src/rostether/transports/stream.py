@@ -62,6 +62,7 @@ class StreamTransport(asyncio.BaseProtocol):
     def release(self, unread: bytes = b"") -> None:
         """Deliver to nobody until `start` is called once more, which then gets `unread` first."""
         self._receiver = None
+        self._reading_wanted = True
         self._early[:0] = unread
         if self._wire is not None and not self._lost and not self._closing:
             self._wire.pause_reading()

@@ -27,7 +27,7 @@ def test_nothing_new_is_not_written(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     "text",
-    ["", "[]", "{", '{"format": 2, "bauds": {"a": 1}}', '{"format": 1, "bauds": [1]}', "\x00", "[" * 100_000],
+    ["", "[]", "{", '{"format": 2, "bauds": {"a": 1}}', '{"format": 1, "bauds": [1]}', "\x00"],
 )
 def test_what_cannot_be_read_is_forgotten(text: str, tmp_path: Path) -> None:
     path = tmp_path / "boards.json"

@@ -33,17 +33,17 @@ def test_without_a_word_of_the_user(port: SerialPort, choice: Choice) -> None:
 
 @pytest.mark.parametrize("entry", ["2c7c:0125", "2C7C:0125", "/dev/ttyUSB1", "/dev/ttyUSB*", "all"])
 def test_the_user_allows_a_port(entry: str) -> None:
-    assert choose(MODEM, NO_SETTINGS, DiscoverySettings(probe=(entry,))) is Choice.ASK
+    assert choose(MODEM, NO_SETTINGS, DiscoverySettings(probe=(entry,))) is Choice.EXPECT
     assert choose(MODEM, NO_SETTINGS, DiscoverySettings(probe=(entry,), ignore=(entry,))) is Choice.LEAVE
 
 
 def test_all_means_ports_that_are_not_on_usb_too() -> None:
-    assert choose(BUILT_IN, NO_SETTINGS, DiscoverySettings(probe=("all",))) is Choice.ASK
+    assert choose(BUILT_IN, NO_SETTINGS, DiscoverySettings(probe=("all",))) is Choice.EXPECT
 
 
 def test_a_board_in_the_users_file_is_allowed() -> None:
     match = DeviceMatch(usb_id="2c7c:0125")
-    assert choose(MODEM, DeviceSettings(match=match), DiscoverySettings()) is Choice.ASK
+    assert choose(MODEM, DeviceSettings(match=match), DiscoverySettings()) is Choice.EXPECT
     assert choose(MODEM, DeviceSettings(match=match, baud=9600), DiscoverySettings()) is Choice.SERVE
     # A speed for all boards does not say which ports have one.
     assert choose(MODEM, DeviceSettings(baud=9600), DiscoverySettings()) is Choice.OFFER

@@ -334,3 +334,49 @@ async def test_a_lock_of_ours_keeps_others_out(board: Board) -> None:
     os.close(fd)
     transport.close()
     await transport.wait_closed()
+
+
+async def test_the_speed_of_an_open_port_is_changed(board: Board, monkeypatch: pytest.MonkeyPatch) -> None:
+    transport, _ = await opened(board)
+    assert not transport.has_baud
+    assert transport.set_baud(115200)
+    transport.close()
+    await transport.wait_closed()
+    # To the kernel a pseudo-terminal takes any speed; only we know that it has none.
+    monkeypatch.setattr(serial, "is_pseudo_terminal", lambda path: False)
+    port = await open_serial(SerialAddress(board.path, 57600))
+    assert port.has_baud
+    for baud, constant in ((115200, termios.B115200), (9600, termios.B9600)):
+        assert port.set_baud(baud)
+        fd = os.open(board.path, os.O_RDWR | os.O_NOCTTY)
+        assert termios.tcgetattr(fd)[4:6] == [constant, constant]
+        os.close(fd)
+    assert port.set_baud(250000)
+
+    def refuse(*, baudrate: int) -> None:
+        raise serialx.UnsupportedSetting(f"Unsupported baudrate {baudrate}")
+
+    with monkeypatch.context() as refused:
+        refused.setattr(
+            serialx.Serial, "reconfigure_port", lambda _port, *, baudrate: refuse(baudrate=baudrate)
+        )
+        assert not port.set_baud(3)
+    port.close()
+    await port.wait_closed()
+    assert port.set_baud(9600)
+
+
+async def test_a_port_changes_its_receiver_and_loses_nothing(board: Board) -> None:
+    transport, first = await opened(board)
+    os.write(board.fd, b"one ")
+    await first.until_received(b"one ")
+    transport.pause_reading()
+    os.write(board.fd, b"two ")
+    transport.release(b"unread ")
+    second = Recorder()
+    transport.start(second)
+    os.write(board.fd, b"three")
+    await second.until_received(b"unread two three")
+    assert bytes(first.data) == b"one "
+    transport.close()
+    await transport.wait_closed()

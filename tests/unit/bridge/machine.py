@@ -1,0 +1,61 @@
+"""A machine whose serial ports are pseudo-terminals with the USB marks that a test gives them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from rostether.bridge.machine_ports import MachinePorts
+from rostether.device import Device
+from rostether.transports.address import SerialAddress
+from rostether.transports.serial import SerialTransport, open_serial
+from rostether.transports.serial_port import SerialPort
+from unit.bridge.nodes import STORE
+
+UNO: dict[str, Any] = {"usb_vendor_id": 0x2341, "usb_product_id": 0x43, "description": "Arduino Uno"}
+CH340: dict[str, Any] = {"usb_vendor_id": 0x1A86, "usb_product_id": 0x7523, "description": "USB Serial"}
+MODEM: dict[str, Any] = {"usb_vendor_id": 0x2C7C, "usb_product_id": 0x125, "description": "LTE modem"}
+
+
+class Machine:
+    """The ports; `opens` counts how often each was opened by us."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.opens: Counter[str] = Counter()
+        self.opened: list[SerialTransport] = []
+        self.users: dict[str, str] = {}
+        self._ports: dict[str, SerialPort] = {}
+        self.ports = MachinePorts(
+            self.list_ports, (str(folder),), self._open, lambda path: self.users.get(path)
+        )
+
+    def path(self, name: str) -> str:
+        """Where a port is."""
+        return str(self.folder / name)
+
+    def list_ports(self) -> list[SerialPort]:
+        """What the system would say."""
+        return [port for port in self._ports.values() if Path(port.path).exists()]
+
+    def mark(self, name: str, **marks: Any) -> None:
+        """Say what will be plugged in at a port."""
+        marks.setdefault("description", "serial port")
+        self._ports[name] = replace(SerialPort(self.path(name), ""), **marks)
+
+    def board(self, name: str, declare: Callable[[Device], object] | None = None, **marks: Any) -> Device:
+        """Return a board that is plugged in while its block lasts."""
+        self.mark(name, **marks)
+        device = Device(f"pty:{self.path(name)}", store=STORE)
+        if declare is not None:
+            declare(device)
+        return device
+
+    async def _open(self, address: SerialAddress) -> SerialTransport:
+        self.opens[Path(address.path).name] += 1
+        transport = await open_serial(address)
+        self.opened.append(transport)
+        return transport
