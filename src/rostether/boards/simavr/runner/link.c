@@ -79,9 +79,14 @@ static bool is_listening(void) {
     return kind == TCP ? connection >= 0 : kind == PTY && (terminal_watch < 0 || openers > 0);
 }
 
-static void on_host_came(void) {
+/* What one host has not read is not for the next. */
+static void forget_output(void) {
     output_count = 0;
     if (kind == PTY) tcflush(terminal_slave, TCIFLUSH);
+}
+
+static void on_host_came(void) {
+    forget_output();
     if (autoreset) power_reset("host");
 }
 
@@ -92,7 +97,7 @@ static void notice_openers(void) {
         for (char *at = notes; at < notes + count;) {
             const struct inotify_event *note = (const struct inotify_event *)at;
             if (note->mask & IN_OPEN && openers++ == 0) on_host_came();
-            if (note->mask & IN_CLOSE && openers > 0) openers--;
+            if (note->mask & IN_CLOSE && openers > 0 && --openers == 0) forget_output();
             at += sizeof *note + note->len;
         }
 }
