@@ -30,7 +30,9 @@ VERBS = {
     "param": VerbEntry("rostether.cli.param:param", "Read and write parameters."),
     "msg": VerbEntry("rostether.cli.definitions:msg", "Show message definitions."),
     "srv": VerbEntry("rostether.cli.definitions:srv", "Show service definitions."),
-    "firmware": VerbEntry("rostether.cli.firmware:firmware", "Build, size and flash sketches; make their library."),
+    "firmware": VerbEntry(
+        "rostether.cli.firmware:firmware", "Build, size and flash sketches; make their library."
+    ),
     "completion": VerbEntry("rostether.cli.completion:completion", "Print shell completion code."),
 }
 
