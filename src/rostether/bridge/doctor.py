@@ -17,16 +17,17 @@ import asyncio
 from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from typing import cast
 
-from rostether.bridge.baud_search import find_baud
 from rostether.bridge.diagnostics import BoardView
 from rostether.bridge.findings.finding import Code, Finding, error
 from rostether.bridge.findings.line_watch import NO_ANSWER_S
 from rostether.bridge.findings.noise import show
 from rostether.bridge.findings.port import busy, cannot_open, open_error_finding, port_findings
+from rostether.bridge.port_probe import TunableTransport, probe_port
 from rostether.bridge.watching import WATCH_S, Watched, watch_board
 from rostether.errors import RostetherError, TransportError
-from rostether.rosserial.baud_probe import USUAL_BAUDS, NoBoard
+from rostether.rosserial.baud_probe import NoBoard
 from rostether.serde.store import TypeStore
 from rostether.transports.address import Address, SerialAddress, TcpAddress, UdpAddress
 from rostether.transports.opening import listen, open_transport
@@ -71,7 +72,6 @@ class Doctor:
         *,
         watch_s: float = WATCH_S,
         answer_s: float = NO_ANSWER_S,
-        bauds: Sequence[int] = USUAL_BAUDS,
         say: Callable[[str], object] = lambda _text: None,
         read_facts: Callable[[str], Awaitable[PortFacts]] | None = None,
         list_ports: Callable[[], Sequence[NamedPort]] = list,
@@ -80,9 +80,8 @@ class Doctor:
         self._store = store
         self._watch_s = watch_s
         self._answer_s = answer_s
-        self._bauds = bauds
         self._say = say
-        self._read_facts = read_facts or partial(asyncio.to_thread, read_port_facts, list_ports=list_ports)
+        self._read_facts = read_facts or partial(_read_facts, list_ports)
         self._open = open_transport
         self._loop = asyncio.get_running_loop()
 
@@ -118,12 +117,14 @@ class Doctor:
     async def _search(self, address: SerialAddress, watched: Watched) -> Diagnosis:
         """Nothing that makes sense came at the address's baud rate: try others."""
         try:
-            found = await find_baud(
-                address,
-                self._open,
-                bauds=self._bauds,
-                on_attempt=lambda baud: self._say(f"trying {baud} baud ..."),
-            )
+            self._say("trying other baud rates, for half a minute at most ...")
+            # DTR stays as it is from here on, so that the board is not reset each time.
+            transport = await self._open(replace(address, reset=False))
+            try:
+                found = await probe_port(cast("TunableTransport", transport))
+            finally:
+                transport.close()
+                await transport.wait_closed()
             if isinstance(found, NoBoard):
                 findings = (_judge_search(address, watched, found), *watched.findings[1:])
                 return replace(self._diagnosis(address, watched, address.baud), findings=findings)
@@ -133,6 +134,9 @@ class Doctor:
         except TransportError as failure:
             facts = await self._read_facts(address.path)
             return Diagnosis(str(address), (open_error_finding(facts, failure),), baud=address.baud)
+        if found.baud == address.baud:
+            # It was in its boot loader, or away, when it was listened to.
+            return self._diagnosis(right, again, right.baud)
         wrong = error(
             Code.WRONG_BAUD,
             f"the board does not speak at {address.baud} baud, but at {found.baud}",
@@ -189,6 +193,10 @@ class Doctor:
             watched.clock_offset_s,
             watched.clock_drift_ppm,
         )
+
+
+async def _read_facts(list_ports: Callable[[], Sequence[NamedPort]], path: str) -> PortFacts:
+    return await asyncio.to_thread(read_port_facts, path, list_ports)
 
 
 def _needs_search(watched: Watched) -> bool:
