@@ -99,8 +99,7 @@ def test_avr_boards(library: Path, board: str, switch: str) -> None:
         pytest.param(("g++", "-O2", "-Wpedantic"), marks=pytest.mark.gcc),
         pytest.param(("g++", "-O2", "-std=c++20"), marks=pytest.mark.gcc),
         pytest.param(("clang++", "-O2", "-std=c++11", "-Wpedantic"), marks=pytest.mark.clang),
-        pytest.param(("x86_64-w64-mingw32-g++", "-O2"), marks=pytest.mark.mingw),
-        pytest.param(("x86_64-w64-mingw32-g++", "-O2", "-std=c++11"), marks=pytest.mark.mingw),
+        pytest.param(("x86_64-w64-mingw32-g++", "-std=c++11"), marks=pytest.mark.mingw),
     ],
     ids=" ".join,
 )

@@ -16,9 +16,9 @@ from firmware.platforms.programs import running
 pytestmark = [pytest.mark.mingw, pytest.mark.wine, pytest.mark.timeout(120)]
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def wine(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, str]]:
-    """The environment of a Windows of our own: made once, which takes some seconds."""
+    """The environment of a Windows of our own, which takes some seconds to make: one test uses it."""
     prefix = tmp_path_factory.mktemp("wine")
     # Without them it would offer to fetch .NET and a browser.
     environment = {"WINEPREFIX": str(prefix), "WINEDEBUG": "-all", "WINEDLLOVERRIDES": "mscoree=;mshtml="}
@@ -29,7 +29,9 @@ def wine(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, str]]:
     subprocess.run(["wineserver", "--kill"], env=everything, check=False, stdout=null, stderr=null)
 
 
-async def test_converses_over_tcp_and_comes_back(windows_program: Path, wine: dict[str, str]) -> None:
+async def test_converses_over_tcp_comes_back_and_converses_over_a_com_port(
+    windows_program: Path, wine: dict[str, str], tmp_path: Path
+) -> None:
     async with meeting() as met:
         async with met.bridge("tcp://127.0.0.1:0") as (address,):
             pass
@@ -38,12 +40,9 @@ async def test_converses_over_tcp_and_comes_back(windows_program: Path, wine: di
                 async with met.bridge(address):
                     await met.converse()
                 await asyncio.sleep(0.5)
-
-
-async def test_converses_over_a_com_port(windows_program: Path, wine: dict[str, str], tmp_path: Path) -> None:
-    port = tmp_path / "port"
-    async with meeting() as met, met.bridge(f"pty:{port}"):
-        # Beyond COM9, which needs the long form of the name.
-        (Path(wine["WINEPREFIX"]) / "dosdevices" / "com33").symlink_to(port)
-        async with running("wine", windows_program, "COM33", "115200", environment=wine):
-            await met.converse()
+        port = tmp_path / "port"
+        async with met.bridge(f"pty:{port}"):
+            # Beyond COM9, which needs the long form of the name.
+            (Path(wine["WINEPREFIX"]) / "dosdevices" / "com33").symlink_to(port)
+            async with running("wine", windows_program, "COM33", "115200", environment=wine):
+                await met.converse()
