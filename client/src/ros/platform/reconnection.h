@@ -52,7 +52,7 @@ class Reconnection {
  private:
   static const uint16_t FIRST_PAUSE_MS = 100;
   // A host that was restarted is seen within a second.
-  static const uint16_t LONGEST_PAUSE_MS = 800;
+  static const uint16_t LONGEST_PAUSE_MS = 500;
   static const uint16_t LONGEST_WAIT_MS = 20000;
 
   uint32_t tried_ms_;
