@@ -15,8 +15,9 @@ import pytest
 
 from rostether.bridge.board_node import BoardNode
 from rostether.bridge.session import Session
-from rostether.errors import UnknownTypeError
 from rostether.graph.ports import Level
+from rostether.msgdef.registry import Registry
+from rostether.serde.store import TypeStore
 from unit.bridge.doubles import FakeTransport
 from unit.bridge.nodes import STORE, World
 from unit.bridge.virtual_time import run
@@ -84,7 +85,7 @@ def held_by(capture: Capture) -> Held:
     return Held(dict(messages), logs)
 
 
-async def replay(capture: Capture) -> tuple[dict[str, list[bytes]], World]:
+async def replay(capture: Capture, store: TypeStore = STORE) -> tuple[dict[str, list[bytes]], World]:
     """Give a session what the board sent, at the times it did; return what ROS got."""
     world = await World().open()
     heard = {
@@ -93,7 +94,7 @@ async def replay(capture: Capture) -> tuple[dict[str, list[bytes]], World]:
         if topic.kind == "publisher"
     }
     loop = asyncio.get_running_loop()
-    node = BoardNode(world.board, STORE, world.reporter, loop.time)
+    node = BoardNode(world.board, store, world.reporter, loop.time)
     session = Session(FakeTransport(can_pause=False), node, baud=57600)
     session.start()
     began_s = loop.time()
@@ -130,10 +131,8 @@ def test_the_capture_holds_something(name: str) -> None:
 
 
 def test_a_topic_of_an_unknown_package_is_named() -> None:
-    capture = load("mearm")
-    with pytest.raises(UnknownTypeError):
-        STORE.layout("mearm_model/ServoAngles")
-    _, world = run(replay(capture))
+    store = TypeStore(Registry(bundled=False))
+    _, world = run(replay(load("mearm"), store))
     (said,) = world.reporter.having("servo_angles")
     assert "mearm_model" in said
     assert "--msg-path" in said
