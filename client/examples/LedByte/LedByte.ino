@@ -1,8 +1,9 @@
-// LedByte: four LEDs, each shows one bit of the number that comes on the topic "led_out".
+// LedByte: four LEDs, each shows one bit of the number that comes on the topic "led_out": 5 lights the first and
+// the third.
 //
 // Wiring:  none on an OpenCR, its LEDs USER1 to USER4 are on the board. On others an LED with a resistor of 1 kiloohm
 //          from each of the pins 4, 5, 6, 7 to GND.
-// Try it:  rostether serve /dev/ttyACM0          rostether topic pub -1 /led_out std_msgs/Byte 5          the first and the third
+// Try it:  rostether serve /dev/ttyACM0          rostether topic pub -1 /led_out std_msgs/Byte 5
 
 #include <ros.h>
 #include <std_msgs/Byte.h>

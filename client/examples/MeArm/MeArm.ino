@@ -3,7 +3,7 @@
 // Wiring:  base - pin 9, shoulder - 10, elbow - 11, claw - 12; the servos need a supply of 5 V, 2 A of their own,
 //          its GND joined with the board's.
 // Try it:  rostether serve "/dev/ttyACM0?baud=115200"
-//          rostether topic pub -1 /servo_control mearm_model/ServoAngles "{servo1: 90, servo2: 90, servo3: 90, servo4: 40}"
+//          rostether topic pub -1 /servo_control mearm_model/ServoAngles "[90, 90, 90, 40]"
 
 #include <Servo.h>
 #include <mearm_model/ServoAngles.h>

@@ -44,29 +44,25 @@ const float EMPTY_VOLTS = 11.0;
 // an Uno's memory to the messages that go out.
 ros::NodeHandle_<ArduinoHardware, 4, 9, 64, 1024> nh;
 
-nav_msgs::Odometry odom;
-sensor_msgs::Imu imu;
-sensor_msgs::JointState joints;
-sensor_msgs::MagneticField field;
-sensor_msgs::BatteryState battery;
-turtlebot3_msgs::SensorState state;
-turtlebot3_msgs::VersionInfo version;
-geometry_msgs::TransformStamped transform;
+// A publisher needs to know its type, not a message: those are made when they are sent, one after the other in the
+// same memory. All at once they would take 800 bytes, and an Uno has 2048.
+template <class Message>
+Message* only() {
+  return NULL;
+}
 
-ros::Publisher pub_odom("odom", &odom);
-ros::Publisher pub_imu("imu", &imu);
-ros::Publisher pub_joints("joint_states", &joints);
-ros::Publisher pub_field("magnetic_field", &field);
-ros::Publisher pub_battery("battery_state", &battery);
-ros::Publisher pub_state("sensor_state", &state);
-ros::Publisher pub_version("version_info", &version);
+ros::Publisher pub_odom("odom", only<nav_msgs::Odometry>());
+ros::Publisher pub_imu("imu", only<sensor_msgs::Imu>());
+ros::Publisher pub_joints("joint_states", only<sensor_msgs::JointState>());
+ros::Publisher pub_field("magnetic_field", only<sensor_msgs::MagneticField>());
+ros::Publisher pub_battery("battery_state", only<sensor_msgs::BatteryState>());
+ros::Publisher pub_state("sensor_state", only<turtlebot3_msgs::SensorState>());
+ros::Publisher pub_version("version_info", only<turtlebot3_msgs::VersionInfo>());
 tf::TransformBroadcaster broadcaster;
 
 char left_name[] = "wheel_left_joint";
 char right_name[] = "wheel_right_joint";
 char* joint_names[] = {left_name, right_name};
-float angles[2];
-float speeds[2];
 
 Mpu9150 sensor;
 bool has_sensor;
@@ -93,33 +89,48 @@ ros::Subscriber<std_msgs::Bool> sub_power("motor_power", &power_cb);
 ros::Subscriber<std_msgs::Empty> sub_reset("reset", &reset_cb);
 ros::Subscriber<turtlebot3_msgs::Sound> sub_sound("sound", &sound_cb);
 
-void publishDrive(const ros::Time& stamp) {
+void publishOdometry(const ros::Time& stamp) {
+  nav_msgs::Odometry odom;
   odom.header.stamp = stamp;
+  odom.header.frame_id = "odom";
+  odom.child_frame_id = "base_footprint";
   odom.pose.pose.position.x = x;
   odom.pose.pose.position.y = y;
   odom.pose.pose.orientation = tf::createQuaternionFromYaw(heading);
   odom.twist.twist.linear.x = speed;
   odom.twist.twist.angular.z = turn_rate;
   pub_odom.publish(&odom);
+}
 
+void publishTransform(const ros::Time& stamp) {
+  geometry_msgs::TransformStamped transform;
   transform.header.stamp = stamp;
+  transform.header.frame_id = "odom";
+  transform.child_frame_id = "base_footprint";
   transform.transform.translation.x = x;
   transform.transform.translation.y = y;
-  transform.transform.rotation = odom.pose.pose.orientation;
+  transform.transform.rotation = tf::createQuaternionFromYaw(heading);
   broadcaster.sendTransform(transform);
+}
 
-  angles[0] = left.angle;
-  angles[1] = right.angle;
-  speeds[0] = left.speed;
-  speeds[1] = right.speed;
+void publishJoints(const ros::Time& stamp) {
+  float angles[] = {left.angle, right.angle};
+  float speeds[] = {left.speed, right.speed};
+  sensor_msgs::JointState joints;
   joints.header.stamp = stamp;
+  joints.header.frame_id = "base_link";
+  joints.name = joint_names;
+  joints.position = angles;
+  joints.velocity = speeds;
+  joints.name_length = joints.position_length = joints.velocity_length = 2;
   pub_joints.publish(&joints);
 }
 
 void publishImu(const ros::Time& stamp) {
-  sensor.measure();
+  sensor_msgs::Imu imu;
   imu.header.stamp = stamp;
-  imu.orientation = odom.pose.pose.orientation;
+  imu.header.frame_id = "imu_link";
+  imu.orientation = tf::createQuaternionFromYaw(heading);
   imu.angular_velocity.x = sensor.angular_velocity.x;
   imu.angular_velocity.y = sensor.angular_velocity.y;
   imu.angular_velocity.z = sensor.angular_velocity.z;
@@ -127,50 +138,56 @@ void publishImu(const ros::Time& stamp) {
   imu.linear_acceleration.y = sensor.acceleration.y;
   imu.linear_acceleration.z = sensor.acceleration.z;
   pub_imu.publish(&imu);
+}
 
+void publishField(const ros::Time& stamp) {
+  sensor_msgs::MagneticField field;
   field.header.stamp = stamp;
+  field.header.frame_id = "imu_link";
   field.magnetic_field.x = sensor.magnetic_field.x;
   field.magnetic_field.y = sensor.magnetic_field.y;
   field.magnetic_field.z = sensor.magnetic_field.z;
   pub_field.publish(&field);
 }
 
+float batteryVolts() {
+  return analogRead(BATTERY) * (3 * 5.0 / 1024);  // the resistors let a third of it through
+}
+
 void publishState(const ros::Time& stamp) {
+  turtlebot3_msgs::SensorState state;
   state.header.stamp = stamp;
   state.bumper = digitalRead(BUMPER) == LOW ? turtlebot3_msgs::SensorState::BUMPER_FORWARD : 0;
   state.torque = has_power;
   state.left_encoder = left.ticks;
   state.right_encoder = right.ticks;
-  state.battery = analogRead(BATTERY) * (3 * 5.0 / 1024);  // the resistors let a third of it through
+  state.battery = batteryVolts();
   pub_state.publish(&state);
 }
 
 void publishBattery(const ros::Time& stamp) {
+  sensor_msgs::BatteryState battery;
   battery.header.stamp = stamp;
-  battery.voltage = state.battery;
-  battery.percentage = constrain((state.battery - EMPTY_VOLTS) / (FULL_VOLTS - EMPTY_VOLTS), 0.0, 1.0);
-  battery.present = state.battery > 5;
+  battery.voltage = batteryVolts();
+  battery.percentage = constrain((battery.voltage - EMPTY_VOLTS) / (FULL_VOLTS - EMPTY_VOLTS), 0.0, 1.0);
+  battery.current = battery.charge = battery.capacity = NAN;  // not measured
+  battery.design_capacity = 1.8;                              // Ah
+  battery.present = battery.voltage > 5;
   pub_battery.publish(&battery);
+}
+
+void publishVersion() {
+  turtlebot3_msgs::VersionInfo version;
+  version.hardware = "Arduino";
+  version.firmware = "1.0";
+  version.software = "1.0";
+  pub_version.publish(&version);
 }
 
 void setup() {
   beginDrive();
   pinMode(BUMPER, INPUT_PULLUP);
   has_sensor = sensor.begin();
-
-  odom.header.frame_id = transform.header.frame_id = "odom";
-  odom.child_frame_id = transform.child_frame_id = "base_footprint";
-  imu.header.frame_id = field.header.frame_id = "imu_link";
-  joints.header.frame_id = "base_link";
-  joints.name = joint_names;
-  joints.position = angles;
-  joints.velocity = speeds;
-  joints.name_length = joints.position_length = joints.velocity_length = 2;
-  battery.design_capacity = 1.8;  // Ah
-  battery.current = battery.charge = battery.capacity = NAN;  // not measured
-  version.hardware = "Arduino";
-  version.firmware = "1.0";
-  version.software = "1.0";
 
   nh.getHardware()->setBaud(500000);
   nh.initNode();
@@ -200,11 +217,17 @@ void loop() {
   published_ms = millis();
 
   const ros::Time stamp = nh.now();
-  publishDrive(stamp);
-  if (has_sensor) publishImu(stamp);
+  publishOdometry(stamp);
+  publishTransform(stamp);
+  publishJoints(stamp);
   publishState(stamp);
+  if (has_sensor) {
+    sensor.measure();
+    publishImu(stamp);
+    publishField(stamp);
+  }
   if (++rounds < 10) return;
   rounds = 0;
   publishBattery(stamp);
-  pub_version.publish(&version);
+  publishVersion();
 }

@@ -1,6 +1,6 @@
 // ServiceServer: answers calls of the service "test_srv", in turn with "hello" and with "world".
 //
-// Wiring: none; the LED on pin 13 is lit while the answer was "hello".
+// Wiring: none.
 // Try it:  rostether serve /dev/ttyACM0          rostether service call /test_srv "anybody there?"
 
 #include <ros.h>
@@ -11,13 +11,11 @@ using rosserial_arduino::Test;
 
 ros::NodeHandle nh;
 
-const int LED = 13;
 bool says_hello = false;
 
 // What the caller asked is in the request; what we put into the response goes back when this returns.
 void answer(const Test::Request&, Test::Response& response) {
   says_hello = !says_hello;
-  digitalWrite(LED, says_hello);
   response.output = says_hello ? "hello" : "world";
 }
 
@@ -27,7 +25,6 @@ std_msgs::String text;
 ros::Publisher chatter("chatter", &text);
 
 void setup() {
-  pinMode(LED, OUTPUT);
   nh.initNode();
   nh.advertiseService(server);
   nh.advertise(chatter);

@@ -10,8 +10,8 @@
 const int TRIG = 6;
 const int ECHO = 5;
 
-const float SPEED_OF_SOUND = 343.0e-6;      // metres in a microsecond, at 20 degrees Celsius
-const unsigned long PERIOD_MS = 50;         // under 25 ms the last echo would disturb the next
+const float SPEED_OF_SOUND = 343.0e-6;        // metres in a microsecond, at 20 degrees Celsius
+const unsigned long PERIOD_MS = 50;           // under 25 ms the last echo would disturb the next
 const unsigned long LONGEST_ECHO_US = 25000;  // there and back over 4 m
 
 ros::NodeHandle nh;
@@ -20,14 +20,25 @@ sensor_msgs::Range range_msg;
 ros::Publisher pub_range("ultrasound", &range_msg);
 unsigned long measured_ms;
 
+// The time at which the echo pin no longer has a level; 0 when it keeps it. Other than pulseIn(), micros() does not
+// lose time while bytes come and go on the serial line.
+unsigned long endOf(int level) {
+  const unsigned long began_us = micros();
+  while (digitalRead(ECHO) == level) {
+    if (micros() - began_us > LONGEST_ECHO_US) return 0;
+  }
+  return micros();
+}
+
 // Metres; infinite when no echo came back.
 float measureRange() {
   digitalWrite(TRIG, HIGH);  // ten microseconds make it send
   delayMicroseconds(10);
   digitalWrite(TRIG, LOW);
-  const unsigned long echo_us = pulseIn(ECHO, HIGH, LONGEST_ECHO_US);
-  if (echo_us == 0) return INFINITY;
-  return echo_us * (SPEED_OF_SOUND / 2);  // the sound went there and back
+  const unsigned long sent_us = endOf(LOW);
+  const unsigned long back_us = endOf(HIGH);
+  if (sent_us == 0 || back_us == 0) return INFINITY;
+  return (back_us - sent_us) * (SPEED_OF_SOUND / 2);  // the sound went there and back
 }
 
 void setup() {

@@ -1,0 +1,18 @@
+"""Fixtures of the examples' tests."""
+
+from __future__ import annotations
+
+import pytest
+
+
+@pytest.fixture(params=["uno", "mega"])
+def kind(request: pytest.FixtureRequest) -> str:
+    """A board that every example is for."""
+    return str(request.param)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Everything in this folder needs an AVR compiler and simulated boards."""
+    for item in items:
+        if "examples" in item.path.parts:
+            item.add_marker("simavr")

@@ -1,0 +1,218 @@
+"""An example on a simulated board, the bridge, a ROS master and a node that looks on."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
+from pathlib import Path
+
+from rostether.boards.simavr.simulated_board import SimulatedBoard
+from rostether.bridge.settings import BridgeSettings
+from rostether.bridge.supervisor import Supervisor
+from rostether.firmware.build import BuildOptions, BuiltFirmware, build_sketch, find_board
+from rostether.graph.ports import Graph
+from rostether.graph.typed_graph import TypedGraph, TypedPublisher
+from rostether.msgdef.registry import Registry
+from rostether.ros1.environment import RosEnvironment
+from rostether.ros1.master.server import MasterServer
+from rostether.ros1.node.node import join_ros1
+from rostether.serde.store import TypeStore
+from rostether.serde.values import Message
+from rostether.transports.address import parse_address
+from unit.bridge.doubles import RecordingReporter, until
+
+EXAMPLES = Path(__file__).parents[3] / "client" / "examples"
+STORE = TypeStore(Registry())
+NODE = "board"
+# A busy machine takes its time; nothing here takes longer than two seconds on an idle one.
+PATIENCE_S = 20.0
+
+Meets = Callable[[Message], object]
+Prepare = Callable[[TypedGraph, str], Awaitable[None]]
+
+
+async def build_example(name: str, kind: str) -> BuiltFirmware:
+    """Build an example with all warnings; what was built before, by any test process, is reused."""
+    return await build_sketch(EXAMPLES / name, find_board(kind), BuildOptions(warnings=True))
+
+
+class Ear:
+    """Hears a topic from now on."""
+
+    def __init__(self) -> None:
+        self.heard: list[Message] = []
+        self._came = asyncio.Event()
+
+    def take(self, message: Message) -> None:
+        """Hear one message."""
+        self.heard.append(message)
+        self._came.set()
+
+    async def next(self, meets: Meets = lambda _message: True, *, timeout_s: float = PATIENCE_S) -> Message:
+        """Return the first message to come that meets a condition; fails with the last one."""
+        seen = len(self.heard)
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(timeout_s):
+                while True:
+                    self._came.clear()
+                    for message in self.heard[seen:]:
+                        if meets(message):
+                            return message
+                    seen = len(self.heard)
+                    await self._came.wait()
+        raise AssertionError(f"no such message; of {len(self.heard)} the last is\n{self.heard[-1:]}")
+
+    async def reached(self, count: int) -> None:
+        """Wait until so many messages were heard altogether."""
+        if len(self.heard) < count:
+            await self.next(lambda _message: len(self.heard) >= count)
+
+    async def several(self, count: int) -> list[Message]:
+        """Return the next messages."""
+        first = len(self.heard)
+        await self.reached(first + count)
+        return self.heard[first : first + count]
+
+
+class Stage:
+    """`board` runs the example; `graph` is a node beside the bridge's `/board`."""
+
+    def __init__(
+        self, board: SimulatedBoard, graph: TypedGraph, master_uri: str, reporter: RecordingReporter
+    ) -> None:
+        self.board = board
+        self.graph = graph
+        self.master_uri = master_uri
+        self.reporter = reporter
+
+    async def listen(self, topic: str, type_name: str) -> Ear:
+        """Subscribe, and wait until a publisher is connected."""
+        ear = Ear()
+        codec = STORE.codec(type_name)
+
+        def take(payloads: Sequence[bytes]) -> None:
+            for payload in payloads:
+                ear.take(codec.decode(payload))
+
+        subscriber = await self.graph.raw.subscribe(topic, STORE.registry.message_type(type_name), take)
+        await until(lambda: subscriber.publisher_count, f"a publisher of {topic}", PATIENCE_S)
+        return ear
+
+    async def message(self, topic: str, type_name: str, meets: Meets = lambda _message: True) -> Message:
+        """Return the next message of a topic that meets a condition."""
+        return await (await self.listen(topic, type_name)).next(meets)
+
+    async def log(self) -> Ear:
+        """Hear what the board logs."""
+        return await self.listen("/rosout", "rosgraph_msgs/Log")
+
+    async def publisher(self, topic: str, type_name: str) -> TypedPublisher:
+        """Advertise a topic, and wait for the board's subscription."""
+        publisher = await self.graph.publisher(topic, type_name)
+        assert await publisher.wait_for_subscriber(PATIENCE_S), f"nobody subscribed to {topic}"
+        return publisher
+
+    async def service(self, service: str) -> None:
+        """Wait until somebody offers a service."""
+        await _eventually(lambda: self._offers(service), f"service {service}")
+
+    async def memory_becomes(self, symbol: str, data: bytes) -> None:
+        """Wait until a variable of the program begins with these bytes."""
+
+        async def has_become() -> bool:
+            return await self.board.memory(symbol, len(data)) == data
+
+        await _eventually(has_become, f"{data!r} in {symbol}")
+
+    async def servo_turns(self, pin: str, angle: float) -> None:
+        """Wait until a servo stands within a degree of an angle."""
+
+        async def stands() -> bool:
+            return abs(await self.board.servo_angle(pin) - angle) < 1
+
+        await _eventually(stands, f"{angle} degrees at {pin}")
+
+    async def _offers(self, service: str) -> bool:
+        return service in (await self.graph.raw.snapshot()).services
+
+
+async def _eventually(condition: Callable[[], Awaitable[bool]], what: str) -> None:
+    deadline_s = asyncio.get_running_loop().time() + PATIENCE_S
+    while not await condition():
+        assert asyncio.get_running_loop().time() < deadline_s, f"gave up waiting for {what}"
+        await asyncio.sleep(0.01)
+
+
+@contextlib.asynccontextmanager
+async def a_graph(master_uri: str, name: str = "/onlooker") -> AsyncIterator[TypedGraph]:
+    """Be a node of the stage's graph."""
+    graph = await _join(master_uri, name)
+    try:
+        yield TypedGraph(graph, STORE)
+    finally:
+        await graph.close()
+
+
+@contextlib.asynccontextmanager
+async def a_bridge(master_uri: str, reporter: RecordingReporter, address: str) -> AsyncIterator[Supervisor]:
+    """Serve a link address."""
+
+    async def join(
+        node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
+    ) -> Graph:
+        return await _join(master_uri, node_name, namespace, remappings)
+
+    supervisor = Supervisor(join, STORE, reporter=reporter, settings=BridgeSettings(grace_s=1.0))
+    try:
+        await supervisor.start([parse_address(address)])
+        yield supervisor
+    finally:
+        await supervisor.close()
+
+
+@contextlib.asynccontextmanager
+async def running(
+    name: str,
+    kind: str = "uno",
+    words: Sequence[str] = (),
+    prepare: Prepare | None = None,
+    *,
+    uses_network: bool = False,
+) -> AsyncIterator[Stage]:
+    """Run an example. `words` are told to the board at its start; `prepare` has the graph before that.
+
+    A sketch that uses the network finds the bridge there, others on the serial line.
+    """
+    built = await build_example(name, kind)
+    reporter = RecordingReporter()
+    async with contextlib.AsyncExitStack() as stack:
+        master = await MasterServer.start(port=0)
+        stack.push_async_callback(master.close)
+        graph = await stack.enter_async_context(a_graph(master.uri))
+        if prepare is not None:
+            await prepare(graph, master.uri)
+        words = list(words)
+        if uses_network:
+            bridge = await stack.enter_async_context(
+                a_bridge(master.uri, reporter, f"tcp://127.0.0.1:0?name={NODE}")
+            )
+            words.append("network " + bridge.listening_on[0].removeprefix("tcp://").partition("?")[0])
+        board = await stack.enter_async_context(
+            await SimulatedBoard.start(built.elf, board=kind, words=words)
+        )
+        if not uses_network:
+            await stack.enter_async_context(a_bridge(master.uri, reporter, f"{board.address}?name={NODE}"))
+        yield Stage(board, graph, master.uri, reporter)
+
+
+async def _join(
+    master_uri: str, name: str, namespace: str = "/", remappings: Mapping[str, str] | None = None
+) -> Graph:
+    return await join_ros1(
+        name,
+        master_uri=master_uri,
+        environment=RosEnvironment.read({}),
+        namespace=namespace,
+        remappings=remappings,
+    )

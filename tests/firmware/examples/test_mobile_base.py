@@ -1,0 +1,140 @@
+"""The whole board of a robot: all its topics on one line, on an Uno too."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import math
+from collections.abc import AsyncIterator
+
+import pytest
+
+from firmware.examples.attitudes import yaw_of
+from firmware.examples.stage import PATIENCE_S, Stage, running
+from rostether.graph.typed_graph import TypedPublisher
+
+ODOM = "nav_msgs/Odometry"
+WHEEL_RADIUS, WHEEL_SEPARATION = 0.033, 0.16
+
+
+@contextlib.asynccontextmanager
+async def driving(cmd_vel: TypedPublisher, speed: float, turn_rate: float) -> AsyncIterator[None]:
+    """Command a speed ten times a second, as a driver does."""
+
+    async def command() -> None:
+        while True:
+            cmd_vel.publish(linear={"x": speed}, angular={"z": turn_rate})
+            await asyncio.sleep(0.1)
+
+    commanding = asyncio.create_task(command())
+    try:
+        yield
+    finally:
+        commanding.cancel()
+
+
+async def duty(stage: Stage, pin: str, wanted: float) -> None:
+    """Wait until a motor gets this part of the supply's voltage."""
+
+    def is_so() -> bool:
+        told = [each for each in stage.board.recent if each.name == "pwm" and each["pin"] == pin]
+        return bool(told) and abs(told[-1]["duty"] - wanted) < 0.02
+
+    async with asyncio.timeout(PATIENCE_S):
+        while not is_so():
+            await asyncio.sleep(0.01)
+
+
+async def test_it_drives(kind: str) -> None:
+    async with running("MobileBase", kind, ["watch D5", "watch D6"]) as stage:
+        odom = await stage.listen("/odom", ODOM)
+        joints = await stage.listen("/joint_states", "sensor_msgs/JointState")
+        tf = await stage.listen("/tf", "tf/tfMessage")
+        state = await stage.listen("/sensor_state", "turtlebot3_msgs/SensorState")
+        cmd_vel = await stage.publisher("/cmd_vel", "geometry_msgs/Twist")
+        async with driving(cmd_vel, 0.15, 0.5):
+            await duty(stage, "D5", (0.15 - 0.5 * WHEEL_SEPARATION / 2) / 0.22)
+            await duty(stage, "D6", (0.15 + 0.5 * WHEEL_SEPARATION / 2) / 0.22)
+            moving = await odom.next(lambda message: yaw_of(message.pose.pose.orientation) > 0.6)
+        assert moving.twist.twist.linear.x == pytest.approx(0.15, abs=0.005)
+        assert moving.twist.twist.angular.z == pytest.approx(0.5, abs=0.05)
+        assert (moving.header.frame_id, moving.child_frame_id) == ("odom", "base_footprint")
+        # It has gone along a circle with this radius.
+        yaw, place = yaw_of(moving.pose.pose.orientation), moving.pose.pose.position
+        assert place.x == pytest.approx(0.3 * math.sin(yaw), abs=0.01)
+        assert place.y == pytest.approx(0.3 * (1 - math.cos(yaw)), abs=0.01)
+
+        # Nobody commands it any more.
+        stopped = await odom.next(lambda message: message.twist.twist.linear.x == 0)
+        await odom.next()
+        yaw = yaw_of(stopped.pose.pose.orientation)
+        wheels = await joints.next()
+        assert list(wheels.name) == ["wheel_left_joint", "wheel_right_joint"]
+        gone = (wheels.position[0] + wheels.position[1]) / 2 * WHEEL_RADIUS
+        assert gone == pytest.approx(0.3 * yaw, abs=0.01)
+        turned = (wheels.position[1] - wheels.position[0]) * WHEEL_RADIUS / WHEEL_SEPARATION
+        assert turned == pytest.approx(yaw, abs=0.02)
+        ticks = await state.next()
+        assert ticks.left_encoder == pytest.approx(wheels.position[0] * 4096 / math.tau, abs=1)
+        assert ticks.right_encoder == pytest.approx(wheels.position[1] * 4096 / math.tau, abs=1)
+        (frame,) = (await tf.next()).transforms
+        assert frame.transform.translation.x == stopped.pose.pose.position.x
+        assert yaw_of(frame.transform.rotation) == pytest.approx(yaw)
+
+        reset = await stage.publisher("/reset", "std_msgs/Empty")
+        reset.publish()
+        await odom.next(lambda message: message.pose.pose.position.x == message.pose.pose.position.y == 0)
+
+
+async def test_it_obeys_the_motor_switch_and_makes_sounds(kind: str) -> None:
+    async with running("MobileBase", kind, ["watch D5", "watch D6"]) as stage:
+        odom = await stage.listen("/odom", ODOM)
+        power = await stage.publisher("/motor_power", "std_msgs/Bool")
+        cmd_vel = await stage.publisher("/cmd_vel", "geometry_msgs/Twist")
+        async with driving(cmd_vel, -0.1, 0):
+            await odom.next(lambda message: message.twist.twist.linear.x < -0.09)
+            assert await stage.board.pin_level("D4")
+            assert await stage.board.pin_level("D7")
+            power.publish(data=False)
+            await odom.next(lambda message: message.twist.twist.linear.x == 0)
+            assert (await stage.message("/sensor_state", "turtlebot3_msgs/SensorState")).torque is False
+            power.publish(data=True)
+            await odom.next(lambda message: message.twist.twist.linear.x < -0.09)
+
+        sound = await stage.publisher("/sound", "turtlebot3_msgs/Sound")
+        sound.publish(value=4)
+        for level in (True, False) * 5:
+            await stage.board.wait_for_pin("D8", level)
+        events = [each for each in stage.board.recent if each.name == "pin" and each["pin"] == "D8"]
+        rises_s = [each.time_s for each in events if each["level"]]
+        assert rises_s[-1] - rises_s[-2] == pytest.approx(1 / 880, rel=0.02)
+
+
+async def test_it_senses(kind: str) -> None:
+    words = ["adc A0=4.0", "pin D9=0", "attitude 0 0 30"]
+    async with running("MobileBase", kind, words) as stage:
+        state = await stage.message("/sensor_state", "turtlebot3_msgs/SensorState")
+        assert state.bumper == 1
+        assert state.battery == pytest.approx(12, abs=0.02)
+        battery = await stage.message("/battery_state", "sensor_msgs/BatteryState", lambda it: it.voltage > 1)
+        assert battery.voltage == pytest.approx(12, abs=0.02)
+        assert battery.percentage == pytest.approx(1.0 / 1.4, abs=0.02)
+        assert battery.present
+        version = await stage.message("/version_info", "turtlebot3_msgs/VersionInfo")
+        assert (version.hardware, version.firmware) == ("Arduino", "1.0")
+        imu = await stage.message("/imu", "sensor_msgs/Imu")
+        assert imu.linear_acceleration.z == pytest.approx(9.81, abs=0.05)
+        # The Earth's field of the simulated world: 20 microtesla to the north, 44 down.
+        field = await stage.message("/magnetic_field", "sensor_msgs/MagneticField")
+        found = (field.magnetic_field.x, field.magnetic_field.y, field.magnetic_field.z)
+        north, west = 20e-6 * math.cos(math.pi / 6), -20e-6 * math.sin(math.pi / 6)
+        assert found == pytest.approx((north, west, -44e-6), abs=0.4e-6)
+        assert await stage.board.free_stack_bytes() > 16
+
+
+async def test_without_an_imu_the_rest_works_on() -> None:
+    async with running("MobileBase", words=["adc A0=3.8"]) as stage:
+        await stage.message("/odom", ODOM)
+        rates = await stage.listen("/odom", ODOM)
+        stamps = [message.header.stamp.to_s() for message in await rates.several(15)]
+        assert (stamps[-1] - stamps[3]) / 11 == pytest.approx(0.1, rel=0.1)

@@ -1,0 +1,115 @@
+"""Examples about where things are: servos, transforms, attitude."""
+
+from __future__ import annotations
+
+import math
+import time
+
+import pytest
+
+from firmware.examples.attitudes import degrees_apart, from_angles, yaw_of
+from firmware.examples.stage import running
+
+TF = "tf/tfMessage"
+
+
+async def test_servo_control(kind: str) -> None:
+    async with running("ServoControl", kind) as stage:
+        servo = await stage.publisher("/servo", "std_msgs/UInt16")
+        assert await stage.board.servo_pulse_us("D9") == pytest.approx(1500, abs=10)
+        led = False
+        for angle in (0, 45, 137, 180):
+            servo.publish(data=angle)
+            led = not led
+            await stage.board.wait_for_pin("D13", led)
+            await stage.servo_turns("D9", angle)
+            pulse_us = await stage.board.servo_pulse_us("D9")
+            assert pulse_us == pytest.approx(544 + angle * (2400 - 544) / 180, abs=10)
+
+
+async def test_me_arm(kind: str) -> None:
+    async with running("MeArm", kind) as stage:
+        control = await stage.publisher("/servo_control", "mearm_model/ServoAngles")
+        for angles in ((90, 60, 120, 40), (0, 180, 10, 170), (45, 46, 47, 48)):
+            control.publish({f"servo{number}": angle for number, angle in enumerate(angles, 1)})
+            for pin, angle in zip(("D9", "D10", "D11", "D12"), angles, strict=True):
+                await stage.servo_turns(pin, angle)
+
+
+async def test_time_tf(kind: str) -> None:
+    async with running("TimeTF", kind) as stage:
+        heard = await stage.listen("/tf", TF)
+        await heard.next(lambda message: message.transforms[0].header.stamp.secs)  # it has the time
+        messages = await heard.several(5)
+        now_s = time.time()
+        stamps = []
+        for message in messages:
+            (frame,) = message.transforms
+            assert (frame.header.frame_id, frame.child_frame_id) == ("odom", "base_link")
+            assert frame.transform.translation.x == 1.0
+            assert frame.transform.rotation.w == 1.0
+            stamps.append(frame.header.stamp.to_s())
+        assert stamps == sorted(set(stamps))
+        # The last came a moment ago, and the board's clock is the host's.
+        assert stamps[-1] == pytest.approx(now_s, abs=0.1)
+
+
+async def test_odom_drives_in_a_circle(kind: str) -> None:
+    radius, turn_rate = 0.2 / 0.36, 0.36
+    async with running("Odom", kind) as stage:
+        heard = await stage.listen("/tf", TF)
+        await heard.next(lambda message: message.transforms[0].header.stamp.secs)  # it has the time
+        frames = [message.transforms[0] for message in await heard.several(30)]
+        for frame in frames:
+            assert (frame.header.frame_id, frame.child_frame_id) == ("odom", "base_link")
+            yaw = yaw_of(frame.transform.rotation)
+            place = frame.transform.translation
+            # Left of where it looks, a radius away, is the middle of the circle, (0, radius).
+            assert place.x - radius * math.sin(yaw) == pytest.approx(0, abs=0.01)
+            assert place.y + radius * math.cos(yaw) == pytest.approx(radius, abs=0.01)
+        first, last = frames[0], frames[-1]
+        turned = yaw_of(last.transform.rotation) - yaw_of(first.transform.rotation)
+        passed_s = last.header.stamp.to_s() - first.header.stamp.to_s()
+        assert turned / passed_s == pytest.approx(turn_rate, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    "degrees", [(0, 0, 0), (30, -20, 90), (-170, 40, -135), (0, 88, 10)], ids=lambda angles: str(angles)
+)
+async def test_imu_shows_the_attitude(kind: str, degrees: tuple[float, float, float]) -> None:
+    """Two changes: to the attitude, and back to another one far from it."""
+    async with running("IMU", kind, ["attitude 10 10 10"]) as stage:
+        imu = await stage.listen("/imu_data", "sensor_msgs/Imu")
+        tf = await stage.listen("/tf", TF)
+        await imu.next()
+        angles = [math.radians(angle) for angle in degrees]
+        wanted = from_angles(*angles)
+        await stage.board.set_attitude(*angles)
+        await imu.next(lambda message: degrees_apart(message.orientation, wanted) < 2)
+        await imu.next()
+        for message in await imu.several(5):
+            assert degrees_apart(message.orientation, wanted) < 2
+            assert message.header.frame_id == "imu_link"
+            assert message.orientation_covariance[0] > 0
+        (frame,) = (await tf.next()).transforms
+        assert (frame.header.frame_id, frame.child_frame_id) == ("base_link", "imu_link")
+        assert degrees_apart(frame.transform.rotation, wanted) < 2
+        place = frame.transform.translation
+        assert math.hypot(place.x, place.y, place.z) == 1
+
+
+async def test_imu_follows_a_turn() -> None:
+    async with running("IMU") as stage:
+        imu = await stage.listen("/imu_data", "sensor_msgs/Imu")
+        await imu.next()
+        await stage.board.set_attitude(0, 0, math.pi / 2, over_s=2)
+        turning = await imu.next(lambda message: message.angular_velocity.z > 0.1)
+        # A quarter of a turn in two seconds.
+        assert turning.angular_velocity.z == pytest.approx(math.pi / 4, abs=0.02)
+        acceleration = turning.linear_acceleration
+        assert (acceleration.x, acceleration.y, acceleration.z) == pytest.approx((0, 0, 9.81), abs=0.1)
+        arrived = from_angles(0, 0, math.pi / 2)
+        still = await imu.next(lambda message: message.angular_velocity.z < 0.1)
+        # It was followed, not caught up with.
+        assert degrees_apart(still.orientation, arrived) < 8
+        await imu.next(lambda message: degrees_apart(message.orientation, arrived) < 2)

@@ -1,0 +1,83 @@
+"""Examples that are called, call, ask and tell: services, parameters, logs."""
+
+from __future__ import annotations
+
+import contextlib
+
+import pytest
+
+from firmware.examples.stage import a_bridge, build_example, running
+from rostether.boards.simavr.simulated_board import SimulatedBoard
+from rostether.graph.typed_graph import TypedGraph
+
+TEXT = "std_msgs/String"
+
+
+async def test_service_server(kind: str) -> None:
+    async with running("ServiceServer", kind) as stage:
+        await stage.service("/test_srv")
+        for said in ("hello", "world", "hello"):
+            answer = await stage.graph.call(
+                "/test_srv", "rosserial_arduino/Test", {"input": "anybody there?"}, timeout_s=10
+            )
+            assert answer.output == said
+        assert (await stage.message("/chatter", TEXT)).data == "hello world!"
+
+
+async def test_service_client(kind: str) -> None:
+    async def serve(graph: TypedGraph, _master: str) -> None:
+        await graph.serve(
+            "/test_srv", "rosserial_arduino/Test", lambda asked: {"output": asked.input.upper()}
+        )
+
+    async with running("ServiceClient", kind, prepare=serve) as stage:
+        assert (await stage.message("/chatter", TEXT)).data == "HELLO WORLD!"
+
+
+async def test_one_board_calls_another(kind: str) -> None:
+    server = await build_example("ServiceServer", "uno")
+    async with contextlib.AsyncExitStack() as stack:
+        client = await stack.enter_async_context(running("ServiceClient", kind))
+        board = await stack.enter_async_context(await SimulatedBoard.start(server.elf))
+        bridge = a_bridge(client.master_uri, client.reporter, f"{board.address}?name=server")
+        await stack.enter_async_context(bridge)
+        chatter = await client.listen("/chatter", TEXT)
+        await chatter.next(lambda text: text.data == "hello")
+        await chatter.next(lambda text: text.data == "world")
+
+
+async def test_parameters(kind: str) -> None:
+    async def set_them(graph: TypedGraph, _master: str) -> None:
+        await graph.raw.set_param("/board", {"gains": [1.5, 0.25, 0.01], "name": "lefty", "period_ms": 20})
+
+    async with running("Parameters", kind, prepare=set_them) as stage:
+        gains = await stage.message("/gains", "std_msgs/Float32MultiArray")
+        assert gains.data == pytest.approx([1.5, 0.25, 0.01])
+        names = await stage.listen("/name", TEXT)
+        several = await names.several(3)
+        assert {message.data for message in several} == {"lefty"}
+
+
+async def test_parameters_that_are_not_set(kind: str) -> None:
+    async with running("Parameters", kind) as stage:
+        log = await stage.log()
+        gains = await stage.listen("/gains", "std_msgs/Float32MultiArray")
+        assert (await gains.next()).data == pytest.approx([1.0, 0.0, 0.1])
+        assert (await stage.message("/name", TEXT)).data == "nobody"
+        assert all(line.level <= 4 for line in log.heard)
+
+
+async def test_logging(kind: str) -> None:
+    async with running("Logging", kind) as stage:
+        log = await stage.log()
+        await log.next(lambda line: line.level == 16)
+        await log.next(lambda line: line.level == 16)
+        round_ = [line for line in log.heard if line.name == "/board" and line.level != 1][-4:]
+        assert [line.level for line in round_] == [2, 4, 8, 16]
+        assert [line.msg for line in round_] == [
+            "all is well",
+            "something is unusual",
+            "something does not work",
+            "nothing works any more",
+        ]
+        assert (1, "for who writes the sketch") in [(line.level, line.msg) for line in log.heard]

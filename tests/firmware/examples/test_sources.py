@@ -1,0 +1,49 @@
+"""The examples as they stand in the library: complete, tested, without warnings, true to their comments."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+from pathlib import Path
+
+import pytest
+
+from firmware.examples.stage import EXAMPLES, build_example
+from rostether.firmware.elf import ElfFile
+from rostether.firmware.footprint import measure
+
+NAMES = sorted(folder.name for folder in EXAMPLES.iterdir())
+
+
+def test_each_has_a_sketch_of_its_name_and_a_test() -> None:
+    tests = "".join(each.read_text() for each in Path(__file__).parent.glob("test_*.py"))
+    for name in NAMES:
+        assert (EXAMPLES / name / f"{name}.ino").is_file()
+        assert f'running("{name}"' in tests
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_each_begins_with_what_it_does_how_to_wire_it_and_what_to_type(name: str) -> None:
+    text = (EXAMPLES / name / f"{name}.ino").read_text()
+    assert text.startswith(f"// {name}: ")
+    assert re.search(r"^// Wiring:  ?\S", text, re.MULTILINE)
+    assert re.search(r"^// Try it:  rostether ", text, re.MULTILINE)
+    assert max(map(len, text.splitlines())) <= 120
+    for typed in re.findall(r"rostether (?:topic pub|topic echo|service call)[^\n]*? /(\w+)", text):
+        assert typed in ("tf", "rosout") or f'"{typed}"' in text, f"{name} has no topic {typed}"
+
+
+def test_sketches_that_share_a_sensor_share_its_text() -> None:
+    # Arduino has no place for what two sketches have in common.
+    assert (EXAMPLES / "IMU/Mpu9150.h").read_text() == (EXAMPLES / "MobileBase/Mpu9150.h").read_text()
+
+
+async def test_each_builds_without_a_warning_and_fits(kind: str) -> None:
+    for built in await asyncio.gather(*(build_example(name, kind) for name in NAMES)):
+        assert built.output == ""
+        footprint = await measure(built.elf, built.board)
+        assert footprint.refusals() == []
+        # A display's buffer, a few more topics: room for what the reader adds.
+        if built.sketch.name != "MobileBase":
+            assert footprint.warnings() == []
+        assert ElfFile.read(built.elf).is_avr
