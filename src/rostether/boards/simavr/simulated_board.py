@@ -200,12 +200,12 @@ class SimulatedBoard:
 
     async def servo_pulse_us(self, pin: str, *, timeout_s: float = DEFAULT_TIMEOUT_S) -> float:
         """Return the length of the last servo pulse on a pin; waits for the first."""
-        known = [event for event in self.recent if event.name == "servo" and event["pin"] == pin]
-        if known:
-            return float((await self.ask(f"servo {pin}", "servo"))["pulse_us"])
-        await self.tell(f"servo {pin}")
-        first = await self.wait_for("servo", lambda event: event["pin"] == pin, timeout_s=timeout_s)
-        return float(first["pulse_us"])
+        if not self._has_pulsed(pin):
+            await self.tell(f"servo {pin}")
+        if not self._has_pulsed(pin):
+            first = await self.wait_for("servo", lambda event: event["pin"] == pin, timeout_s=timeout_s)
+            return float(first["pulse_us"])
+        return float((await self.ask(f"servo {pin}", "servo"))["pulse_us"])
 
     async def servo_angle(self, pin: str, *, timeout_s: float = DEFAULT_TIMEOUT_S) -> float:
         """Return where a servo on a pin stands, in degrees from 0 to 180; waits for the first pulse."""
@@ -268,6 +268,9 @@ class SimulatedBoard:
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
         await self.close()
+
+    def _has_pulsed(self, pin: str) -> bool:
+        return any(event.name == "servo" and event["pin"] == pin for event in self.recent)
 
     @contextlib.contextmanager
     def _listening(self, listener: Callable[[BoardEvent], None]) -> Iterator[None]:
