@@ -29,6 +29,14 @@ PEERS: dict[str, Callable[[], str]] = {
 }
 
 
+@pytest.fixture(autouse=True, scope="session")
+def _nobodys_settings(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Keep what is set and remembered on the developer's machine out of the tests, and theirs out of it."""
+    home = tmp_path_factory.mktemp("home")
+    os.environ["XDG_CONFIG_HOME"] = str(home / "config")
+    os.environ["XDG_STATE_HOME"] = str(home / "state")
+
+
 def pytest_runtest_setup(item: pytest.Item) -> None:
     """Skip or fail a test whose peer is not installed."""
     for name, missing in PEERS.items():

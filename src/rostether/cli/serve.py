@@ -7,7 +7,9 @@ from pathlib import Path
 
 import click
 
+from rostether.cli.announcing import announced, check_mdns
 from rostether.cli.bridge_lines import ConsoleReporter
+from rostether.cli.device_options import config_option, discover_option, probe_option, read_devices
 from rostether.cli.graph_access import read_environment
 from rostether.cli.options import listen_option, msg_path_option
 from rostether.cli.running import run
@@ -15,6 +17,9 @@ from rostether.cli.serving import bridge, loopback_lines, read_links
 from rostether.cli.simulated_links import simulated
 from rostether.cli.verbs import Verb
 from rostether.cli.which_master import used_master
+from rostether.devices.config_paths import known_boards_path
+from rostether.devices.device_book import DeviceBook
+from rostether.devices.known_boards import KnownBoards
 from rostether.errors import ConfigError
 from rostether.graph.ports import Level
 from rostether.ros1.environment import LOOPBACK, RosEnvironment
@@ -24,7 +29,8 @@ from rostether.transports.address import Address
 @click.command(
     cls=Verb,
     examples="""
-    rostether serve /dev/ttyACM0                      a board on USB, 57600 baud
+    rostether serve                                   boards on USB, as they are plugged in
+    rostether serve /dev/ttyACM0                      this port, at 57600 baud
     rostether serve "/dev/ttyUSB0?baud=115200&name=arm"
     rostether serve tcp://:11411 udp://:11411         boards on this machine
     rostether serve tcp://0.0.0.0:11411               boards on the network
@@ -33,7 +39,7 @@ from rostether.transports.address import Address
     rostether serve /dev/ttyACM0 /dev/ttyACM1 --ns-per-board
     """,
 )
-@click.argument("addresses", nargs=-1, metavar="ADDRESS...")
+@click.argument("addresses", nargs=-1, metavar="[ADDRESS...]")
 @click.option("--master", metavar="URI", help="The ROS master to join; it is waited for.")
 @click.option(
     "--master-port",
@@ -43,6 +49,14 @@ from rostether.transports.address import Address
 )
 @listen_option
 @msg_path_option
+@config_option
+@discover_option
+@probe_option
+@click.option(
+    "--mdns/--no-mdns",
+    default=None,
+    help="Announce TCP listeners that the network can reach (when zeroconf is installed).",
+)
 @click.option("--ns-per-board", is_flag=True, help="Put each board's topics into a namespace of its name.")
 @click.option("--no-diagnostics", is_flag=True, help="Do not publish /diagnostics from the boards' nodes.")
 @click.option("-v", "--verbose", is_flag=True, help="Show the boards' debug lines too.")
@@ -53,6 +67,10 @@ def serve(
     master_port: int | None,
     listen: str | None,
     msg_paths: tuple[Path, ...],
+    config: Path | None,
+    discover: bool,
+    probes: tuple[str, ...],
+    mdns: bool | None,
     ns_per_board: bool,
     no_diagnostics: bool,
     verbose: bool,
@@ -60,14 +78,13 @@ def serve(
 ) -> None:
     """Make boards that speak rosserial nodes of the ROS graph.
 
+    Without an ADDRESS, boards on USB are found, at any usual baud rate, and served as they come and go; other
+    devices are left alone.
+
     An ADDRESS is a serial port, tcp://HOST:PORT or udp://HOST:PORT to listen on, pty:PATH for a
     pseudo-terminal made there, xbee:PORT, sim:SKETCH for a simulated board that runs it. Options go behind a
     question mark: baud=115200, name=arm, ns=lab, reset=no. A port that does not exist yet is waited for.
     """
-    if not addresses:
-        raise click.UsageError(
-            "name the board's port, for instance /dev/ttyACM0; `rostether ports` lists them"
-        )
     twice = next((address for address in addresses if addresses.count(address) > 1), None)
     if twice is not None:
         raise click.UsageError(f"{twice} is given twice; one address serves one port")
@@ -78,6 +95,9 @@ def serve(
         environment = environment.listening_on(listen)
     hosts = environment.listen_hosts if listen is not None else (LOOPBACK,)
     links = [link for address in addresses for link in read_links(address, hosts)]
+    devices = read_devices(config, probes)
+    discovers = discover or bool(probes) or not addresses
+    announces = check_mdns(is_wanted=mdns)
     reporter = ConsoleReporter(lowest=Level.DEBUG if verbose else Level.INFO)
     run(
         _serve(
@@ -89,6 +109,10 @@ def serve(
             msg_paths,
             ns_per_board,
             not no_diagnostics,
+            devices,
+            discovers=discovers,
+            announces=announces,
+            wants_mdns=mdns is True,
         ),
         is_service=True,
         uvloop=uvloop,
@@ -104,6 +128,11 @@ async def _serve(
     msg_paths: Sequence[Path],
     ns_per_board: bool,
     diagnostics: bool,
+    devices: DeviceBook,
+    *,
+    discovers: bool,
+    announces: bool,
+    wants_mdns: bool,
 ) -> None:
     async with used_master(environment, is_chosen=is_chosen, port=master_port) as used:
         reporter.line(Level.INFO, used.line)
@@ -117,7 +146,11 @@ async def _serve(
                 reporter,
                 msg_paths=msg_paths,
                 ns_per_board=ns_per_board,
+                devices=devices,
                 diagnostics=diagnostics,
             ) as supervisor,
+            announced(supervisor.listening_on, reporter, is_on=announces, is_wanted=wants_mdns),
         ):
+            if discovers:
+                supervisor.discover(KnownBoards(known_boards_path()), taken=opened)
             await supervisor.wait_done()

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from rostether.bridge.reporter import Reporter
     from rostether.bridge.supervisor import Supervisor
+    from rostether.devices.device_book import DeviceBook
     from rostether.ros1.node.node import Ros1Graph
 
 
@@ -58,6 +59,7 @@ async def bridge(
     ns_per_board: bool = False,
     keeps_node: bool = False,
     remappings: Mapping[str, str] | None = None,
+    devices: DeviceBook | None = None,
     diagnostics: bool = False,
 ) -> AsyncIterator[Supervisor]:
     """Serve boards as long as the block lasts; its end tells them to stop and leaves the graph.
@@ -84,6 +86,7 @@ async def bridge(
         ns_per_board=ns_per_board,
         keeps_node=keeps_node,
         remappings=remappings,
+        devices=devices,
         diagnostics=diagnostics,
     )
     try:

@@ -42,10 +42,11 @@ def identify(port: SerialPort) -> BoardIdentity:
 def choose(port: SerialPort, settings: DeviceSettings, discovery: DiscoverySettings) -> Choice:
     """Decide about a port; `settings` are those of its board."""
     identity = identify(port)
+    if settings.match is not None:
+        # So that `ignore = ["all"]` leaves the boards that the file names.
+        return Choice.SERVE if settings.baud is not None else Choice.EXPECT
     if any(fits_entry(identity, entry) for entry in discovery.ignore):
         return Choice.LEAVE
-    if settings.match is not None:
-        return Choice.SERVE if settings.baud is not None else Choice.EXPECT
     if any(fits_entry(identity, entry) for entry in discovery.probe):
         return Choice.EXPECT
     match kind_of(port.usb_vendor_id, port.usb_product_id):

@@ -92,7 +92,7 @@ NO_SETTINGS = DeviceSettings()
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DiscoverySettings:
-    """Which ports are looked at unasked: `probe` besides those known as boards, `ignore` never.
+    """Which ports are looked at unasked: `probe` besides those known as boards, `ignore` not.
 
     Entries are USB ids (`1a86:7523`), paths or patterns (`/dev/ttyUSB*`), or `all`.
     """

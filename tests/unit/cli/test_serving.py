@@ -42,7 +42,8 @@ def test_one_line_says_what_is_on_loopback_only(
 @pytest.mark.parametrize(
     ("arguments", "code", "text"),
     [
-        ([], 2, "rostether ports"),
+        (["--probe", "ttyUSB0"], 1, "a USB id such as 1a86:7523"),
+        (["--config", "/no/such/file"], 1, "/no/such/file: no such file"),
         (["/dev/ttyACM0?bad=1"], 1, "bad"),
         (["usb:/dev/ttyACM0"], 1, "unknown kind of link 'usb'"),
         (["/dev/ttyACM0", "--master", "nonsense"], 1, "nonsense"),

@@ -45,6 +45,7 @@ def test_a_board_in_the_users_file_is_allowed() -> None:
     match = DeviceMatch(usb_id="2c7c:0125")
     assert choose(MODEM, DeviceSettings(match=match), DiscoverySettings()) is Choice.EXPECT
     assert choose(MODEM, DeviceSettings(match=match, baud=9600), DiscoverySettings()) is Choice.SERVE
+    assert choose(MODEM, DeviceSettings(match=match), DiscoverySettings(ignore=("all",))) is Choice.EXPECT
     # A speed for all boards does not say which ports have one.
     assert choose(MODEM, DeviceSettings(baud=9600), DiscoverySettings()) is Choice.OFFER
 

@@ -1,0 +1,80 @@
+"""Telling the network by mDNS where boards can connect, while `serve` runs."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Sequence
+from contextlib import asynccontextmanager
+from importlib.util import find_spec
+from typing import TYPE_CHECKING
+
+from rostether.errors import ConfigError, TransportOpenError
+from rostether.graph.ports import Level
+from rostether.ros1.environment import is_loopback
+from rostether.transports.address import TcpAddress, parse_address
+
+if TYPE_CHECKING:
+    from rostether.bridge.reporter import Reporter
+    from rostether.transports.mdns import Announcement
+
+
+def check_mdns(*, is_wanted: bool | None) -> bool:
+    """Return whether to announce: None takes zeroconf when it is there. Raises ConfigError without it."""
+    if is_wanted is False:
+        return False
+    is_there = find_spec("zeroconf") is not None
+    if is_wanted and not is_there:
+        raise ConfigError("--mdns needs zeroconf: pip install 'rostether[mdns]', or leave --mdns out")
+    return is_there
+
+
+def network_listeners(listening_on: Sequence[str]) -> list[TcpAddress]:
+    """Return the TCP listeners that other machines can reach; the others are nobody's business."""
+    links = [parse_address(address) for address in listening_on]
+    return [link for link in links if isinstance(link, TcpAddress) and not is_loopback(link.host)]
+
+
+@asynccontextmanager
+async def announced(
+    listening_on: Sequence[str], reporter: Reporter, *, is_on: bool, is_wanted: bool
+) -> AsyncIterator[None]:
+    """Announce the listeners that are reachable from the network, for as long as the block lasts.
+
+    What keeps us from it is one line, and serving goes on.
+    """
+    listeners = network_listeners(listening_on)
+    if is_wanted and not listeners:
+        reporter.line(
+            Level.WARN,
+            "--mdns announces nothing: no TCP listener is reachable from the network; "
+            "--listen 0.0.0.0 tcp://:11411 makes one",
+        )
+    if not is_on or not listeners:
+        yield
+        return
+    announcements: list[Announcement] = []
+    # Asking around whether the name is free takes a second, in which boards can be served already.
+    starting = asyncio.get_running_loop().create_task(_start(listeners, announcements, reporter))
+    try:
+        yield
+    finally:
+        starting.cancel()
+        await asyncio.gather(starting, return_exceptions=True)
+        await asyncio.gather(*(each.close() for each in announcements), return_exceptions=True)
+
+
+async def _start(
+    listeners: Sequence[TcpAddress], announcements: list[Announcement], reporter: Reporter
+) -> None:
+    from rostether.transports.mdns import Announcement
+
+    for listener in listeners:
+        try:
+            announcement = await Announcement.start(listener.host, listener.port)
+        except TransportOpenError as error:
+            reporter.line(Level.WARN, f"{error}; boards need our address then")
+            continue
+        announcements.append(announcement)
+        reporter.line(
+            Level.INFO, f"Announced by mDNS as {announcement.name!r} (_rosserial._tcp, port {listener.port})"
+        )

@@ -1,0 +1,94 @@
+"""Announces TCP listeners by mDNS as `_rosserial._tcp`, so that boards need no address of ours.
+
+Needs zeroconf, which is an extra: `pip install rostether[mdns]`.
+"""
+
+from __future__ import annotations
+
+import ipaddress
+import socket
+from collections.abc import Iterable, Sequence
+
+import ifaddr
+from zeroconf import IPVersion, NonUniqueNameException
+from zeroconf.asyncio import AsyncServiceInfo, AsyncZeroconf
+
+from rostether.errors import TransportOpenError
+from rostether.transports.sockets import explain_reason
+
+SERVICE_TYPE = "_rosserial._tcp.local."
+# Labels in DNS are no longer.
+_MAX_LABEL_BYTES = 63
+_ANY = ("0.0.0.0", "::", "")  # noqa: S104 - only compared with
+
+
+def is_reachable(host: str) -> bool:
+    """Tell whether boards on the network can reach a listener at this host."""
+    try:
+        return not ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host not in ("", "localhost")
+
+
+class Announcement:
+    """One listener, announced until `close`; made by `start`."""
+
+    def __init__(self, zeroconf: AsyncZeroconf, info: AsyncServiceInfo) -> None:
+        self._zeroconf = zeroconf
+        self._info = info
+
+    @classmethod
+    async def start(
+        cls,
+        host: str,
+        port: int,
+        *,
+        interfaces: Sequence[str] | None = None,
+        machine: str | None = None,
+    ) -> Announcement:
+        """Announce a listener. `interfaces` are our addresses to speak at, those of `host` unless given.
+
+        Raises TransportOpenError when the network does not let us.
+        """
+        machine = (machine or socket.gethostname()).partition(".")[0] or "rostether"
+        addresses = list(interfaces) if interfaces is not None else [*_addresses_of(host)]
+        if not addresses:
+            raise TransportOpenError("mDNS: this machine has no network address; connect it to a network")
+        instance = f"rostether on {machine}".encode()[:_MAX_LABEL_BYTES].decode(errors="ignore")
+        info = AsyncServiceInfo(
+            SERVICE_TYPE,
+            f"{instance}.{SERVICE_TYPE}",
+            port=port,
+            parsed_addresses=addresses,
+            properties={"txtvers": "1"},
+            server=f"{machine}.local.",
+        )
+        version = IPVersion.V4Only if all(":" not in address for address in addresses) else IPVersion.All
+        zeroconf: AsyncZeroconf | None = None
+        try:
+            zeroconf = AsyncZeroconf(interfaces=addresses, ip_version=version)
+            # Two bridges on one machine are told apart by a number.
+            await zeroconf.async_register_service(info, allow_name_change=True)
+        except (OSError, NonUniqueNameException) as error:
+            if zeroconf is not None:
+                await zeroconf.async_close()
+            reason = explain_reason(error) if isinstance(error, OSError) else "the name is taken"
+            raise TransportOpenError(f"mDNS: cannot announce port {port}: {reason}") from error
+        return cls(zeroconf, info)
+
+    @property
+    def name(self) -> str:
+        """How other machines see it: `rostether on lab-pc`."""
+        return self._info.name.removesuffix(f".{SERVICE_TYPE}")
+
+    async def close(self) -> None:
+        """Take the announcement back."""
+        await self._zeroconf.async_unregister_all_services()
+        await self._zeroconf.async_close()
+
+
+def _addresses_of(host: str) -> Iterable[str]:
+    if host not in _ANY:
+        return [host] if is_reachable(host) else []
+    ips = [ip for adapter in ifaddr.get_adapters() for ip in adapter.ips if ip.is_IPv4]
+    return [ip.ip for ip in ips if isinstance(ip.ip, str) and is_reachable(ip.ip)]
