@@ -14,6 +14,9 @@ from rostether.transports.port_holders import Holder, find_holders, is_character
 LISTED_PORTS = 6
 """More do not fit a line."""
 
+USUAL_GROUP = "dialout"
+"""Debian's, Ubuntu's and Fedora's; Arch has uucp."""
+
 _GROUP_MAY_USE = 0o060
 _LIKELY_PREFIXES = ("ttyACM", "ttyUSB", "cu.usb")
 
@@ -86,14 +89,14 @@ def near_names(path: str, ports: Sequence[str]) -> list[str]:
 
 
 def group_of(path: str) -> str | None:
-    """Return the group whose members may use a port; None where only root may, or there are no groups."""
+    """Return the group whose members may use a port, the usual one if it cannot be told; None: only root."""
     try:
         import grp
 
         status = Path(path).stat()
         group = grp.getgrgid(status.st_gid).gr_name
     except (ImportError, OSError, KeyError):
-        return None
+        return USUAL_GROUP
     if group == "root" or status.st_mode & _GROUP_MAY_USE != _GROUP_MAY_USE:
         return None
     return group

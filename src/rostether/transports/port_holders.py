@@ -34,6 +34,11 @@ def find_holders(path: str) -> list[Holder]:
     return holders
 
 
+def is_open_here(path: str) -> bool:
+    """Tell whether this very process has a port open."""
+    return os.path.realpath(path) in _open_files(os.getpid()).values()
+
+
 def find_listener(port: int, *, kind: str = "tcp") -> Holder | None:
     """Return who listens on a TCP (or has bound a UDP) port of this machine."""
     inodes = _socket_inodes(port, kind)
@@ -92,9 +97,10 @@ def _name_of(pid: int) -> str:
         words = Path(f"/proc/{pid}/cmdline").read_bytes().decode("utf-8", "replace").split("\0")
     except OSError:
         return "a process"
-    if name.startswith("python") and len(words) > 1:
-        script = next((word for word in words[1:] if word and not word.startswith("-")), "")
-        return f"{name} {Path(script).name}".strip()
+    if name.startswith("python") and len(words) > 2:
+        script = words[2] if words[1] == "-m" else words[1]
+        # What follows `-c` is a program's text.
+        return name if script.startswith("-") else f"{name} {Path(script).name}"
     return name
 
 

@@ -7,15 +7,13 @@ import os
 import re
 import sys
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import Protocol
 
 from rostether.errors import ConfigError, RostetherError, TransportOpenError
 from rostether.transports.address import SerialAddress
+from rostether.transports.port_facts import LISTED_PORTS, group_of
+from rostether.transports.port_holders import find_holders, is_open_here
 
-# What is told of the ports that are there: more do not fit a line.
-_LISTED_PORTS = 6
-_GROUP_MAY_USE = 0o060
 _PTY_NAME = re.compile(r"/dev/pts/[0-9]+|/dev/tty[p-za-e][0-9a-f]|/dev/ttys[0-9]{3,}")
 
 
@@ -63,50 +61,16 @@ def explain_open_error(
 
 def find_holder(path: str) -> str | None:
     """Name the process that has a port open, where the system lets us see it: `screen (pid 4711)`."""
-    target = os.path.realpath(path)
-    own = os.getpid()
-    try:
-        pids = [int(entry.name) for entry in Path("/proc").iterdir() if entry.name.isdigit()]
-    except OSError:
-        return None
-    for pid in sorted(pids):
-        if pid != own and _has_open(pid, target):
-            try:
-                name = Path(f"/proc/{pid}/comm").read_text(encoding="utf-8", errors="replace").strip()
-            except OSError:
-                continue
-            return f"{name} (pid {pid})"
-    return "this program" if _has_open(own, target) else None
-
-
-def _has_open(pid: int, target: str) -> bool:
-    try:
-        with os.scandir(f"/proc/{pid}/fd") as entries:
-            return any(_link_target(entry.path) == target for entry in entries)
-    except OSError:
-        return False  # ended meanwhile, or another user's
-
-
-def _link_target(path: str) -> str:
-    try:
-        return os.readlink(path)  # noqa: PTH115 - a hundred thousand Paths would take seconds
-    except OSError:
-        return ""
+    holders = find_holders(path)
+    if holders:
+        return str(holders[0])
+    return "this program" if is_open_here(path) else None
 
 
 def explain_permission(path: str) -> str:
     """Say who may open a port, and what to type."""
-    group = "dialout"
-    group_may = True
-    try:
-        import grp
-
-        status = Path(path).stat()
-        group = grp.getgrgid(status.st_gid).gr_name
-        group_may = status.st_mode & _GROUP_MAY_USE == _GROUP_MAY_USE
-    except (ImportError, OSError, KeyError):
-        pass
-    if group == "root" or not group_may:
+    group = group_of(path)
+    if group is None:
         return f"no permission to open {path}, which only root may use; type sudo chmod a+rw {path}"
     return (
         f"no permission to open {path}, it belongs to group {group}; "
@@ -118,6 +82,6 @@ def _say_what_is_there(list_ports: Callable[[], Sequence[_Port]]) -> str:
     ports = list_ports()
     if not ports:
         return "no serial port is plugged in"
-    shown = ", ".join(f"{port.path} ({port.description})" for port in ports[:_LISTED_PORTS])
-    more = f" and {len(ports) - _LISTED_PORTS} more" if len(ports) > _LISTED_PORTS else ""
+    shown = ", ".join(f"{port.path} ({port.description})" for port in ports[:LISTED_PORTS])
+    more = f" and {len(ports) - LISTED_PORTS} more" if len(ports) > LISTED_PORTS else ""
     return f"there is {shown}{more}"

@@ -5,6 +5,7 @@ import socket
 import subprocess
 import sys
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
@@ -57,10 +58,24 @@ def test_who_holds_a_port_is_named(pty: str) -> None:
         (holder,) = find_holders(pty)
         assert holder.pid == peer.pid
         assert holder.name.startswith("python")
+        assert " " not in holder.name
         assert str(holder).endswith(f"(pid {peer.pid})")
     finally:
         peer.end()
     assert find_holders(pty) == []
+
+
+def test_a_script_is_named_by_its_file(tmp_path: Path, pty: str) -> None:
+    script = tmp_path / "serial_node.py"
+    script.write_text(HOLD)
+    with subprocess.Popen(
+        [sys.executable, str(script), pty], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    ) as other:
+        assert other.stdout is not None
+        other.stdout.readline()
+        (holder,) = find_holders(pty)
+        other.communicate()
+    assert holder.name.endswith(" serial_node.py")
 
 
 def test_we_ourselves_are_nobody_else(pty: str) -> None:
