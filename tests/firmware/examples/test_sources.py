@@ -47,3 +47,17 @@ async def test_each_builds_without_a_warning_and_fits(kind: str) -> None:
         if built.sketch.name != "MobileBase":
             assert footprint.warnings() == []
         assert ElfFile.read(built.elf).is_avr
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_reference_has_its_topics_and_types(name: str) -> None:
+    table = (EXAMPLES.parents[1] / "docs" / "reference" / "examples.md").read_text()
+    (row,) = [line for line in table.splitlines() if line.startswith(f"| {name} |")]
+    text = (EXAMPLES / name / f"{name}.ino").read_text()
+    named = re.findall(r"`([a-z_]+)` (\w+)/(\w+)", row)
+    for topic, package, message in named:
+        assert f'"{topic}"' in text
+        assert f"#include <{package}/{message}.h>" in text
+    # Whatever the sketch has is in the table too.
+    declared = re.findall(r'(?:Publisher|Subscriber|Service\w+)(?:<[^;{]*>)? \w+\("([a-z_]+)"', text)
+    assert set(declared) <= {topic for topic, _, _ in named}
