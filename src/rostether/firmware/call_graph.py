@@ -10,6 +10,7 @@ from functools import cached_property
 from rostether.firmware.avr_code import Op, decode
 from rostether.firmware.avr_pointers import PLAIN, UNKNOWN, table_functions
 from rostether.firmware.dwarf import code_ranges
+from rostether.firmware.dwarf_variables import read_variables
 from rostether.firmware.elf import ElfFile, Symbol
 from rostether.firmware.stack_walk import Code, Walk, walk
 
@@ -21,7 +22,10 @@ _VECTOR = re.compile(r"__vector_\d+")
 _CONSTRUCTORS = "_GLOBAL__sub_I_"
 _VIRTUAL_TABLE = "_ZTV"
 _NODE_TABLE = "_ZTVN3ros"
-_CORE_FOLDER = "/cores/"
+_NODE = "_ZN3ros"
+_NODE_HANDLE = "_ZN3ros11NodeHandle_I"
+_NODE_NAMESPACE = "ros::"
+_LIBRARY_FILE = re.compile(r"^(?!.*/ros_lib/).*/(cores|libraries)/")
 _TABLES_END = "__ctors_start"
 # It ends the program, and stands in the tables of all abstract classes.
 _PURE_VIRTUAL = "__cxa_pure_virtual"
@@ -106,36 +110,55 @@ class CallGraph:
 
     def _targets(self, kind: int, caller: int) -> Iterable[int]:
         """Return the functions that a call through a kind of pointer may reach."""
+        # The core and the libraries know nothing of node handles, their endpoints and what these call.
+        is_of_library = self._is_of_library(caller)
+        plain = self._targets_outside_nodes if is_of_library else self._plain_targets
         if kind == PLAIN:
-            return self._plain_targets
-        # The Arduino core calls what is derived from its own classes, and no node handle is.
-        hidden = _NODE_TABLE if self._is_of_core(caller) else None
+            return plain
+        # A node handle calls itself directly; what it calls through a table is its hardware.
+        sees_nodes = not is_of_library and not self.name(caller).startswith(_NODE_HANDLE)
         virtual = {
             self._starts[word]
             for table in self._tables
+            if sees_nodes or not table.name.startswith(_NODE_TABLE)
             for offset, word in table_functions(self._elf.read_at(table.address, table.size)).items()
-            if word in self._starts
-            and kind in (UNKNOWN, offset)
-            and not (hidden and table.name.startswith(hidden))
+            if word in self._starts and kind in (UNKNOWN, offset)
         }
-        return virtual if kind != UNKNOWN else {*self._plain_targets, *virtual}
+        return {*plain, *virtual} if kind == UNKNOWN else virtual
 
-    def _is_of_core(self, entry: int) -> bool:
+    def _is_of_library(self, entry: int) -> bool:
         # Into main goes what the sketch does.
         index = bisect.bisect_right(self._ranges, entry, key=lambda each: each.start) - 1
         file = self._ranges[index].file if index >= 0 and entry < self._ranges[index].end else ""
-        return _CORE_FOLDER in file and self.name(entry) != "main"
+        return _LIBRARY_FILE.search(file) is not None and self.name(entry) != "main"
 
     @cached_property
     def _plain_targets(self) -> list[int]:
         """Functions whose address stands in a variable, a table in flash, or a pair of load instructions."""
+        return self._pointed_from([(each.address, each.size) for each in self._tables])
+
+    @cached_property
+    def _targets_outside_nodes(self) -> list[int]:
+        """Of these, those that are known not only to endpoints."""
+        sizes = {each.address: each.size for each in self._elf.symbols if each.size}
+        hidden = [
+            (each.address, sizes.get(each.address, 0))
+            for each in read_variables(self._elf)
+            if each.type_name.startswith(_NODE_NAMESPACE)
+        ]
+        hidden += [(each.address, each.size) for each in self._tables]
+        return [each for each in self._pointed_from(hidden) if not self.name(each).startswith(_NODE)]
+
+    def _pointed_from(self, hidden: Iterable[tuple[int, int]]) -> list[int]:
+        """Return the functions whose address stands anywhere but in some stretches of memory."""
         values: set[int] = set(self._loaded_words())
         data = self._elf.section(".data")
         if data is not None:
             content = bytearray(data.data)
-            for table in self._tables:
-                start = table.address - data.address
-                content[start : start + table.size] = bytes(table.size)
+            for address, size in hidden:
+                start = address - data.address
+                if 0 <= start < len(content):
+                    content[start : start + size] = bytes(size)
             values |= set(_words(bytes(content)))
         for each in self._elf.symbols:
             if each.section == ".text" and each.kind == _OBJECT:

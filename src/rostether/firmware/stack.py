@@ -17,6 +17,7 @@ MAX_WAYS = 50_000
 """Half a second of looking. Only programs with many callbacks that call back in turn have so many ways."""
 
 
+_KEPT_OF_A_SHAPE = 2
 # The node handle bounds how deep its own functions go into each other.
 _BOUNDED = "_ZN3ros"
 
@@ -73,6 +74,8 @@ class _Search:
         self._graph = graph
         self._known: dict[tuple[int, frozenset[int]], _Way] = {}
         self._circles: dict[int, frozenset[int]] = {}
+        self._closed: dict[int, _Way] = {}
+        self._open: dict[int, list[tuple[int, int]]] = {}
         self.gave_up = False
 
     def deepest(self, roots: Iterable[int]) -> _Way:
@@ -84,22 +87,65 @@ class _Search:
         return _Way(best.depth_bytes + self._graph.return_bytes, best.entries)
 
     def _way(self, entry: int, above: frozenset[int]) -> _Way:
-        circle = self._circle(entry)
-        key = (entry, above & circle)
+        key = (entry, above & self._circle(entry))
         if key in self._known:
             return self._known[key]
-        best = _Way(self._graph.walk(entry).depth_bytes, (entry,))
+        best = self._closed_way(entry)
         if len(self._known) > MAX_WAYS:
             self.gave_up = True
             return best
         above |= {entry}
-        for target, depth in self._graph.calls(entry).items():
+        for target, depth in self._open_calls(entry):
             if target not in above:
                 below = self._way(target, above)
                 if depth + below.depth_bytes >= best.depth_bytes:
                     best = _Way(depth + below.depth_bytes, (entry, *below.entries))
         self._known[key] = best
         return best
+
+    def _closed_way(self, entry: int) -> _Way:
+        """Return the deepest way through functions in no circle: it is the same whatever is above."""
+        if entry not in self._closed:
+            best = _Way(self._graph.walk(entry).depth_bytes, (entry,))
+            for target, depth in self._graph.calls(entry).items():
+                if not self._circle(target):
+                    below = self._way(target, frozenset())
+                    if depth + below.depth_bytes >= best.depth_bytes:
+                        best = _Way(depth + below.depth_bytes, (entry, *below.entries))
+            self._closed[entry] = best
+        return self._closed[entry]
+
+    def _open_calls(self, entry: int) -> list[tuple[int, int]]:
+        """Return the calls into circles, without those that two others surpass in all they do.
+
+        A sketch with many topics has many callbacks of the same shape. Two are kept: one may be above.
+        """
+        if entry not in self._open:
+            calls = [
+                (target, depth) for target, depth in self._graph.calls(entry).items() if self._circle(target)
+            ]
+            # The deepest first, so that the order decides between equals.
+            calls.sort(key=lambda call: (-call[1], -self._closed_way(call[0]).depth_bytes, call[0]))
+            kept: list[tuple[int, int]] = []
+            for call in calls:
+                if sum(self._surpasses(each, call) for each in kept) < _KEPT_OF_A_SHAPE:
+                    kept.append(call)
+            self._open[entry] = kept
+        return self._open[entry]
+
+    def _surpasses(self, one: tuple[int, int], other: tuple[int, int]) -> bool:
+        (target, depth), (other_target, other_depth) = one, other
+        if (
+            depth + self._closed_way(target).depth_bytes
+            < other_depth + self._closed_way(other_target).depth_bytes
+        ):
+            return False
+        calls = self._graph.calls(target)
+        return all(
+            each in calls and depth + calls[each] >= other_depth + below
+            for each, below in self._graph.calls(other_target).items()
+            if self._circle(each)
+        )
 
     def _circle(self, entry: int) -> frozenset[int]:
         """Return the functions that a function can reach and that can reach it."""
