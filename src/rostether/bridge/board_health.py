@@ -7,6 +7,7 @@ from rostether.bridge.findings.endpoints import EndpointFindings
 from rostether.bridge.findings.finding import Code, Finding, Severity, warning
 from rostether.bridge.findings.ledger import FindingLedger
 from rostether.bridge.findings.line_watch import LineWatch
+from rostether.bridge.findings.required import RequiredTopics
 from rostether.bridge.findings.resets import Resets
 from rostether.bridge.reporter import Notices
 from rostether.graph.ports import Level
@@ -23,10 +24,17 @@ _LEVELS = {Severity.WARN: Level.WARN, Severity.ERROR: Level.ERROR}
 class BoardHealth:
     """The health of one board's node."""
 
-    def __init__(self, endpoints: EndpointTable, store: TypeStore, notices: Notices) -> None:
+    def __init__(
+        self,
+        endpoints: EndpointTable,
+        store: TypeStore,
+        notices: Notices,
+        required: RequiredTopics | None = None,
+    ) -> None:
         self.clock = ClockEstimate()
         self.connection_count = 0
         self.watch: LineWatch | None = None
+        self.required = required if required is not None else RequiredTopics()
         self._notices = notices
         self._resets = Resets()
         self._ledger = FindingLedger()
@@ -41,6 +49,7 @@ class BoardHealth:
             self._resets.happened(now_s)
         self.connection_count += 1
         self.clock.forget()
+        self.required.forget()
         self.watch = LineWatch(baud, self._resets, statistics, now_s)
         return self.watch
 
@@ -49,6 +58,7 @@ class BoardHealth:
         if self.watch is None:
             return []
         found = self.watch.find(now_s) + self._endpoints.find(now_s, self.watch.too_large_s)
+        found += self.required.find()
         drift_ppm = self.clock.drift_ppm
         if drift_ppm is not None and abs(drift_ppm) >= DRIFT_PPM:
             found.append(_drift(drift_ppm))

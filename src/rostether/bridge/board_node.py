@@ -7,6 +7,7 @@ from collections.abc import Callable
 from rostether.bridge.board_health import BoardHealth
 from rostether.bridge.endpoint_factory import EndpointFactory
 from rostether.bridge.endpoints import EndpointTable
+from rostether.bridge.findings.required import RequiredTopics
 from rostether.bridge.reporter import Notices, Reporter
 from rostether.bridge.settings import DEFAULT_SETTINGS, BridgeSettings
 from rostether.devices.settings import NO_SETTINGS, DeviceSettings
@@ -31,8 +32,12 @@ class BoardNode:
         self.device = device
         self.notices = Notices(reporter, graph.node_name, clock)
         self.notices.to_graph = graph.log
-        self.endpoints = EndpointTable(EndpointFactory(graph, store, self.notices, settings), self.notices)
-        self.health = BoardHealth(self.endpoints, store, self.notices)
+        self.endpoints = EndpointTable(
+            EndpointFactory(graph, store, self.notices, settings, device), self.notices
+        )
+        self.health = BoardHealth(
+            self.endpoints, store, self.notices, RequiredTopics(device.required_topics, graph.resolve)
+        )
         self.store = store
         self.hardware_id = ""
         """What stays the same when the board comes back, for diagnostics: a serial number, an address."""

@@ -8,6 +8,7 @@ from rostether.bridge.service_client_endpoint import ServiceClientEndpoint
 from rostether.bridge.service_server_endpoint import ServiceServerEndpoint
 from rostether.bridge.settings import BridgeSettings
 from rostether.bridge.subscriber_endpoint import SubscriberEndpoint
+from rostether.devices.settings import NO_SETTINGS, DeviceSettings
 from rostether.errors import TypeMismatchError
 from rostether.graph.ports import Graph
 from rostether.rosserial.events import ServiceAnnounced, ServiceRole, TopicAnnounced, TopicRole
@@ -20,23 +21,33 @@ MAX_MISMATCHES = 64
 class EndpointFactory:
     """Makes the endpoints of one board's node."""
 
-    def __init__(self, graph: Graph, store: TypeStore, notices: Notices, settings: BridgeSettings) -> None:
+    def __init__(
+        self,
+        graph: Graph,
+        store: TypeStore,
+        notices: Notices,
+        settings: BridgeSettings,
+        device: DeviceSettings = NO_SETTINGS,
+    ) -> None:
         self._graph = graph
         self._store = store
         self._notices = notices
         self._settings = settings
+        self._queue_depths = {graph.resolve(name): depth for name, depth in device.queue_depths.items()}
         self._mismatches: dict[tuple[str, str], str] = {}
 
     def topic(self, event: TopicAnnounced) -> PublisherEndpoint | SubscriberEndpoint:
         """Make a topic's endpoint. Raises DefinitionError, TypeMismatchError, InvalidNameError."""
         info = event.info
-        self._graph.resolve(info.topic_name)
+        name = self._graph.resolve(info.topic_name)
         message_type = self._store.registry.message_type(info.message_type)
         self._check_md5sum(info.message_type, info.md5sum, message_type.md5sum)
         layout = self._store.layout(info.message_type)
         if event.role is TopicRole.PUBLISHER:
             return PublisherEndpoint(info, message_type, layout, self._graph, self._notices, self._settings)
-        return SubscriberEndpoint(info, message_type, layout, self._graph, self._notices)
+        return SubscriberEndpoint(
+            info, message_type, layout, self._graph, self._notices, self._queue_depths.get(name)
+        )
 
     def service(self, event: ServiceAnnounced) -> ServiceServerEndpoint | ServiceClientEndpoint:
         """Make a service's endpoint. Raises DefinitionError, TypeMismatchError, InvalidNameError."""

@@ -30,6 +30,7 @@ from rostether.rosserial.events import (
     ServiceAnnounced,
     ServiceWithdrawn,
     TopicAnnounced,
+    TopicRole,
     TopicWithdrawn,
 )
 from rostether.rosserial.packets import TopicInfo
@@ -65,6 +66,11 @@ class EndpointTable:
     def is_attached(self, endpoint: Endpoint) -> bool:
         """Whether the board has announced it on the connection that stands now."""
         return any(self._endpoints.get(key) is endpoint for key in self._attached)
+
+    def announced_topics(self) -> list[str]:
+        """Return the topics that the board has announced on this connection, bridged or not."""
+        names = [name for role, name, _ in self._attached if isinstance(role, TopicRole)]
+        return sorted({*names, *self.refused})
 
     def announce_topic(self, event: TopicAnnounced, line: BoardLine) -> bool:
         """Serve a topic through a connection; False, and a line that says why, if that is impossible."""

@@ -20,11 +20,12 @@ class PausableSource(Protocol):
 
 
 class Lane:
-    """The queue of one topic id."""
+    """The queue of one topic id; it holds `depth` messages at most (None: only bytes count)."""
 
     __slots__ = (
         "_source",
         "_source_paused",
+        "depth",
         "dropped_count",
         "payloads",
         "queued_bytes",
@@ -33,9 +34,10 @@ class Lane:
         "topic_id",
     )
 
-    def __init__(self, topic_id: int, topic: str) -> None:
+    def __init__(self, topic_id: int, topic: str, depth: int | None = None) -> None:
         self.topic_id = topic_id
         self.topic = topic
+        self.depth = depth
         self.payloads: deque[bytes] = deque()
         self.queued_bytes = 0
         self.sent_count = 0
@@ -79,10 +81,21 @@ class Lane:
         """Drop whole messages until the queue fits, but never the newest. Return how many."""
         dropped = 0
         while self.queued_bytes > limit_bytes and len(self.payloads) > 1:
-            self.queued_bytes -= len(self.payloads.popleft()) + FRAME_OVERHEAD_BYTES
-            dropped += 1
+            dropped += self._drop_one()
         self.dropped_count += dropped
         return dropped
+
+    def drop_beyond_depth(self) -> int:
+        """Drop the oldest messages beyond the depth. Return how many."""
+        dropped = 0
+        while self.depth is not None and len(self.payloads) > self.depth:
+            dropped += self._drop_one()
+        self.dropped_count += dropped
+        return dropped
+
+    def _drop_one(self) -> int:
+        self.queued_bytes -= len(self.payloads.popleft()) + FRAME_OVERHEAD_BYTES
+        return 1
 
     def pause_source(self) -> None:
         """Pause where the messages come from."""

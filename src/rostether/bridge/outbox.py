@@ -121,6 +121,8 @@ class Outbox:
             self._ready.append(lane)
         lane.payloads.extend(payloads)
         lane.queued_bytes += sum(map(len, payloads)) + FRAME_OVERHEAD_BYTES * len(payloads)
+        if lane.depth is not None and len(lane.payloads) > lane.depth:
+            self._overflow_depth(lane)
         if lane.queued_bytes > self._limit_bytes:
             self._overflow(lane)
         if not self._scheduled:
@@ -257,6 +259,12 @@ class Outbox:
         if self._pacer is not None:
             self._pacer.written(len(data), self._loop.time())
         self._transport.write(data)
+
+    def _overflow_depth(self, lane: Lane) -> None:
+        if not self._blocked and self._pacer is None:
+            self.flush()
+        if dropped := lane.drop_beyond_depth():
+            self._on_dropped(lane, dropped)
 
     def _overflow(self, lane: Lane) -> None:
         if not self._blocked and self._pacer is None:

@@ -14,7 +14,7 @@ from rostether.serde.layout import Layout
 
 
 class SubscriberEndpoint:
-    """One topic id on which the board receives."""
+    """One topic id on which the board receives; at most `queue_depth` messages wait (None: bytes count)."""
 
     def __init__(
         self,
@@ -23,6 +23,7 @@ class SubscriberEndpoint:
         layout: Layout,
         graph: Graph,
         notices: Notices,
+        queue_depth: int | None = None,
     ) -> None:
         self.info = info
         self.message_count = 0
@@ -35,6 +36,7 @@ class SubscriberEndpoint:
         self._accepts_all = layout.accepts_all
         self._graph = graph
         self._notices = notices
+        self._queue_depth = queue_depth
         self._line: BoardLine | None = None
         self._lane: Lane | None = None
         self._dropped_before = 0
@@ -50,7 +52,7 @@ class SubscriberEndpoint:
         self.detach()
         self.info = info
         self._line = line
-        self._lane = Lane(info.topic_id, info.topic_name)
+        self._lane = Lane(info.topic_id, info.topic_name, self._queue_depth)
         self._lane.set_source(self._subscriber)
         size = self._layout.fixed_size_bytes
         if size is not None and size > info.buffer_size:

@@ -26,7 +26,7 @@ from rostether.graph.memory_network import MemoryNetwork
 from rostether.transports.address import parse_address
 from unit.bridge.doubles import RecordingReporter, until
 from unit.bridge.machine import CH340, MODEM, UNO, Machine
-from unit.bridge.nodes import STORE
+from unit.bridge.nodes import STORE, text
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
 
@@ -214,6 +214,36 @@ async def test_a_file_names_and_sets_a_board(site: Site) -> None:
     lost_s = now_s()
     await until(lambda: "/lab/arm" not in site.nodes(), "the node to leave")
     assert now_s() - lost_s < GRACE_S
+
+
+async def test_a_board_without_a_required_topic_is_reported_once(site: Site) -> None:
+    await site.start('[devices.arm]\nserial_number = "7533"\nrequired_topics = ["/chatter", "/imu"]\n')
+    async with site.machine.board("ttyACM0", chatter, serial_number="7533", **UNO):
+        await until(lambda: site.reporter.having("does not announce /imu"), "the line")
+        assert "it has chatter" in site.reporter.having("does not announce")[0]
+    async with site.machine.board("ttyACM1", chatter, serial_number="7533", **UNO) as board:
+        board.publisher("imu", "std_msgs/String")
+        await until(lambda: site.settled("/arm"), "the right sketch")
+    assert len(site.reporter.having("does not announce")) == 1
+
+
+async def test_a_depth_in_the_file_bounds_what_waits_for_a_board(site: Site) -> None:
+    await site.start('[devices.arm]\nserial_number = "7533"\nqueue_depths = { "/text" = 3 }\n')
+    peer = await site.network.join("/peer")
+    publisher = await peer.advertise("/text", STORE.registry.message_type("std_msgs/String"))
+    machine = site.machine
+    machine.mark("ttyACM0", serial_number="7533", **UNO)
+    async with Device(f"pty:{machine.path('ttyACM0')}", store=STORE) as device:
+        got: list[str] = []
+        device.subscriber("text", "std_msgs/String", lambda message: got.append(message.data))
+        await until(lambda: publisher.subscriber_count, "the board's subscription")
+        machine.opened[0].pause_writing()
+        for number in range(50):
+            publisher.publish_raw([text(str(number))])
+        await asyncio.sleep(0)
+        machine.opened[0].resume_writing()
+        await until(lambda: got and got[-1] == "49", "the newest")
+        assert got == ["47", "48", "49"]
 
 
 async def test_a_speed_in_the_file_needs_no_probe(site: Site) -> None:

@@ -43,3 +43,12 @@ def test_a_source_is_paused_and_let_go() -> None:
     assert not first.is_paused
     assert not second.is_paused
     assert lane.has_source
+
+
+def test_what_is_beyond_the_depth_goes_the_oldest_first() -> None:
+    lane = filled(b"a", b"bb", b"ccc")
+    assert lane.drop_beyond_depth() == 0
+    lane.depth = 1
+    assert lane.drop_beyond_depth() == 2
+    assert list(lane.payloads) == [b"ccc"]
+    assert (lane.dropped_count, lane.queued_bytes) == (2, 3 + FRAME_OVERHEAD_BYTES)

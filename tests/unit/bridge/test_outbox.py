@@ -288,3 +288,23 @@ def test_closing_lets_go_of_paused_sources() -> None:
     assert not source.is_paused
     bench.loop.run_until(10.0)
     assert bench.transport.writes == []
+
+
+def test_a_depth_keeps_the_newest_while_the_link_takes_nothing() -> None:
+    bench = Bench()
+    bench.block()
+    lane = Lane(101, "cmd_vel", 2)
+    for number in range(5):
+        bench.outbox.put(lane, [b"%d" % number])
+    assert bench.dropped == [("cmd_vel", 1)] * 3
+    bench.outbox.resume_writing()
+    bench.loop.run_until(1.0)
+    assert bench.transport.written == b"101:3;101:4;"
+
+
+def test_a_depth_loses_nothing_while_the_link_takes_all() -> None:
+    bench = Bench()
+    bench.outbox.put(Lane(101, "cmd_vel", 1), [b"%d" % number for number in range(40)])
+    bench.loop.run_until(1.0)
+    assert bench.dropped == []
+    assert len(bench.ids_written()) == 40

@@ -42,6 +42,7 @@ class Code(StrEnum):
     MESSAGES_LOST = "messages-lost"
     SLOW_LOOP = "slow-loop"
     CLOCK_DRIFT = "clock-drift"
+    MISSING_TOPIC = "missing-topic"
 
 
 @dataclass(frozen=True, slots=True)
