@@ -89,14 +89,15 @@ class NodeHandle_ : public NodeHandleBase_ {
   auto transmit(H& hardware, uint8_t* bytes, uint16_t count, int) -> decltype(hardware.writable(), bool()) {
     uint16_t progress_ms = milliseconds();
     for (;;) {
-      const uint16_t room = static_cast<uint16_t>(hardware.writable());
-      if (room >= count) break;
+      uint16_t room = static_cast<uint16_t>(hardware.writable());
       if (room) {
+        if (room > count) room = count;
         hardware.write(bytes, room);
-        bytes += room;
-        count = static_cast<uint16_t>(count - room);
-        progress_ms = milliseconds();
         stalled_ = false;
+        count = static_cast<uint16_t>(count - room);
+        if (!count) return true;
+        bytes += room;
+        progress_ms = milliseconds();
       } else if (stalled_ || since(progress_ms, milliseconds()) > STALL_MS) {
         // The next frame does not wait for it again.
         stalled_ = true;
@@ -105,9 +106,6 @@ class NodeHandle_ : public NodeHandleBase_ {
       }
       receive();
     }
-    stalled_ = false;
-    hardware.write(bytes, count);
-    return true;
   }
   template <class H>
   bool transmit(H& hardware, uint8_t* bytes, uint16_t count, long) {
