@@ -1,0 +1,21 @@
+"""A hundred thousand frames that nobody would send, and each time a good one that must get through."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from firmware.node.programs import built, run
+
+FRAMES = 100_000
+
+
+@pytest.mark.gcc
+@pytest.mark.timeout(240)
+def test_any_frame_leaves_the_node_whole(test_library: Path) -> None:
+    program = built("gcc", "fuzz", test_library, "-O1", "-g1")
+    said = run(program, "1", str(FRAMES), timeout_s=120)
+    frames, delivered = [int(word) for word in said.split() if word.isdigit()][:2]
+    # Damage that most messages survive, or that none does, would prove nothing.
+    assert frames == FRAMES and 0.05 < delivered / frames < 0.8

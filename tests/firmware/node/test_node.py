@@ -1,0 +1,19 @@
+"""The node on a scripted line: client/extras/tests/node, compiled for the host."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from firmware.node.programs import COMPILERS, EXTRAS, built, run
+
+CONCEPTS = [each.stem.removeprefix("test_") for each in sorted((EXTRAS / "node").glob("test_*.cpp"))]
+COMPILER_NAMES = [pytest.param(name, marks=getattr(pytest.mark, name)) for name in COMPILERS]
+
+
+@pytest.mark.parametrize("concept", CONCEPTS)
+@pytest.mark.parametrize("compiler", COMPILER_NAMES)
+@pytest.mark.timeout(180)
+def test_concept(compiler: str, concept: str, test_library: Path) -> None:
+    run(built(compiler, "node", test_library), concept)

@@ -1,0 +1,65 @@
+"""What the established hosts sent, as recorded, played into our node: all is heard, none is noise."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from firmware.node.programs import built, run
+from rostether.rosserial import topic_id
+from rostether.rosserial.frame_decoder import FrameDecoder, Frames
+from vectors import captures
+from vectors.captures import Capture
+
+# The endpoint of each type of the recordings, as the program calls it.
+ENDPOINTS = {
+    ("subscriber", "std_msgs/Empty"): "empty",
+    ("subscriber", "std_msgs/String"): "text",
+    ("subscriber", "std_msgs/Byte"): "byte",
+    ("service server, request", "rosserial_arduino/Test"): "server",
+    ("service client, response", "rosserial_arduino/Test"): "client",
+}
+# The first host speaks protocol 1, which our node does not; the other's type is a package of its own.
+LEFT_OUT = ("protocol1", "mearm")
+
+
+def endpoints(capture: Capture) -> list[str]:
+    """Return what the board received, by ids."""
+    wanted = [(topic.kind, topic.type) for _, topic in sorted(capture.topics.items())]
+    return [ENDPOINTS[each] for each in wanted if each in ENDPOINTS]
+
+
+def sent_by_host(capture: Capture) -> dict[int, int]:
+    """Return how many frames of each id the host sent."""
+    decoder = FrameDecoder()
+    counts: dict[int, int] = {}
+    for chunk in capture.of_host():
+        for each in decoder.feed(chunk.data, chunk.time_s):
+            if isinstance(each, Frames):
+                counts[each.topic_id] = counts.get(each.topic_id, 0) + len(each.payloads)
+    return counts
+
+
+@pytest.mark.gcc
+@pytest.mark.timeout(180)
+@pytest.mark.parametrize("name", [each for each in captures.names() if each not in LEFT_OUT])
+def test_recorded_host_is_understood(name: str, test_library: Path) -> None:
+    capture = captures.load(name)
+    sent = sent_by_host(capture)
+    chunks = "".join(f"{int(each.time_s * 1000)} {each.data.hex()}\n" for each in capture.of_host())
+    program = built("gcc", "sessions", test_library)
+    lines = run(program, *endpoints(capture), stdin=chunks).splitlines()
+    told = [int(line.split()[1]) for line in lines if line.startswith("sent")]
+    heard = sum(line.startswith("heard") for line in lines)
+    messages = sum(count for each, count in sent.items() if each >= topic_id.FIRST_USER_ID)
+    # A response that came between two calls belongs to nobody.
+    assert 0 < heard <= messages if "client" in endpoints(capture) else heard == messages
+    # Each question for the topics is answered, beside the introductions that nobody asked for.
+    assert told.count(topic_id.PUBLISHER) >= sent[topic_id.PUBLISHER]
+    assert told.count(topic_id.TIME) >= sent[topic_id.PUBLISHER]
+    answers = sent.get(topic_id.TIME, 0)
+    now = int(lines[-1].split()[1])
+    assert (now > 1_000_000_000) == (answers > 0)
+    unexpected = sent.get(topic_id.PARAMETER, 0)
+    assert int(lines[-2].split()[1]) == unexpected
