@@ -32,8 +32,8 @@ Meets = Callable[[Message], object]
 Prepare = Callable[[TypedGraph, str], Awaitable[None]]
 
 
-async def build_example(name: str, kind: str) -> BuiltFirmware:
-    """Build an example with all warnings; what was built before, by any test process, is reused."""
+async def build_example(name: str | Path, kind: str) -> BuiltFirmware:
+    """Build an example, or a sketch elsewhere, with all warnings; once for all test processes."""
     return await build_sketch(EXAMPLES / name, find_board(kind), BuildOptions(warnings=True))
 
 
@@ -173,7 +173,7 @@ async def a_bridge(master_uri: str, reporter: RecordingReporter, address: str) -
 
 @contextlib.asynccontextmanager
 async def running(
-    name: str,
+    name: str | Path,
     kind: str = "uno",
     words: Sequence[str] = (),
     prepare: Prepare | None = None,

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import asyncio
 import re
 from pathlib import Path
 
 import pytest
 
 from firmware.examples.stage import EXAMPLES, build_example
-from rostether.firmware.elf import ElfFile
 from rostether.firmware.footprint import measure
 
 NAMES = sorted(folder.name for folder in EXAMPLES.iterdir())
@@ -38,15 +36,13 @@ def test_sketches_that_share_a_sensor_share_its_text() -> None:
     assert (EXAMPLES / "IMU/Mpu9150.h").read_text() == (EXAMPLES / "MobileBase/Mpu9150.h").read_text()
 
 
-async def test_each_builds_without_a_warning_and_fits(kind: str) -> None:
-    for built in await asyncio.gather(*(build_example(name, kind) for name in NAMES)):
-        assert built.output == ""
-        footprint = await measure(built.elf, built.board)
-        assert footprint.refusals() == []
-        # A display's buffer, a few more topics: room for what the reader adds.
-        if built.sketch.name != "MobileBase":
-            assert footprint.warnings() == []
-        assert ElfFile.read(built.elf).is_avr
+@pytest.mark.parametrize("name", NAMES)
+async def test_each_builds_without_a_warning_and_fits(name: str, kind: str) -> None:
+    built = await build_example(name, kind)
+    assert built.output == ""
+    footprint = await measure(built.elf, built.board)
+    assert footprint.refusals() == []
+    assert footprint.warnings() == []
 
 
 @pytest.mark.parametrize("name", NAMES)
