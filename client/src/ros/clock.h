@@ -10,12 +10,18 @@
 
 namespace ros {
 
+// Time's members without its constructor, so that a clock may lie in memory that is zeroed at once.
+struct Moment {
+  uint32_t sec;
+  uint32_t nsec;
+
+  bool operator<(const Moment& other) const { return sec < other.sec || (sec == other.sec && nsec < other.nsec); }
+};
+
 class Clock {
  public:
-  constexpr Clock() : moment_(), floor_(), moment_ms_(0) {}
-
   // Time at `now_ms`. Moves the reference along, so that the millisecond counter may overflow after 49 days.
-  ROS_NOINLINE const Time& at(uint32_t now_ms) {
+  ROS_NOINLINE const Moment& at(uint32_t now_ms) {
     uint32_t elapsed_ms = now_ms - moment_ms_;
     moment_ms_ = now_ms;
     uint32_t sec = moment_.sec;
@@ -29,8 +35,10 @@ class Clock {
   }
 
   void set(const Time& moment, uint32_t then_ms) {
-    moment_ = moment;
-    floor_ = Time();
+    moment_.sec = moment.sec;
+    moment_.nsec = moment.nsec;
+    floor_.sec = 0;
+    floor_.nsec = 0;
     moment_ms_ = then_ms;
   }
 
@@ -48,9 +56,9 @@ class Clock {
   // Longer than any round trip, shorter than a user would put up with a clock that stands still.
   static const uint32_t MAX_HOLD_S = 10;
 
-  Time moment_;
+  Moment moment_;
   // The latest time that was told.
-  Time floor_;
+  Moment floor_;
   uint32_t moment_ms_;
 };
 

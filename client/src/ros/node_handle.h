@@ -43,29 +43,19 @@ class NodeHandle_ : public NodeHandleBase_ {
 
   int spinOnce() override {
     const uint16_t began_ms = milliseconds();
-    bool heard = false;
     window_.release();
-    for (;;) {
-      while (window_.wantsMore()) {
-        const int byte = hardware_.read();
-        if (byte < 0) {
-          if (relinked(hardware_, 0)) {
-            window_.forget();
-            contactAnew();
-          }
-          return heard || restless(began_ms) ? rest(heard) : SPIN_OK;
+    if (window_.wantsMore()) {
+      const int byte = hardware_.read();
+      if (byte < 0) {
+        if (relinked(hardware_, 0)) {
+          window_.forget();
+          contactAnew();
         }
-        window_.append(static_cast<uint8_t>(byte));
-        heard = true;
+        return restless(began_ms) ? rest(false) : SPIN_OK;
       }
-      const uint8_t found = window_.examine();
-      if (found) {
-        const int result = work(found, began_ms);
-        if (result != GO_ON) return result;
-      } else if (!window_.wantsMore()) {
-        return SPIN_OK;
-      }
+      window_.append(static_cast<uint8_t>(byte));
     }
+    return spinOn(began_ms);
   }
 
   uint32_t time() override { return static_cast<uint32_t>(hardware_.time()); }
@@ -81,6 +71,24 @@ class NodeHandle_ : public NodeHandleBase_ {
   template <class H>
   static bool relinked(H&, long) {
     return false;
+  }
+
+  // There was something: apart from spinOnce, which mostly finds nothing, and is quicker without the registers that this needs.
+  ROS_NOINLINE int spinOn(uint16_t began_ms) {
+    for (;;) {
+      while (window_.wantsMore()) {
+        const int byte = hardware_.read();
+        if (byte < 0) return rest(true);
+        window_.append(static_cast<uint8_t>(byte));
+      }
+      const uint8_t found = window_.examine();
+      if (found) {
+        const int result = work(found, began_ms);
+        if (result != GO_ON) return result;
+      } else if (!window_.wantsMore()) {
+        return SPIN_OK;
+      }
+    }
   }
 
   bool transmit(uint8_t* bytes, uint16_t count) override { return transmit(hardware_, bytes, count, 0); }

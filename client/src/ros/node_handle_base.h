@@ -24,7 +24,22 @@ const int SPIN_TIMEOUT = -2;
 
 class Publisher;
 
-class NodeHandleBase_ : public FrameSink {
+// What a node keeps. Without constructors, so that one loop zeroes it all: an AVR would spend 80 bytes of code on it.
+struct NodeState {
+  ReceiveWindow window_;
+  Endpoint* endpoints_;
+  Clock clock_;
+  uint16_t spin_timeout_ms_;
+  uint16_t requested_ms_;
+  uint16_t heard_ms_;
+  uint16_t user_topics_;
+  uint8_t unanswered_;
+  uint8_t depth_;
+  bool connected_;
+  bool awaiting_time_;
+};
+
+class NodeHandleBase_ : public FrameSink, protected NodeState {
  public:
   // Reads what came in and runs the callbacks for it. SPIN_OK; SPIN_ERR when the host asked for the topics;
   // SPIN_TIMEOUT when it ended with bytes left because its time was over.
@@ -42,7 +57,13 @@ class NodeHandleBase_ : public FrameSink {
   uint16_t dropped() const { return window_.dropped(); }
 
   // The host's time; before its first answer, the time since the board started.
-  Time now() { return clock_.at(time()); }
+  Time now() {
+    const Moment& moment = clock_.at(time());
+    Time now;
+    now.sec = moment.sec;
+    now.nsec = moment.nsec;
+    return now;
+  }
   void setNow(const Time& moment) { clock_.set(moment, time()); }
 
   bool advertise(Publisher& publisher);
@@ -169,9 +190,7 @@ class NodeHandleBase_ : public FrameSink {
  protected:
   static const uint16_t SYNC_PERIOD_MS = 2200;
 
-  constexpr NodeHandleBase_()
-      : window_(), endpoints_(nullptr), clock_(), spin_timeout_ms_(SPIN_TIMEOUT_MS), requested_ms_(0), heard_ms_(0), user_topics_(0), unanswered_(0),
-        depth_(0), connected_(false), awaiting_time_(false) {}
+  NodeHandleBase_() : NodeState() { spin_timeout_ms_ = SPIN_TIMEOUT_MS; }
 
   // Starts anew: the next spinOnce introduces the node.
   void begin(uint8_t* buffer, uint16_t buffer_bytes) {
@@ -229,7 +248,7 @@ class NodeHandleBase_ : public FrameSink {
 
   // Asks the host for its time, every SYNC_PERIOD_MS, and introduces the node as long as none has answered.
   void keepInTouch() {
-    now();
+    clock_.at(time());
     if (unanswered_ == MAX_UNANSWERED) connected_ = false;
     if (!connected_) introduce();
     if (unanswered_ < MAX_UNANSWERED) ++unanswered_;
@@ -239,8 +258,6 @@ class NodeHandleBase_ : public FrameSink {
 
   // For bytes that come in while the node transmits.
   void heardNow() { heard_ms_ = shortTime(); }
-
-  ReceiveWindow window_;
 
  private:
   // With SYNC_PERIOD_MS: 11 s without an answer, and the host is gone.
@@ -261,10 +278,9 @@ class NodeHandleBase_ : public FrameSink {
   }
 
   bool add(Endpoint& endpoint, uint8_t ids) {
+    if (endpoint.id_) return true;
     Endpoint** last = &endpoints_;
-    for (; *last; last = &(*last)->next_) {
-      if (*last == &endpoint) return true;
-    }
+    while (*last) last = &(*last)->next_;
     *last = &endpoint;
     endpoint.id_ = static_cast<uint16_t>(FIRST_USER_TOPIC + user_topics_);
     user_topics_ = static_cast<uint16_t>(user_topics_ + ids);
@@ -338,17 +354,6 @@ class NodeHandleBase_ : public FrameSink {
     }
     window_.countDropped();
   }
-
-  Endpoint* endpoints_;
-  Clock clock_;
-  uint16_t spin_timeout_ms_;
-  uint16_t requested_ms_;
-  uint16_t heard_ms_;
-  uint16_t user_topics_;
-  uint8_t unanswered_;
-  uint8_t depth_;
-  bool connected_;
-  bool awaiting_time_;
 };
 
 }  // namespace ros

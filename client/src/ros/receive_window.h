@@ -20,13 +20,9 @@
 
 namespace ros {
 
+// Takes nothing in before it is opened: all zero till then.
 class ReceiveWindow {
  public:
-  // Takes nothing in before it is opened.
-  constexpr ReceiveWindow()
-      : begin_(nullptr), end_(nullptr), base_(nullptr), limit_(nullptr), goal_(nullptr), capacity_(0), dropped_(0),
-        held_(false) {}
-
   void open(uint8_t* bytes, uint16_t capacity) {
     base_ = bytes;
     limit_ = bytes + capacity;
