@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     rostether doctor /dev/ttyACM0
     rostether doctor "/dev/ttyUSB0?baud=115200" --seconds 30
     rostether doctor tcp://0.0.0.0:11411          a board on the network that should connect to us
+    rostether doctor sim:blink.ino                a sketch on a simulated board
     rostether doctor /dev/ttyACM0 --json
     """,
 )
@@ -50,7 +51,9 @@ def doctor(port: str | None, seconds: float | None, msg_paths: tuple[Path, ...],
 
 async def _doctor(port: str | None, seconds: float | None, msg_paths: Sequence[Path], as_json: bool) -> int:
     from rostether.bridge.doctor import Doctor
+    from rostether.bridge.reporter import SilentReporter
     from rostether.bridge.watching import WATCH_S
+    from rostether.cli.simulated_links import simulated
     from rostether.msgdef.registry import Registry
     from rostether.serde.store import TypeStore
     from rostether.transports.serial import list_ports
@@ -65,10 +68,12 @@ async def _doctor(port: str | None, seconds: float | None, msg_paths: Sequence[P
         list_ports=list_ports,
     )
     is_well = True
-    for address in addresses:
-        diagnosis = await examiner.examine(parse_address(address))
-        is_well = is_well and diagnosis.is_well
-        _write(diagnosis, as_json)
+    links = [parse_address(address) for address in addresses]
+    async with simulated(links, SilentReporter(), msg_paths) as opened:
+        for link in opened:
+            diagnosis = await examiner.examine(link)
+            is_well = is_well and diagnosis.is_well
+            _write(diagnosis, as_json)
     return EXIT_DONE if is_well else EXIT_FAILED
 
 

@@ -130,7 +130,9 @@ class LineWatch:
         return [each for each in found if each is not None]
 
     def _discarded(self, event: FrameDiscarded, now_s: float) -> None:
-        was_text = self.noise.take(event, is_alive=self.was_alive and self._silence_s is None)
+        # What the first frame ends is the rest of a burst that began before the port was opened.
+        is_alive = self._alive_s is not None and now_s > self._alive_s and self._silence_s is None
+        was_text = self.noise.take(event, now_s, is_alive=is_alive)
         self._announcements.discarded(event)
         if self.was_alive and not was_text:
             self._damage.take(event, now_s)

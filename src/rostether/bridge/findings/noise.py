@@ -15,6 +15,12 @@ KEPT_BYTES = 512
 MIN_TEXT_BYTES = 8
 """Fewer printable bytes in a row come about by chance: each one has a chance of 3 in 8."""
 
+MIN_PIECES = 4
+"""A board that is reset in the middle of its announcements leaves one piece of text, and noise some more."""
+
+PIECE_GAP_S = 0.1
+"""The rest of one announcement comes within this at 9600 baud, a few bytes at a time."""
+
 _CRASH = re.compile(
     rb"[^\r\n]*(?:brown-?out|wdt reset|watchdog|guru meditation|fatal exception|stack smashing|abort\(\)"
     rb"|rst cause|rst:0x)[^\r\n]*",
@@ -53,6 +59,8 @@ class Noise:
         self._first = bytearray()
         self._recent = bytearray()
         self._line = bytearray()
+        self._pieces = 0
+        self._piece_s = float("-inf")
         self._versions: dict[int, int] = {}
 
     @property
@@ -60,7 +68,7 @@ class Noise:
         """The first bytes since the last sign of a rosserial board."""
         return bytes(self._first)
 
-    def take(self, event: FrameDiscarded, *, is_alive: bool) -> bool:
+    def take(self, event: FrameDiscarded, now_s: float, *, is_alive: bool) -> bool:
         """Take what was discarded; returns whether it was text. `is_alive`: frames come as well."""
         data = event.data
         self.byte_count += len(data)
@@ -73,8 +81,7 @@ class Noise:
         self._line += data[:KEPT_BYTES]
         found = is_text(bytes(self._line))
         if found and is_alive:
-            self.text_count += len(data)
-            self.text = self.text or bytes(self._line[:KEPT_BYTES])
+            self._note_text(len(data), now_s)
         if not found and len(self._line) >= MIN_TEXT_BYTES:
             self._line.clear()
         del self._line[:-KEPT_BYTES]
@@ -90,6 +97,17 @@ class Noise:
         """Return the line in which a board says why it started again, None if it said none."""
         lines = _CRASH.findall(bytes(self._recent))
         return lines[-1].decode("utf-8", "replace").strip()[:SHOWN_BYTES] if lines else None
+
+    def _note_text(self, size: int, now_s: float) -> None:
+        """Take text for a sketch's own if it has an end of line or comes again and again.
+
+        The rest of a damaged announcement is text too.
+        """
+        self._pieces += now_s - self._piece_s > PIECE_GAP_S
+        self._piece_s = now_s
+        if self.text_count or self._pieces >= MIN_PIECES or b"\n" in self._line or b"\r" in self._line:
+            self.text_count += size
+            self.text = self.text or bytes(self._line[:KEPT_BYTES])
 
     def _note_version(self, data: bytes) -> None:
         # Only a header whose length check fits: in noise one of 256 does, and not three times alike.

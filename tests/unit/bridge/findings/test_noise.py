@@ -33,22 +33,30 @@ def test_text_is_shown_in_quotes_and_noise_as_numbers() -> None:
 
 def test_text_that_comes_byte_by_byte_between_frames_is_found() -> None:
     watched = Noise()
-    for char in b"distance 42 cm":
-        watched.take(noise(bytes((char,))), is_alive=True)
+    for number, char in enumerate(b"distance 42 cm\r\n"):
+        watched.take(noise(bytes((char,))), number / 1000, is_alive=True)
     assert watched.text_count > 0
     assert b"distance" in watched.text
 
 
+def test_the_rest_of_a_damaged_announcement_is_no_text_of_the_sketch() -> None:
+    watched = Noise()
+    watched.take(noise(b"std_msgs/Em"), 1.0, is_alive=True)
+    assert watched.text_count == 0
+    watched.take(noise(b"distance 42 cm\r\n"), 2.0, is_alive=True)
+    assert watched.text_count > 0
+
+
 def test_before_the_first_frame_text_is_a_boot_message() -> None:
     watched = Noise()
-    watched.take(noise(b"ets Jun  8 2016 00:22:57"), is_alive=False)
+    watched.take(noise(b"ets Jun  8 2016 00:22:57"), 0.0, is_alive=False)
     assert watched.text_count == 0
     assert watched.sample == b"ets Jun  8 2016 00:22:57"
 
 
 def test_a_sign_of_life_clears_what_is_shown() -> None:
     watched = Noise()
-    watched.take(noise(b"ets Jun  8 2016"), is_alive=False)
+    watched.take(noise(b"ets Jun  8 2016"), 0.0, is_alive=False)
     watched.alive()
     assert (watched.byte_count, watched.sample) == (0, b"")
 
@@ -56,7 +64,7 @@ def test_a_sign_of_life_clears_what_is_shown() -> None:
 def test_a_flood_is_kept_within_bounds() -> None:
     watched = Noise()
     for _ in range(1000):
-        watched.take(noise(b"x" * 1000), is_alive=True)
+        watched.take(noise(b"x" * 1000), 0.0, is_alive=True)
     assert watched.byte_count == 1_000_000
     assert len(watched.sample) == KEPT_BYTES
     assert len(watched.text) <= KEPT_BYTES
@@ -73,7 +81,7 @@ def test_a_flood_is_kept_within_bounds() -> None:
 )
 def test_what_a_board_says_of_its_crash(line: str) -> None:
     watched = Noise()
-    watched.take(noise(b"\x00\xffother\r\n" + line.encode() + b"\r\nmore\r\n"), is_alive=True)
+    watched.take(noise(b"\x00\xffother\r\n" + line.encode() + b"\r\nmore\r\n"), 0.0, is_alive=True)
     assert watched.crash_line() == line[:60]
     assert Noise().crash_line() is None
 
@@ -84,5 +92,5 @@ def test_sound_headers_of_another_version_are_no_noise() -> None:
     watched = Noise()
     for _ in range(3):
         assert watched.other_version is None
-        watched.take(noise(bytes(frame), DiscardReason.VERSION), is_alive=False)
+        watched.take(noise(bytes(frame), DiscardReason.VERSION), 0.0, is_alive=False)
     assert watched.other_version == 0xFC
