@@ -58,6 +58,7 @@ def _record(port: SerialPort, board: str) -> dict[str, object]:
         "manufacturer": port.manufacturer,
         "usb_id": _usb_id(port) if port.usb_vendor_id is not None else None,
         "serial_number": port.serial_number,
+        "usb_location": port.usb_location,
         "is_accessible": _is_accessible(port),
     }
 

@@ -21,7 +21,7 @@ LOOK_PERIOD_S = 0.25
 SETTLING_S = 2.0
 """After a change, every look makes the list: udev needs up to a second on small computers."""
 
-LIST_PERIOD_S = 10.0
+LIST_PERIOD_S = 60.0
 """Nothing changed that we could see; a list takes 2 ms."""
 
 BLIND_LIST_PERIOD_S = 2.0

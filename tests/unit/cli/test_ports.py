@@ -31,7 +31,9 @@ def test_each_port_says_what_it_is(plugged: list[SerialPort], shell: Shell, tmp_
 def test_for_scripts(plugged: list[SerialPort], shell: Shell, tmp_path: Path) -> None:
     path = tmp_path / "ttyACM0"
     path.touch()
-    port = SerialPort(str(path), "Arduino Uno", "/dev/serial/by-id/x", 0x2341, 0x43, "75833", "Arduino")
+    port = SerialPort(
+        str(path), "Arduino Uno", "/dev/serial/by-id/x", 0x2341, 0x43, "75833", "Arduino", "1-2:1.0"
+    )
     plugged.append(port)
     assert shell("ports", "--json").records == [
         {
@@ -42,6 +44,7 @@ def test_for_scripts(plugged: list[SerialPort], shell: Shell, tmp_path: Path) ->
             "manufacturer": "Arduino",
             "usb_id": "2341:0043",
             "serial_number": "75833",
+            "usb_location": "1-2:1.0",
             "is_accessible": True,
         }
     ]
