@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from rostether.cli.graph_access import read_environment
-from rostether.cli.options import listen_option
+from rostether.cli.options import allow_option, listen_option
 from rostether.cli.output import write_line
 from rostether.cli.running import run
 from rostether.cli.verbs import Verb
@@ -26,11 +26,13 @@ from rostether.ros1.environment import RosEnvironment, format_uri
     "-p", "--port", type=click.IntRange(0, 65535), help="The master's port (ROS_MASTER_URI's, 11311); 0: any."
 )
 @listen_option
-def core(port: int | None, listen: str | None) -> None:
+@allow_option
+def core(port: int | None, listen: str | None, allowed: tuple[str, ...]) -> None:
     """Run the ROS master, parameter server and log collector, like roscore."""
     environment = read_environment()
     if listen is not None:
         environment = environment.listening_on(listen)
+    environment = environment.allowing(allowed)
     run(_serve(environment, environment.master.port if port is None else port), is_service=True)
 
 

@@ -36,6 +36,14 @@ def window_option(default: int | None) -> Callable[[Function], Function]:
     )
 
 
+allow_option = click.option(
+    "--allow",
+    "allowed",
+    multiple=True,
+    metavar="CIDR",
+    help="Who may connect to what listens beyond loopback, such as 192.168.1.0/24; may be repeated.",
+)
+
 listen_option = click.option(
     "--listen",
     metavar="ADDRESS",

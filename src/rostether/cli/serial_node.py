@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 import click
 
 from rostether.cli.bridge_lines import ConsoleReporter
-from rostether.cli.options import listen_option
+from rostether.cli.options import allow_option, listen_option
 from rostether.cli.running import run
 from rostether.cli.serving import bridge, loopback_lines, read_links
 from rostether.cli.verbs import Verb
@@ -45,10 +45,11 @@ _ENVIRONMENT_OF_SPECIAL = {"__master": "ROS_MASTER_URI", "__ip": "ROS_IP", "__ho
     """,
 )
 @listen_option
+@allow_option
 @click.argument(
     "arguments", nargs=-1, type=click.UNPROCESSED, metavar="[PORT | tcp [TCP_PORT]] [NAME:=VALUE...]"
 )
-def serial_node(arguments: tuple[str, ...], listen: str | None) -> None:
+def serial_node(arguments: tuple[str, ...], listen: str | None, allowed: tuple[str, ...]) -> None:
     """Bridge one board, taking the arguments that serial_node.py takes."""
     parsed = parse_arguments(arguments)
     reporter = ConsoleReporter(show_node=False)
@@ -62,12 +63,17 @@ def serial_node(arguments: tuple[str, ...], listen: str | None) -> None:
     environment = RosEnvironment.read(os.environ | variables)
     if listen is not None:
         environment = environment.listening_on(listen)
+    environment = environment.allowing(allowed)
     hosts = environment.listen_hosts if listen is not None else (LOOPBACK,)
-    run(_serve(environment, parsed, reporter, hosts), is_service=True)
+    run(_serve(environment, parsed, reporter, hosts, allowed), is_service=True)
 
 
 async def _serve(
-    environment: RosEnvironment, arguments: Arguments, reporter: ConsoleReporter, hosts: Sequence[str]
+    environment: RosEnvironment,
+    arguments: Arguments,
+    reporter: ConsoleReporter,
+    hosts: Sequence[str],
+    allowed: tuple[str, ...],
 ) -> None:
     reporter.line(Level.INFO, "ROS Serial Python Node")
     namespace = canonical(join("/", arguments.special.get("__ns", environment.namespace)))
@@ -75,7 +81,7 @@ async def _serve(
     async with used_master(environment, is_chosen="__master" in arguments.special) as used:
         parameters = await _server_parameters(used.environment, node_name) | arguments.private_params
         link = choose_link(arguments.rest, parameters, node_name=node_name, namespace=namespace)
-        links = read_links(link, hosts)
+        links = read_links(link, hosts, allowed)
         if isinstance(links[0], SimAddress):
             raise ConfigError(f"serial-node serves no simulated board; type `rostether serve {link}`")
         for line in loopback_lines(used.environment, links):

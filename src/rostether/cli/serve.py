@@ -11,7 +11,7 @@ from rostether.cli.announcing import announced, check_mdns
 from rostether.cli.bridge_lines import ConsoleReporter
 from rostether.cli.device_options import config_option, discover_option, probe_option, read_devices
 from rostether.cli.graph_access import read_environment
-from rostether.cli.options import listen_option, msg_path_option
+from rostether.cli.options import allow_option, listen_option, msg_path_option
 from rostether.cli.running import run
 from rostether.cli.serving import bridge, loopback_lines, read_links
 from rostether.cli.simulated_links import simulated
@@ -48,6 +48,7 @@ from rostether.transports.address import Address
     help="The port where we are the master when there is none (11311).",
 )
 @listen_option
+@allow_option
 @msg_path_option
 @config_option
 @discover_option
@@ -66,6 +67,7 @@ def serve(
     master: str | None,
     master_port: int | None,
     listen: str | None,
+    allowed: tuple[str, ...],
     msg_paths: tuple[Path, ...],
     config: Path | None,
     discover: bool,
@@ -93,8 +95,9 @@ def serve(
     environment = read_environment(master)
     if listen is not None:
         environment = environment.listening_on(listen)
+    environment = environment.allowing(allowed)
     hosts = environment.listen_hosts if listen is not None else (LOOPBACK,)
-    links = [link for address in addresses for link in read_links(address, hosts)]
+    links = [link for address in addresses for link in read_links(address, hosts, allowed)]
     devices = read_devices(config, probes)
     discovers = discover or bool(probes) or not addresses
     announces = check_mdns(is_wanted=mdns)

@@ -20,13 +20,17 @@ if TYPE_CHECKING:
     from rostether.ros1.node.node import Ros1Graph
 
 
-def read_links(text: str, hosts: Sequence[str] = (LOOPBACK,)) -> list[Address]:
+def read_links(text: str, hosts: Sequence[str] = (LOOPBACK,), allowed: tuple[str, ...] = ()) -> list[Address]:
     """Read a link address; a listener whose host was left out listens on `hosts`, what --listen gave.
+
+    A listener without an `allow=` of its own takes boards from the networks `allowed`, what --allow gave.
 
     ROS_IP and ROS_HOSTNAME are no consent to take boards from the network: scripts set them for the graph.
     Raises ConfigError.
     """
     link = parse_address(text)
+    if isinstance(link, TcpAddress | UdpAddress) and link.listens and not link.allow:
+        link = replace(link, allow=allowed)
     if isinstance(link, TcpAddress | UdpAddress) and link.listens and "://:" in text:
         return [replace(link, host=host) for host in hosts]
     return [link]

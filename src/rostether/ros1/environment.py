@@ -10,12 +10,14 @@ from __future__ import annotations
 import os
 import re
 import socket
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from rostether.errors import ConfigError
 from rostether.names.graph_name import canonical, is_global, is_legal_name, join
+from rostether.ros1.admission import EVERYBODY, Admission
+from rostether.transports.allow_list import check_networks
 
 DEFAULT_MASTER_PORT = 11311
 DEFAULT_MASTER_URI = f"http://localhost:{DEFAULT_MASTER_PORT}"
@@ -72,7 +74,8 @@ class RosEnvironment:
     """The ROS 1 environment, validated.
 
     `master_uri_is_set` tells a chosen master from the default; `advertised_host` goes into the URIs we
-    register; `listen_hosts` are the addresses our servers bind; `namespace` is global.
+    register; `listen_hosts` are the addresses our servers bind, `admission` says who may connect to them;
+    `namespace` is global.
     """
 
     master_uri: str = DEFAULT_MASTER_URI
@@ -81,6 +84,7 @@ class RosEnvironment:
     listen_hosts: tuple[str, ...] = (LOOPBACK,)
     namespace: str = "/"
     package_path: tuple[Path, ...] = ()
+    admission: Admission = field(default=EVERYBODY, compare=False)
 
     @classmethod
     def read(cls, environ: Mapping[str, str] | None = None) -> RosEnvironment:
@@ -133,6 +137,14 @@ class RosEnvironment:
         if is_loopback(advertised):
             advertised = _network_address() if _is_wildcard(address) else address
         return replace(self, advertised_host=advertised, listen_hosts=_listen_hosts(address))
+
+    def allowing(self, networks: Iterable[str]) -> RosEnvironment:
+        """Return this environment with servers for these networks only (`--allow`); none given: as it is.
+
+        Raises ConfigError.
+        """
+        checked = check_networks(networks, "--allow")
+        return replace(self, admission=Admission(checked)) if checked else self
 
     def with_master(self, uri: str) -> RosEnvironment:
         """Return this environment with another master (`--master`). Raises ConfigError."""

@@ -48,7 +48,10 @@ class Roscore:
         Raises GraphError when the port is taken, ConfigError when an address is not this machine's.
         """
         master = await MasterServer.start(
-            environment.listen_hosts, port, advertised_host=environment.advertised_host
+            environment.listen_hosts,
+            port,
+            advertised_host=environment.advertised_host,
+            admission=environment.admission,
         )
         core = cls(master, environment, respawn_pause_s=respawn_pause_s)
         try:

@@ -29,17 +29,23 @@ _next_id = itertools.count(1)
 
 Accept: TypeAlias = Callable[[dict[str, str], asyncio.Transport], asyncio.Protocol]
 
+Admit: TypeAlias = "Callable[[HandshakeProtocol, asyncio.Transport], bool]"
+
 
 class HandshakeProtocol(asyncio.Protocol):
     """Reads the first header of a connection, then hands the transport to the protocol `accept` returns.
 
     `accept` runs at once, so that no byte of the peer is lost, and leaves writing to its successor's
     `connection_made`. What it raises ends the connection and is `outcome`'s exception; the successor is its
-    result. An incoming connection's peer is told the error first.
+    result. An incoming connection's peer is told the error first. One that `admit` refuses is ended by it.
     """
 
-    def __init__(self, accept: Accept, *, request: Mapping[str, str] | None = None) -> None:
+    def __init__(
+        self, accept: Accept, *, request: Mapping[str, str] | None = None, admit: Admit | None = None
+    ) -> None:
         self._accept = accept
+        self._admit = admit
+        self.host = ""
         self._request = request
         self._decoder = HeaderDecoder()
         loop = asyncio.get_running_loop()
@@ -55,6 +61,11 @@ class HandshakeProtocol(asyncio.Protocol):
         """Send our header first if it was us who connected."""
         # uvloop's transports are no subclasses of asyncio's.
         self._transport = cast(asyncio.Transport, transport)
+        peer = transport.get_extra_info("peername")
+        self.host = peer[0] if peer else ""
+        if self._admit is not None and not self._admit(self, self._transport):
+            self._fail(RemoteProtocolError("refused"))
+            return
         set_keepalive(self._transport)
         if self._request is not None:
             self._transport.write(encode_header(self._request))

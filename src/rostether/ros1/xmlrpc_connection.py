@@ -15,7 +15,7 @@ _LARGE_BODY_BYTES = 256 * 1024
 class ServerConnection(asyncio.Protocol):
     """Reads requests, hands each body to `answer`, writes what comes back; `on_lost` is called at the end.
 
-    A large body goes on only while `has_room` says so.
+    A large body goes on only while `has_room` says so. Who is not to be served is ended by `admit`.
 
     While an answer is computed, or the client does not take what was written, at most one more chunk is read
     (to notice that the client has gone): what a client can make us hold is bounded.
@@ -26,9 +26,11 @@ class ServerConnection(asyncio.Protocol):
         answer: Callable[[bytes], bytes | Awaitable[bytes]],
         on_lost: Callable[[ServerConnection], None],
         has_room: Callable[[], bool],
+        admit: Callable[[ServerConnection, asyncio.Transport], bool] = lambda _connection, _transport: True,
     ) -> None:
         self._answer = answer
         self._has_room = has_room
+        self._admit = admit
         self._on_lost = on_lost
         self._http = HttpServerSide()
         self._transport: asyncio.Transport | None = None
@@ -36,11 +38,20 @@ class ServerConnection(asyncio.Protocol):
         self._is_congested = False
         self._loop = asyncio.get_running_loop()
         self.last_active_s = self._loop.time()
+        # When the request that is being received, or waited for, began.
+        self.waiting_since_s = self.last_active_s
+        self.has_spoken = False
+        self.host = ""
 
     @property
     def is_idle(self) -> bool:
         """Whether no request is under way."""
         return self._task is None and not self._is_congested and self._http.is_idle
+
+    @property
+    def is_receiving(self) -> bool:
+        """Whether a request has begun and is not complete."""
+        return self._task is None and not self._is_congested and not self._http.is_idle
 
     @property
     def body_bytes(self) -> int:
@@ -68,6 +79,10 @@ class ServerConnection(asyncio.Protocol):
         """Begin."""
         # uvloop's transports are no subclasses of asyncio's.
         self._transport = cast(asyncio.Transport, transport)
+        peer = transport.get_extra_info("peername")
+        self.host = peer[0] if peer else ""
+        if not self._admit(self, self._transport):
+            self._transport = None
 
     def connection_lost(self, exc: Exception | None) -> None:
         """End; a method under way is cancelled, nobody waits for it."""
@@ -79,6 +94,10 @@ class ServerConnection(asyncio.Protocol):
     def data_received(self, data: bytes) -> None:
         """Read on."""
         self.last_active_s = self._loop.time()
+        if self._transport is None:
+            return
+        if self._http.is_idle:
+            self.waiting_since_s = self.last_active_s
         self._http.receive_data(data)
         if self._task is None and not self._is_congested:
             self._serve()
@@ -108,6 +127,8 @@ class ServerConnection(asyncio.Protocol):
                 self._transport.write(data)
             if body is None:
                 break
+            self.has_spoken = True
+            self.waiting_since_s = self._loop.time()
             answer = self._answer(body)
             if isinstance(answer, bytes):
                 self._respond(answer)

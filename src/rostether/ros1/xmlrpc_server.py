@@ -11,11 +11,12 @@ import errno
 import inspect
 import logging
 import os
-from collections.abc import Awaitable, Callable, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Iterable, Mapping, Sequence
 from typing import Any, TypeAlias
 
 from rostether.errors import ConfigError, GraphError, RemoteProtocolError, RostetherError, SerializationError
-from rostether.ros1.environment import LOOPBACK, connect_host, format_uri
+from rostether.ros1.admission import EVERYBODY, Admission
+from rostether.ros1.environment import LOOPBACK, connect_host, format_uri, is_loopback
 from rostether.ros1.xmlrpc_connection import ServerConnection
 from rostether.xmlrpc.http_message import MAX_BODY_BYTES
 from rostether.xmlrpc.values import FaultError, XmlRpcValue, dump_fault, dump_response, load_call
@@ -27,6 +28,12 @@ Dispatch: TypeAlias = Mapping[str, Method]
 MAX_CONNECTIONS = 512
 # A client that reuses its connection does so within seconds; roscpp drops its own after 30 s.
 IDLE_TIMEOUT_S = 90.0
+# Who connects has a request; a connection that says nothing only holds a descriptor.
+FIRST_BYTE_LIMIT_S = 15.0
+# The largest request over a slow radio link; one that trickles in byte by byte is given up then.
+REQUEST_LIMIT_S = 60.0
+# One machine runs many nodes, but must leave room for others'; this one's own programs need no such limit.
+MAX_CONNECTIONS_PER_HOST = 256
 # A multicall sets the parameters of one launch file; a larger one would hold up everybody else.
 MAX_MULTICALL = 10_000
 # A client that reads has its answer within milliseconds; one that does not read is not waited for.
@@ -54,8 +61,12 @@ class XmlRpcServer:
         hosts: Sequence[str] = (LOOPBACK,),
         port: int = 0,
         advertised_host: str = LOOPBACK,
+        admission: Admission = EVERYBODY,
         idle_timeout_s: float = IDLE_TIMEOUT_S,
+        first_byte_limit_s: float = FIRST_BYTE_LIMIT_S,
+        request_limit_s: float = REQUEST_LIMIT_S,
         max_connections: int = MAX_CONNECTIONS,
+        max_connections_per_host: int = MAX_CONNECTIONS_PER_HOST,
     ) -> None:
         self._methods: dict[str, Method] = {
             **dispatch,
@@ -65,7 +76,11 @@ class XmlRpcServer:
         self._hosts = [connect_host(host) for host in hosts]
         self._advertised_host = advertised_host
         self._idle_timeout_s = idle_timeout_s
+        self._admission = admission
+        self._first_byte_limit_s = first_byte_limit_s
+        self._request_limit_s = request_limit_s
         self._max_connections = max_connections
+        self._max_connections_per_host = max_connections_per_host
         self._connections: dict[ServerConnection, None] = {}
         self._servers: list[asyncio.Server] = []
         self._sweep: asyncio.TimerHandle | None = None
@@ -129,14 +144,21 @@ class XmlRpcServer:
             await server.wait_closed()
 
     def _accept(self) -> ServerConnection:
+        return ServerConnection(self._answer, self._forget, self._has_room, self._admit)
+
+    def _admit(self, connection: ServerConnection, transport: asyncio.Transport) -> bool:
+        if not self._admission.admits(transport):
+            return False
         if len(self._connections) >= self._max_connections:
-            idlest = min(self._connections, key=lambda each: (not each.is_idle, each.last_active_s))
-            idlest.abort()
-        connection = ServerConnection(self._answer, self._forget, self._has_room)
+            _idlest(self._connections).abort()
+        if not is_loopback(connection.host):
+            same = [each for each in self._connections if each.host == connection.host]
+            if len(same) >= self._max_connections_per_host:
+                _idlest(same).abort()
         self._connections[connection] = None
         if self._sweep is None:
             self._sweep_later()
-        return connection
+        return True
 
     def _has_room(self) -> bool:
         return sum(connection.body_bytes for connection in self._connections) <= MAX_BODIES_BYTES
@@ -147,16 +169,25 @@ class XmlRpcServer:
             self._emptied.set()
 
     def _sweep_later(self) -> None:
-        self._sweep = asyncio.get_running_loop().call_later(self._idle_timeout_s / 4, self._sweep_idle)
+        shortest_s = min(self._idle_timeout_s, self._first_byte_limit_s, self._request_limit_s)
+        self._sweep = asyncio.get_running_loop().call_later(shortest_s / 4, self._sweep_idle)
 
     def _sweep_idle(self) -> None:
         self._sweep = None
-        limit_s = asyncio.get_running_loop().time() - self._idle_timeout_s
+        now_s = asyncio.get_running_loop().time()
         for connection in list(self._connections):
-            if connection.last_active_s < limit_s and not connection.is_answering:
+            if not connection.is_answering and self._is_overdue(connection, now_s):
                 connection.abort()
         if self._connections:
             self._sweep_later()
+
+    def _is_overdue(self, connection: ServerConnection, now_s: float) -> bool:
+        if now_s - connection.last_active_s > self._idle_timeout_s:
+            return True
+        waited_s = now_s - connection.waiting_since_s
+        if connection.is_receiving:
+            return waited_s > self._request_limit_s
+        return not connection.has_spoken and waited_s > self._first_byte_limit_s
 
     def _answer(self, document: bytes) -> bytes | Awaitable[bytes]:
         """Return the response document, at once when the method is plain."""
@@ -205,6 +236,10 @@ class XmlRpcServer:
         value = self._call(method, params)
         result: XmlRpcValue = await value if inspect.isawaitable(value) else value
         return result
+
+
+def _idlest(connections: Iterable[ServerConnection]) -> ServerConnection:
+    return min(connections, key=lambda each: (not each.is_idle, each.last_active_s))
 
 
 def _dump(method: str, value: object) -> bytes:

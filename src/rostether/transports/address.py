@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from rostether.errors import ConfigError
+from rostether.transports.allow_list import check_networks
 from rostether.transports.sim_words import SIM_WORDS, sim_words
 
 DEFAULT_BAUD = 57600  # what the established device library opens its port with
@@ -215,18 +216,7 @@ class _Options:
         value = self.values.get("allow")
         if value is None:
             return ()
-        from ipaddress import ip_network  # only who limits a listener pays for the import
-
-        networks = tuple(value.split(","))
-        for network in networks:
-            try:
-                ip_network(network, strict=False)
-            except ValueError:
-                raise ConfigError(
-                    f"allow={value} in link address {self.address!r}: {network!r} is no network; "
-                    "write for instance allow=192.168.1.0/24,10.0.0.7"
-                ) from None
-        return networks
+        return check_networks(value.split(","), f"allow={value} in link address {self.address!r}")
 
     def xbee_peers(self) -> tuple[int, ...]:
         value = self.values.get("peers")

@@ -5,23 +5,45 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
+from rostether.errors import ConfigError
+
 if TYPE_CHECKING:
     from ipaddress import IPv4Network, IPv6Network
 
+# This machine's own programs: whoever can run one here needs no network to do harm.
+ALWAYS_ALLOWED = ("127.0.0.0/8", "::1/128")
+
+
+def check_networks(networks: Iterable[str], source: str) -> tuple[str, ...]:
+    """Return networks that can be read; `source` is who gave them. Raises ConfigError."""
+    from ipaddress import ip_network  # only who limits a listener pays for the import
+
+    checked = tuple(networks)
+    for network in checked:
+        try:
+            ip_network(network, strict=False)
+        except ValueError:
+            raise ConfigError(
+                f"{source}: {network!r:.200} is no network; write for instance 192.168.1.0/24 or 10.0.0.7"
+            ) from None
+    return checked
+
 
 class AllowList:
-    """A set of networks such as `192.168.1.0/24`; an empty one allows everybody."""
+    """A set of networks such as `192.168.1.0/24`, and this machine; an empty one allows everybody."""
 
     def __init__(self, networks: Iterable[str] = ()) -> None:
         self._networks: list[IPv4Network | IPv6Network] = []
-        for network in networks:
-            from ipaddress import ip_network  # only who limits a listener pays for the import
+        self.is_limiting = False
+        for network in (*networks, *ALWAYS_ALLOWED) if (networks := tuple(networks)) else ():
+            from ipaddress import ip_network
 
             self._networks.append(ip_network(network, strict=False))
+            self.is_limiting = True
 
     def allows(self, host: str) -> bool:
         """Tell whether a numeric address may connect; an IPv4 address mapped into IPv6 counts as IPv4."""
-        if not self._networks:
+        if not self.is_limiting:
             return True
         from ipaddress import IPv6Address, ip_address
 
@@ -32,3 +54,7 @@ class AllowList:
         if isinstance(address, IPv6Address) and address.ipv4_mapped is not None:
             address = address.ipv4_mapped
         return any(address in network for network in self._networks)
+
+    def allows_connection(self, host: str, own_host: str) -> bool:
+        """Tell whether a connection may stay; one between two ends of one address comes from this machine."""
+        return host == own_host or self.allows(host)

@@ -32,6 +32,7 @@ class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
         self._buffer = memoryview(bytearray(READ_CHUNK_BYTES))
         self._on_lost = on_lost
         self.host = ""
+        self.own_host = ""
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Take the asyncio side and set the socket's options."""
@@ -40,6 +41,7 @@ class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
         peer_name = transport.get_extra_info("peername")
         if peer_name:
             self.host = peer_name[0]
+            self.own_host = transport.get_extra_info("sockname")[0]
             self._peer = f"tcp {show_endpoint(*peer_name[:2])}"
 
     def connection_lost(self, exc: Exception | None) -> None:
@@ -132,7 +134,7 @@ class TcpListener:
         return _AcceptedTransport(self)
 
     def _accepted(self, transport: TcpTransport) -> None:
-        reason = self._refusal_reason(transport.host)
+        reason = self._refusal_reason(transport.host, transport.own_host)
         if reason is not None:
             self._refusals.refuse(transport.peer, reason)
             transport.abort()
@@ -141,11 +143,11 @@ class TcpListener:
         self._per_host[transport.host] += 1
         self._on_transport(transport)
 
-    def _refusal_reason(self, host: str) -> str | None:
+    def _refusal_reason(self, host: str, own_host: str) -> str | None:
         if self._server is None:
             return "it is closing"
-        if not self._allow.allows(host):
-            return "its address is not among allow="
+        if not self._allow.allows_connection(host, own_host):
+            return "its address is not among those allowed"
         if len(self._transports) >= self._max_connections:
             return f"{self._max_connections} boards are connected already"
         if self._per_host[host] >= self._max_connections_per_host:

@@ -15,7 +15,13 @@ from rostether.errors import LocalProtocolError, RemoteProtocolError
 MAX_BODY_BYTES = 16 * 1024 * 1024
 
 _TEXT_XML = (b"Content-Type", b"text/xml")
-_REASONS = {400: b"Bad Request", 403: b"Forbidden", 405: b"Method Not Allowed", 413: b"Content Too Large"}
+_REASONS = {
+    400: b"Bad Request",
+    403: b"Forbidden",
+    405: b"Method Not Allowed",
+    413: b"Content Too Large",
+    415: b"Unsupported Media Type",
+}
 
 
 class HttpStatusError(RemoteProtocolError):
@@ -97,6 +103,9 @@ class HttpServerSide:
             self._refuse(403, "requests from web pages are refused")
         elif headers.get(b"content-encoding", b"identity") != b"identity":
             self._refuse(400, "compressed requests are not understood")
+        elif b"xml" not in headers.get(b"content-type", b"text/xml").lower():
+            # What a web page can send unasked is a form or plain text; some ROS clients give no type.
+            self._refuse(415, "an XML-RPC request has the Content-Type text/xml")
         elif int(headers.get(b"content-length", b"0")) > self._max_body_bytes:
             self._refuse(413, f"the request is larger than {self._max_body_bytes} bytes")
 

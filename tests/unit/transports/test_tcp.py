@@ -12,6 +12,7 @@ from rostether.errors import TransportClosedError, TransportOpenError, Transport
 from rostether.transports.address import TcpAddress, parse_address
 from rostether.transports.tcp import TcpListener, TcpTransport, connect_tcp
 from unit.transports.recorder import Arrivals, Recorder, until
+from unit.transports.strangers import is_hung_up, stranger, trust_nobody
 
 
 def port_of(listener: TcpListener) -> int:
@@ -191,21 +192,34 @@ async def test_refuse_more_connections_of_one_host_than_its_share() -> None:
         assert (arrivals.count, listener.refused_count) == (1, 1)
 
 
-@pytest.mark.parametrize(("allow", "comes"), [("10.0.0.0/8,127.0.0.0/8", True), ("10.0.0.0/8,::1", False)])
-async def test_allow_only_the_networks_named(allow: str, comes: bool) -> None:
+@pytest.mark.parametrize(("allow", "comes"), [("10.0.0.0/8,127.0.0.2", True), ("10.0.0.0/8,::1", False)])
+async def test_allow_only_the_networks_named(
+    allow: str, comes: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    trust_nobody(monkeypatch)
     arrivals = Arrivals()
     address = parse_address(f"tcp://127.0.0.1:0?allow={allow}")
     assert isinstance(address, TcpAddress)
     listener = await TcpListener.start(address, arrivals)
     try:
-        async with connected_to(listener) as (board, seen):
+        async with stranger(port_of(listener)) as (reader, writer):
+            writer.write(b"x")
             if comes:
                 _, host_seen = await arrivals.next_started()
-                board.write(b"x")
                 await host_seen.until_received(b"x")
             else:
-                await seen.until_lost()
-        assert arrivals.count == comes
+                assert await is_hung_up(reader)
+        assert (arrivals.count, listener.refused_count) == ((1, 0) if comes else (0, 1))
+    finally:
+        await listener.close()
+
+
+async def test_this_machine_is_always_allowed() -> None:
+    arrivals = Arrivals()
+    listener = await TcpListener.start(TcpAddress("127.0.0.1", 0, allow=("10.0.0.0/8",)), arrivals)
+    try:
+        async with connected_to(listener):
+            await arrivals.next_started()
     finally:
         await listener.close()
 

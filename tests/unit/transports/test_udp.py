@@ -12,6 +12,7 @@ from rostether.transports.address import UdpAddress
 from rostether.transports.transport import Transport
 from rostether.transports.udp import MAX_DATAGRAM_BYTES, UdpListener, connect_udp, split_datagrams
 from unit.transports.recorder import Arrivals, Recorder, until
+from unit.transports.strangers import trust_nobody
 
 
 class Clock:
@@ -131,7 +132,8 @@ async def test_new_peers_beyond_the_limit_wait_for_a_silent_one_to_expire() -> N
         await seen.until_received(b"second")
 
 
-async def test_a_peer_outside_the_allowed_networks_is_not_heard() -> None:
+async def test_a_peer_outside_the_allowed_networks_is_not_heard(monkeypatch: pytest.MonkeyPatch) -> None:
+    trust_nobody(monkeypatch)
     async with (
         listening(allow=("10.0.0.0/8",)) as (listener, arrivals),
         connected_to(listener) as (board, _),

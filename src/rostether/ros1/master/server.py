@@ -7,6 +7,7 @@ import logging
 import os
 from collections.abc import Sequence
 
+from rostether.ros1.admission import EVERYBODY, Admission
 from rostether.ros1.environment import DEFAULT_MASTER_PORT, LOOPBACK
 from rostether.ros1.master.master_api import MasterApi
 from rostether.ros1.master.node_calls import PING_INTERVAL_S, NodeCallQueue
@@ -22,11 +23,17 @@ _log = logging.getLogger("rostether.ros1.master")
 class MasterServer:
     """A ROS master, with the parameters roscore sets; `start` makes one that listens."""
 
-    def __init__(self, hosts: Sequence[str], port: int, advertised_host: str) -> None:
+    def __init__(
+        self, hosts: Sequence[str], port: int, advertised_host: str, admission: Admission = EVERYBODY
+    ) -> None:
         self._node_calls = NodeCallQueue(self._drop_gone)
         self.api = MasterApi(self._node_calls, self._stop)
         self._server = XmlRpcServer(
-            self.api.dispatch(), hosts=hosts, port=port, advertised_host=advertised_host
+            self.api.dispatch(),
+            hosts=hosts,
+            port=port,
+            advertised_host=advertised_host,
+            admission=admission,
         )
         self._stopped = asyncio.Event()
         self._closing: asyncio.Task[None] | None = None
@@ -39,6 +46,7 @@ class MasterServer:
         port: int = DEFAULT_MASTER_PORT,
         *,
         advertised_host: str = "",
+        admission: Admission = EVERYBODY,
     ) -> MasterServer:
         """Start a master on one or several addresses; port 0 takes a free one.
 
@@ -46,7 +54,7 @@ class MasterServer:
         taken, ConfigError when an address is not this machine's.
         """
         hosts = (host,) if isinstance(host, str) else tuple(host)
-        master = cls(hosts, port, advertised_host or hosts[0])
+        master = cls(hosts, port, advertised_host or hosts[0], admission)
         await master._listen()
         return master
 

@@ -50,11 +50,14 @@ class Endpoints:
         self._publications: dict[str, Publication] = {}
         self._subscriptions: dict[str, list[Subscription]] = {}
         self._services: dict[str, ServiceServer] = {}
-        self._listener = TcprosListener(self._accept_subscriber, self._accept_client, report)
+        self._listener = TcprosListener(
+            self._accept_subscriber, self._accept_client, report, environment.admission
+        )
         self._server = XmlRpcServer(
             slave_dispatch(self),
             hosts=environment.listen_hosts,
             advertised_host=environment.advertised_host,
+            admission=environment.admission,
         )
         self._is_open = False
         self.watches: ParameterWatches

@@ -8,12 +8,22 @@ from collections.abc import Callable, Sequence
 
 from rostether.errors import ConfigError, GraphError, TypeMismatchError
 from rostether.graph.ports import Level
-from rostether.ros1.environment import connect_host
+from rostether.ros1.admission import EVERYBODY, Admission
+from rostether.ros1.environment import connect_host, is_loopback
 from rostether.ros1.tcpros_connection import HandshakeProtocol
 from rostether.tcpros.handshake import Purpose, purpose_of
 
 MAX_HANDSHAKES = 256
 """Connections whose header has not come yet: a burst of a whole graph starting, not a flood of strangers."""
+
+MAX_HANDSHAKES_PER_HOST = 64
+"""The same for one address that is not this machine, so that it leaves room for others."""
+
+MAX_CONNECTIONS = 768
+"""Descriptors are commonly limited to 1024 a process; one is needed for each connection that stays."""
+
+MAX_CONNECTIONS_PER_HOST = 384
+"""One machine runs many nodes, but must leave room for others'."""
 
 _BIND_ATTEMPTS = 5
 
@@ -31,11 +41,14 @@ class TcprosListener:
         accept_subscriber: AcceptPeer,
         accept_client: AcceptPeer,
         report: Callable[[Level, str], None],
+        admission: Admission = EVERYBODY,
     ) -> None:
         self._accept_subscriber = accept_subscriber
         self._accept_client = accept_client
         self._report = report
+        self._admission = admission
         self._servers: list[asyncio.Server] = []
+        self._served: dict[asyncio.Transport, str] = {}
         self._handshakes: dict[HandshakeProtocol, None] = {}
         self.port = 0
 
@@ -64,6 +77,7 @@ class TcprosListener:
             server.close()
         for handshake in list(self._handshakes):
             handshake.abort()
+        self._served.clear()
         for server in servers:
             await server.wait_closed()
 
@@ -75,17 +89,35 @@ class TcprosListener:
             self.port = server.sockets[0].getsockname()[1]
 
     def _take(self) -> HandshakeProtocol:
+        return HandshakeProtocol(self._accept, admit=self._admit)
+
+    def _admit(self, handshake: HandshakeProtocol, transport: asyncio.Transport) -> bool:
+        if not self._admission.admits(transport):
+            return False
         if len(self._handshakes) >= MAX_HANDSHAKES:
             next(iter(self._handshakes)).abort()
-        handshake = HandshakeProtocol(self._accept)
+        if not is_loopback(handshake.host):
+            same = [each for each in self._handshakes if each.host == handshake.host]
+            if len(same) >= MAX_HANDSHAKES_PER_HOST:
+                same[0].abort()
         self._handshakes[handshake] = None
         handshake.outcome.add_done_callback(lambda outcome: self._done(handshake, outcome))
-        return handshake
+        return True
 
     def _accept(self, fields: dict[str, str], transport: asyncio.Transport) -> asyncio.Protocol:
+        self._served = {each: host for each, host in self._served.items() if not each.is_closing()}
+        peer = transport.get_extra_info("peername")
+        host = peer[0] if peer else ""
+        if len(self._served) >= MAX_CONNECTIONS:
+            raise GraphError(f"this node has {MAX_CONNECTIONS} connections already: end some of them")
+        if not is_loopback(host) and list(self._served.values()).count(host) >= MAX_CONNECTIONS_PER_HOST:
+            raise GraphError(f"{host} has {MAX_CONNECTIONS_PER_HOST} connections already: end some of them")
         if purpose_of(fields) is Purpose.SUBSCRIBE:
-            return self._accept_subscriber(fields, transport)
-        return self._accept_client(fields, transport)
+            successor = self._accept_subscriber(fields, transport)
+        else:
+            successor = self._accept_client(fields, transport)
+        self._served[transport] = host
+        return successor
 
     def _done(self, handshake: HandshakeProtocol, outcome: asyncio.Future[asyncio.Protocol]) -> None:
         self._handshakes.pop(handshake, None)

@@ -15,6 +15,7 @@ from rostether.ros1.node import tcpros_listener
 from rostether.ros1.node.tcpros_listener import TcprosListener
 from rostether.tcpros.header import MAX_HEADER_BYTES
 from unit.ros1.node.raw_peers import RawPeer, until
+from unit.transports.strangers import is_hung_up, stranger
 
 
 def refuse_subscriber(fields: dict[str, str], _: asyncio.Transport) -> asyncio.Protocol:
@@ -83,6 +84,48 @@ async def test_a_crowd_that_says_nothing_keeps_nobody_out(
     for peer in crowd:
         await peer.close()
     await until(lambda: not listener._handshakes)
+
+
+async def test_one_address_leaves_room_for_others(
+    listener: TcprosListener, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tcpros_listener, "is_loopback", lambda host: host != "127.0.0.2")
+    monkeypatch.setattr(tcpros_listener, "MAX_HANDSHAKES_PER_HOST", 1)
+    friend = await RawPeer.connect(listener.port)
+    async with stranger(listener.port) as (first, _):
+        await until(lambda: len(listener._handshakes) == 2)
+        async with stranger(listener.port):
+            assert await is_hung_up(first)
+            friend.send_header({"callerid": "/a"})
+            assert "error" in await friend.read_header()
+    await friend.close()
+
+
+@pytest.mark.parametrize(
+    ("limit", "reason"),
+    [("MAX_CONNECTIONS", "this node has 1 connections"), ("MAX_CONNECTIONS_PER_HOST", "127.0.0.1 has 1")],
+)
+async def test_connections_that_stay_are_counted(
+    limit: str, reason: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tcpros_listener, limit, 1)
+    monkeypatch.setattr(tcpros_listener, "is_loopback", lambda _host: False)
+    listener = TcprosListener(lambda *_: asyncio.Protocol(), refuse_client, lambda *_: None)
+    await listener.start(["127.0.0.1"])
+    fields = {"topic": "/a", "md5sum": "*"}
+    first, second = await RawPeer.connect(listener.port), await RawPeer.connect(listener.port)
+    first.send_header(fields)
+    await until(lambda: len(listener._served) == 1)
+    second.send_header(fields)
+    assert reason in (await second.read_header())["error"]
+    await first.close()
+    await until(lambda: all(each.is_closing() for each in listener._served))
+    third = await RawPeer.connect(listener.port)
+    third.send_header(fields)
+    await until(lambda: any(not each.is_closing() for each in listener._served))
+    for peer in (second, third):
+        await peer.close()
+    await listener.close()
 
 
 async def test_closing_hangs_up_and_frees_the_port(listener: TcprosListener) -> None:

@@ -1,0 +1,44 @@
+"""Who may connect to the servers of a ROS graph: the master's, and every node's XML-RPC and TCPROS.
+
+ROS 1 knows no passwords, so the address is all there is to tell peers apart by. One admission serves all the
+servers of a process, so that a scan of them all is one line in the log.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable, Iterable
+
+from rostether.transports.allow_list import AllowList
+from rostether.transports.refusals import RefusalLog
+
+
+class Admission:
+    """Admits connections from `networks` and from this machine; without networks, all."""
+
+    def __init__(self, networks: Iterable[str] = (), clock: Callable[[], float] = time.monotonic) -> None:
+        self._allow = AllowList(networks)
+        self._refusals = RefusalLog("the ROS graph's servers", clock)
+
+    @property
+    def refused_count(self) -> int:
+        """How many connections were refused so far."""
+        return self._refusals.count
+
+    def admits(self, transport: asyncio.BaseTransport) -> bool:
+        """Tell whether a connection may stay; one that may not is ended here, before a byte of it is read."""
+        if not self._allow.is_limiting:
+            return True
+        peer = transport.get_extra_info("peername")
+        own = transport.get_extra_info("sockname")
+        if not peer or self._allow.allows_connection(peer[0], own[0] if own else ""):
+            return True
+        self._refusals.refuse(peer[0], "its address is not among --allow")
+        # uvloop's transports are no subclasses of asyncio's.
+        abort: Callable[[], None] = transport.abort  # type: ignore[attr-defined]
+        abort()
+        return False
+
+
+EVERYBODY = Admission()
