@@ -112,7 +112,7 @@ def test_broken_definitions_of_others_do_not_matter(tmp_path: Path) -> None:
 
 def test_a_type_that_we_do_not_know_is_still_unknown() -> None:
     with pytest.raises(UnknownTypeError):
-        explain_mismatch(Registry(), "mearm_model/ServoAngles", UNKNOWN_MD5SUM)
+        explain_mismatch(Registry(), "my_arm/ServoAngles", UNKNOWN_MD5SUM)
 
 
 def test_service_halves_can_be_explained() -> None:

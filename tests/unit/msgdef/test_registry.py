@@ -14,6 +14,7 @@ PACKAGES = {
     "actionlib_msgs",
     "diagnostic_msgs",
     "geometry_msgs",
+    "mearm_model",
     "nav_msgs",
     "roscpp",
     "rosgraph_msgs",

@@ -17,8 +17,8 @@ def text_for_message(name: str, *paths: Path) -> str:
 
 
 def test_a_missing_package_is_named_with_what_to_do() -> None:
-    assert text_for_message("mearm_model/ServoAngles") == (
-        f"no package 'mearm_model' is known for mearm_model/ServoAngles; {HOW}"
+    assert text_for_message("my_arm/ServoAngles") == (
+        f"no package 'my_arm' is known for my_arm/ServoAngles; {HOW}"
     )
 
 
