@@ -1,7 +1,7 @@
 """Notices when serial ports come and go, without asking the system for its list all the time.
 
-On Linux and macOS a port is a file: while the folders that hold them are as they were, one `stat` each is
-all that a look costs. The list itself is made when they changed, some times after that, since the system
+On Linux a port is a file: while the folders that hold them are as they were, one `stat` each is all that a
+look costs. The list itself is made when they changed, some times after that, since the system
 fills in a new port's serial number and permissions a moment later, and now and then anyway.
 """
 
@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import sys
 from collections.abc import AsyncIterator, Callable, Iterable, Sequence
 from pathlib import Path
 
@@ -25,9 +26,10 @@ LIST_PERIOD_S = 60.0
 """Nothing changed that we could see; a list takes 2 ms."""
 
 BLIND_LIST_PERIOD_S = 2.0
-"""Where ports are no files (Windows), only the list itself tells."""
+"""Where ports are no files (Windows), or their folder may not tell (macOS), only the list itself does."""
 
 DEVICE_FOLDER = "/dev"
+_FOLDERS_TELL = sys.platform == "linux"
 
 ListPorts = Callable[[], Sequence[SerialPort]]
 
@@ -64,9 +66,10 @@ class PortWatch:
             fresh = [folder_mark(folder) for folder in self._folders]
             if fresh != marks:
                 marks, settled_s = fresh, now_s + SETTLING_S
-            period_s = LIST_PERIOD_S if any(marks) else BLIND_LIST_PERIOD_S
+            period_s = LIST_PERIOD_S if _FOLDERS_TELL and any(marks) else BLIND_LIST_PERIOD_S
             if now_s < settled_s or now_s - listed_s >= period_s:
                 listed_s = now_s
+                ports: list[SerialPort] | None
                 try:
                     ports = self.list()
                 except OSError:

@@ -23,9 +23,16 @@ class NameRule:
 
     def permits(self, name: str) -> bool:
         """Tell whether a resolved name may be used."""
-        if any(fnmatchcase(name, pattern) for pattern in self.deny):
-            return False
-        return self.allow is None or any(fnmatchcase(name, pattern) for pattern in self.allow)
+        return self.refusal(name) is None
+
+    def refusal(self, name: str) -> str | None:
+        """Return which entry forbids a resolved name, None if it is permitted."""
+        for pattern in self.deny:
+            if fnmatchcase(name, pattern):
+                return f'deny has "{pattern}"'
+        if self.allow is None or any(fnmatchcase(name, pattern) for pattern in self.allow):
+            return None
+        return "allow has no entry for it"
 
 
 ANY_NAME = NameRule()

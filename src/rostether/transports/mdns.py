@@ -17,8 +17,8 @@ from rostether.errors import TransportOpenError
 from rostether.transports.sockets import explain_reason
 
 SERVICE_TYPE = "_rosserial._tcp.local."
-# Labels in DNS are no longer.
-_MAX_LABEL_BYTES = 63
+# Labels in DNS have 63 bytes, and ours say more than the name.
+_MAX_MACHINE_BYTES = 48
 _ANY = ("0.0.0.0", "::", "")  # noqa: S104 - only compared with
 
 
@@ -54,14 +54,15 @@ class Announcement:
         addresses = list(interfaces) if interfaces is not None else [*_addresses_of(host)]
         if not addresses:
             raise TransportOpenError("mDNS: this machine has no network address; connect it to a network")
-        instance = f"rostether on {machine}".encode()[:_MAX_LABEL_BYTES].decode(errors="ignore")
+        machine = machine.encode()[:_MAX_MACHINE_BYTES].decode(errors="ignore")
         info = AsyncServiceInfo(
             SERVICE_TYPE,
-            f"{instance}.{SERVICE_TYPE}",
+            f"rostether on {machine}.{SERVICE_TYPE}",
             port=port,
             parsed_addresses=addresses,
             properties={"txtvers": "1"},
-            server=f"{machine}.local.",
+            # The machine's own name is its own responder's (Avahi, Bonjour), which would take ours for a rival.
+            server=f"rostether-{machine}.local.",
         )
         version = IPVersion.V4Only if all(":" not in address for address in addresses) else IPVersion.All
         zeroconf: AsyncZeroconf | None = None

@@ -25,7 +25,11 @@ async def test_a_listener_is_found_by_its_service_type() -> None:
         info = AsyncServiceInfo(mdns.SERVICE_TYPE, f"{announcement.name}.{mdns.SERVICE_TYPE}")
         async with asyncio.timeout(10):
             assert await info.async_request(browser.zeroconf, 8000)
-        assert (info.port, info.server, info.parsed_addresses()) == (11411, "lab.local.", ["127.0.0.1"])
+        assert (info.port, info.server, info.parsed_addresses()) == (
+            11411,
+            "rostether-lab.local.",
+            ["127.0.0.1"],
+        )
     finally:
         await browser.async_close()
         await announcement.close()
