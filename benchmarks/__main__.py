@@ -1,6 +1,6 @@
 """Runs every benchmark and prints a table: what we reach, what was asked, and the bare relay of the same run.
 
-python -m benchmarks [throughput|round-trip|footprint|frames|codec ...]
+python -m benchmarks [throughput|round-trip|footprint|frames|codec|cycles|sizes ...]
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks import footprint, rosserial_frames, round_trip, serde_codec, throughput
+from benchmarks import cycles, footprint, rosserial_frames, round_trip, serde_codec, sizes, throughput
 
 
 def throughput_table() -> Table:
@@ -95,12 +95,43 @@ def codec_table() -> Table:
     return table
 
 
+def cycles_table() -> Table:
+    """Count what the client library takes of a Mega."""
+    title = "Client library, cycles on a Mega"
+    table = Table("operation", "ours", "of theirs", "with Serial, 1 Mbaud", "theirs", "wanted", title=title)
+    neutral, serial = cycles.count(neutral=True), cycles.count(neutral=False)
+    for operation in cycles.OPERATIONS:
+        table.add_row(
+            operation.name,
+            f"{neutral[operation]:,}",
+            f"{neutral[operation] / operation.established:.0%}",
+            f"{serial[operation]:,}",
+            f"{operation.established:,}",
+            f"{operation.wanted_part:.0%}",
+        )
+    return table
+
+
+def sizes_table() -> Table:
+    """Measure what the examples take of an Uno."""
+    table = Table(
+        "example", "flash B", "of theirs", "RAM B", "of theirs", title="Client library, sizes on an Uno"
+    )
+    for size in sizes.measure():
+        row = f"{size.flash_bytes:,}", f"{size.flash_part:.0%}", f"{size.ram_bytes:,}", f"{size.ram_part:.0%}"
+        table.add_row(size.example, *row)
+    table.caption = "wanted: at most 65 % of the flash and 50 % of the RAM"
+    return table
+
+
 TABLES = {
     "throughput": throughput_table,
     "round-trip": round_trip_table,
     "footprint": footprint_table,
     "frames": frames_table,
     "codec": codec_table,
+    "cycles": cycles_table,
+    "sizes": sizes_table,
 }
 
 

@@ -1,0 +1,65 @@
+"""Cycles of the client library on a simulated Mega, beside the established library's."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import dataclass
+from pathlib import Path
+
+from rostether.boards.simavr.simulated_board import SimulatedBoard
+from rostether.firmware.build import BuildOptions, build_sketch, find_board
+from rostether.rosserial.frame import encode_frame
+
+SKETCH = Path(__file__).parent / "firmware" / "cycles"
+PATIENCE_S = 60.0
+
+
+@dataclass(frozen=True, slots=True)
+class Operation:
+    """What is counted; the established library's cycles, and what part of them is wanted at most."""
+
+    name: str
+    established: int
+    wanted_part: float
+
+
+OPERATIONS = (
+    Operation("publish String, 12 letters", 1023, 1),
+    Operation("publish Range", 1444, 1),
+    Operation("publish Imu", 26431, 1 / 3),
+    Operation("publish Odometry", 60277, 1 / 3),
+    Operation("idle spinOnce", 309, 1 / 2),
+    Operation("receive and dispatch Int16", 1909, 1),
+    Operation("receive and dispatch String, 12 letters", 4042, 1),
+)
+# The sketch subscribes to the two topics first.
+ARRIVALS = {
+    OPERATIONS[5]: encode_frame(100, b"\x34\x12"),
+    OPERATIONS[6]: encode_frame(101, b"\x0c\0\0\0hello world!"),
+}
+
+
+def count(*, neutral: bool) -> dict[Operation, int]:
+    """Return the cycles of each operation, on a line that is memory or on Serial at 1 Mbaud."""
+    return asyncio.run(_count(neutral))
+
+
+async def _count(neutral: bool) -> dict[Operation, int]:
+    options = BuildOptions(defines=("NEUTRAL_HARDWARE",) if neutral else ())
+    built = await build_sketch(SKETCH, find_board("mega"), options)
+    cycles: dict[Operation, int] = {}
+    async with await SimulatedBoard.start(built.elf, board="mega", realtime=False, paused=True) as board:
+        events = board.events()
+        event = asyncio.ensure_future(anext(events))
+        await asyncio.sleep(0)
+        await board.tell("run")
+        async with asyncio.timeout(PATIENCE_S):
+            for operation in OPERATIONS:
+                if not neutral and operation in ARRIVALS:
+                    await board.send(ARRIVALS[operation])
+                while (await event).name != "region":
+                    event = asyncio.ensure_future(anext(events))
+                cycles[operation] = int(event.result()["cycles"])
+                event = asyncio.ensure_future(anext(events))
+        event.cancel()
+    return cycles
