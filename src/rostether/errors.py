@@ -21,6 +21,7 @@ RostetherError
 │   ├── MasterUnreachableError  no ROS master answers
 │   ├── UnknownNameError        the graph knows no such topic, node, service or parameter
 │   ├── TypeMismatchError       both ends disagree on a type or its md5sum
+│   ├── AccessDeniedError       the user's lists do not let a board use a name
 │   └── ServiceCallError
 │       ├── ServiceUnavailableError
 │       └── ServiceTimeoutError
@@ -123,6 +124,10 @@ class UnknownNameError(GraphError, LookupError):
 
 class TypeMismatchError(GraphError):
     """Two ends disagree on a type or on its md5sum."""
+
+
+class AccessDeniedError(GraphError):
+    """The user's allow and deny lists do not let a board use a topic, service or parameter."""
 
 
 class ServiceCallError(GraphError):

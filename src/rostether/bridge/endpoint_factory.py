@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rostether.bridge.access_check import check_endpoint
 from rostether.bridge.publisher_endpoint import PublisherEndpoint
 from rostether.bridge.reporter import Notices
 from rostether.bridge.service_client_endpoint import ServiceClientEndpoint
@@ -33,13 +34,18 @@ class EndpointFactory:
         self._store = store
         self._notices = notices
         self._settings = settings
+        self._access = device.access
         self._queue_depths = {graph.resolve(name): depth for name, depth in device.queue_depths.items()}
         self._mismatches: dict[tuple[str, str], str] = {}
 
     def topic(self, event: TopicAnnounced) -> PublisherEndpoint | SubscriberEndpoint:
-        """Make a topic's endpoint. Raises DefinitionError, TypeMismatchError, InvalidNameError."""
+        """Make a topic's endpoint.
+
+        Raises DefinitionError, TypeMismatchError, InvalidNameError, AccessDeniedError.
+        """
         info = event.info
         name = self._graph.resolve(info.topic_name)
+        check_endpoint(self._access, event.role, name)
         message_type = self._store.registry.message_type(info.message_type)
         self._check_md5sum(info.message_type, info.md5sum, message_type.md5sum)
         layout = self._store.layout(info.message_type)
@@ -50,8 +56,11 @@ class EndpointFactory:
         )
 
     def service(self, event: ServiceAnnounced) -> ServiceServerEndpoint | ServiceClientEndpoint:
-        """Make a service's endpoint. Raises DefinitionError, TypeMismatchError, InvalidNameError."""
-        self._graph.resolve(event.name)
+        """Make a service's endpoint.
+
+        Raises DefinitionError, TypeMismatchError, InvalidNameError, AccessDeniedError.
+        """
+        check_endpoint(self._access, event.role, self._graph.resolve(event.name))
         service_type = self._store.registry.service_type(event.type)
         for half, ours in ((event.request, service_type.request), (event.response, service_type.response)):
             self._check_md5sum(ours.name, half.md5sum, ours.md5sum)

@@ -8,9 +8,17 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from typing import NamedTuple, Protocol
 
+from rostether.bridge.access_check import check_parameter
 from rostether.bridge.reporter import Notices
 from rostether.bridge.settings import BridgeSettings
-from rostether.errors import GraphError, InvalidNameError, LocalProtocolError, UnknownNameError
+from rostether.devices.settings import ANY_ACCESS, Access
+from rostether.errors import (
+    AccessDeniedError,
+    GraphError,
+    InvalidNameError,
+    LocalProtocolError,
+    UnknownNameError,
+)
 from rostether.graph.ports import Graph, Level, ParamValue
 
 # A board waits for each answer before it asks again; more than a few waiting questions are damage.
@@ -63,11 +71,13 @@ class ParameterRelay:
         notices: Notices,
         settings: BridgeSettings,
         on_answered: Callable[[], None],
+        access: Access = ANY_ACCESS,
     ) -> None:
         self._link = link
         self._graph = graph
         self._notices = notices
         self._settings = settings
+        self._access = access
         self._names: deque[str] = deque()
         self._working: asyncio.Task[None] | None = None
         self._on_answered = on_answered
@@ -105,6 +115,12 @@ class ParameterRelay:
 
     async def _find(self, name: str) -> Answer:
         timeout_s = self._settings.parameter_timeout_s
+        if self._access is not ANY_ACCESS:
+            try:
+                check_parameter(self._access, self._graph.resolve(name))
+            except (InvalidNameError, AccessDeniedError) as error:
+                self._report(name, str(error))
+                return Answer()
         failure = f"no answer from the master within {timeout_s:g} s"
         try:
             async with asyncio.timeout(timeout_s):

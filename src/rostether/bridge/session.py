@@ -78,7 +78,7 @@ class Session:
             baud=pace,
         )
         self._parameters = ParameterRelay(
-            self.link, node.graph, node.notices, node.settings, self.outbox.flush
+            self.link, node.graph, node.notices, node.settings, self.outbox.flush, node.device.access
         )
         self.watch = node.health.connected(baud, self.link.statistics, self.heard_at_s)
         self._stamps = Stamps(node.health.clock, node.graph.now)
