@@ -42,7 +42,6 @@ class NodeHandle_ : public NodeHandleBase_ {
   }
 
   int spinOnce() override {
-    const uint16_t began_ms = milliseconds();
     window_.release();
     if (window_.wantsMore()) {
       const int byte = hardware_.read();
@@ -51,11 +50,11 @@ class NodeHandle_ : public NodeHandleBase_ {
           window_.forget();
           contactAnew();
         }
-        return restless(began_ms) ? rest(false) : SPIN_OK;
+        return restless(milliseconds()) ? rest(false) : SPIN_OK;
       }
       window_.append(static_cast<uint8_t>(byte));
     }
-    return spinOn(began_ms);
+    return spinOn();
   }
 
   uint32_t time() override { return static_cast<uint32_t>(hardware_.time()); }
@@ -74,7 +73,8 @@ class NodeHandle_ : public NodeHandleBase_ {
   }
 
   // There was something: apart from spinOnce, which mostly finds nothing, and is quicker without the registers that this needs.
-  ROS_NOINLINE int spinOn(uint16_t began_ms) {
+  ROS_NOINLINE int spinOn() {
+    const uint16_t began_ms = milliseconds();
     for (;;) {
       while (window_.wantsMore()) {
         const int byte = hardware_.read();
