@@ -62,7 +62,7 @@ class Supervisor:
     With `ns_per_board` a board's topics go into a namespace of its name, unless its address has `ns=`.
     With `keeps_node` the one address's node, which has a `name=`, is there from the start and stays while no
     board is; when it is shut down from outside, all is done. With `diagnostics` each board's node publishes
-    /diagnostics. `devices` has what is set for single boards.
+    /diagnostics. `devices` has what is set for single boards. `tap` may put a recorder around each link.
     """
 
     def __init__(
@@ -79,6 +79,7 @@ class Supervisor:
         devices: DeviceBook | None = None,
         open_transport: OpenTransport = open_transport,
         listen: Listen = listen,
+        tap: Callable[[Transport], Transport] | None = None,
     ) -> None:
         self._join = join
         self._store = store
@@ -90,6 +91,7 @@ class Supervisor:
         self._devices = devices if devices is not None else DeviceBook()
         self._open_transport = open_transport
         self._listen = listen
+        self._tap = tap
         self._clock = asyncio.get_running_loop().time
         # Anybody can connect, and connect again.
         self._door = LimitedReporter(self._reporter, self._clock)
@@ -205,6 +207,8 @@ class Supervisor:
             node = board.node or await self._give_node(address, board, device)
             node.hardware_id = _hardware_id(identity, transport.peer)
             baud = address.baud if isinstance(address, SerialAddress | XbeeAddress) else None
+            if self._tap is not None:
+                transport = self._tap(transport)
             session = board.session = Session(transport, node, baud=baud)
             session.start()
             error = await session.wait_ended()

@@ -12,6 +12,7 @@ from rostether.cli.bridge_lines import ConsoleReporter
 from rostether.cli.device_options import config_option, discover_option, probe_option, read_devices
 from rostether.cli.graph_access import read_environment
 from rostether.cli.options import allow_option, listen_option, msg_path_option
+from rostether.cli.recording import record_limit_option, recorded
 from rostether.cli.running import run
 from rostether.cli.serving import bridge, loopback_lines, read_links
 from rostether.cli.simulated_links import simulated
@@ -60,6 +61,13 @@ from rostether.transports.address import Address
 )
 @click.option("--ns-per-board", is_flag=True, help="Put each board's topics into a namespace of its name.")
 @click.option("--no-diagnostics", is_flag=True, help="Do not publish /diagnostics from the boards' nodes.")
+@click.option(
+    "--record",
+    type=click.Path(path_type=Path, dir_okay=False),
+    metavar="FILE",
+    help="Record what goes over the lines to a new file; see `rostether link`.",
+)
+@record_limit_option
 @click.option("-v", "--verbose", is_flag=True, help="Show the boards' debug lines too.")
 @click.option("--uvloop", is_flag=True, help="Run on uvloop: pip install 'rostether[uvloop]'.")
 def serve(
@@ -75,6 +83,8 @@ def serve(
     mdns: bool | None,
     ns_per_board: bool,
     no_diagnostics: bool,
+    record: Path | None,
+    record_limit_mb: float,
     verbose: bool,
     uvloop: bool,
 ) -> None:
@@ -116,6 +126,8 @@ def serve(
             discovers=discovers,
             announces=announces,
             wants_mdns=mdns is True,
+            record=record,
+            record_limit_mb=record_limit_mb,
         ),
         is_service=True,
         uvloop=uvloop,
@@ -136,12 +148,15 @@ async def _serve(
     discovers: bool,
     announces: bool,
     wants_mdns: bool,
+    record: Path | None,
+    record_limit_mb: float,
 ) -> None:
     async with used_master(environment, is_chosen=is_chosen, port=master_port) as used:
         reporter.line(Level.INFO, used.line)
         for line in loopback_lines(used.environment, links):
             reporter.line(Level.INFO, line)
         async with (
+            recorded(record, record_limit_mb, reporter) as tap,
             simulated(links, reporter, msg_paths) as opened,
             bridge(
                 used.environment,
@@ -151,6 +166,7 @@ async def _serve(
                 ns_per_board=ns_per_board,
                 devices=devices,
                 diagnostics=diagnostics,
+                tap=tap,
             ) as supervisor,
             announced(supervisor.listening_on, reporter, is_on=announces, is_wanted=wants_mdns),
         ):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Mapping, Sequence
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -10,14 +10,16 @@ from typing import TYPE_CHECKING
 from rostether.cli.library_logs import show_library_logs
 from rostether.ros1.environment import LOOPBACK, RosEnvironment, is_loopback
 from rostether.transports.address import Address, TcpAddress, UdpAddress, parse_address
+from rostether.transports.opening import listen
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from rostether.bridge.reporter import Reporter
-    from rostether.bridge.supervisor import Supervisor
+    from rostether.bridge.supervisor import Listen, Supervisor
     from rostether.devices.device_book import DeviceBook
     from rostether.ros1.node.node import Ros1Graph
+    from rostether.transports.transport import Transport
 
 
 def read_links(text: str, hosts: Sequence[str] = (LOOPBACK,), allowed: tuple[str, ...] = ()) -> list[Address]:
@@ -65,11 +67,14 @@ async def bridge(
     remappings: Mapping[str, str] | None = None,
     devices: DeviceBook | None = None,
     diagnostics: bool = False,
+    tap: Callable[[Transport], Transport] | None = None,
+    listen: Listen = listen,
 ) -> AsyncIterator[Supervisor]:
     """Serve boards as long as the block lasts; its end tells them to stop and leaves the graph.
 
     With `keeps_node` the one link's node is there from the start, and its end ends `wait_done`. With
-    `diagnostics` each board's node publishes /diagnostics.
+    `diagnostics` each board's node publishes /diagnostics. `tap` may put a recorder around each link;
+    `listen` is how links are listened for.
     Raises TransportOpenError for an address that cannot be listened on, InvalidNameError.
     """
     from rostether.bridge.supervisor import Supervisor
@@ -92,6 +97,8 @@ async def bridge(
         remappings=remappings,
         devices=devices,
         diagnostics=diagnostics,
+        tap=tap,
+        listen=listen,
     )
     try:
         await supervisor.start(addresses)

@@ -1,0 +1,61 @@
+"""The options with which a bridge records its links, and the capture that they make."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from rostether.graph.ports import Level
+
+if TYPE_CHECKING:
+    from rostether.bridge.reporter import Reporter
+    from rostether.transports.transport import Transport
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+MEGABYTE = 1_000_000
+
+record_limit_option = click.option(
+    "--record-limit",
+    "record_limit_mb",
+    type=click.FloatRange(min=0.01),
+    default=100,
+    metavar="MB",
+    help="Stop recording, not serving, when the file has that size (100).",
+)
+
+
+@asynccontextmanager
+async def recorded(
+    path: Path | None, limit_mb: float, reporter: Reporter
+) -> AsyncIterator[Callable[[Transport], Transport] | None]:
+    """Give the tap that records each link into a new file; None without a path. Raises ConfigError."""
+    if path is None:
+        yield None
+        return
+    from datetime import UTC, datetime
+    from importlib.metadata import version
+
+    from rostether.transports.capture_writer import CaptureWriter
+
+    writer = CaptureWriter(
+        path,
+        clock=asyncio.get_running_loop().time,
+        description={
+            "started": datetime.now(UTC).isoformat(timespec="seconds").replace("+00:00", "Z"),
+            "host": f"rostether {version('rostether')}",
+        },
+        limit_bytes=round(limit_mb * MEGABYTE),
+        tell=lambda text: reporter.line(Level.WARN, text),
+    )
+    reporter.line(Level.INFO, f"Recording the lines to {path}")
+    try:
+        yield writer.tap
+    finally:
+        writer.close()
+        reporter.line(Level.INFO, f"{path} holds {writer.written_bytes / MEGABYTE:.3g} MB")

@@ -1,0 +1,164 @@
+"""Captures of what went over links, byte for byte: JSON Lines that people can send us.
+
+    {"capture": "arm", "started": "2026-01-31T12:00:00Z", ...}          what it is; all keys are free
+    {"t": 0.0, "event": "opened", "peer": "/dev/ttyACM0"}                a link begins
+    {"t": 0.001, "from": "host", "hex": "fffe0000ff0000ff"}              bytes, cut anywhere
+    {"t": 0.021, "from": "device", "hex": "fffe0800f70a00..."}
+    {"t": 9.5, "event": "closed"}                                        a link ends
+
+`t` is in seconds since the start. Links beyond the first carry their number as `link`. Events may be missing:
+bytes alone are a link that was there all the time. Unknown keys are allowed, unknown events are skipped.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from math import isfinite
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from rostether.errors import ConfigError
+
+MAX_LINE_BYTES = 4 << 20
+"""A chunk that was read at once has 64 KiB, thus 128 KiB of hex; a longer line is no capture of ours."""
+
+MAX_TIME_S = 1e8
+"""Three years: a larger time is a mistake, and would be waited for."""
+
+FIRST_LINK = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Chunk:
+    """Bytes of one side at one time."""
+
+    time_s: float
+    link: int
+    from_device: bool
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class LinkOpened:
+    """A link begins; `peer` is who was on the other side."""
+
+    time_s: float
+    link: int
+    peer: str
+
+
+@dataclass(frozen=True, slots=True)
+class LinkClosed:
+    """A link ends."""
+
+    time_s: float
+    link: int
+
+
+Entry: TypeAlias = Chunk | LinkOpened | LinkClosed
+
+
+class Capture:
+    """A capture's first line, and its entries one by one: a file of any size takes little memory.
+
+    Raises ConfigError for what is no capture, naming the line, when that is reached.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.description = self._read_description()
+
+    @property
+    def version(self) -> int | None:
+        """The protocol version that the first line gives, if it does."""
+        given = self.description.get("protocol")
+        return given if given in (1, 2) else None
+
+    def entries(self) -> Iterator[Entry]:
+        """Yield the entries in the order of the file, times never going back."""
+        last_s = 0.0
+        for number, line, is_whole in self._lines():
+            if number == 1 or not line.strip():
+                continue
+            try:
+                entry = _entry(_object(line), last_s)
+            except ValueError as error:
+                # A recorder that was killed left its last line unfinished.
+                if not is_whole:
+                    return
+                raise ConfigError(f"{self.path}, line {number}: {error}") from None
+            if entry is not None:
+                last_s = entry.time_s
+                yield entry
+
+    def _read_description(self) -> Mapping[str, Any]:
+        for _, line, _ in self._lines():
+            try:
+                found = _object(line)
+            except ValueError as error:
+                raise ConfigError(
+                    f"{self.path}, line 1: {error}; is it a capture by `rostether link record`?"
+                ) from None
+            if "hex" in found or "capture" not in found:
+                raise ConfigError(
+                    f"{self.path}, line 1: no description of a capture, such as "
+                    '{"capture": "arm"}; is it a capture by `rostether link record`?'
+                )
+            return found
+        raise ConfigError(f"{self.path} is empty; record it again with `rostether link record`")
+
+    def _lines(self) -> Iterator[tuple[int, bytes, bool]]:
+        """Yield each line with its number, and whether it is complete."""
+        try:
+            with self.path.open("rb") as file:
+                number = 0
+                while line := file.readline(MAX_LINE_BYTES):
+                    number += 1
+                    is_whole = line.endswith(b"\n")
+                    if not is_whole and len(line) == MAX_LINE_BYTES:
+                        raise ConfigError(
+                            f"{self.path}, line {number}: longer than {MAX_LINE_BYTES >> 20} MiB; "
+                            "is it a capture by `rostether link record`?"
+                        )
+                    yield number, line, is_whole
+        except OSError as error:
+            raise ConfigError(
+                f"cannot read {self.path}: {error.strerror or error}; check the path"
+            ) from error
+
+
+def _object(line: bytes) -> dict[str, Any]:
+    try:
+        found = json.loads(line)
+    except (ValueError, RecursionError):
+        raise ValueError("no JSON object") from None
+    if isinstance(found, dict):
+        return found
+    raise ValueError("no JSON object")
+
+
+def _entry(line: Mapping[str, Any], last_s: float) -> Entry | None:
+    time_s = line.get("t")
+    if not isinstance(time_s, int | float) or not isfinite(time_s) or not 0 <= time_s <= MAX_TIME_S:
+        raise ValueError(f"'t' is {time_s!r}; it is a time in seconds since the start")
+    time_s = max(float(time_s), last_s)
+    link = line.get("link", FIRST_LINK)
+    if not isinstance(link, int) or link < FIRST_LINK:
+        raise ValueError(f"'link' is {link!r}; links are numbered from {FIRST_LINK}")
+    event = line.get("event")
+    if event == "opened":
+        return LinkOpened(time_s, link, str(line.get("peer", "")))
+    if event == "closed":
+        return LinkClosed(time_s, link)
+    if event is not None:
+        return None
+    side = line.get("from")
+    if side not in ("device", "host"):
+        raise ValueError(f'\'from\' is {side!r}; it is "device" or "host"')
+    try:
+        data = bytes.fromhex(line["hex"])
+    except (KeyError, TypeError, ValueError):
+        raise ValueError("'hex' holds no bytes in hexadecimal") from None
+    return Chunk(time_s, link, side == "device", data)

@@ -1,0 +1,222 @@
+"""Writes captures beside the data path: what went over a link is noted, and written a few times a second."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from rostether.errors import ConfigError, TransportError
+from rostether.transports.capture import FIRST_LINK
+from rostether.transports.transport import Receiver, Transport
+
+DEFAULT_LIMIT_BYTES = 100_000_000
+"""An hour of a full line at 115200 baud, which compresses to what can be sent; and no disk gets full."""
+
+FLUSH_PERIOD_S = 0.2
+"""A kill loses no more than this; more often would cost a system call for each chunk."""
+
+FLUSH_BYTES = 256 * 1024
+"""What a flood may pile up before the period is over."""
+
+# The braces and keys around a chunk's bytes.
+_OVERHEAD_BYTES = 64
+
+
+class CaptureWriter:
+    """One capture being written; `tell` gets one line when it ends before its time (limit, disk)."""
+
+    def __init__(
+        self,
+        path: Path,
+        *,
+        clock: Callable[[], float],
+        description: Mapping[str, object],
+        limit_bytes: int = DEFAULT_LIMIT_BYTES,
+        tell: Callable[[str], None],
+    ) -> None:
+        self.path = path
+        self.written_bytes = 0
+        self._clock = clock
+        self._limit_bytes = limit_bytes
+        self._tell = tell
+        self._links = FIRST_LINK - 1
+        self._noted: list[tuple[float, int, str, bytes]] = []
+        self._noted_bytes = 0
+        self._timer: asyncio.TimerHandle | None = None
+        try:
+            # Never over another capture, and never half of a line in the buffer of a killed process.
+            self._file: int | None = os.open(
+                path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o644
+            )
+        except FileExistsError:
+            raise ConfigError(
+                f"{path} exists, and no capture is written over another; name another file"
+            ) from None
+        except OSError as error:
+            raise ConfigError(
+                f"cannot write {path}: {error.strerror or error}; name a file in a folder of yours"
+            ) from error
+        self._start_s = clock()
+        self._write(json.dumps({"capture": path.stem, **description}).encode() + b"\n")
+
+    def tap(self, transport: Transport) -> Transport:
+        """Return the transport with all that goes over it noted as a link of its own."""
+        self._links += 1
+        recorded = RecordedTransport(transport, self, self._links)
+        self._note_event(self._links, {"event": "opened", "peer": transport.peer})
+        return recorded
+
+    def note(self, link: int, side: str, data: bytes) -> None:
+        """Take what has just gone over a link."""
+        if self._file is None:
+            return
+        self._noted.append((self._clock(), link, side, data))
+        self._noted_bytes += 2 * len(data) + _OVERHEAD_BYTES
+        if self._noted_bytes >= FLUSH_BYTES:
+            self.flush()
+        elif self._timer is None:
+            self._timer = asyncio.get_running_loop().call_later(FLUSH_PERIOD_S, self.flush)
+
+    def note_closed(self, link: int, error: TransportError | None) -> None:
+        """Take that a link ended."""
+        self._note_event(link, {"event": "closed"} | ({"why": str(error)} if error is not None else {}))
+
+    def flush(self) -> None:
+        """Write what was noted."""
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        noted, self._noted = self._noted, []
+        self._noted_bytes = 0
+        lines: list[str] = []
+        size = self.written_bytes
+        for time_s, link, side, data in noted:
+            of_link = "" if link == FIRST_LINK else f',"link":{link}'
+            line = f'{{"t":{time_s - self._start_s:.6f},"from":"{side}","hex":"{data.hex()}"{of_link}}}\n'
+            size += len(line)
+            if size > self._limit_bytes:
+                self._write("".join(lines).encode())
+                self._end(f"{self.path} has reached {self._limit_bytes / 1e6:g} MB: nothing more is recorded")
+                return
+            lines.append(line)
+        if lines:
+            self._write("".join(lines).encode())
+
+    def close(self) -> None:
+        """Write the rest and close the file. Idempotent."""
+        self.flush()
+        self._end(None)
+
+    def _note_event(self, link: int, event: Mapping[str, object]) -> None:
+        self.flush()
+        time_s = round(self._clock() - self._start_s, 6)
+        of_link = {} if link == FIRST_LINK else {"link": link}
+        self._write(json.dumps({"t": time_s, **event, **of_link}).encode() + b"\n")
+
+    def _write(self, data: bytes) -> None:
+        if self._file is None:
+            return
+        view = memoryview(data)
+        try:
+            while view:
+                view = view[os.write(self._file, view) :]
+        except OSError as error:
+            self._end(f"cannot write {self.path}: {error.strerror or error}; nothing more is recorded")
+            return
+        self.written_bytes += len(data)
+
+    def _end(self, told: str | None) -> None:
+        if self._file is None:
+            return
+        os.close(self._file)
+        self._file = None
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        if told is not None:
+            self._tell(told)
+
+
+class RecordedTransport:
+    """A transport whose bytes are noted; made by `CaptureWriter.tap`. It is the inner one's receiver."""
+
+    def __init__(self, inner: Transport, writer: CaptureWriter, link: int) -> None:
+        self._inner = inner
+        self._writer = writer
+        self._link = link
+        self._receiver: Receiver | None = None
+        self._is_ended = False
+
+    @property
+    def peer(self) -> str:
+        """Who is on the other side, for people."""
+        return self._inner.peer
+
+    @property
+    def can_pause(self) -> bool:
+        """Whether pause_reading slows the sender down."""
+        return self._inner.can_pause
+
+    @property
+    def write_buffer_bytes(self) -> int:
+        """How many written bytes have not left yet."""
+        return self._inner.write_buffer_bytes
+
+    def start(self, receiver: Receiver) -> None:
+        """Begin to deliver; called once. Nothing received before it is lost."""
+        self._receiver = receiver
+        self._inner.start(self)
+
+    def write(self, data: bytes | bytearray | memoryview) -> None:
+        """Queue bytes. Never blocks; after the pipe ended it does nothing."""
+        if not self._is_ended:
+            self._writer.note(self._link, "host", bytes(data))
+        self._inner.write(data)
+
+    def pause_reading(self) -> None:
+        """Deliver nothing until resume_reading. Idempotent."""
+        self._inner.pause_reading()
+
+    def resume_reading(self) -> None:
+        """Deliver again. Idempotent."""
+        self._inner.resume_reading()
+
+    def close(self) -> None:
+        """Flush what is queued, for at most a second, then end the pipe. Idempotent."""
+        self._inner.close()
+        self._end(None)
+
+    async def wait_closed(self) -> None:
+        """Wait until the pipe has ended."""
+        await self._inner.wait_closed()
+
+    def data_received(self, data: bytes) -> None:
+        """Take a chunk from the inner transport."""
+        if not self._is_ended:
+            self._writer.note(self._link, "device", data)
+        if self._receiver is not None:
+            self._receiver.data_received(data)
+
+    def connection_lost(self, error: TransportError | None) -> None:
+        """Learn that the inner transport ended."""
+        self._end(error)
+        if self._receiver is not None:
+            self._receiver.connection_lost(error)
+
+    def pause_writing(self) -> None:
+        """Pass on that the inner transport has enough."""
+        if self._receiver is not None:
+            self._receiver.pause_writing()
+
+    def resume_writing(self) -> None:
+        """Pass on that the inner transport takes more."""
+        if self._receiver is not None:
+            self._receiver.resume_writing()
+
+    def _end(self, error: TransportError | None) -> None:
+        if not self._is_ended:
+            self._is_ended = True
+            self._writer.note_closed(self._link, error)

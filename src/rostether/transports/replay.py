@@ -1,0 +1,114 @@
+"""Plays the devices' side of a capture: each link of it becomes a transport, as if the board were there."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+
+from rostether.errors import TransportError
+from rostether.transports.capture import Capture, Chunk, LinkClosed, LinkOpened
+from rostether.transports.memory import MemoryTransport, memory_pair
+from rostether.transports.transport import Transport
+
+# Only while a capture is played without pauses.
+_TAKEN_POLL_S = 0.001
+
+
+class CaptureListener:
+    """A listener whose peers are the links of a capture; they come once it plays.
+
+    What the host sends goes nowhere. `speed` is how many times as fast as recorded; None: no pauses, only
+    `settle()` is awaited behind each chunk.
+    """
+
+    def __init__(
+        self,
+        capture: Capture,
+        on_transport: Callable[[Transport], None],
+        *,
+        speed: float | None = 1.0,
+        settle: Callable[[], Awaitable[object]] | None = None,
+    ) -> None:
+        self.address = str(capture.path)
+        self.played_bytes = 0
+        self._capture = capture
+        self._on_transport = on_transport
+        self._speed = speed
+        self._settle = settle
+        self._boards: dict[int, _PlayedBoard] = {}
+
+    async def play(self) -> None:
+        """Play the capture to its end and hang up. Raises ConfigError for a line that is no entry."""
+        loop = asyncio.get_running_loop()
+        began_s = loop.time()
+        try:
+            for entry in self._capture.entries():
+                if self._speed is not None:
+                    await asyncio.sleep(began_s + entry.time_s / self._speed - loop.time())
+                match entry:
+                    case Chunk(link=link, from_device=True, data=data):
+                        board = self._boards.get(link) or self._plug_in(link)
+                        board.transport.write(data)
+                        self.played_bytes += len(data)
+                        await board.has_room.wait()
+                        if self._speed is None:
+                            await board.taken()
+                            if self._settle is not None:
+                                await self._settle()
+                    case LinkOpened(link=link):
+                        self._unplug(link)
+                        self._plug_in(link)
+                    case LinkClosed(link=link):
+                        self._unplug(link)
+        finally:
+            await self.close()
+
+    async def close(self) -> None:
+        """Hang up. Idempotent."""
+        for link in list(self._boards):
+            self._unplug(link)
+
+    def _plug_in(self, link: int) -> _PlayedBoard:
+        ours, theirs = memory_pair(names=(f"capture {self.address}", "host"))
+        board = self._boards[link] = _PlayedBoard(ours)
+        self._on_transport(theirs)
+        return board
+
+    def _unplug(self, link: int) -> None:
+        board = self._boards.pop(link, None)
+        if board is not None:
+            board.transport.close()
+
+
+class _PlayedBoard:
+    """A board's end of one link; it is deaf."""
+
+    def __init__(self, transport: MemoryTransport) -> None:
+        self.transport = transport
+        self.has_room = asyncio.Event()
+        self.has_room.set()
+        self._is_gone = False
+        transport.start(self)
+
+    async def taken(self) -> None:
+        """Wait until the host has taken all; it cannot before its node has joined the graph."""
+        await asyncio.sleep(0)
+        # The port announces no delivery; looking is cheap.
+        while self.transport.write_buffer_bytes and not self._is_gone:  # noqa: ASYNC110
+            await asyncio.sleep(_TAKEN_POLL_S)
+
+    def data_received(self, data: bytes) -> None:
+        """Hear nothing."""
+
+    def connection_lost(self, _error: TransportError | None) -> None:
+        """Learn that the host hung up."""
+        self._is_gone = True
+        self.has_room.set()
+
+    def pause_writing(self) -> None:
+        """Learn that the host has enough."""
+        self.has_room.clear()
+
+    def resume_writing(self) -> None:
+        """Learn that the host takes more."""
+        self.has_room.set()
