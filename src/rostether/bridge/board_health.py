@@ -33,6 +33,7 @@ class BoardHealth:
     ) -> None:
         self.clock = ClockEstimate()
         self.connection_count = 0
+        self.connected_at_s = 0.0
         self.watch: LineWatch | None = None
         self.required = required if required is not None else RequiredTopics()
         self._notices = notices
@@ -48,6 +49,7 @@ class BoardHealth:
             # A board with USB of its own takes its port along when it resets.
             self._resets.happened(now_s)
         self.connection_count += 1
+        self.connected_at_s = now_s
         self.clock.forget()
         self.required.forget()
         self.watch = LineWatch(baud, self._resets, statistics, now_s)

@@ -49,8 +49,10 @@ class StatusWriter:
         health = node.health
         watch = health.watch
         late_s = watch.loop_speed.late_s if watch is not None else None
+        connected_s = now_s - health.connected_at_s if view.is_connected else None
         yield "state", state_of(view)
         yield "peer", view.peer
+        yield "connected [s]", _scaled(connected_s, 1, ".0f")
         yield "protocol version", str(view.protocol_version or UNKNOWN)
         yield "received [bytes]", str(view.received_bytes)
         yield "received [bytes/s]", f"{rates.get('received', 0.0):.0f}"
@@ -67,6 +69,7 @@ class StatusWriter:
         yield "clock drift [ppm]", _scaled(health.clock.drift_ppm, 1, "+.0f")
         yield "loop late [ms]", _scaled(late_s, 1e3, ".0f")
         for name, endpoint in zip(names, view.endpoints, strict=True):
+            yield f"{name} type", endpoint.type
             yield f"{name} [messages]", str(endpoint.message_count)
             yield f"{name} [Hz]", f"{rates.get(name, 0.0):.1f}"
             yield f"{name} dropped", str(endpoint.dropped_count)
