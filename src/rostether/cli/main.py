@@ -22,6 +22,8 @@ VERBS = {
     ),
     "board": VerbEntry("rostether.cli.board:board", "Run sketches on simulated boards."),
     "doctor": VerbEntry("rostether.cli.doctor:doctor", "Say why a board does not connect."),
+    "monitor": VerbEntry("rostether.cli.monitor:monitor", "Watch all boards and their topics, live."),
+    "link": VerbEntry("rostether.cli.link:link", "Record a board's line, show it, play it again."),
     "ports": VerbEntry("rostether.cli.ports:ports", "List serial ports with what they are."),
     "core": VerbEntry("rostether.cli.core:core", "Run the ROS master alone, like roscore."),
     "topic": VerbEntry("rostether.cli.topic:topic", "List, show, publish and measure topics."),
