@@ -1,8 +1,9 @@
 """Notices when serial ports come and go, without asking the system for its list all the time.
 
-On Linux a port is a file: while the folders that hold them are as they were, one `stat` each is all that a
-look costs. The list itself is made when they changed, some times after that, since the system
-fills in a new port's serial number and permissions a moment later, and now and then anyway.
+On Linux a port is a file, and the kernel wakes us when one appears in a folder or goes. Where it cannot, a
+look at each folder four times a second costs one `stat`. The list itself is made when a folder changed, some
+times after that, since the system fills in a new port's serial number and permissions a moment later, and now
+and then anyway.
 """
 
 from __future__ import annotations
@@ -12,12 +13,14 @@ import os
 import sys
 from collections.abc import AsyncIterator, Callable, Iterable, Sequence
 from pathlib import Path
+from typing import Self
 
+from rostether.devices.folder_events import FolderEvents
 from rostether.devices.port_pattern import is_port_pattern, named_ports
 from rostether.transports.serial_port import SerialPort, find_usb_location
 
 LOOK_PERIOD_S = 0.25
-"""A board is noticed within this; a look takes 10 us, so that the CPU is idle for 99.99 % of the time."""
+"""Where nobody wakes us, a board is noticed within this; waking up for a look takes some 0.2 ms."""
 
 SETTLING_S = 2.0
 """After a change, every look makes the list: udev needs up to a second on small computers."""
@@ -57,28 +60,40 @@ class PortWatch:
 
     async def changes(self) -> AsyncIterator[list[SerialPort]]:
         """Yield the ports that are there now, and again whenever something about them changed."""
-        clock = asyncio.get_running_loop().time
         known: list[SerialPort] | None = None
-        marks: list[int] | None = None
-        settled_s = listed_s = float("-inf")
-        while True:
-            now_s = clock()
-            fresh = [folder_mark(folder) for folder in self._folders]
-            if fresh != marks:
-                marks, settled_s = fresh, now_s + SETTLING_S
-            period_s = LIST_PERIOD_S if _FOLDERS_TELL and any(marks) else BLIND_LIST_PERIOD_S
-            if now_s < settled_s or now_s - listed_s >= period_s:
-                listed_s = now_s
+        with _Alarm(self._folders) as alarm:
+            async for _ in self._reasons(alarm):
                 ports: list[SerialPort] | None
                 try:
                     ports = self.list()
                 except OSError:
-                    # A port went away while the system was describing it; the next look has the rest.
+                    # A port went away while the system was describing it; the next list has the rest.
                     ports = known
                 if ports is not None and ports != known:
                     known = ports
                     yield ports
-            await asyncio.sleep(self._period_s)
+
+    async def _reasons(self, alarm: _Alarm) -> AsyncIterator[None]:
+        """Yield each time the list is to be made."""
+        clock = asyncio.get_running_loop().time
+        marks: list[int] | None = None
+        settled_s = listed_s = float("-inf")
+        while True:
+            is_armed = alarm.arm()
+            now_s = clock()
+            fresh = [folder_mark(folder) for folder in self._folders]
+            if fresh != marks or alarm.take():
+                marks, settled_s = fresh, now_s + SETTLING_S
+            list_period_s = LIST_PERIOD_S if _FOLDERS_TELL and any(marks) else BLIND_LIST_PERIOD_S
+            is_settling = now_s < settled_s
+            if is_settling or now_s - listed_s >= list_period_s:
+                listed_s = now_s
+                yield
+            if is_armed and not is_settling:
+                await alarm.wait(list_period_s)
+            else:
+                # However many files come, the list is made four times a second at most.
+                await asyncio.sleep(self._period_s)
 
     def list(self) -> list[SerialPort]:
         """Return the ports that are there now."""
@@ -107,3 +122,58 @@ def _is_terminal(path: str) -> bool:
         return Path(path).is_char_device()
     except OSError:
         return False
+
+
+class _Alarm:
+    """Ends a wait when something happens in a folder, where the system can tell."""
+
+    def __init__(self, folders: Sequence[str]) -> None:
+        self._folders = folders
+        self._events: FolderEvents | None = None
+        self._rung = asyncio.Event()
+        self._has_rung = False
+
+    def __enter__(self) -> Self:
+        try:
+            self._events = FolderEvents(self._folders)
+            asyncio.get_running_loop().add_reader(self._events.fileno(), self._ring)
+        except (OSError, AttributeError, NotImplementedError):
+            # No inotify, or no more of it (its number is limited for each user).
+            self._stop()
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        if self._events is not None:
+            asyncio.get_running_loop().remove_reader(self._events.fileno())
+        self._stop()
+
+    def arm(self) -> bool:
+        """Watch; False if that is impossible now, so that somebody must look."""
+        return self._events is not None and self._events.watch()
+
+    def take(self) -> bool:
+        """Whether something happened since the last time."""
+        has_rung, self._has_rung = self._has_rung, False
+        return has_rung
+
+    async def wait(self, limit_s: float) -> None:
+        """Wait until something happens, or the time is over."""
+        if self._has_rung:
+            return
+        self._rung.clear()
+        try:
+            async with asyncio.timeout(limit_s):
+                await self._rung.wait()
+        except TimeoutError:
+            return
+
+    def _ring(self) -> None:
+        if self._events is not None:
+            self._events.drain()
+        self._has_rung = True
+        self._rung.set()
+
+    def _stop(self) -> None:
+        events, self._events = self._events, None
+        if events is not None:
+            events.close()

@@ -61,7 +61,7 @@ class Announcement:
             port=port,
             parsed_addresses=addresses,
             properties={"txtvers": "1"},
-            # The machine's own name is its own responder's (Avahi, Bonjour), which would take ours for a rival.
+            # The machine's own name is its responder's (Avahi, Bonjour), which would take us for a rival.
             server=f"rostether-{machine}.local.",
         )
         version = IPVersion.V4Only if all(":" not in address for address in addresses) else IPVersion.All

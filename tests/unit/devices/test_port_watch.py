@@ -2,6 +2,8 @@ from __future__ import annotations
 
 import asyncio
 import os
+import shutil
+import sys
 import time
 from pathlib import Path
 
@@ -32,25 +34,78 @@ class System:
                 await asyncio.sleep(0.002)
 
 
-async def test_ports_that_come_and_go(tmp_path: Path) -> None:
+def no_events(_folders: object) -> None:
+    raise OSError("no inotify here")
+
+
+@pytest.fixture(params=["woken by the kernel", "by looking"])
+def either_way(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    if request.param == "by looking":
+        monkeypatch.setattr(port_watch, "FolderEvents", no_events)
+    elif sys.platform != "linux":
+        pytest.skip("inotify is Linux's")
+
+
+@pytest.mark.usefixtures("either_way")
+async def test_ports_that_come_and_go(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(port_watch, "SETTLING_S", 0.05)
     system = System(tmp_path)
     watch = PortWatch(system.ports, folders=[str(tmp_path)], period_s=0.005)
     following = asyncio.ensure_future(system.follow(watch))
     await system.until_seen()
-    (tmp_path / "ttyACM0").touch()
-    await system.until_seen("ttyACM0")
-    (tmp_path / "ttyACM1").touch()
-    await system.until_seen("ttyACM0", "ttyACM1")
-    (tmp_path / "ttyACM0").unlink()
-    await system.until_seen("ttyACM1")
+    for _ in range(3):
+        (tmp_path / "ttyACM0").touch()
+        await system.until_seen("ttyACM0")
+        (tmp_path / "ttyACM1").touch()
+        await system.until_seen("ttyACM0", "ttyACM1")
+        await asyncio.sleep(0.1)
+        (tmp_path / "ttyACM0").unlink()
+        await system.until_seen("ttyACM1")
+        (tmp_path / "ttyACM1").unlink()
+        await system.until_seen()
     following.cancel()
 
 
+@pytest.mark.usefixtures("either_way")
+async def test_a_folder_that_comes_later_is_watched_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(port_watch, "SETTLING_S", 0.02)
+    folder = tmp_path / "sim"
+    system = System(folder)
+    watch = PortWatch(system.ports, folders=[str(tmp_path), str(folder)], period_s=0.005)
+    following = asyncio.ensure_future(system.follow(watch))
+    await system.until_seen()
+    for _ in range(2):
+        folder.mkdir()
+        await asyncio.sleep(0.1)
+        (folder / "ttySIM").touch()
+        await system.until_seen("ttySIM")
+        shutil.rmtree(folder)
+        await system.until_seen()
+    following.cancel()
+
+
+@pytest.mark.usefixtures("either_way")
 async def test_nothing_is_listed_while_nothing_changes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(port_watch, "SETTLING_S", 0.02)
     system = System(tmp_path)
+    watch = PortWatch(system.ports, folders=[str(tmp_path)], period_s=0.001)
+    following = asyncio.ensure_future(system.follow(watch))
+    await asyncio.sleep(0.2)
+    listed = watch.list_count
+    await asyncio.sleep(0.3)
+    assert watch.list_count == listed
+    following.cancel()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="inotify is Linux's")
+async def test_nobody_even_looks_where_the_kernel_wakes_us(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(port_watch, "SETTLING_S", 0.02)
     looks = 0
     mark = port_watch.folder_mark
 
@@ -60,17 +115,43 @@ async def test_nothing_is_listed_while_nothing_changes(
         return mark(folder)
 
     monkeypatch.setattr(port_watch, "folder_mark", counted)
+    system = System(tmp_path)
     watch = PortWatch(system.ports, folders=[str(tmp_path)], period_s=0.001)
     following = asyncio.ensure_future(system.follow(watch))
-    async with asyncio.timeout(5):
-        while looks < 100:
-            await asyncio.sleep(0.01)
-    listed = watch.list_count
-    async with asyncio.timeout(5):
-        while looks < 300:
-            await asyncio.sleep(0.01)
-    assert watch.list_count == listed
+    await asyncio.sleep(0.2)
+    before = looks
+    assert before > 0
+    await asyncio.sleep(0.3)
+    assert looks == before
+    (tmp_path / "ttyACM0").touch()
+    await system.until_seen("ttyACM0")
     following.cancel()
+
+
+async def test_a_storm_of_files_makes_no_storm_of_lists(tmp_path: Path) -> None:
+    system = System(tmp_path)
+    watch = PortWatch(system.ports, folders=[str(tmp_path)], period_s=0.05)
+    following = asyncio.ensure_future(system.follow(watch))
+    await system.until_seen()
+    for number in range(300):
+        (tmp_path / f"loop{number}").touch()
+        await asyncio.sleep(0.001)
+    assert watch.list_count < 40
+    following.cancel()
+
+
+async def test_descriptors_are_let_go(tmp_path: Path) -> None:
+    system = System(tmp_path)
+    before = len(list(Path("/proc/self/fd").iterdir())) if sys.platform == "linux" else 0
+    for _ in range(5):
+        following = asyncio.ensure_future(
+            system.follow(PortWatch(system.ports, folders=[str(tmp_path)], period_s=0.001))
+        )
+        await asyncio.sleep(0.01)
+        following.cancel()
+        await asyncio.gather(following, return_exceptions=True)
+    if sys.platform == "linux":
+        assert len(list(Path("/proc/self/fd").iterdir())) == before
 
 
 async def test_marks_that_come_late_are_seen(tmp_path: Path) -> None:
