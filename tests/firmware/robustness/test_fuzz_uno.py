@@ -1,0 +1,55 @@
+"""Two thousand frames that nobody would send, on a simulated Uno at any baud: it neither resets nor falls silent."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+
+import pytest
+
+from firmware.robustness.hostile_frames import NUMBERS, NUMBERS_OUT, HostileFrames
+from firmware.robustness.scripted_host import ScriptedHost
+from rostether.firmware.build import BuildOptions, build_sketch, find_board
+
+SKETCH = Path(__file__).parent / "sketches" / "Target"
+# Frames for each baud; slow lines take their time.
+BAUDS = {9600: 80, 57600: 320, 115200: 400, 250000: 400, 500000: 400, 1000000: 400}
+BATCH = 20
+# A gap in a frame lasts 0.2 s; each start of one that is left behind takes a spin, and callbacks wait for parameters.
+QUIET_MS = 500
+
+
+@pytest.mark.timeout(240)
+@pytest.mark.parametrize("baud", BAUDS)
+async def test_any_frames_leave_the_board_alive(baud: int) -> None:
+    built = await build_sketch(SKETCH, find_board("uno"), BuildOptions(defines=(f"BAUD={baud}",)))
+    host = await ScriptedHost.start(built.elf)
+    async with host.board:
+        await host.run(200)
+        host.send(0)
+        assert await host.run(2000, lambda: any(topic_id == 10 for topic_id, _ in host.frames))
+        place = await host.board.ask("memory guarded", "memory")
+        end = place["address"] + len(place["data"]) // 2
+        await host.board.guard(f"{place['address']}..{place['address'] + 8}")
+        await host.board.guard(f"{end - 8}..{end}")
+        hostile = HostileFrames(baud)
+        for batch in range(BAUDS[baud] // BATCH):
+            frames = [hostile.next() for _ in range(BATCH)]
+            host.send_bytes(b"".join(frames))
+            await host.run(sum(map(len, frames)) * 10_000 // baud + QUIET_MS)
+            # It may have been told to stop.
+            host.send(0)
+            await host.run(60)
+            host.frames.clear()
+            wanted = struct.pack("<h", batch - 7)
+            host.send(NUMBERS, wanted)
+            answered = await host.run(1000, lambda: (NUMBERS_OUT, wanted) in host.frames)  # noqa: B023
+            assert answered, b"".join(frames).hex()
+        assert host.alarms() == []
+        data = await host.board.memory("guarded")
+        assert data[:8] == data[-8:] == b"\x5a" * 8
+        assert await host.board.free_stack_bytes() > 100
+
+
+def test_two_thousand_frames() -> None:
+    assert sum(BAUDS.values()) >= 2000

@@ -1,0 +1,43 @@
+"""A board that resets is back at once, whatever its host does."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+
+from firmware.examples.stage import EXAMPLES, running
+from firmware.robustness.scripted_host import ScriptedHost
+from rostether.firmware.build import build_sketch, find_board
+from rostether.rosserial import topic_id
+
+TIME = struct.pack("<II", 1_700_000_000, 0)
+
+
+async def test_messages_flow_within_two_seconds_with_a_host_that_asks_only_once() -> None:
+    # The established host asks again after 15 s; until then it only answers questions for the time.
+    built = await build_sketch(EXAMPLES / "HelloWorld", find_board("uno"))
+    host = await ScriptedHost.start(built.elf)
+    host.on_frame = lambda each, _payload: host.send(10, TIME) if each == topic_id.TIME else None
+    async with host.board:
+        host.send(0)
+        assert await host.run(3000, lambda: any(each >= 100 for each, _ in host.frames))
+        for _ in range(3):
+            host.frames.clear()
+            await host.board.reset()
+            came = await host.run(4000, lambda: any(each >= 100 for each, _ in host.frames))
+            # The sketch publishes once a second; its first message goes before it has met anybody.
+            assert came
+            assert any(each == topic_id.PUBLISHER for each, _ in host.frames)
+
+
+async def test_messages_flow_again_with_our_bridge() -> None:
+    async with running("HelloWorld") as stage:
+        ear = await stage.listen("/chatter", "std_msgs/String")
+        await ear.reached(2)
+        for _ in range(2):
+            before = await stage.board.cycles()
+            heard = len(ear.heard)
+            await stage.board.reset()
+            await ear.reached(heard + 1)
+            took_s = (await stage.board.cycles() - before) / 16e6
+            assert took_s < 2.5, took_s
