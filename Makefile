@@ -3,13 +3,14 @@ PYTHON ?= $(shell scripts/find-python)
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: help demo test check bench docs clean
+.PHONY: help demo test check bench fuzz docs clean
 
 help:
 	@echo "make demo   watch a simulated board become a ROS node (no hardware, no ROS, no root)"
 	@echo "make test   install what the tests need and run them all"
 	@echo "make check  ruff, mypy and import-linter"
 	@echo "make bench  measure the data path, beside a bare relay"
+	@echo "make fuzz   look for inputs that break a promise, ten minutes a target (SECONDS=600)"
 	@echo "make docs   build the documentation into site/"
 
 demo: $(VENV)/.installed
@@ -28,6 +29,9 @@ check: $(VENV)/.dev
 bench: $(VENV)/.dev
 	scripts/install-peers
 	$(BIN)/python -m benchmarks $(ARGS)
+
+fuzz: $(VENV)/.dev
+	$(BIN)/python -m fuzz all --seconds $(or $(SECONDS),600) $(ARGS)
 
 docs: $(VENV)/.dev
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
