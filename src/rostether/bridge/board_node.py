@@ -11,7 +11,10 @@ from rostether.bridge.findings.required import RequiredTopics
 from rostether.bridge.reporter import Notices, Reporter
 from rostether.bridge.settings import DEFAULT_SETTINGS, BridgeSettings
 from rostether.devices.settings import NO_SETTINGS, DeviceSettings
+from rostether.errors import RostetherError
 from rostether.graph.ports import Graph
+from rostether.rosserial.host_link_config import HostLinkConfig
+from rostether.rosserial.packets import TopicInfo
 from rostether.serde.store import TypeStore
 
 
@@ -41,6 +44,21 @@ class BoardNode:
         self.store = store
         self.hardware_id = ""
         """What stays the same when the board comes back, for diagnostics: a serial number, an address."""
+
+    def link_config(self) -> HostLinkConfig:
+        """Return the limits of a connection to the board."""
+        return HostLinkConfig(
+            max_payload_bytes=self.settings.frame_bytes,
+            max_endpoints=self.settings.endpoints,
+            fixed_size=self._fixed_size,
+        )
+
+    def _fixed_size(self, info: TopicInfo) -> int | None:
+        """Return the size of every message of a topic, None if they differ or its type is not known."""
+        try:
+            return self.store.layout(info.message_type).fixed_size_bytes
+        except RostetherError:
+            return None
 
     async def close(self) -> None:
         """Leave the graph with all endpoints. Idempotent."""

@@ -19,8 +19,6 @@ from rostether.bridge.settings import BridgeSettings
 from rostether.errors import LocalProtocolError
 from rostether.transports.transport import Transport
 
-# A topic's queue on a link without a known speed: more than one read of a ROS connection brings (64 KiB).
-QUEUE_BYTES = 128 * 1024
 # On a line of known speed, older commands than this are better lost than obeyed.
 QUEUE_LINE_S = 2.0
 # Slow lines still hold a burst of small commands.
@@ -88,10 +86,10 @@ class Outbox:
         self._on_dropped = on_dropped
         self._stall_s = settings.stall_s
         self._pacer = LinePacer(baud) if baud else None
-        self._limit_bytes = QUEUE_BYTES
+        self._limit_bytes = settings.queue_bytes
         if self._pacer is not None:
             line_bytes = int(self._pacer.bytes_per_s * QUEUE_LINE_S)
-            self._limit_bytes = min(QUEUE_BYTES, max(MIN_QUEUE_BYTES, line_bytes))
+            self._limit_bytes = min(settings.queue_bytes, max(MIN_QUEUE_BYTES, line_bytes))
         self._waits_for_board = transport.can_pause and self._pacer is None
         self._ready: deque[Lane] = deque()
         self._drained: list[Lane] = []

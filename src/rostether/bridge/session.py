@@ -61,7 +61,7 @@ class Session:
     ) -> None:
         self.node = node
         self.transport = transport
-        self.link = HostLink(link_config)
+        self.link = HostLink(link_config or node.link_config())
         self.receivers: dict[int, Callable[[list[bytes]], None]] = {}
         self.unbridged_count = 0
         self._loop = asyncio.get_running_loop()

@@ -18,6 +18,10 @@ class BridgeSettings:
     `queued_calls`: how many callers may wait for one board's service before the next is refused at once.
     `parameter_timeout_s`: boards wait 1 s for a parameter unless the sketch says otherwise.
     `drain_pause_s`: how long a slow subscriber may pause a board that can be paused.
+    `frame_bytes`: the largest payload of a frame from a board; the length field can say no more by default.
+    `endpoints`: how many a board may announce. The established library has at most 50.
+    `queue_bytes`: what may wait for a board on each topic: more than one read of a ROS connection brings. On
+    a line of known speed it is less.
     `stall_s`: how long a board may take no byte before its subscriptions no longer wait for it.
     """
 
@@ -28,6 +32,9 @@ class BridgeSettings:
     parameter_timeout_s: float = 0.8
     drain_pause_s: float = 0.1
     stall_s: float = 1.0
+    frame_bytes: int = 65535
+    endpoints: int = 256
+    queue_bytes: int = 128 * 1024
 
 
 DEFAULT_SETTINGS = BridgeSettings()

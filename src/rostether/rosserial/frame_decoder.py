@@ -7,10 +7,12 @@ States and what moves between them:
              (or its first bytes)       -- time to look, frames inside -->  EMPTY or WAITING (it was noise)
                                         -- time to look, none inside -->    WAITING, looking half as often
 
-A header in noise may claim 65535 bytes. When is it time to look inside for frames that it swallows? For a
-frame whose topic and length are known to be possible, when its bytes have stalled; for any other, soon after
-it began, even while bytes flow. Looking destroys nothing: without a complete frame inside there is nothing
-to gain by giving up, and a slow network may yet bring the rest.
+A header in noise may claim 65535 bytes. One that claims more than its topic can have is refused at once.
+When is it time to look inside another for frames that it swallows? For a frame whose topic and length are
+known to be possible, when its bytes have stalled; for any other, soon after it began, even while bytes flow.
+A possible one too is given up while bytes flow if its last ones are several sound frames on end: boards do
+not send those in a message. Looking destroys nothing: without a complete frame inside there is nothing to
+gain by giving up, and a slow network may yet bring the rest.
 """
 
 from __future__ import annotations
@@ -32,6 +34,9 @@ RECEIVING_S = 0.05
 MAX_LOOK_S = 1.0
 """Looks get rarer, so that hostile input costs little; this bounds how late a swallowed frame is found."""
 
+TELLING_FRAMES = 3
+"""So many sound frames on end are traffic that a header has swallowed; by chance one in 65,536 is sound."""
+
 
 @dataclass(slots=True)
 class Frames:
@@ -48,8 +53,9 @@ class FrameDecoder:
     """Cuts one direction of a line into frames of one protocol version; linear in what it is fed.
 
     `limits` maps the topic ids that make sense to their largest payload; it may change at any time. Frames
-    outside it are delivered all the same, it only tells which unfinished frame deserves patience. After
-    `abandon_after_s` without a byte an unfinished frame is given up, whatever it holds (None: never).
+    outside it are delivered all the same, it only tells which unfinished frame deserves patience.
+    `refused_above` says what cannot be a frame, as `FrameScanner` has it; tell `limits_changed` of changes.
+    After `abandon_after_s` without a byte an unfinished frame is given up, whatever it holds (None: never).
     """
 
     def __init__(
@@ -58,11 +64,12 @@ class FrameDecoder:
         *,
         max_payload_bytes: int = MAX_PAYLOAD_BYTES,
         limits: Mapping[int, int] | None = None,
+        refused_above: Mapping[int | None, int] | None = None,
         abandon_after_s: float | None = None,
     ) -> None:
         self._version = version
         self._header_bytes = FORMS[version].header_bytes
-        self._scanner = FrameScanner(version, max_payload_bytes)
+        self._scanner = FrameScanner(version, max_payload_bytes, refused_above)
         self._limits = {} if limits is None else limits
         self._abandon_after_s = abandon_after_s
         self._pending = bytearray()
@@ -70,6 +77,8 @@ class FrameDecoder:
         self._fed_s = 0.0
         self._look_after_s = FIRST_LOOK_S
         self._look_at_s: float | None = None
+        self._tail_look_after_s = FIRST_LOOK_S
+        self._tail_look_at_s: float | None = None
 
     @property
     def version(self) -> int:
@@ -87,6 +96,10 @@ class FrameDecoder:
         if len(self._pending) < self._header_bytes:
             return None
         return read_header(self._version, bytes(self._pending[: self._header_bytes]))
+
+    def limits_changed(self) -> None:
+        """Judge by what `refused_above` says now, from the next frame on."""
+        self._scanner.forget_headers()
 
     def is_receiving(self, topic_ids: Container[int], now_s: float) -> bool:
         """Whether a frame of one of these ids is just coming in."""
@@ -116,24 +129,29 @@ class FrameDecoder:
 
     def get_timer(self) -> float | None:
         """Return when to call `handle_timer`."""
-        abandon_at_s = self._abandon_at_s()
-        if self._look_at_s is None or abandon_at_s is None:
-            return abandon_at_s if self._look_at_s is None else self._look_at_s
-        return min(self._look_at_s, abandon_at_s)
+        timers = (self._look_at_s, self._tail_look_at_s, self._abandon_at_s())
+        return min((timer for timer in timers if timer is not None), default=None)
 
     def handle_timer(self, now_s: float) -> list[Decoded]:
         """Look inside an unfinished frame that is due; return what it swallowed, if anything."""
         abandon_at_s = self._abandon_at_s()
         if abandon_at_s is not None and now_s >= abandon_at_s:
             return self.abandon(now_s)
-        if self._look_at_s is None or now_s < self._look_at_s:
+        is_due = self._look_at_s is not None and now_s >= self._look_at_s
+        is_tail_due = self._tail_look_at_s is not None and now_s >= self._tail_look_at_s
+        if not (is_due or is_tail_due):
             return []
-        self._look_at_s = None
         buffer = bytes(self._pending)
         scan = self._scanner.scan(buffer, Patience.LOOK)
-        if any(topic_id in self._limits for topic_id in scan.groups) or (scan.groups and not self._limits):
+        swallowed = any(topic_id in self._limits for topic_id in scan.groups) if self._limits else scan.groups
+        if swallowed and (is_due or scan.tail_frames >= TELLING_FRAMES):
             return self._accept(buffer, scan, now_s)
-        self._look_after_s = min(2 * self._look_after_s, MAX_LOOK_S)
+        if is_due:
+            self._look_at_s = None
+            self._look_after_s = min(2 * self._look_after_s, MAX_LOOK_S)
+        if is_tail_due:
+            self._tail_look_at_s = None
+            self._tail_look_after_s = min(2 * self._tail_look_after_s, MAX_LOOK_S)
         return []
 
     def abandon(self, now_s: float) -> list[Decoded]:
@@ -149,8 +167,8 @@ class FrameDecoder:
     def _accept(self, buffer: bytes, scan: Scan, now_s: float) -> list[Decoded]:
         self._pending = bytearray(buffer[scan.rest :])
         self._needed_bytes = scan.needed_bytes
-        self._look_after_s = FIRST_LOOK_S
-        self._look_at_s = None
+        self._look_after_s = self._tail_look_after_s = FIRST_LOOK_S
+        self._look_at_s = self._tail_look_at_s = None
         if self._pending:
             self._plan_look(now_s)
         decoded: list[Decoded] = [Frames(topic_id, payloads) for topic_id, payloads in scan.groups.items()]
@@ -161,5 +179,8 @@ class FrameDecoder:
         header = self.pending_header
         if header is None:
             return
-        if self._look_at_s is None or header.size <= self._limits.get(header.topic_id, -1):
+        is_possible = header.size <= self._limits.get(header.topic_id, -1)
+        if self._look_at_s is None or is_possible:
             self._look_at_s = now_s + self._look_after_s
+        if self._tail_look_at_s is None and is_possible:
+            self._tail_look_at_s = now_s + self._tail_look_after_s

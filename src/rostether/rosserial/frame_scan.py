@@ -11,7 +11,7 @@ After a failed check the search goes on at the byte after the sync, because nois
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum, auto
 from struct import Struct
@@ -56,23 +56,38 @@ class _Known(NamedTuple):
 
 @dataclass(slots=True)
 class Scan:
-    """What one buffer held; from `rest` on an unfinished frame, which takes `needed_bytes` in all."""
+    """What one buffer held; from `rest` on an unfinished frame, which takes `needed_bytes` in all.
+
+    The last `tail_frames` frames stand one behind the other, with nothing between them.
+    """
 
     groups: dict[int, list[bytes]] = field(default_factory=dict)
     discarded: list[FrameDiscarded] = field(default_factory=list)
     rest: int = 0
     needed_bytes: int = 0
+    tail_frames: int = 0
 
 
 class FrameScanner:
-    """Finds the frames of one protocol version, remembering headers from buffer to buffer."""
+    """Finds the frames of one protocol version, remembering headers from buffer to buffer.
 
-    def __init__(self, version: int, max_payload_bytes: int) -> None:
+    A header that claims more than `refused_above` has for its topic id, or, on an id that is not in there,
+    more than it has for None, is no frame. Call `forget_headers` when that mapping has changed.
+    """
+
+    def __init__(
+        self, version: int, max_payload_bytes: int, refused_above: Mapping[int | None, int] | None = None
+    ) -> None:
         self._version = version
         self._version_byte, self._header_bytes, self._overhead_bytes = FORMS[version]
         self._start = bytes((SYNC, self._version_byte))
         self._max_payload_bytes = max_payload_bytes
+        self._refused_above = {} if refused_above is None else refused_above
         self._known: dict[bytes, _Known] = {}
+
+    def forget_headers(self) -> None:
+        """Judge every header anew."""
+        self._known.clear()
 
     def only_frame(self, buffer: bytes) -> tuple[int, bytes] | None:
         """Return topic id and payload if the buffer is one sound frame with a header seen before.
@@ -93,6 +108,7 @@ class FrameScanner:
         groups = result.groups
         known_headers = self._known
         header_bytes = self._header_bytes
+        tail_frames = 0
         view = memoryview(buffer)
         total = len(buffer)
         position = 0
@@ -141,6 +157,8 @@ class FrameScanner:
             if good:
                 if waste.is_open:
                     waste.end(position)
+                    tail_frames = 0
+                tail_frames += len(good)
                 unfinished = None
                 if topic_id in groups:
                     groups[topic_id] += good
@@ -157,6 +175,7 @@ class FrameScanner:
             header = buffer[position : position + header_bytes]
         waste.end(total)
         result.rest = total
+        result.tail_frames = tail_frames
         if unfinished is not None and patience is not Patience.NONE:
             result.rest, result.needed_bytes = unfinished
             waste.take_back(result.rest)
@@ -180,7 +199,10 @@ class FrameScanner:
         fields = read_header(self._version, header)
         if fields is None:
             return DiscardReason.LENGTH_CHECKSUM
-        if fields.size > self._max_payload_bytes:
+        most = self._refused_above.get(fields.topic_id)
+        if most is None:
+            most = self._refused_above.get(None, self._max_payload_bytes)
+        if fields.size > min(most, self._max_payload_bytes):
             return DiscardReason.TOO_LONG
         if len(self._known) >= MAX_KNOWN_HEADERS:
             self._known.clear()

@@ -56,7 +56,7 @@ class HostLink:
         self.statistics = LinkStatistics()
         self._config = config or HostLinkConfig()
         self._version: int | None = None
-        self._table = TopicTable(self._config.max_endpoints)
+        self._table = TopicTable(self._config.max_endpoints, self._config.fixed_size)
         self._output = HostOutput(self._table, self.statistics)
         self._line: ProtocolDetector | FrameDecoder = self._listen()
         self._negotiation = Negotiation()
@@ -157,7 +157,9 @@ class HostLink:
 
     def _listen(self) -> ProtocolDetector:
         return ProtocolDetector(
-            max_payload_bytes=self._config.max_payload_bytes, limits=self._table.payload_limits
+            max_payload_bytes=self._config.max_payload_bytes,
+            limits=self._table.payload_limits,
+            refused_above=self._table.refused_above,
         )
 
     def _take(self, decoded: list[Decoded], now_s: float) -> list[HostEvent]:
@@ -218,6 +220,8 @@ class HostLink:
             if changes is None:
                 self._report(FrameDiscarded(DiscardReason.TOO_MANY, payload), now_s, events)
                 return
+            if changes:
+                self._line.limits_changed()
             events += changes
             self._unknown_ids.forget(info.topic_id)
             self._refusals.forget(kind, info)
@@ -255,6 +259,8 @@ class HostLink:
     def _settle(self, now_s: float, events: list[HostEvent]) -> None:
         negotiation = self._negotiation
         changes = self._table.withdraw_all_but(negotiation.complete - self._refusals.keys)
+        if changes:
+            self._line.limits_changed()
         events += changes
         if negotiation.rounds > 1:
             events += self._refusals.take_lone_halves(self._table.lone_halves())

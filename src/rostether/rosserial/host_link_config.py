@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from rostether.rosserial.frame import MAX_PAYLOAD_BYTES
+from rostether.rosserial.packets import TopicInfo
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,3 +17,5 @@ class HostLinkConfig:
     """All that a frame can say: Linux devices send images in one frame."""
     max_endpoints: int = 256
     """The established library has at most 50; each costs a registration on the ROS side."""
+    fixed_size: Callable[[TopicInfo], int | None] | None = None
+    """Says how many bytes every message of a topic has, where its type says so; None if they differ."""

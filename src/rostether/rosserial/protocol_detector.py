@@ -25,10 +25,18 @@ MAX_HELD = 256
 class ProtocolDetector:
     """Stands in for a FrameDecoder until `decoder` is known."""
 
-    def __init__(self, *, max_payload_bytes: int, limits: Mapping[int, int]) -> None:
+    def __init__(
+        self,
+        *,
+        max_payload_bytes: int,
+        limits: Mapping[int, int],
+        refused_above: Mapping[int | None, int] | None = None,
+    ) -> None:
         self.decoder: FrameDecoder | None = None
         self._candidates = {
-            version: FrameDecoder(version, max_payload_bytes=max_payload_bytes, limits=limits)
+            version: FrameDecoder(
+                version, max_payload_bytes=max_payload_bytes, limits=limits, refused_above=refused_above
+            )
             for version in (2, 1)
         }
         self._held: dict[int, list[Decoded]] = {version: [] for version in self._candidates}
@@ -37,6 +45,11 @@ class ProtocolDetector:
     def is_receiving(self, topic_ids: Container[int], now_s: float) -> bool:
         """Whether a frame of one of these ids is just coming in: not known while the version is not."""
         return False
+
+    def limits_changed(self) -> None:
+        """Judge by what is refused now, from the next frame on."""
+        for reader in self._candidates.values():
+            reader.limits_changed()
 
     def feed(self, data: bytes | bytearray | memoryview, now_s: float) -> list[Decoded]:
         """Take a chunk; return nothing until a version is found or noise has waited long enough."""

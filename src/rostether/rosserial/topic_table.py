@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -16,6 +16,7 @@ from rostether.rosserial.events import (
     TopicRole,
     TopicWithdrawn,
 )
+from rostether.rosserial.frame import MAX_PAYLOAD_BYTES
 from rostether.rosserial.packets import TopicInfo
 
 CONTROL_LIMITS = {
@@ -55,12 +56,17 @@ def key_of(kind: int, info: TopicInfo) -> EndpointKey:
 class TopicTable:
     """Endpoints of one device; says what each announcement changed, as events."""
 
-    def __init__(self, max_endpoints: int) -> None:
+    def __init__(
+        self, max_endpoints: int, fixed_size: Callable[[TopicInfo], int | None] | None = None
+    ) -> None:
         self._max_endpoints = max_endpoints
+        self._fixed_size = fixed_size
         self._endpoints: dict[EndpointKey, _Endpoint] = {}
         self._services: dict[tuple[ServiceRole, int, int], ServiceAnnounced] = {}
         self.payload_limits = dict(CONTROL_LIMITS)
         """By id: the largest payload that the device may send on it."""
+        self.refused_above: dict[int | None, int] = {}
+        """By id: the payload above which a header is no frame's; by None: that of every other id."""
         self.send_limits: dict[int, int] = {}
         """By id: the largest payload that may be sent to the device now, where one may be."""
         self.senders: set[int] = set()
@@ -165,9 +171,28 @@ class TopicTable:
         for key, endpoint in self._endpoints.items():
             if key.sends:
                 self.senders.add(key.topic_id)
-                self.payload_limits[key.topic_id] = endpoint.info.buffer_size
+                self.payload_limits[key.topic_id] = self._largest_payload(endpoint.info)
             elif endpoint.is_current:
                 self.send_limits[key.topic_id] = endpoint.info.buffer_size
+        self._set_refusals()
+
+    def _largest_payload(self, info: TopicInfo) -> int:
+        """Return what a message of a topic can have at most."""
+        if info.buffer_size >= MAX_PAYLOAD_BYTES and self._fixed_size is not None:
+            # A library that streams has no buffer to announce.
+            size = self._fixed_size(info)
+            if size is not None:
+                return size
+        return info.buffer_size
+
+    def _set_refusals(self) -> None:
+        """Nothing is refused while nothing is known; a control packet may fill the board's buffer too."""
+        self.refused_above.clear()
+        if self.senders:
+            largest = max(entry.info.buffer_size for key, entry in self._endpoints.items() if key.sends)
+            for topic_id, size in self.payload_limits.items():
+                self.refused_above[topic_id] = max(size, largest) if topic_id in CONTROL_LIMITS else size
+            self.refused_above[None] = largest
 
     def _pair_services(self) -> list[HostEvent]:
         """Pair halves of one role, name and type in the order of their ids; report what changed."""

@@ -14,10 +14,10 @@ from rostether.transports.sockets import explain_bind_error, explain_connect_err
 from rostether.transports.stream import READ_CHUNK_BYTES, StreamTransport
 from rostether.transports.transport import Transport
 
-# Each connection is a session with its buffers: a scanner must not exhaust our memory, 32 boards are the aim.
-MAX_CONNECTIONS = 128
-# One host may run many simulated boards, but must leave room for the boards of others.
-MAX_CONNECTIONS_PER_HOST = 64
+# Each connection is a session with its buffers, some 200 KB: a scanner must not exhaust our memory.
+MAX_CONNECTIONS = 256
+# One host may run a hundred simulated boards, but must leave room for the boards of others.
+MAX_CONNECTIONS_PER_HOST = 128
 # Connects that the kernel holds while we are busy: all boards of a machine come at once after a restart.
 _BACKLOG = 64
 # A board on Wi-Fi answers within a second or is not there.

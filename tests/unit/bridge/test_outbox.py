@@ -5,8 +5,8 @@ import re
 import pytest
 
 from rostether.bridge.lane import Lane
-from rostether.bridge.outbox import MIN_QUEUE_BYTES, QUEUE_BYTES, Outbox
-from rostether.bridge.settings import BridgeSettings
+from rostether.bridge.outbox import MIN_QUEUE_BYTES, Outbox
+from rostether.bridge.settings import DEFAULT_SETTINGS, BridgeSettings
 from rostether.errors import LocalProtocolError
 from unit.bridge.doubles import FakeLink, FakeSerialPort, FakeSource, FakeTransport, ManualLoop
 
@@ -118,7 +118,7 @@ def test_overflow_pauses_the_source_and_loses_nothing() -> None:
     while not source.is_paused:
         bench.outbox.put(lane, [b"x" * 992] * 10)
         sent += 10
-    assert sent * 1000 > QUEUE_BYTES
+    assert sent * 1000 > DEFAULT_SETTINGS.queue_bytes
     bench.outbox.resume_writing()
     bench.loop.run_until(0.01)
     assert not source.is_paused
@@ -139,7 +139,7 @@ def test_a_hanging_board_is_waited_for_a_second_only() -> None:
     assert not source.is_paused
     bench.outbox.put(lane, [b"y" * 992] * 200)
     assert not source.is_paused
-    assert lane.queued_bytes <= QUEUE_BYTES
+    assert lane.queued_bytes <= DEFAULT_SETTINGS.queue_bytes
     assert lane.payloads[-1] == b"y" * 992
     assert bench.dropped == [("flood", lane.dropped_count)]
 
@@ -176,7 +176,7 @@ def test_without_a_source_to_pause_the_oldest_go() -> None:
     lane = Lane(101, "flood")
     bench.block()
     bench.outbox.put(lane, [b"%04d" % number for number in range(20_000)])
-    assert lane.queued_bytes <= QUEUE_BYTES
+    assert lane.queued_bytes <= DEFAULT_SETTINGS.queue_bytes
     assert lane.payloads[-1] == b"19999"
     assert bench.dropped == [("flood", 20_000 - len(lane.payloads))]
 

@@ -25,6 +25,7 @@ STRING = STORE.registry.message_type("std_msgs/String")
 SET_BOOL = STORE.registry.service_type("std_srvs/SetBool")
 CHATTER = (ids.PUBLISHER, topic_info("chatter", topic_id=125))
 LED = (ids.SUBSCRIBER, topic_info("led", topic_id=100))
+LONG_CHATTER = (ids.PUBLISHER, topic_info("chatter", topic_id=125, buffer_size=2048))
 
 
 def service_announcements(
@@ -296,7 +297,7 @@ async def test_what_cannot_be_bridged_is_said_in_one_line(bridge: Bridge) -> Non
 
 async def test_a_slow_subscriber_pauses_a_board_that_can_be_paused(bridge: Bridge) -> None:
     subscription = await bridge.peer.subscribe("/chatter", STRING, lambda _: None)
-    board = await bridge.connect(CHATTER)
+    board = await bridge.connect(LONG_CHATTER)
     await bridge.settled()
     subscription.pause()
     sent = 0
@@ -313,7 +314,7 @@ async def test_a_subscriber_that_hangs_pauses_the_board_for_a_moment_only(bridge
     heard = await bridge.listen("/chatter")
     hanging = await bridge.network.join("/hanging")
     subscription = await hanging.subscribe("/chatter", STRING, lambda _: None)
-    board = await bridge.connect(CHATTER)
+    board = await bridge.connect(LONG_CHATTER)
     await bridge.settled()
     subscription.pause()
     total = 8000
