@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,6 +11,7 @@ import click
 
 from rostether.cli.output import json_option, write_json, write_line
 from rostether.cli.verbs import Verb
+from rostether.errors import ConfigError
 
 if TYPE_CHECKING:
     from rostether.rosserial.line_log import LineEntry
@@ -85,11 +87,13 @@ def _version(capture: Capture) -> int:
     from rostether.transports.capture import Chunk
 
     seen = bytearray()
-    for each in capture.entries():
-        if isinstance(each, Chunk) and each.from_device:
-            seen += each.data
-        if len(seen) >= _LOOKED_AT_BYTES:
-            break
+    # A bad line is told when the listing comes to it.
+    with contextlib.suppress(ConfigError):
+        for each in capture.entries():
+            if isinstance(each, Chunk) and each.from_device:
+                seen += each.data
+            if len(seen) >= _LOOKED_AT_BYTES:
+                break
     return version_of(bytes(seen))
 
 

@@ -43,6 +43,9 @@ FORGET_S = 15.0
 ONCE_S = 4.0
 """How long --once listens at most: a rate is known with a board's second status."""
 
+NOBODY_S = 1.5
+"""How long --once waits for somebody to tell: a board that has just connected advertises within a second."""
+
 MAX_BOARDS = 512
 """Anybody may publish on /diagnostics; a person looks at fewer."""
 
@@ -133,11 +136,13 @@ async def _listen(graph: TypedGraph, seen: BoardsSeen, *, tells: bool) -> None:
 
 async def _print_once(graph: TypedGraph, seen: BoardsSeen, as_json: bool) -> int:
     loop = asyncio.get_running_loop()
-    until_s = loop.time() + ONCE_S
-    while loop.time() < until_s:
+    began_s = loop.time()
+    while (waited_s := loop.time() - began_s) < ONCE_S:
         await asyncio.sleep(REFRESH_S / 5)
         expected = len(await _tellers(graph))
-        if not expected or seen.known_count() >= expected:
+        if expected and seen.known_count() >= expected:
+            break
+        if not expected and waited_s >= NOBODY_S:
             break
     boards = sorted(seen.boards(loop.time()), key=lambda board: board.name)
     if not boards:
