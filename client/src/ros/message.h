@@ -14,24 +14,20 @@
 #include "buffer_writer.h"
 #include "duration.h"
 #include "flash.h"
+#include "flash_names.h"
 #include "length_counter.h"
 #include "reader.h"
 #include "time.h"
 #include "writer.h"
 
 // Name and md5sum of a message: getType and getMD5 for the sketch, and the same texts in flash for the wire.
-#define ROS_MESSAGE_TYPE(type, md5)                        \
-  static const char* getType() { return type; }            \
-  static const char* getMD5() { return md5; }              \
-  static ros::FlashText flashType() {                      \
-    static const char text[] ROS_FLASH = type;             \
-    const ros::FlashText flash = {text};                   \
-    return flash;                                          \
-  }                                                        \
-  static ros::FlashText flashMD5() {                       \
-    static const char text[] ROS_FLASH = md5;              \
-    const ros::FlashText flash = {text};                   \
-    return flash;                                          \
+#define ROS_MESSAGE_TYPE(type, md5)                \
+  static const char* getType() { return type; }    \
+  static const char* getMD5() { return md5; }      \
+  static ros::FlashNames flashNames() {            \
+    static const char both[] ROS_FLASH = type "\0" md5; \
+    const ros::FlashNames names = {both};          \
+    return names;                                  \
   }
 
 namespace ros {

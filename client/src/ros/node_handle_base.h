@@ -131,7 +131,7 @@ class NodeHandleBase_ : public FrameSink, protected NodeState {
   // Sends a message. Bytes sent; 0 if no host is there; -1 if it is too long for a frame or the line did not take it.
   template <class M>
   int send(uint16_t id, const M& message) {
-    if (!connected_) return 0;
+    if (!reach()) return 0;
     const typename WireFormat<M>::Written written(message);
     const size_t length = written.length();
     if (isTooLong(length)) return -1;
@@ -154,11 +154,11 @@ class NodeHandleBase_ : public FrameSink, protected NodeState {
   template <class M>
   void announceSender(uint8_t role, const char* topic, uint16_t id, M* message) {
     // Messages to the host are streamed: only the frame's length field bounds them.
-    announce(role, topic, id, WireFormat<M>::type(message), WireFormat<M>::md5(message), 0xffff);
+    announce(role, topic, id, WireFormat<M>::names(message), 0xffff);
   }
   template <class M>
   void announceReceiver(uint8_t role, const char* topic, uint16_t id, M* message) {
-    announce(role, topic, id, WireFormat<M>::type(message), WireFormat<M>::md5(message), window_.largestPayload());
+    announce(role, topic, id, WireFormat<M>::names(message), window_.largestPayload());
   }
 
   // For drivers: ends the spinOnce under way, so that what the message points to outlasts it until the next.
@@ -299,17 +299,22 @@ class NodeHandleBase_ : public FrameSink, protected NodeState {
     return true;
   }
 
+  // Whether the host is there. After a reset its answer may wait in the line: a sketch that publishes, spins and sleeps
+  // for a second must not sleep another one before its first message.
+  bool reach() {
+    if (!connected_) spinOnce();
+    return connected_;
+  }
+
   static size_t lengthOf(FlashText text) { return ROS_FLASH_LENGTH(text.address); }
   static size_t lengthOf(const char* text) { return strlen(text); }
 
-  template <class Text>
-  void announce(uint8_t role, const char* topic, uint16_t id, Text type, Text md5, uint16_t buffer_bytes) {
-    const size_t length = 2 + 4 + lengthOf(topic) + 4 + lengthOf(type) + 4 + lengthOf(md5) + 4;
-    FrameWriter writer(*this, role, static_cast<uint16_t>(length));
+  template <class Names>
+  void announce(uint8_t role, const char* topic, uint16_t id, Names names, uint16_t buffer_bytes) {
+    FrameWriter writer(*this, role, static_cast<uint16_t>(2 + 4 + strlen(topic) + names.length() + 4));
     writer.put(&id, 2);
     writer.string(topic);
-    writer.string(type);
-    writer.string(md5);
+    names.write(writer);
     writer.count(buffer_bytes);
     writer.finish();
   }

@@ -5,9 +5,10 @@
 
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 #include "field_kind.h"
-#include "flash.h"
+#include "flash_names.h"
 #include "frame_writer.h"
 #include "inlining.h"
 #include "length_counter.h"
@@ -22,8 +23,7 @@ struct WireFormat {
   // All messages of one of these are sent and read alike.
   typedef M Class;
 
-  static FlashText type(const M*) { return M::flashType(); }
-  static FlashText md5(const M*) { return M::flashMD5(); }
+  static FlashNames names(const M*) { return M::flashNames(); }
 
   // The serialized form, as long as it is needed for: its length and its bytes.
   class Written {
@@ -51,8 +51,20 @@ template <class M>
 struct WireFormat<M, false> {
   typedef Msg Class;
 
-  static const char* type(M* message) { return message->getType(); }
-  static const char* md5(M* message) { return message->getMD5(); }
+  struct Names {
+    const char* type;
+    const char* md5;
+
+    size_t length() const { return 4 + strlen(type) + 4 + strlen(md5); }
+    void write(FrameWriter& writer) const {
+      writer.string(type);
+      writer.string(md5);
+    }
+  };
+  static Names names(M* message) {
+    const Names names = {message->getType(), message->getMD5()};
+    return names;
+  }
 
   class Written {
    public:

@@ -14,7 +14,7 @@ LIBRARY_NAMESPACE = "ros"
 MEMBERS_OF_EVERY_MESSAGE = frozenset(
     {
         *("serialize", "deserialize", "serializedLength"),
-        *("getType", "getMD5", "flashType", "flashMD5"),
+        *("getType", "getMD5", "flashNames"),
         *("_fields", "Archive", "Self"),
     }
 )
