@@ -24,9 +24,8 @@ async def test_messages_flow_within_two_seconds_with_a_host_that_asks_only_once(
         for _ in range(3):
             host.frames.clear()
             await host.board.reset()
-            came = await host.run(4000, lambda: any(each >= 100 for each, _ in host.frames))
-            # The sketch publishes once a second; its first message goes before it has met anybody.
-            assert came
+            # The sketch publishes once a second, for the first time before it has met anybody.
+            assert await host.run(1500, lambda: any(each >= 100 for each, _ in host.frames))
             assert any(each == topic_id.PUBLISHER for each, _ in host.frames)
 
 
@@ -40,4 +39,5 @@ async def test_messages_flow_again_with_our_bridge() -> None:
             await stage.board.reset()
             await ear.reached(heard + 1)
             took_s = (await stage.board.cycles() - before) / 16e6
-            assert took_s < 2.5, took_s
+            # A second of sleep in the sketch, and what a busy machine takes to answer.
+            assert took_s < 2, took_s

@@ -87,6 +87,23 @@ TEST(negotiation, introduces_itself_after_its_own_reset_without_being_asked) {
   EXPECT_EQUAL(chatter.publish(&text), 8 + 4 + 8);
 }
 
+TEST(negotiation, a_sketch_that_sleeps_a_second_loses_only_one) {
+  Board<> board;
+  std_msgs::String text;
+  ros::Publisher chatter("chatter", &text);
+  text.data = "hello";
+  board.node.initNode();
+  board.node.advertise(chatter);
+  board.line.on_frame = [&](const Frame& got) {
+    if (got.id == 10) board.line.send(Board<>::time(1700000000));
+  };
+  for (int second = 0; second < 4; ++second) {
+    EXPECT_EQUAL(chatter.publish(&text) > 0, second > 0);
+    board.node.spinOnce();
+    board.line.now_ms += 1000;
+  }
+}
+
 TEST(negotiation, introduces_itself_again_while_nobody_answers) {
   Board<> board;
   std_msgs::String text;
