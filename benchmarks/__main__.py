@@ -1,6 +1,6 @@
 """Runs every benchmark and prints a table: what we reach, what was asked, and the bare relay of the same run.
 
-python -m benchmarks [throughput|round-trip|footprint|frames|codec|cycles|sizes ...]
+python -m benchmarks [throughput|round-trip|footprint|crowd|frames|codec|cycles|sizes ...]
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks import cycles, footprint, rosserial_frames, round_trip, serde_codec, sizes, throughput
+from benchmarks import crowd, cycles, footprint, rosserial_frames, round_trip, serde_codec, sizes, throughput
 
 
 def throughput_table() -> Table:
@@ -77,6 +77,26 @@ def footprint_table() -> Table:
     return table
 
 
+def crowd_table() -> Table:
+    """Measure a hundred devices, alone and beside one that floods."""
+    table = Table(
+        "100 devices at 50 Hz", "lost", "p50 ms", "p99 ms", "longest", "CPU", "MB", "wanted", title="Crowd"
+    )
+    for name, floods in (("alone", False), ("beside a flood", True)):
+        seen = crowd.crowd(100, 50, 10, floods=floods)
+        table.add_row(
+            name,
+            f"{seen.sent - seen.received:,} of {seen.sent:,}",
+            f"{seen.p50_ms:.2f}",
+            f"{seen.p99_ms:.2f}",
+            f"{seen.longest_ms:.1f}",
+            f"{seen.cpu_percent:.0f} %",
+            f"{seen.resident_mb:.0f}",
+            "0, p99 10 ms, 120 MB",
+        )
+    return table
+
+
 def frames_table() -> Table:
     """Measure the frame loop alone."""
     table = Table("frame loop", "a second", "wanted", title="Frames")
@@ -128,6 +148,7 @@ TABLES = {
     "throughput": throughput_table,
     "round-trip": round_trip_table,
     "footprint": footprint_table,
+    "crowd": crowd_table,
     "frames": frames_table,
     "codec": codec_table,
     "cycles": cycles_table,

@@ -22,6 +22,9 @@ from rostether.serde.store import TypeStore
 PERIOD_S = 1.0
 """What diagnostic tools expect."""
 
+TURN_BOARDS = 4
+"""Looked at in one go, which takes a millisecond or two: a hundred at once would delay every message."""
+
 
 class HealthRound:
     """The round through the boards of one supervisor; `publishes` turns /diagnostics on."""
@@ -58,8 +61,11 @@ class HealthRound:
 
     def look(self) -> None:
         """Look at every board, now."""
+        self._look_at_all(self._boards())
+
+    def _look_at_all(self, boards: Iterable[Board]) -> None:
         now_s = self._clock()
-        for board in self._boards():
+        for board in boards:
             if board.node is None or board.leaving is not None:
                 continue
             try:
@@ -69,8 +75,11 @@ class HealthRound:
 
     async def _run(self) -> None:
         while True:
-            await asyncio.sleep(PERIOD_S)
-            self.look()
+            boards = list(self._boards())
+            starts = range(0, len(boards), TURN_BOARDS) or range(1)
+            for start in starts:
+                await asyncio.sleep(PERIOD_S / len(starts))
+                self._look_at_all(boards[start : start + TURN_BOARDS])
 
     def _look_at(self, board: Board, node: BoardNode, now_s: float) -> None:
         session = board.session

@@ -1,0 +1,56 @@
+"""A hundred devices beside one that floods: what the others lose, how long their messages take, memory."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from benchmarks.processes import Bench, cpu_s, first_line, output, resident_mb, say
+from interop.ros1_peers import free_port
+
+FLOOD_TYPE = "std_msgs/String"
+ENDLESS = 2_000_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Crowd:
+    """What was measured on the devices that do not flood."""
+
+    sent: int
+    received: int
+    p50_ms: float
+    p99_ms: float
+    longest_ms: float
+    resident_mb: float
+    cpu_percent: float
+
+
+def crowd(devices: int, rate_hz: int, seconds: int, *, floods: bool = True) -> Crowd:
+    """Serve devices on one listener, with one more that sends as fast as it can."""
+    port = free_port()
+    messages = rate_hz * seconds
+    with Bench() as bench:
+        bridge = bench.ours("serve", f"tcp://:{port}")
+        talkers = bench.module("crowd_devices", str(port), str(devices), str(rate_hz), str(messages))
+        first_line(talkers)
+        for number in range(devices):
+            bench.wait_for_publisher(f"/crowd{number}")
+        listener = bench.module("crowd_listener", bench.master_uri, str(devices), str(messages))
+        first_line(listener)
+        if floods:
+            flood = bench.module("flood_device", str(port), "send", FLOOD_TYPE, str(ENDLESS))
+            bench.wait_for_publisher("/flood")
+            say(flood)
+        before_s = cpu_s(bridge.pid)
+        say(talkers)
+        words = output(listener)
+        used_s = cpu_s(bridge.pid) - before_s
+        received, p50_ms, p99_ms, longest_ms = int(words[0]), *(float(word) for word in words[1:])
+        return Crowd(
+            devices * messages,
+            received,
+            p50_ms,
+            p99_ms,
+            longest_ms,
+            resident_mb(bridge.pid),
+            used_s / seconds * 100,
+        )

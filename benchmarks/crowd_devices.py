@@ -1,0 +1,87 @@
+"""Many TCP devices in one program: each publishes at HZ on a topic of its own, when it was there in ns.
+
+    crowd_devices.py PORT COUNT HZ MESSAGES
+
+Each message is a std_msgs/UInt64, the time it was written on the machine's monotonic clock, so that whoever
+hears it knows how long it took. Prints a line when all were asked for topics, begins at a line on stdin.
+The devices speak evenly spread over the period, as boards that know nothing of each other do.
+"""
+
+from __future__ import annotations
+
+import selectors
+import socket
+import struct
+import sys
+import time
+
+from benchmarks.flood_device import PUBLISHER_ID, announcement, connect
+from rostether.rosserial.frame import encode_frame
+
+TOPIC_REQUEST = b"\xff\xfe\x00\x00\xff\x00\x00\xff"
+TIME_REQUEST = encode_frame(10, bytes(8))
+TIME_PERIOD_S = 2.5
+TYPE = "std_msgs/UInt64"
+
+
+def stamped() -> bytes:
+    """Return a message that says when it was made."""
+    return encode_frame(PUBLISHER_ID, struct.pack("<Q", time.monotonic_ns()))
+
+
+class Crowd:
+    """The devices."""
+
+    def __init__(self, port: int, count: int) -> None:
+        self.lines = [connect(port) for _ in range(count)]
+        self._announcements = {
+            line: announcement(PUBLISHER_ID, 0, f"crowd{number}", TYPE)
+            for number, line in enumerate(self.lines)
+        }
+        self._selector = selectors.DefaultSelector()
+        for line in self.lines:
+            self._selector.register(line, selectors.EVENT_READ)
+        self.asked: set[socket.socket] = set()
+        self._time_due = time.monotonic()
+
+    def serve(self, until_s: float) -> None:
+        """Answer what the host asks until then, and ask for the time as boards do."""
+        while True:
+            rest_s = until_s - time.monotonic()
+            for key, _ in self._selector.select(max(rest_s, 0.0)):
+                line = key.fileobj
+                assert isinstance(line, socket.socket)
+                if TOPIC_REQUEST in line.recv(65536):
+                    line.sendall(TIME_REQUEST + self._announcements[line])
+                    self.asked.add(line)
+            if time.monotonic() >= self._time_due:
+                self._time_due += TIME_PERIOD_S
+                for line in self.asked:
+                    line.sendall(TIME_REQUEST)
+            if time.monotonic() >= until_s:
+                return
+
+
+def main(arguments: list[str]) -> None:
+    """Serve the devices until all has been said, then for ever."""
+    port, count, rate_hz, messages = (int(argument) for argument in arguments)
+    crowd = Crowd(port, count)
+    while len(crowd.asked) < count:
+        crowd.serve(time.monotonic() + 0.05)
+    print("ready", flush=True)
+    readable = selectors.DefaultSelector()
+    readable.register(sys.stdin, selectors.EVENT_READ)
+    while not readable.select(0):
+        crowd.serve(time.monotonic() + 0.05)
+    began_s = time.monotonic()
+    step_s = 1 / (rate_hz * count)
+    for turn in range(messages * count):
+        crowd.serve(began_s + turn * step_s)
+        crowd.lines[turn % count].sendall(stamped())
+    print("done", flush=True)
+    while True:
+        crowd.serve(time.monotonic() + 1.0)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
