@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from rostether.cli.options import listen_option, msg_path_option
+from rostether.cli.options import allow_option, listen_option, msg_path_option
 from rostether.cli.recording import record_limit_option
 from rostether.cli.serve import serve
 from rostether.cli.verbs import Verb
@@ -26,6 +26,7 @@ from rostether.cli.verbs import Verb
 @click.option("--master", metavar="URI", help="The ROS master to join; it is waited for.")
 @record_limit_option
 @listen_option
+@allow_option
 @msg_path_option
 @click.pass_context
 def link_record(
@@ -35,6 +36,7 @@ def link_record(
     master: str | None,
     record_limit_mb: float,
     listen: str | None,
+    allowed: tuple[str, ...],
     msg_paths: tuple[Path, ...],
 ) -> None:
     """Serve the board at ADDRESS, as `rostether serve` does, and record its line to FILE until Ctrl-C.
@@ -49,5 +51,6 @@ def link_record(
         record=file,
         record_limit_mb=record_limit_mb,
         listen=listen,
+        allowed=allowed,
         msg_paths=msg_paths,
     )
