@@ -55,8 +55,14 @@ class Discovery:
     async def run(self) -> None:
         """Watch the ports until cancelled."""
         self._reporter.line(Level.INFO, "Looking for boards on the serial ports")
+        is_first = True
         async for ports in self._watch.changes():
             self._update(ports)
+            if is_first and not self._kept:
+                self._reporter.line(
+                    Level.INFO, "No known board is plugged in yet; `rostether ports` lists all"
+                )
+            is_first = False
 
     def _update(self, ports: Sequence[SerialPort]) -> None:
         present = self._present = {port.path: port for port in ports}

@@ -104,7 +104,7 @@ async def talk(device: Device, stop: asyncio.Event) -> None:
 
 async def test_a_board_is_found_named_and_connected_when_it_is_plugged_in(site: Site) -> None:
     await site.start()
-    await until(lambda: site.reporter.having("Looking for boards"), "the search to begin")
+    await until(lambda: site.reporter.having("No known board is plugged in yet"), "the search to begin")
     plugged_s = now_s()
     async with site.machine.board("ttyACM0", chatter, serial_number="7533", **UNO):
         await until(lambda: site.settled("/board_7533"), "the board")
