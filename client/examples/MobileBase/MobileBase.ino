@@ -11,7 +11,7 @@
 // Wiring:  a motor driver: left direction - pin 4, left PWM - 5, right PWM - 6, right direction - 7; a piezo buzzer
 //          - 8; a bumper switch between 9 and GND; the battery's + through 20 kiloohm to A0, and A0 through 10 kiloohm
 //          to GND; an MPU-9150 as in the example IMU. What is missing is not missed.
-// Try it:  rostether serve "/dev/ttyACM0?baud=500000"
+// Try it:  rostether serve "/dev/ttyACM0?baud=250000"
 //          rostether topic pub -r 10 /cmd_vel geometry_msgs/Twist "{linear: {x: 0.1}, angular: {z: 0.5}}"
 
 #include <Wire.h>
@@ -42,7 +42,7 @@ const float EMPTY_VOLTS = 11.0;
 
 // What comes in is small, a Twist has 48 bytes: the sizes here (subscribers, publishers, bytes in, bytes out) leave
 // an Uno's memory to the messages that go out.
-ros::NodeHandle_<ArduinoHardware, 4, 9, 64, 1024> nh;
+ros::NodeHandle_<ArduinoHardware, 4, 9, 128, 1024> nh;
 
 // A publisher needs to know its type, not a message: those are made when they are sent, one after the other in the
 // same memory. All at once they would take 800 bytes, and an Uno has 2048.
@@ -89,7 +89,10 @@ ros::Subscriber<std_msgs::Bool> sub_power("motor_power", &power_cb);
 ros::Subscriber<std_msgs::Empty> sub_reset("reset", &reset_cb);
 ros::Subscriber<turtlebot3_msgs::Sound> sub_sound("sound", &sound_cb);
 
-void publishOdometry(const ros::Time& stamp) {
+// Tells the compiler not to melt them into one function with all messages in it: each leaves its memory to the next.
+#define APART __attribute__((noinline))
+
+APART void publishOdometry(const ros::Time& stamp) {
   nav_msgs::Odometry odom;
   odom.header.stamp = stamp;
   odom.header.frame_id = "odom";
@@ -102,7 +105,7 @@ void publishOdometry(const ros::Time& stamp) {
   pub_odom.publish(&odom);
 }
 
-void publishTransform(const ros::Time& stamp) {
+APART void publishTransform(const ros::Time& stamp) {
   geometry_msgs::TransformStamped transform;
   transform.header.stamp = stamp;
   transform.header.frame_id = "odom";
@@ -113,7 +116,7 @@ void publishTransform(const ros::Time& stamp) {
   broadcaster.sendTransform(transform);
 }
 
-void publishJoints(const ros::Time& stamp) {
+APART void publishJoints(const ros::Time& stamp) {
   float angles[] = {left.angle, right.angle};
   float speeds[] = {left.speed, right.speed};
   sensor_msgs::JointState joints;
@@ -126,7 +129,7 @@ void publishJoints(const ros::Time& stamp) {
   pub_joints.publish(&joints);
 }
 
-void publishImu(const ros::Time& stamp) {
+APART void publishImu(const ros::Time& stamp) {
   sensor_msgs::Imu imu;
   imu.header.stamp = stamp;
   imu.header.frame_id = "imu_link";
@@ -140,7 +143,7 @@ void publishImu(const ros::Time& stamp) {
   pub_imu.publish(&imu);
 }
 
-void publishField(const ros::Time& stamp) {
+APART void publishField(const ros::Time& stamp) {
   sensor_msgs::MagneticField field;
   field.header.stamp = stamp;
   field.header.frame_id = "imu_link";
@@ -154,7 +157,7 @@ float batteryVolts() {
   return analogRead(BATTERY) * (3 * 5.0 / 1024);  // the resistors let a third of it through
 }
 
-void publishState(const ros::Time& stamp) {
+APART void publishState(const ros::Time& stamp) {
   turtlebot3_msgs::SensorState state;
   state.header.stamp = stamp;
   state.bumper = digitalRead(BUMPER) == LOW ? turtlebot3_msgs::SensorState::BUMPER_FORWARD : 0;
@@ -165,7 +168,7 @@ void publishState(const ros::Time& stamp) {
   pub_state.publish(&state);
 }
 
-void publishBattery(const ros::Time& stamp) {
+APART void publishBattery(const ros::Time& stamp) {
   sensor_msgs::BatteryState battery;
   battery.header.stamp = stamp;
   battery.voltage = batteryVolts();
@@ -176,7 +179,7 @@ void publishBattery(const ros::Time& stamp) {
   pub_battery.publish(&battery);
 }
 
-void publishVersion() {
+APART void publishVersion() {
   turtlebot3_msgs::VersionInfo version;
   version.hardware = "Arduino";
   version.firmware = "1.0";
@@ -189,7 +192,7 @@ void setup() {
   pinMode(BUMPER, INPUT_PULLUP);
   has_sensor = sensor.begin();
 
-  nh.getHardware()->setBaud(500000);
+  nh.getHardware()->setBaud(250000);
   nh.initNode();
   nh.advertise(pub_odom);
   nh.advertise(pub_imu);
@@ -218,12 +221,14 @@ void loop() {
 
   const ros::Time stamp = nh.now();
   publishOdometry(stamp);
+  nh.spinOnce();  // a round takes 60 ms; commands need not wait as long
   publishTransform(stamp);
   publishJoints(stamp);
   publishState(stamp);
   if (has_sensor) {
     sensor.measure();
     publishImu(stamp);
+    nh.spinOnce();
     publishField(stamp);
   }
   if (++rounds < 10) return;

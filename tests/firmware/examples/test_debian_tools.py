@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from firmware.examples.stage import running
+from firmware.examples.stage import PATIENCE_S, running
 from interop.ros1_peers import DEBIAN_PYTHON, Ros1Peers
 from rostether.graph.typed_graph import TypedGraph
 from rostether.msgdef import registry
@@ -34,11 +34,11 @@ async def test_rostopic_pub_toggles_the_led(tmp_path: Path) -> None:
     async with running("Blink") as stage:
         peers = Ros1Peers(stage.master_uri, tmp_path)
         try:
-            await stage.board.wait_for_pin("D13", False)
-            await peers.run("rostopic", "pub", "-1", "/toggle_led", "std_msgs/Empty")
-            await stage.board.wait_for_pin("D13", True)
-            await peers.run("rostopic", "pub", "-1", "/toggle_led", "std_msgs/Empty")
-            await stage.board.wait_for_pin("D13", False)
+            for level in (True, False):
+                # It stays until the board's subscription has come: -1 waits three seconds only, whatever the machine.
+                publisher = await peers.start("rostopic", "pub", "/toggle_led", "std_msgs/Empty")
+                await stage.board.wait_for_pin("D13", level, timeout_s=PATIENCE_S)
+                await publisher.stop()
         finally:
             await peers.close()
 
