@@ -21,6 +21,7 @@ NAMES = (
     "yaml_form",
     "devices_toml",
     "address",
+    "psk_hello",
 )
 CORPORA = Path(__file__).parent / "corpora"
 # No input of a few KB may hold a bridge up for as long as a board waits for its parameter.

@@ -12,6 +12,7 @@ def seeds() -> list[bytes]:
         b"/dev/ttyACM0?baud=115200&reset=no&name=arm&ns=/lab",
         b"tcp://0.0.0.0:11411?allow=192.168.1.0/24,fe80::/10",
         b"udp://[::1]:11411?connect=yes&bind=1",
+        b"tls://:11412?cert=a.pem&key=a.key&ca=b.pem&psk=key.txt",
         b"pty:/tmp/a",
         b"xbee:/dev/ttyUSB0?peers=1,0x2a",
         b"sim:blink.ino?board=uno&adc=A0:2.5&uart=1&seed=7",

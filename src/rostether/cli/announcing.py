@@ -31,7 +31,9 @@ def check_mdns(*, is_wanted: bool | None) -> bool:
 def network_listeners(listening_on: Sequence[str]) -> list[TcpAddress]:
     """Return the TCP listeners that other machines can reach; the others are nobody's business."""
     links = [parse_address(address) for address in listening_on]
-    return [link for link in links if isinstance(link, TcpAddress) and not is_loopback(link.host)]
+    # Boards that look for a listener by mDNS speak no TLS.
+    plain = [link for link in links if isinstance(link, TcpAddress) and link.tls is None]
+    return [link for link in plain if not is_loopback(link.host)]
 
 
 @asynccontextmanager

@@ -2,6 +2,7 @@
 
     /dev/ttyACM0    /dev/ttyUSB0?baud=115200&reset=no    COM3    serial:/tmp/tty
     tcp://:11411    tcp://0.0.0.0:11411?allow=192.168.1.0/24    tcp://robot.local:11411?connect=yes
+    tcp://:11411?psk=key.txt    tls://:11412?cert=server.pem&key=server.key&ca=boards.pem
     udp://:11411    udp://192.168.1.7:11411?connect=yes&bind=11411
     pty:/tmp/board  xbee:/dev/ttyUSB0?baud=57600&peers=1,2
     sim:blink.ino?board=uno&adc=A0:2.5&range=0.5
@@ -18,6 +19,7 @@ from typing import TypeAlias
 from rostether.errors import ConfigError
 from rostether.transports.allow_list import check_networks
 from rostether.transports.sim_words import SIM_WORDS, sim_words
+from rostether.transports.tls import TlsFiles
 
 DEFAULT_BAUD = 57600  # what the established device library opens its port with
 DEFAULT_PORT = 11411  # where established boards connect to
@@ -60,12 +62,17 @@ class SerialAddress(_Named):
 
 @dataclass(frozen=True, slots=True)
 class TcpAddress(_Named):
-    """A TCP port to listen on, or with `connect` one to connect to; `allow` are networks, empty is all."""
+    """A TCP port to listen on, or with `connect` one to connect to; `allow` are networks, empty is all.
+
+    `psk` is the file of a key that the peer must have; `tls` says to encrypt, and with what.
+    """
 
     host: str
     port: int
     connect: bool = False
     allow: tuple[str, ...] = ()
+    psk: str | None = None
+    tls: TlsFiles | None = None
 
     @property
     def listens(self) -> bool:
@@ -73,7 +80,7 @@ class TcpAddress(_Named):
         return not self.connect
 
     def __str__(self) -> str:
-        return f"tcp://{show_endpoint(self.host, self.port)}"
+        return f"{'tcp' if self.tls is None else 'tls'}://{show_endpoint(self.host, self.port)}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,7 +148,8 @@ Address: TypeAlias = SerialAddress | TcpAddress | UdpAddress | PtyAddress | Xbee
 _COMMON_OPTIONS = ("name", "ns")
 _KNOWN_OPTIONS = {
     "serial": ("baud", "reset"),
-    "tcp": ("connect", "allow"),
+    "tcp": ("connect", "allow", "psk"),
+    "tls": ("connect", "allow", "psk", "cert", "key", "ca"),
     "udp": ("connect", "bind", "allow"),
     "pty": (),
     "xbee": ("baud", "peers"),
@@ -161,6 +169,8 @@ def show_endpoint(host: str, port: int) -> str:
 
 def parse_address(text: str) -> Address:
     """Read a link address. Raises ConfigError naming what is wrong and what is known."""
+    if not text.strip().isprintable():
+        raise ConfigError(f"link address {text!r} has characters that nobody can see; type it again")
     place, _, query = text.strip().partition("?")
     scheme, place = _split_scheme(text, place)
     options = _parse_options(text, scheme, query)
@@ -170,9 +180,11 @@ def parse_address(text: str) -> Address:
         case "serial":
             path, reset = _require_path(text, place), reader.flag("reset", default=True)
             return SerialAddress(path, reader.baud(), reset, name=name, ns=ns, given=tuple(options))
-        case "tcp":
+        case "tcp" | "tls":
             host, port = _parse_endpoint(text, place)
-            return TcpAddress(host, port, reader.flag("connect"), reader.networks(), name=name, ns=ns)
+            connect, networks, psk = reader.flag("connect"), reader.networks(), options.get("psk")
+            tls = TlsFiles(*map(options.get, ("cert", "key", "ca"))) if scheme == "tls" else None
+            return TcpAddress(host, port, connect, networks, psk, tls, name=name, ns=ns)
         case "udp":
             host, port = _parse_endpoint(text, place)
             connect, bind = reader.flag("connect"), reader.port("bind")

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import asyncio
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
 from rostether.errors import TransportClosedError, TransportError
 from rostether.transports.sockets import explain_reason
+from rostether.transports.tls import HANDSHAKE_LIMIT_S
 from rostether.transports.transport import Receiver
+
+if TYPE_CHECKING:
+    import ssl
 
 # A board that does not read must not hold up our own end: what has not left by then is lost.
 FLUSH_LIMIT_S = 1.0
@@ -66,6 +70,29 @@ class StreamTransport(asyncio.BaseProtocol):
         self._early[:0] = unread
         if self._wire is not None and not self._lost and not self._closing:
             self._wire.pause_reading()
+
+    async def start_tls(self, context: ssl.SSLContext, *, listens: bool, host: str = "") -> None:
+        """Encrypt from here on; before `start`. Raises OSError when the handshake fails."""
+        assert self._wire is not None
+        wire = None
+        try:
+            wire = await asyncio.get_running_loop().start_tls(
+                self._wire,
+                self,
+                context,
+                server_side=listens,
+                server_hostname=None if listens else host,
+                ssl_handshake_timeout=HANDSHAKE_LIMIT_S,
+            )
+        finally:
+            # Until the handshake is over asyncio tells nobody that the connection was lost.
+            if wire is None:
+                self.connection_lost(None)
+        assert wire is not None  # asyncio's stubs say it may be; it raises instead
+        # Bytes at the heels of the handshake have paused what lies below TLS, which sees to that itself now.
+        self._wire.resume_reading()
+        self._wire = wire
+        wire.pause_reading()
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
         """Queue bytes. Never blocks; after the pipe ended it does nothing."""

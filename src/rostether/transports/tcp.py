@@ -5,8 +5,10 @@ from __future__ import annotations
 import asyncio
 from collections import Counter
 from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
-from rostether.errors import TransportTimeoutError
+from rostether.errors import RostetherError, TransportOpenError, TransportTimeoutError
 from rostether.transports.address import TcpAddress, show_endpoint
 from rostether.transports.allow_list import AllowList
 from rostether.transports.refusals import RefusalLog
@@ -22,6 +24,9 @@ MAX_CONNECTIONS_PER_HOST = 128
 _BACKLOG = 64
 # A board on Wi-Fi answers within a second or is not there.
 CONNECT_LIMIT_S = 5.0
+
+if TYPE_CHECKING:
+    from rostether.transports.greeting import Greeting
 
 
 class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
@@ -68,9 +73,12 @@ class TcpListener:
         allow: AllowList,
         max_connections: int,
         max_connections_per_host: int,
+        greeting: Greeting | None = None,
     ) -> None:
         self._on_transport = on_transport
         self._allow = allow
+        self._greeting = greeting
+        self._greetings: set[asyncio.Task[None]] = set()
         self._max_connections = max_connections
         self._max_connections_per_host = max_connections_per_host
         self._transports: set[TcpTransport] = set()
@@ -88,8 +96,14 @@ class TcpListener:
         max_connections: int = MAX_CONNECTIONS,
         max_connections_per_host: int = MAX_CONNECTIONS_PER_HOST,
     ) -> TcpListener:
-        """Listen. Raises TransportOpenError when the port is taken or the host is not ours."""
-        listener = cls(on_transport, AllowList(address.allow), max_connections, max_connections_per_host)
+        """Listen.
+
+        Raises TransportOpenError when the port is taken or the host is not ours, ConfigError for a key or
+        certificate that cannot be read.
+        """
+        allow = AllowList(address.allow)
+        greeting = make_greeting(address)
+        listener = cls(on_transport, allow, max_connections, max_connections_per_host, greeting)
         loop = asyncio.get_running_loop()
         try:
             listener._server = await loop.create_server(
@@ -98,7 +112,7 @@ class TcpListener:
         except OSError as error:
             raise explain_bind_error("tcp", address.host, address.port, error) from error
         host, port = listener._server.sockets[0].getsockname()[:2]
-        listener._address = f"tcp://{show_endpoint(host, port)}"
+        listener._address = str(replace(address, host=host, port=port))
         listener._refusals = RefusalLog(listener._address, loop.time)
         return listener
 
@@ -128,6 +142,8 @@ class TcpListener:
             transport.close()
         for transport in ending:
             await transport.wait_closed()
+        if self._greetings:
+            await asyncio.wait(list(self._greetings))
         await server.wait_closed()
 
     def _make_protocol(self) -> _AcceptedTransport:
@@ -141,7 +157,21 @@ class TcpListener:
             return
         self._transports.add(transport)
         self._per_host[transport.host] += 1
-        self._on_transport(transport)
+        if self._greeting is None:
+            self._on_transport(transport)
+            return
+        task = asyncio.get_running_loop().create_task(self._greet(transport, self._greeting))
+        self._greetings.add(task)
+        task.add_done_callback(self._greetings.discard)
+
+    async def _greet(self, transport: TcpTransport, greeting: Greeting) -> None:
+        try:
+            await greeting.exchange(transport)
+        except RostetherError as error:
+            self._refusals.refuse(transport.peer, str(error))
+            transport.abort()
+        else:
+            self._on_transport(transport)
 
     def _refusal_reason(self, host: str, own_host: str) -> str | None:
         if self._server is None:
@@ -173,7 +203,8 @@ class _AcceptedTransport(TcpTransport):
 
 
 async def connect_tcp(address: TcpAddress, *, limit_s: float = CONNECT_LIMIT_S) -> TcpTransport:
-    """Connect to a peer. Raises TransportOpenError or TransportTimeoutError."""
+    """Connect to a peer. Raises TransportOpenError, TransportTimeoutError, ConfigError."""
+    greeting = make_greeting(address)
     place = show_endpoint(address.host, address.port)
     loop = asyncio.get_running_loop()
     try:
@@ -187,4 +218,21 @@ async def connect_tcp(address: TcpAddress, *, limit_s: float = CONNECT_LIMIT_S) 
         ) from error
     except OSError as error:
         raise explain_connect_error(place, error) from error
+    if greeting is not None:
+        try:
+            await greeting.exchange(transport)
+        except BaseException as error:
+            transport.abort()
+            if isinstance(error, RostetherError):
+                raise TransportOpenError(f"{place}: {error}") from None
+            raise
     return transport
+
+
+def make_greeting(address: TcpAddress) -> Greeting | None:
+    """Return what an address asks for before a board's first byte. Raises ConfigError."""
+    if address.psk is None and address.tls is None:
+        return None
+    from rostether.transports.greeting import Greeting  # only who has secrets pays for the import
+
+    return Greeting(address.psk, address.tls, listens=address.listens, host=address.host)

@@ -1,0 +1,146 @@
+r"""The hello of a network board that shares a key with us, sans I/O: before it no rosserial byte passes.
+
+Four lines of ASCII. Who listens asks; who connects answers and asks back; both prove that they have the key:
+
+    listener    RSPSK1 <nonce>\n
+    connector   RSPSK1 <nonce> <proof>\n
+    listener    RSPSK1 <proof>\n
+
+A nonce is 16 random bytes in hex. A proof is HMAC-SHA256 in hex, with the key, over the ASCII text
+`rostether psk1 connector <listener's nonce> <connector's nonce>`, or with `listener` for `connector`. A board
+that may be deceived about its host can leave the last line unchecked. What follows is not encrypted and not
+signed: that needs TLS, whose tunnel this hello can run in.
+"""
+
+from __future__ import annotations
+
+import hmac
+import os
+import re
+from pathlib import Path
+
+from rostether.errors import ConfigError, RemoteProtocolError
+
+PSK_LIMIT_S = 5.0
+"""A board on Wi-Fi answers within a second; who does not answer holds a connection."""
+
+MIN_KEY_BYTES = 16
+"""A shorter key can be guessed offline from one recorded hello."""
+
+MAX_KEY_FILE_BYTES = 4096
+"""More is another file, given by mistake."""
+
+MAX_LINE_BYTES = 160
+"""The longest line has 105: what is longer is no hello."""
+
+_WORD = "RSPSK1"
+_ANSWER = re.compile(rb"RSPSK1 ([0-9a-f]{32}) ([0-9a-f]{64})")
+_GREETING = re.compile(rb"RSPSK1 ([0-9a-f]{32})")
+_PROOF = re.compile(rb"RSPSK1 ([0-9a-f]{64})")
+
+
+def read_key(path: str) -> bytes:
+    """Read a key from a file: its bytes without white space around them. Raises ConfigError."""
+    try:
+        with Path(path).expanduser().open("rb") as file:
+            key = file.read(MAX_KEY_FILE_BYTES + 1).strip()
+    except OSError as error:
+        raise ConfigError(f"psk={path}: the key cannot be read: {error.strerror or error}") from None
+    if not MIN_KEY_BYTES <= len(key) <= MAX_KEY_FILE_BYTES:
+        raise ConfigError(
+            f"psk={path}: a key has {MIN_KEY_BYTES} to {MAX_KEY_FILE_BYTES} bytes, this has {len(key)}; "
+            "make one with: openssl rand -hex 32"
+        )
+    return key
+
+
+class ListenerHello:
+    """The half of who was connected to: `greeting`, then `receive` until it returns."""
+
+    def __init__(self, key: bytes, nonce: bytes | None = None) -> None:
+        self._key = key
+        self._nonce = (os.urandom(16) if nonce is None else nonce).hex()
+        self._lines = _Lines()
+
+    @property
+    def greeting(self) -> bytes:
+        """What to send first."""
+        return f"{_WORD} {self._nonce}\n".encode()
+
+    def receive(self, data: bytes) -> tuple[bytes, bytes] | None:
+        """Take bytes; once the key is proven, return what to send and what belongs to the next protocol.
+
+        Raises RemoteProtocolError for a peer without the key.
+        """
+        taken = self._lines.take(data)
+        if taken is None:
+            return None
+        line, rest = taken
+        match = _ANSWER.fullmatch(line)
+        if match is None:
+            raise RemoteProtocolError("it said no pre-shared-key hello; give it the key, see psk=")
+        theirs, proof = match[1].decode(), match[2].decode()
+        if not hmac.compare_digest(proof, _proof(self._key, "connector", self._nonce, theirs)):
+            raise RemoteProtocolError("it has another pre-shared key; give it ours, see psk=")
+        return f"{_WORD} {_proof(self._key, 'listener', self._nonce, theirs)}\n".encode(), rest
+
+
+class ConnectorHello:
+    """The half of who connected: `receive` until it returns."""
+
+    def __init__(self, key: bytes, nonce: bytes | None = None) -> None:
+        self._key = key
+        self._nonce = (os.urandom(16) if nonce is None else nonce).hex()
+        self._expected = ""
+        self._answer = b""
+        self._lines = _Lines()
+
+    def receive(self, data: bytes) -> tuple[bytes, bytes] | None:
+        """Take bytes, and send what `take_answer` returns; once the key is proven, return as a listener does.
+
+        Raises RemoteProtocolError for a peer without the key.
+        """
+        taken = self._lines.take(data)
+        if taken is None:
+            return None
+        line, rest = taken
+        if not self._expected:
+            match = _GREETING.fullmatch(line)
+            if match is None:
+                raise RemoteProtocolError(
+                    "it asks for no pre-shared key; leave psk= out, or set it there too"
+                )
+            theirs = match[1].decode()
+            self._expected = _proof(self._key, "listener", theirs, self._nonce)
+            answer = f"{_WORD} {self._nonce} {_proof(self._key, 'connector', theirs, self._nonce)}\n"
+            self._answer = answer.encode()
+            return self.receive(rest) if rest else None
+        match = _PROOF.fullmatch(line)
+        if match is None or not hmac.compare_digest(match[1].decode(), self._expected):
+            raise RemoteProtocolError("it has another pre-shared key; give it ours, see psk=")
+        return b"", rest
+
+    def take_answer(self) -> bytes:
+        """Return what to send now."""
+        answer, self._answer = self._answer, b""
+        return answer
+
+
+class _Lines:
+    def __init__(self) -> None:
+        self._pending = b""
+
+    def take(self, data: bytes) -> tuple[bytes, bytes] | None:
+        self._pending += data
+        line, end, rest = self._pending.partition(b"\n")
+        if len(line) > MAX_LINE_BYTES:
+            raise RemoteProtocolError("it said no pre-shared-key hello; give it the key, see psk=")
+        if not end:
+            return None
+        self._pending = b""
+        return line.removesuffix(b"\r"), rest
+
+
+def _proof(key: bytes, role: str, listener_nonce: str, connector_nonce: str) -> str:
+    text = f"rostether psk1 {role} {listener_nonce} {connector_nonce}"
+    return hmac.digest(key, text.encode(), "sha256").hex()

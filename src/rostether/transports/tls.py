@@ -1,0 +1,71 @@
+"""TLS for TCP links: with what, and the contexts of Python's ssl that this makes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from rostether.errors import ConfigError
+
+if TYPE_CHECKING:
+    import ssl
+
+HANDSHAKE_LIMIT_S = 5.0
+"""Small boards take 2 s for their part of a handshake; who does not answer holds a connection."""
+
+
+@dataclass(frozen=True, slots=True)
+class TlsFiles:
+    """PEM files: our certificate, its key (None: in the same file), and who signed the peer's certificate.
+
+    A listener needs a certificate; with `ca` it takes only boards with one of their own. Who connects checks
+    the listener against `ca`, else against the system's authorities.
+    """
+
+    cert: str | None = None
+    key: str | None = None
+    ca: str | None = None
+
+
+def listener_context(files: TlsFiles) -> ssl.SSLContext:
+    """Return the context of a listener. Raises ConfigError."""
+    import ssl  # only who uses TLS pays for the import
+
+    if files.cert is None:
+        raise ConfigError("a tls: listener needs a certificate; write tls://HOST:PORT?cert=FILE&key=FILE")
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    context.minimum_version = ssl.TLSVersion.TLSv1_2
+    _load(context, files)
+    if files.ca is not None:
+        context.verify_mode = ssl.CERT_REQUIRED
+    return context
+
+
+def connector_context(files: TlsFiles) -> ssl.SSLContext:
+    """Return the context of who connects. Raises ConfigError."""
+    import ssl
+
+    context = ssl.create_default_context()
+    context.minimum_version = ssl.TLSVersion.TLSv1_2
+    _load(context, files)
+    return context
+
+
+def _load(context: ssl.SSLContext, files: TlsFiles) -> None:
+    import ssl
+    from pathlib import Path
+
+    shown = f"cert={files.cert}" + (f"&key={files.key}" if files.key else "")
+    try:
+        if files.cert is not None:
+            key = None if files.key is None else Path(files.key).expanduser()
+            # No password is asked for on the terminal: a service has none.
+            context.load_cert_chain(Path(files.cert).expanduser(), key, password=lambda: "")
+        shown = f"ca={files.ca}"
+        if files.ca is not None:
+            context.load_verify_locations(Path(files.ca).expanduser())
+    except (OSError, ValueError) as error:
+        reason = error.reason if isinstance(error, ssl.SSLError) else getattr(error, "strerror", None)
+        raise ConfigError(
+            f"{shown}: no certificate or key in PEM form can be read: {reason or error}"
+        ) from None

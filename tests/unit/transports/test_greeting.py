@@ -1,0 +1,186 @@
+"""TLS and pre-shared keys on real sockets: who lacks either never gets a rosserial byte through."""
+
+from __future__ import annotations
+
+import asyncio
+import subprocess
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import cast
+
+import pytest
+
+from rostether.errors import ConfigError, TransportError, TransportOpenError
+from rostether.transports import greeting
+from rostether.transports.address import TcpAddress, parse_address
+from rostether.transports.opening import open_transport
+from rostether.transports.tcp import TcpListener
+from unit.transports.recorder import Arrivals, Recorder, until
+from unit.transports.strangers import is_hung_up
+
+
+@pytest.fixture
+def key(tmp_path: Path) -> Path:
+    file = tmp_path / "key.txt"
+    file.write_text("0123456789abcdef0123456789abcdef\n")
+    return file
+
+
+@pytest.fixture(scope="module")
+def certificates(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two self-signed certificates, of a listener on 127.0.0.1 and of a board."""
+    folder = tmp_path_factory.mktemp("certificates")
+    for name in ("server", "board"):
+        subprocess.run(
+            [
+                *("openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1"),
+                *("-nodes", "-days", "2", "-subj", f"/CN={name}"),
+                *("-addext", "subjectAltName=IP:127.0.0.1"),
+                *("-keyout", folder / f"{name}.key", "-out", folder / f"{name}.pem"),
+            ],
+            check=True,
+            capture_output=True,
+        )
+    return folder
+
+
+@asynccontextmanager
+async def listening(text: str) -> AsyncIterator[tuple[TcpListener, Arrivals, int]]:
+    arrivals = Arrivals()
+    address = parse_address(text)
+    assert isinstance(address, TcpAddress)
+    listener = await TcpListener.start(address, arrivals)
+    try:
+        yield listener, arrivals, int(listener.address.rpartition(":")[2])
+    finally:
+        await listener.close()
+
+
+async def carry(arrivals: Arrivals, text: str) -> None:
+    """Connect, and see that bytes go both ways; what comes in one piece with the greeting too."""
+    board, board_seen = await open_transport(text), Recorder()
+    try:
+        board.start(board_seen)
+        board.write(b"from board")
+        host, host_seen = await arrivals.next_started()
+        await host_seen.until_received(b"from board")
+        host.write(b"x" * 200_000)
+        await until(lambda: len(board_seen.data) == 200_000)
+    finally:
+        board.close()
+        await board.wait_closed()
+    await host_seen.until_lost()
+
+
+async def test_a_board_with_the_key_is_let_in(key: Path) -> None:
+    async with listening(f"tcp://:0?psk={key}") as (listener, arrivals, port):
+        await carry(arrivals, f"tcp://:{port}?connect=yes&psk={key}")
+        assert listener.refused_count == 0
+
+
+async def test_a_board_with_another_key_is_refused(key: Path, tmp_path: Path) -> None:
+    other = tmp_path / "other.txt"
+    other.write_text("f" * 32)
+    async with listening(f"tcp://:0?psk={key}") as (listener, arrivals, port):
+        with pytest.raises(TransportOpenError, match="hung up in the pre-shared-key hello"):
+            await open_transport(f"tcp://:{port}?connect=yes&psk={other}")
+        assert (arrivals.count, listener.refused_count) == (0, 1)
+        await until(lambda: listener.connection_count == 0)
+
+
+async def test_a_board_without_a_key_is_refused_in_one_line(
+    key: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    async with listening(f"tcp://:0?psk={key}") as (listener, arrivals, port):
+        for _ in range(3):
+            reader, writer = await asyncio.open_connection("127.0.0.1", port)
+            assert (await reader.readline()).startswith(b"RSPSK1 ")
+            writer.write(b"\xff\xfe\x00\x00\xff\x00\x00\xff" * 30)
+            assert await is_hung_up(reader)
+            writer.close()
+        assert (arrivals.count, listener.refused_count) == (0, 3)
+    assert len(caplog.records) == 1
+    assert "it said no pre-shared-key hello; give it the key" in caplog.records[0].getMessage()
+
+
+async def test_who_says_nothing_is_given_up(key: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(greeting, "PSK_LIMIT_S", 0.05)
+    async with listening(f"tcp://:0?psk={key}") as (listener, arrivals, port):
+        reader, writer = await asyncio.open_connection("127.0.0.1", port)
+        await reader.readline()
+        assert await is_hung_up(reader)
+        writer.close()
+        assert (arrivals.count, listener.refused_count) == (0, 1)
+
+
+async def test_closing_in_the_middle_of_a_hello_ends_it(key: Path) -> None:
+    async with listening(f"tcp://:0?psk={key}") as (listener, arrivals, port):
+        reader, writer = await asyncio.open_connection("127.0.0.1", port)
+        await reader.readline()
+        async with asyncio.timeout(5):
+            await listener.close()
+        assert await is_hung_up(reader)
+        writer.close()
+        assert arrivals.count == 0
+
+
+async def test_tls_with_a_server_certificate(certificates: Path) -> None:
+    server = f"tls://:0?cert={certificates}/server.pem&key={certificates}/server.key"
+    async with listening(server) as (listener, arrivals, port):
+        assert listener.address == f"tls://127.0.0.1:{port}"
+        await carry(arrivals, f"tls://:{port}?connect=yes&ca={certificates}/server.pem")
+        with pytest.raises(TransportOpenError, match=r"no TLS connection: .*self.signed certificate"):
+            await open_transport(f"tls://:{port}?connect=yes")
+        await until(lambda: listener.connection_count == 0)
+
+
+async def test_tls_with_client_certificates(certificates: Path) -> None:
+    server = (
+        f"tls://:0?cert={certificates}/server.pem&key={certificates}/server.key&ca={certificates}/board.pem"
+    )
+    async with listening(server) as (listener, arrivals, port):
+        board = f"tls://:{port}?connect=yes&ca={certificates}/server.pem"
+        await carry(arrivals, f"{board}&cert={certificates}/board.pem&key={certificates}/board.key")
+        try:
+            # In TLS 1.3 a board learns that it was refused when it reads.
+            refused = await open_transport(board)
+        except TransportError:
+            pass
+        else:
+            seen = Recorder()
+            refused.start(seen)
+            await seen.until_lost()
+        await until(lambda: listener.refused_count == 1)
+        assert arrivals.count == 1
+
+
+async def test_tls_and_key_together(certificates: Path, key: Path) -> None:
+    server = f"tls://:0?cert={certificates}/server.pem&key={certificates}/server.key&psk={key}"
+    async with listening(server) as (_, arrivals, port):
+        await carry(arrivals, f"tls://:{port}?connect=yes&ca={certificates}/server.pem&psk={key}")
+
+
+async def test_a_plain_board_at_a_tls_listener_is_refused(certificates: Path) -> None:
+    server = f"tls://:0?cert={certificates}/server.pem&key={certificates}/server.key"
+    async with listening(server) as (listener, arrivals, port):
+        reader, writer = await asyncio.open_connection("127.0.0.1", port)
+        writer.write(b"\xff\xfe\x00\x00\xff\x00\x00\xff")
+        async with asyncio.timeout(5):
+            await reader.read()
+        writer.close()
+        await until(lambda: listener.refused_count == 1)
+        assert (arrivals.count, listener.connection_count) == (0, 0)
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("tls://:0", "a tls: listener needs a certificate"),
+        ("tls://:0?cert=/none.pem", "cert=/none.pem: no certificate or key in PEM form can be read: No such"),
+        ("tcp://:0?psk=/none", "psk=/none: the key cannot be read"),
+    ],
+)
+async def test_files_that_cannot_be_read_are_named(text: str, reason: str) -> None:
+    with pytest.raises(ConfigError, match=reason):
+        await TcpListener.start(cast(TcpAddress, parse_address(text)), Arrivals())

@@ -1,0 +1,108 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rostether.errors import ConfigError, RemoteProtocolError
+from rostether.transports.psk_hello import ConnectorHello, ListenerHello, read_key
+
+KEY = b"0123456789abcdef"
+NONCES = (bytes(16), bytes(range(16)))
+
+
+def test_both_prove_the_key_and_what_follows_is_kept() -> None:
+    listener, connector = ListenerHello(KEY), ConnectorHello(KEY)
+    assert connector.receive(listener.greeting) is None
+    passed = listener.receive(connector.take_answer() + b"\xff\xfe")
+    assert passed is not None
+    proof, rest = passed
+    assert rest == b"\xff\xfe"
+    assert connector.receive(proof + b"\xff\xff") == (b"", b"\xff\xff")
+
+
+def test_the_lines_are_those_of_the_documentation() -> None:
+    listener, connector = ListenerHello(KEY, NONCES[0]), ConnectorHello(KEY, NONCES[1])
+    assert listener.greeting == b"RSPSK1 " + b"0" * 32 + b"\n"
+    connector.receive(listener.greeting)
+    answer = connector.take_answer()
+    # hmac.new(KEY, b"rostether psk1 connector " + 32 zeros + b" 000102...0f", "sha256")
+    assert answer == (
+        b"RSPSK1 000102030405060708090a0b0c0d0e0f "
+        b"569d068674aee9b74e4f501c8607dbf1d066ef908a7386f8bb3d5f6f80fccbb5\n"
+    )
+    passed = listener.receive(answer)
+    assert passed is not None
+    assert passed[0] == b"RSPSK1 61c5bcb5b74d9e7048ba5f144bf7bfb90e726807d066b4eeef0c7406c9437853\n"
+
+
+def test_cut_anywhere() -> None:
+    listener, connector = ListenerHello(KEY), ConnectorHello(KEY)
+    for byte in listener.greeting:
+        assert connector.receive(bytes([byte])) is None
+    answer, passed = connector.take_answer(), None
+    for byte in answer:
+        assert passed is None
+        passed = listener.receive(bytes([byte]))
+    assert passed is not None
+    assert passed[1] == b""
+
+
+def test_both_lines_at_once_from_a_listener() -> None:
+    connector = ConnectorHello(KEY, NONCES[1])
+    listener = ListenerHello(KEY, NONCES[0])
+    other = ConnectorHello(KEY, NONCES[1])
+    other.receive(listener.greeting)
+    passed = listener.receive(other.take_answer())
+    assert passed is not None
+    assert connector.receive(listener.greeting + passed[0] + b"x") == (b"", b"x")
+
+
+def test_another_key_is_refused_by_either_side() -> None:
+    listener, connector = ListenerHello(KEY), ConnectorHello(b"another key of 17")
+    connector.receive(listener.greeting)
+    with pytest.raises(RemoteProtocolError, match="another pre-shared key"):
+        listener.receive(connector.take_answer())
+    with pytest.raises(RemoteProtocolError, match="another pre-shared key"):
+        connector.receive(b"RSPSK1 " + b"0" * 64 + b"\n")
+
+
+def test_an_answer_to_an_earlier_hello_is_refused() -> None:
+    earlier, connector = ListenerHello(KEY), ConnectorHello(KEY)
+    connector.receive(earlier.greeting)
+    answer = connector.take_answer()
+    assert earlier.receive(answer) is not None
+    with pytest.raises(RemoteProtocolError):
+        ListenerHello(KEY).receive(answer)
+
+
+def test_an_echo_of_our_own_proof_is_refused() -> None:
+    """The role is in the proof: a reflected challenge helps nobody."""
+    listener = ListenerHello(KEY, NONCES[0])
+    mirrored = ListenerHello(KEY, NONCES[0])
+    connector = ConnectorHello(KEY, NONCES[0])
+    connector.receive(listener.greeting)
+    passed = mirrored.receive(connector.take_answer())
+    assert passed is not None
+    proof = passed[0].split()[1]
+    with pytest.raises(RemoteProtocolError):
+        listener.receive(b"RSPSK1 " + b"0" * 32 + b" " + proof + b"\n")
+
+
+@pytest.mark.parametrize("data", [b"\xff\xfe\x08\x00\xf7\n", b"RSPSK1 zz zz\n", b"x" * 1000, b"\n"])
+def test_what_is_no_hello_is_refused(data: bytes) -> None:
+    with pytest.raises(RemoteProtocolError, match="said no pre-shared-key hello"):
+        ListenerHello(KEY).receive(data)
+    with pytest.raises(RemoteProtocolError):
+        ConnectorHello(KEY).receive(data)
+
+
+def test_a_key_comes_from_a_file(tmp_path: Path) -> None:
+    file = tmp_path / "key.txt"
+    file.write_bytes(KEY + b"\n")
+    assert read_key(str(file)) == KEY
+    file.write_bytes(b"short\n")
+    with pytest.raises(ConfigError, match="a key has 16 to 4096 bytes, this has 5; make one with"):
+        read_key(str(file))
+    with pytest.raises(ConfigError, match="cannot be read: No such file"):
+        read_key(str(tmp_path / "none"))
