@@ -35,7 +35,7 @@ async def test_rostopic_pub_toggles_the_led(tmp_path: Path) -> None:
         peers = Ros1Peers(stage.master_uri, tmp_path)
         try:
             for level in (True, False):
-                # It stays until the board's subscription has come: -1 waits three seconds only, whatever the machine.
+                # It stays until the subscription has come; with -1 it would go after three seconds.
                 publisher = await peers.start("rostopic", "pub", "/toggle_led", "std_msgs/Empty")
                 await stage.board.wait_for_pin("D13", level, timeout_s=PATIENCE_S)
                 await publisher.stop()
