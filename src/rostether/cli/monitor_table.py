@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
@@ -56,7 +57,7 @@ _STATE_WIDTH = 11
 def table(boards: Sequence[BoardStatus], width: int, height: int | None = None) -> list[Line]:
     """Return the lines of the table, at most `height`: topics give way to boards, boards to a count."""
     width = max(width, MIN_WIDTH)
-    boards = sorted(boards, key=lambda board: board.name)
+    boards = sorted(boards, key=lambda board: _natural(board.name))
     columns = _COLUMNS + (_TOTALS if width >= _WIDE else ())
     name_width = _name_width(boards, columns, width)
     head = _head(columns, name_width, width)
@@ -65,15 +66,17 @@ def table(boards: Sequence[BoardStatus], width: int, height: int | None = None) 
     if height is None or len(lines) <= height:
         return lines
     # What is wrong is worth more than what is well.
-    lines = [head, *(line for board in boards for line in _brief(board, columns, name_width, width))]
-    if len(lines) <= height:
-        return lines
+    briefs = [line for board in boards for line in _brief(board, columns, name_width, width)]
     rows = [_row(board, columns, name_width, width) for board in boards]
-    shown = max(height - 2, 0)
-    if len(rows) <= height - 1:
-        return [head, *rows]
-    more = f"... and {len(rows) - shown} more boards; a taller window or --once shows all"
-    return [head, *rows[:shown], Line(((_cut(more, width), "dim"),))]
+    room = max(height - 2, 0)
+    if len(briefs) <= room:
+        more = "their topics are not shown"
+    elif len(rows) <= room:
+        briefs, more = rows, "what is wrong and their topics are not shown"
+    else:
+        briefs, more = rows[:room], f"... and {len(rows) - room} more boards"
+    hint = _cut(f"{more}; a taller window or --once shows all", width)
+    return [head, *briefs, Line(((hint, "dim"),))]
 
 
 def duration(seconds: float | None) -> str:
@@ -144,7 +147,7 @@ def _row(board: BoardStatus, columns: Sequence[_Column], name_width: int, width:
     }
     state = "away" if board.state == "disconnected" else board.state
     pieces: list[tuple[str, Style]] = [
-        (f"{_cut(board.name, name_width):{name_width}} ", "bold"),
+        (f"{_cut_middle(board.name, name_width):{name_width}} ", "bold"),
         (f"{_cut(state, _STATE_WIDTH):{_STATE_WIDTH}}", _STATE_STYLES.get(board.state, "yellow")),
     ]
     for column in columns:
@@ -155,7 +158,7 @@ def _row(board: BoardStatus, columns: Sequence[_Column], name_width: int, width:
 
 
 def _endpoint(endpoint: EndpointStatus, name_width: int, width: int) -> Line:
-    name = _cut(endpoint.name, name_width)
+    name = _cut_middle(endpoint.name, name_width)
     if endpoint.is_topic:
         rate = f"{endpoint.rate_hz:.1f} Hz"
     else:
@@ -197,3 +200,16 @@ def _fit(pieces: Sequence[tuple[str, Style]], width: int) -> Line:
 
 def _cut(text: str, width: int) -> str:
     return text if len(text) <= width else f"{text[: max(width - 2, 0)]}.."
+
+
+def _cut_middle(name: str, width: int) -> str:
+    """Return a name that fits; the ends of names tell them apart."""
+    if len(name) <= width:
+        return name
+    tail = (width - 2) * 2 // 3
+    return f"{name[: width - 2 - tail]}..{name[len(name) - tail :]}"
+
+
+def _natural(name: str) -> list[tuple[str, int]]:
+    """Return what sorts board_2 before board_10."""
+    return [(text, int(number or 0)) for text, number in re.findall(r"(\D*)(\d{0,9})", name)]

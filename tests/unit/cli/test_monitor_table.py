@@ -87,14 +87,24 @@ def test_no_line_is_wider_than_the_terminal(width: int) -> None:
 def test_a_low_window_shows_what_is_wrong_first_and_counts_the_rest() -> None:
     boards = [replace(ARM, name=f"/board_{number:02}") for number in range(20)]
     boards[7] = replace(boards[7], level=1, findings=("it is on fire",))
-    lines = text(*boards, height=22)
-    assert len(lines) == 22
+    lines = text(*boards, height=23)
+    assert len(lines) == 23
     assert "   ! it is on fire" in lines
     assert not any("chatter" in line for line in lines)
+    assert lines[-1] == "their topics are not shown; a taller window or --once shows all"
+    lines = text(*boards, height=22)
+    assert len(lines) == 22
+    assert lines[-1].startswith("what is wrong and their topics are not shown")
     lines = text(*boards, height=10)
     assert len(lines) == 10
     assert lines[-1] == "... and 12 more boards; a taller window or --once shows all"
     assert len(text(*boards, height=500)) == 1 + 20 * 4 + 1
+
+
+def test_long_names_are_told_apart_and_in_order() -> None:
+    boards = [replace(ARM, name=f"/tcp_192_168_0_7_{number}", endpoints=()) for number in (10, 2, 1)]
+    _, *rows = text(*boards)
+    assert [row.split()[0] for row in rows] == ["/tcp_..68_0_7_1", "/tcp_..68_0_7_2", "/tcp_..8_0_7_10"]
 
 
 @pytest.mark.parametrize(
