@@ -51,23 +51,20 @@ class FrameWriter {
   }
 
   ROS_NOINLINE void put(const void* bytes, size_t count) {
+    if (count > room_) return putAcross(bytes, count);
+    chunk_length left = static_cast<chunk_length>(count);
+    room_ = static_cast<chunk_length>(room_ - left);
     const uint8_t* from = static_cast<const uint8_t*>(bytes);
-    while (count) {
-      if (room_ == 0) flush();
-      chunk_length part = room_;
-      if (count < part) part = static_cast<chunk_length>(count);
-      room_ = static_cast<chunk_length>(room_ - part);
-      count -= part;
-      uint8_t* to = to_;
-      uint8_t sum = sum_;
-      do {
-        const uint8_t byte = *from++;
-        sum = static_cast<uint8_t>(sum + byte);
-        *to++ = byte;
-      } while (--part);
-      sum_ = sum;
-      to_ = to;
-    }
+    uint8_t* to = to_;
+    uint8_t sum = sum_;
+    if (left == 0) return;
+    do {
+      const uint8_t byte = *from++;
+      sum = static_cast<uint8_t>(sum + byte);
+      *to++ = byte;
+    } while (--left);
+    sum_ = sum;
+    to_ = to;
   }
   ROS_NOINLINE void widen(const void* floats, size_t bytes) {
     const uint8_t* from = static_cast<const uint8_t*>(floats);
@@ -108,6 +105,13 @@ class FrameWriter {
   }
 
  private:
+  // What does not fit into the rest of the chunk. Apart from `put`, which mostly does without the registers that this needs.
+  ROS_NOINLINE void putAcross(const void* bytes, size_t count) {
+    const size_t part = room_;
+    put(bytes, part);
+    flush();
+    put(static_cast<const uint8_t*>(bytes) + part, count - part);
+  }
   ROS_NOINLINE void flush() {
     if (sending_) sending_ = sink_.transmit(chunk_, static_cast<uint16_t>(to_ - chunk_));
     to_ = chunk_;

@@ -91,8 +91,9 @@ class NodeHandleBase_ : public FrameSink, protected NodeState {
     requested_ms_ = shortTime();
     awaiting_time_ = true;
     FrameWriter writer(*this, ID_TIME, 8);
-    const Time unused;
-    writer.put(&unused, 8);
+    // A Time, which the host does not look at.
+    writer.count(0);
+    writer.count(0);
     writer.finish();
   }
 
