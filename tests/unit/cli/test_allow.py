@@ -1,0 +1,44 @@
+"""--allow on the command line: for listeners of boards and for the graph, and this machine all the same."""
+
+from __future__ import annotations
+
+import pytest
+
+from interop.ros1_peers import free_port
+from rostether import Device
+from rostether.cli.serving import read_links
+from rostether.transports.address import TcpAddress, UdpAddress
+from unit.cli.serving_process import started
+
+NETWORKS = ("10.0.0.0/8", "fd00::/8")
+
+
+def test_listeners_take_it_unless_they_have_their_own() -> None:
+    assert read_links("tcp://:1", allowed=NETWORKS) == [TcpAddress("127.0.0.1", 1, allow=NETWORKS)]
+    assert read_links("udp://0.0.0.0:1", allowed=NETWORKS) == [UdpAddress("0.0.0.0", 1, allow=NETWORKS)]
+    own = "tcp://0.0.0.0:1?allow=192.168.7.0/24"
+    assert read_links(own, allowed=NETWORKS) == [TcpAddress("0.0.0.0", 1, allow=("192.168.7.0/24",))]
+    assert read_links("tcp://a:1?connect=yes", allowed=NETWORKS) == [TcpAddress("a", 1, connect=True)]
+
+
+@pytest.mark.parametrize(
+    "command", [("serve", "tcp://:0"), ("core", "--port", "0"), ("serial-node", "tcp", "0")]
+)
+async def test_no_network_is_one_line(command: tuple[str, ...]) -> None:
+    async with started(*command, "--allow", "10.0.0.0/8", "--allow", "lab") as process:
+        text = await process.finish()
+    assert text.strip() == (
+        "rostether: error: --allow: 'lab' is no network; write for instance 192.168.1.0/24 or 10.0.0.7"
+    )
+    assert process.process.returncode == 1
+
+
+async def test_boards_and_nodes_of_this_machine_are_served_all_the_same() -> None:
+    board_port, port = free_port(), free_port()
+    words = ("serve", f"tcp://:{board_port}", "--listen", "0.0.0.0", "--allow", "192.0.2.0/24")
+    async with started(*words, ROS_MASTER_URI=f"http://localhost:{port}") as serve:
+        await serve.wait_for("Waiting for boards")
+        async with Device(f"tcp://127.0.0.1:{board_port}") as device:
+            device.publisher("count", "std_msgs/UInt32")
+            await device.wait_connected(10.0)
+        assert "refused" not in serve.text
