@@ -1,0 +1,222 @@
+"""What a line may do to us, over real TCP: each fault, and how soon messages flow again."""
+
+from __future__ import annotations
+
+import asyncio
+import random
+import resource
+import time
+
+import pytest
+
+from rostether.rosserial import topic_id as ids
+from rostether.rosserial.events import MessagesReceived
+from rostether.rosserial.frame import encode_frame
+from rostether.rosserial.packets import TopicInfo
+from unit.bridge.doubles import until
+from unit.bridge.nodes import topic_info
+from unit.bridge.tcp_boards import COUNT, TIME_REQUEST, Bridge, TcpBoard, gone_missing, numbered
+from unit.rosserial.host_link_boards import settled_link
+
+GARBAGE = random.Random(4).randbytes(64 * 1024)
+# What must hold within half a second on a quiet machine; a busy one is given more.
+AT_ONCE_S = 2.0
+
+
+async def test_64_kib_of_garbage_before_the_first_frame() -> None:
+    async with Bridge() as bridge:
+        heard = await bridge.listen("/count")
+        board = TcpBoard(bridge.port)
+        await board.connect(GARBAGE)
+        await board.settle(heard)
+        await board.hang_up()
+
+
+async def test_garbage_between_frames_costs_no_frame() -> None:
+    rng = random.Random(7)
+    async with Bridge() as bridge, TcpBoard(bridge.port) as board:
+        heard = await bridge.listen("/count")
+        await board.settle(heard)
+        for number in range(1, 301):
+            garbage = rng.randbytes(rng.randrange(1, 60))
+            await board.send(garbage + numbered(number))
+            if number % 10 == 0:
+                await asyncio.sleep(0.01)
+        await until(lambda: gone_missing(heard, range(1, 301), lambda _: False) == [], "every frame")
+        assert sorted(set(heard)) == list(range(301))
+
+
+async def test_of_damaged_frames_none_is_delivered_and_no_other_is_lost() -> None:
+    rng = random.Random(11)
+    total = 5000
+    damaged = set(rng.sample(range(1, total), total // 100))
+    async with Bridge() as bridge, TcpBoard(bridge.port) as board:
+        heard = await bridge.listen("/count")
+        await board.settle(heard)
+        for number in range(1, total):
+            frame = bytearray(numbered(number))
+            if number in damaged:
+                frame[rng.randrange(len(frame))] ^= 1 << rng.randrange(8)
+            await board.send(bytes(frame))
+            if number % 50 == 0:
+                await asyncio.sleep(0.002)
+        await until(lambda: not gone_missing(heard, range(1, total), damaged.__contains__), "the others")
+        assert not damaged & set(heard)
+        assert set(heard) <= set(range(total))
+
+
+async def test_a_disconnect_of_two_seconds() -> None:
+    async with Bridge() as bridge, TcpBoard(bridge.port) as board:
+        heard = await bridge.listen("/count")
+        await board.settle(heard)
+        await board.hang_up()
+        await asyncio.sleep(2.0)
+        await board.connect()
+        board.count_from(1000)
+        began_s = time.monotonic()
+        await until(lambda: any(number >= 1000 for number in heard), "messages after the disconnect")
+        assert time.monotonic() - began_s < AT_ONCE_S
+        since = min(number for number in heard if number >= 1000)
+        await asyncio.sleep(1.0)
+        later = [number for number in heard if number >= since]
+        assert later == list(range(since, since + len(later)))
+        assert len(later) > 20
+
+
+async def test_a_topic_stays_in_the_graph_over_a_disconnect() -> None:
+    async with Bridge() as bridge, TcpBoard(bridge.port) as board:
+        heard = await bridge.listen("/count")
+        await board.settle(heard)
+        publishers = _publishers(bridge)
+        assert publishers
+        await board.hang_up()
+        await asyncio.sleep(0.3)
+        assert _publishers(bridge) == publishers
+        await board.connect()
+        await board.settle(heard, 50)
+        assert _publishers(bridge) == publishers
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [
+        pytest.param(
+            (ids.PUBLISHER, topic_info("bad", COUNT, topic_id=126, md5sum="0" * 32)), id="wrong md5"
+        ),
+        pytest.param(
+            (ids.PUBLISHER, topic_info("bad", "no_such/Type", topic_id=126, md5sum="1" * 32)),
+            id="unknown type",
+        ),
+    ],
+)
+async def test_a_topic_that_cannot_be_bridged_disturbs_no_other(bad: tuple[int, TopicInfo]) -> None:
+    good = (ids.PUBLISHER, topic_info("count", COUNT, topic_id=125, buffer_size=512))
+    async with Bridge() as bridge, TcpBoard(bridge.port, good, bad) as board:
+        heard = await bridge.listen("/count")
+        await board.settle(heard)
+        asked, used_s = board.requests, _cpu_s()
+        for number in range(1, 101):
+            await board.send(numbered(number) + numbered(number, 126))
+            await asyncio.sleep(0.02)
+        await until(lambda: heard[-1] == 100, "every good message")
+        assert not gone_missing(heard, range(1, 101), lambda _: False)
+        assert board.requests - asked <= 2
+        assert _cpu_s() - used_s < 1.0
+
+
+async def test_a_truncated_announcement_is_not_asked_for_in_a_loop() -> None:
+    body = topic_info("bad", COUNT, topic_id=126).encode()
+    truncated = encode_frame(ids.PUBLISHER, body[: len(body) // 2])
+    async with Bridge() as bridge, TcpBoard(bridge.port) as board:
+        heard = await bridge.listen("/count")
+        await board.settle(heard)
+        asked = board.requests
+        for number in range(1, 101):
+            await board.send(truncated + numbered(number) + numbered(number, 126))
+            await asyncio.sleep(0.02)
+        await until(lambda: heard[-1] == 100, "every good message")
+        assert not gone_missing(heard, range(1, 101), lambda _: False)
+        assert board.requests - asked <= 12
+
+
+def test_twenty_seconds_of_silence() -> None:
+    link, now_s = settled_link()
+    end_s = now_s + 20.0
+    requests = 0
+    while (due_s := link.get_timer()) is not None and due_s < end_s:
+        now_s = max(now_s, due_s)
+        link.handle_timer(now_s)
+        requests += len(link.data_to_send()) // 8
+    assert requests < 60  # the board is looked for, but not a hundred times a second
+    events = link.receive_data(encode_frame(125, b"\0\0\0\0"), end_s)
+    assert MessagesReceived(125, [b"\0\0\0\0"]) in events
+
+
+@pytest.mark.parametrize("topic_id", [125, 126, 9999])
+@pytest.mark.parametrize("size", [65535, 32767, 500])
+async def test_a_length_that_never_comes(size: int, topic_id: int) -> None:
+    async with Bridge() as bridge, TcpBoard(bridge.port) as board:
+        heard = await bridge.listen("/count")
+        await board.settle(heard)
+        await board.send(encode_frame(topic_id, bytes(size))[:7])
+        began_s = time.monotonic()
+        board.count_from(1)
+        await until(lambda: len(set(heard)) > 1, "messages behind the header")
+        assert time.monotonic() - began_s < AT_ONCE_S
+        await asyncio.sleep(0.3)
+        assert sorted(set(heard)) == list(range(max(heard) + 1))
+
+
+@pytest.mark.parametrize("size", [65535, 32767])
+async def test_a_possible_length_that_never_comes_on_a_board_that_streams(size: int) -> None:
+    text = (ids.PUBLISHER, topic_info("text", "std_msgs/String", topic_id=126, buffer_size=65535))
+    count = (ids.PUBLISHER, topic_info("count", COUNT, topic_id=125, buffer_size=65535))
+    async with Bridge() as bridge, TcpBoard(bridge.port, text, count) as board:
+        heard = await bridge.listen("/count")
+        await board.settle(heard)
+        await board.send(encode_frame(126, bytes(size))[:7])
+        board.count_from(1)
+        began_s = time.monotonic()
+        await until(lambda: len(set(heard)) > 1, "messages behind the header")
+        assert time.monotonic() - began_s < AT_ONCE_S
+        await asyncio.sleep(0.3)
+        assert sorted(set(heard)) == list(range(max(heard) + 1))
+
+
+@pytest.mark.timeout(120)
+@pytest.mark.parametrize("name", ["random", "headers"])
+async def test_seconds_of_garbage_at_ten_megabytes_a_second(name: str) -> None:
+    noise = {
+        "random": random.Random(9).randbytes(1 << 20),
+        "headers": encode_frame(125, bytes(400))[:7] * 150_000,
+    }
+    turns = 20 if name == "random" else 5
+    quiet = (ids.PUBLISHER, topic_info("quiet", COUNT, topic_id=125, buffer_size=512))
+    async with Bridge() as bridge, TcpBoard(bridge.port) as board, TcpBoard(bridge.port, quiet) as other:
+        heard = await bridge.listen("/count")
+        others = await bridge.listen("/quiet")
+        await board.settle(heard)
+        await other.settle(others)
+        other.count_from(1)
+        began_s = time.monotonic()
+        for turn in range(turns):
+            await board.send(noise[name])
+            await asyncio.sleep(max(0.0, began_s + (turn + 1) * 0.1 - time.monotonic()))
+        await board.send(TIME_REQUEST)
+        back_s = time.monotonic()
+        board.count_from(1)
+        await until(lambda: len(set(heard)) > 1, "messages after the garbage", limit_s=30.0)
+        if name == "random":
+            assert time.monotonic() - back_s < AT_ONCE_S
+        await asyncio.sleep(0.2)
+        assert sorted(set(others)) == list(range(max(others) + 1))
+        assert max(others) > 20
+
+
+def _publishers(bridge: Bridge) -> tuple[str, ...]:
+    return bridge.network.snapshot().topics["/count"].publishers
+
+
+def _cpu_s() -> float:
+    usage = resource.getrusage(resource.RUSAGE_SELF)
+    return usage.ru_utime + usage.ru_stime
