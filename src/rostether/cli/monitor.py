@@ -40,10 +40,10 @@ STALE_S = 3.0
 FORGET_S = 15.0
 """How long a board that is gone stays in sight."""
 
-ONCE_S = 4.0
+ONCE_S = 6.0
 """How long --once listens at most: a rate is known with a board's second status."""
 
-NOBODY_S = 1.5
+NOBODY_S = 2.5
 """How long --once waits for somebody to tell: a board that has just connected advertises within a second."""
 
 MAX_BOARDS = 512
@@ -181,9 +181,9 @@ async def _show_live(seen: BoardsSeen, master_uri: str, listening: asyncio.Task[
 def _picture(boards: Sequence[BoardStatus], master_uri: str, width: int, height: int) -> Text:
     from rich.text import Text
 
-    text = Text(no_wrap=True, overflow="crop", end="")
     if not boards:
-        return text.append(f"{master_uri}: {NOTHING}\nCtrl-C ends it")
+        return Text(f"{master_uri}: {NOTHING}; Ctrl-C ends it")
+    text = Text(no_wrap=True, overflow="crop", end="")
     count = f"{len(boards)} board{'' if len(boards) == 1 else 's'}"
     for line in table(boards, width, height - 3):
         for piece, style in line.pieces:

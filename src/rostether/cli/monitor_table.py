@@ -58,7 +58,7 @@ def table(boards: Sequence[BoardStatus], width: int, height: int | None = None) 
     """Return the lines of the table, at most `height`: topics give way to boards, boards to a count."""
     width = max(width, MIN_WIDTH)
     boards = sorted(boards, key=lambda board: _natural(board.name))
-    columns = _COLUMNS + (_TOTALS if width >= _WIDE else ())
+    columns = _fitting(_COLUMNS + (_TOTALS if width >= _WIDE else ()), width)
     name_width = _name_width(boards, columns, width)
     head = _head(columns, name_width, width)
     blocks = [_block(board, columns, name_width, width) for board in boards]
@@ -99,6 +99,18 @@ def amount(number: float) -> str:
             return f"{number:.0f}{unit}"
         number /= 1000
     return f"{number:.0f}T"
+
+
+def _fitting(columns: Sequence[_Column], width: int) -> Sequence[_Column]:
+    """Return the columns that fit beside a name and a state, the first ones first."""
+    kept: list[_Column] = []
+    left = width - _NAME_MIN - 1 - _STATE_WIDTH
+    for column in columns:
+        left -= column.width + 1
+        if left < 0:
+            break
+        kept.append(column)
+    return kept
 
 
 def _name_width(boards: Iterable[BoardStatus], columns: Sequence[_Column], width: int) -> int:

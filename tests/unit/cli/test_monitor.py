@@ -15,6 +15,7 @@ from pathlib import Path
 
 from rostether.cli.monitor import FORGET_S, MAX_BOARDS, STALE_S, BoardsSeen
 from rostether.ros1.master.server import MasterServer
+from rostether.ros1.node.master_client import MasterClient
 from rostether.transports.opening import open_transport
 from unit.bridge.sketch_board import SketchBoard, every, hello, publish
 from unit.cli.serving_process import started
@@ -32,6 +33,10 @@ async def bridged(folder: Path) -> AsyncIterator[dict[str, str]]:
     try:
         async with started("serve", f"{folder}/arm", **environ) as serve:
             await serve.wait_for("Setup publisher on chatter")
+            client = MasterClient(master.uri, "/test")
+            while "/diagnostics" not in (await client.system_state())[0]:
+                await asyncio.sleep(0.05)
+            await client.close()
             yield environ
     finally:
         await board.unplug()

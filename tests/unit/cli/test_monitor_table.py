@@ -58,6 +58,12 @@ def test_totals_where_there_is_room() -> None:
     assert row.split()[-2:] == ["3.4M", "12k"]
 
 
+def test_what_does_not_fit_a_narrow_window_is_left_out_whole() -> None:
+    head, row, *_ = text(ARM, width=60)
+    assert head.split() == ["BOARD", "STATE", "UP", "IN/s", "OUT/s", "DROPS", "BAD"]
+    assert row.split() == ["/arm", "connected", "1h02m", "1.2k", "84", "4", "0"]
+
+
 def test_sorted_with_findings_in_full_below_their_board() -> None:
     bad = replace(ARM, name="/a_wheel", level=2, findings=(DAMAGE,), endpoints=())
     lines = text(ARM, bad)
