@@ -13,7 +13,7 @@ ros::NodeHandle nh;
 geometry_msgs::TransformStamped transform;
 tf::TransformBroadcaster broadcaster;
 
-const float SPEED = 0.2;       // m/s
+const float FORWARD_SPEED = 0.2;       // m/s
 const float TURN_RATE = 0.36;  // rad/s: a circle of 0.2 / 0.36 = 0.56 m radius, around in 17.5 s
 
 float x = 0.0;
@@ -35,8 +35,8 @@ void loop() {
 
   // Over a short time it goes straight ahead, in the direction it has halfway.
   const float halfway = heading + 0.5 * TURN_RATE * dt;
-  x += SPEED * dt * cos(halfway);
-  y += SPEED * dt * sin(halfway);
+  x += FORWARD_SPEED * dt * cos(halfway);
+  y += FORWARD_SPEED * dt * sin(halfway);
   heading += TURN_RATE * dt;
   if (heading > PI) heading -= TWO_PI;
 
