@@ -27,7 +27,8 @@ class Clock {
     uint32_t sec = moment_.sec;
     // Mostly once or not at all: cheaper than a division on a processor that has none.
     for (; elapsed_ms >= 1000; elapsed_ms -= 1000) ++sec;
-    uint32_t nsec = moment_.nsec + elapsed_ms * 1000000UL;
+    // A million a millisecond, by factors of 16 bits: a single step of an AVR's multiplier.
+    uint32_t nsec = moment_.nsec + (static_cast<uint32_t>(static_cast<uint16_t>(elapsed_ms)) * uint16_t(15625) << 6);
     normalizeSecNSec(sec, nsec);
     moment_.sec = sec;
     moment_.nsec = nsec;

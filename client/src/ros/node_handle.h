@@ -73,7 +73,7 @@ class NodeHandle_ : public NodeHandleBase_ {
   }
 
   // There was something: apart from spinOnce, which mostly finds nothing, and is quicker without the registers that this needs.
-  ROS_NOINLINE int spinOn() {
+  ROS_NOINLINE int8_t spinOn() {
     const uint16_t began_ms = milliseconds();
     for (;;) {
       while (window_.wantsMore()) {
@@ -83,7 +83,7 @@ class NodeHandle_ : public NodeHandleBase_ {
       }
       const uint8_t found = window_.examine();
       if (found) {
-        const int result = work(found, began_ms);
+        const int8_t result = work(found, began_ms);
         if (result != GO_ON) return result;
       } else if (!window_.wantsMore()) {
         return SPIN_OK;

@@ -210,9 +210,9 @@ class NodeHandleBase_ : public FrameSink, protected NodeState {
   uint16_t shortTime() { return static_cast<uint16_t>(time()); }
   static uint16_t since(uint16_t then_ms, uint16_t now_ms) { return static_cast<uint16_t>(now_ms - then_ms); }
 
-  static const int GO_ON = 1;
+  static const int8_t GO_ON = 1;
   // Handles what was found among the bytes that came in: what spinOnce should return, or GO_ON to read more.
-  ROS_NOINLINE int work(uint8_t found, uint16_t began_ms) {
+  ROS_NOINLINE int8_t work(uint8_t found, uint16_t began_ms) {
     for (; found; found = window_.examine()) {
       if (found & ReceiveWindow::FOREIGN && !connected_ && since(requested_ms_, shortTime()) > ANSWER_PAUSE_MS) requestSyncTime();
       if (found & ReceiveWindow::WHOLE) {
@@ -232,13 +232,13 @@ class NodeHandleBase_ : public FrameSink, protected NodeState {
   }
 
   // What is to be done when no byte waits: what spinOnce should return.
-  ROS_NOINLINE int rest(bool heard) {
+  ROS_NOINLINE int8_t rest(bool heard) {
     const uint16_t now_ms = shortTime();
     if (heard) {
       heard_ms_ = now_ms;
     } else if (!window_.empty() && since(heard_ms_, now_ms) >= GAP_MS) {
       window_.drop();
-      const int result = work(window_.examine(), now_ms);
+      const int8_t result = work(window_.examine(), now_ms);
       return result == GO_ON ? SPIN_OK : result;
     }
     if (contactIsDue(now_ms)) keepInTouch();

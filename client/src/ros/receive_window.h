@@ -26,12 +26,12 @@ class ReceiveWindow {
   void open(uint8_t* bytes, uint16_t capacity) {
     base_ = bytes;
     limit_ = bytes + capacity;
-    capacity_ = capacity;
+    largest_payload_ = static_cast<uint16_t>(capacity - FRAME_OVERHEAD_BYTES);
     forget();
   }
 
   bool empty() const { return begin_ == end_; }
-  uint16_t largestPayload() const { return capacity_ - FRAME_OVERHEAD_BYTES; }
+  uint16_t largestPayload() const { return largest_payload_; }
   // Whether more is to be read before `examine` can learn something new.
   bool wantsMore() const { return end_ != goal_; }
   void append(uint8_t byte) { *end_++ = byte; }
@@ -52,10 +52,9 @@ class ReceiveWindow {
   ROS_NOINLINE uint8_t examine() {
     uint8_t found = NOTHING;
     while (begin_ != end_) {
-      const uint16_t wanted = judge();
+      const uint16_t wanted = judge(found);
       if (wanted <= have()) {
         if (wanted) return found | WHOLE;
-        if (isForeign()) found |= FOREIGN;
       } else {
         // Inside a callback there may be less room than the frame needs, and what is waited for there comes behind it.
         if (wanted > space()) compact();
@@ -128,19 +127,21 @@ class ReceiveWindow {
   static uint16_t word(const uint8_t* bytes) { return static_cast<uint16_t>(bytes[0] | bytes[1] << 8); }
   uint16_t have() const { return static_cast<uint16_t>(end_ - begin_); }
   uint16_t space() const { return static_cast<uint16_t>(limit_ - begin_); }
-  bool isForeign() const { return have() >= 2 && begin_[0] == FRAME_SYNC && begin_[1] != FRAME_VERSION; }
 
   // Bytes a frame that begins like this needs before more can be said of it, no more than there are if it is whole
-  // and undamaged, 0 if it is no frame.
-  uint16_t judge() const {
+  // and undamaged, 0 if it is no frame. Adds to what is found.
+  uint16_t judge(uint8_t& found) const {
     const uint8_t* frame = begin_;
     if (frame[0] != FRAME_SYNC) return 0;
     if (have() < FIRST_LOOK_BYTES) return FIRST_LOOK_BYTES;
-    if (frame[1] != FRAME_VERSION) return 0;
+    if (frame[1] != FRAME_VERSION) {
+      found |= FOREIGN;
+      return 0;
+    }
     if (have() < FRAME_OVERHEAD_BYTES) return FRAME_OVERHEAD_BYTES;
     if (static_cast<uint8_t>(frame[2] + frame[3] + frame[4]) != 0xff) return 0;
     const uint16_t length = word(frame + 2);
-    if (length > capacity_ - FRAME_OVERHEAD_BYTES) return 0;
+    if (length > largest_payload_) return 0;
     const uint16_t whole = length + FRAME_OVERHEAD_BYTES;
     if (have() < whole) return whole;
     uint8_t sum = 0;
@@ -162,7 +163,7 @@ class ReceiveWindow {
   uint8_t* base_;
   uint8_t* limit_;
   uint8_t* goal_;
-  uint16_t capacity_;
+  uint16_t largest_payload_;
   uint16_t dropped_;
   bool held_;
 };
