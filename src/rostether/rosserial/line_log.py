@@ -97,8 +97,9 @@ class LineLog:
         half = {ids.SERVICE_SERVER_RESPONSE: " response", ids.SERVICE_SERVER_REQUEST: " request"}
         half |= {ids.SERVICE_CLIENT_REQUEST: " request", ids.SERVICE_CLIENT_RESPONSE: " response"}
         return (
-            f"{_KINDS[topic_id]}{half.get(topic_id, '')} {info.topic_name!r} [{info.message_type}] "
-            f"id {info.topic_id}, {info.buffer_size} bytes, md5 {info.md5sum}"
+            f"{_KINDS[topic_id]}{half.get(topic_id, '')} {info.topic_name!r} "
+            f"[{_printable(info.message_type)}] id {info.topic_id}, {info.buffer_size} bytes, "
+            f"md5 {_printable(info.md5sum)}"
         )
 
 
@@ -111,6 +112,10 @@ def version_of(device_bytes: bytes) -> int:
         return sum(len(each.payloads) for each in decoded if isinstance(each, Frames))
 
     return 1 if count(1) > count(2) else 2
+
+
+def _printable(text: str) -> str:
+    return text if text.isprintable() else repr(text)
 
 
 def _joined(decoded: list[Decoded]) -> list[Decoded]:

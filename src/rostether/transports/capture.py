@@ -15,7 +15,6 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from math import isfinite
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -28,6 +27,8 @@ MAX_TIME_S = 1e8
 """Three years: a larger time is a mistake, and would be waited for."""
 
 FIRST_LINK = 1
+
+_SHOWN_CHARACTERS = 40
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,12 +142,12 @@ def _object(line: bytes) -> dict[str, Any]:
 
 def _entry(line: Mapping[str, Any], last_s: float) -> Entry | None:
     time_s = line.get("t")
-    if not isinstance(time_s, int | float) or not isfinite(time_s) or not 0 <= time_s <= MAX_TIME_S:
-        raise ValueError(f"'t' is {time_s!r}; it is a time in seconds since the start")
+    if not isinstance(time_s, int | float) or not 0 <= time_s <= MAX_TIME_S:
+        raise ValueError(f"'t' is {_short(time_s)}; it is a time in seconds since the start")
     time_s = max(float(time_s), last_s)
     link = line.get("link", FIRST_LINK)
     if not isinstance(link, int) or link < FIRST_LINK:
-        raise ValueError(f"'link' is {link!r}; links are numbered from {FIRST_LINK}")
+        raise ValueError(f"'link' is {_short(link)}; links are numbered from {FIRST_LINK}")
     event = line.get("event")
     if event == "opened":
         return LinkOpened(time_s, link, str(line.get("peer", "")))
@@ -162,3 +163,12 @@ def _entry(line: Mapping[str, Any], last_s: float) -> Entry | None:
     except (KeyError, TypeError, ValueError):
         raise ValueError("'hex' holds no bytes in hexadecimal") from None
     return Chunk(time_s, link, side == "device", data)
+
+
+def _short(value: object) -> str:
+    """Return a value of a file by anybody for one line of text."""
+    try:
+        text = repr(value)
+    except ValueError:
+        return "a very large number"
+    return text if len(text) <= _SHOWN_CHARACTERS else f"{text[:_SHOWN_CHARACTERS]}..."

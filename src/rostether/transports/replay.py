@@ -5,10 +5,13 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Awaitable, Callable
 
-from rostether.errors import TransportError
+from rostether.errors import ConfigError, TransportError
 from rostether.transports.capture import Capture, Chunk, LinkClosed, LinkOpened
 from rostether.transports.memory import MemoryTransport, memory_pair
 from rostether.transports.transport import Transport
+
+MAX_LINKS = 128
+"""As many as a TCP listener takes: a capture may come from anybody, and each link becomes a session."""
 
 # Only while a capture is played without pauses.
 _TAKEN_POLL_S = 0.001
@@ -38,7 +41,7 @@ class CaptureListener:
         self._boards: dict[int, _PlayedBoard] = {}
 
     async def play(self) -> None:
-        """Play the capture to its end and hang up. Raises ConfigError for a line that is no entry."""
+        """Play the capture to its end and hang up. Raises ConfigError for what is no capture."""
         loop = asyncio.get_running_loop()
         began_s = loop.time()
         try:
@@ -69,6 +72,8 @@ class CaptureListener:
             self._unplug(link)
 
     def _plug_in(self, link: int) -> _PlayedBoard:
+        if len(self._boards) >= MAX_LINKS:
+            raise ConfigError(f"{self.address} has more than {MAX_LINKS} links at once; record fewer boards")
         ours, theirs = memory_pair(names=(f"capture {self.address}", "host"))
         board = self._boards[link] = _PlayedBoard(ours)
         self._on_transport(theirs)

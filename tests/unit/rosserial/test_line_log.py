@@ -9,7 +9,7 @@ import pytest
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.frame import encode_frame
 from rostether.rosserial.line_log import LineEntry, LineLog, version_of
-from rostether.rosserial.packets import Log, LogLevel, ParameterRequest
+from rostether.rosserial.packets import Log, LogLevel, ParameterRequest, TopicInfo
 from unit.rosserial.decoding import plain_decode
 from vectors.captures import Capture, frame_counts, load, names
 
@@ -89,6 +89,8 @@ def test_control_frames_in_words() -> None:
     assert says(encode_frame(ids.PARAMETER, b"\1"), from_device=True) == "a request that makes no sense"
     assert says(encode_frame(ids.PARAMETER, bytes(12)), from_device=False) == "answers with a parameter"
     assert says(encode_frame(ids.PUBLISHER, b"\1"), from_device=True) == "an announcement that makes no sense"
+    hostile = TopicInfo(125, "a", "\x1b[2J", "\x07", 512).encode()
+    assert says(encode_frame(ids.PUBLISHER, hostile), from_device=True).isprintable()
     assert says(encode_frame(300, b"\1"), from_device=True) == "a topic that was not announced"
 
 

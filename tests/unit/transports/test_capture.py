@@ -64,6 +64,7 @@ def test_a_recorder_that_was_killed_leaves_a_capture(tmp_path: Path) -> None:
         ('{"t": "1", "from": "device", "hex": "00"}', "'t' is '1'"),
         ('{"t": NaN, "from": "device", "hex": "00"}', "'t' is nan"),
         ('{"t": 1e300, "from": "device", "hex": "00"}', "'t' is 1e+300"),
+        ('{"t": 1' + "0" * 4000 + ', "from": "device", "hex": "00"}', "'t' is 1000"),
         ('{"t": -1, "from": "device", "hex": "00"}', "'t' is -1"),
         ('{"t": 1, "from": "moon", "hex": "00"}', "'from' is 'moon'"),
         ('{"t": 1, "from": "device", "hex": "0"}', "'hex'"),

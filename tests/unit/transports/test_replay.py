@@ -7,7 +7,7 @@ import pytest
 
 from rostether.errors import ConfigError
 from rostether.transports.capture import Capture
-from rostether.transports.replay import CaptureListener
+from rostether.transports.replay import MAX_LINKS, CaptureListener
 from rostether.transports.transport import Transport
 from unit.bridge.virtual_time import run
 from unit.transports.recorder import Recorder
@@ -125,6 +125,19 @@ def test_a_slow_host_is_waited_for(tmp_path: Path) -> None:
         await recorder.until(lambda seen: len(seen.data) == 100 * 4096)
 
     run(play_slowly())
+
+
+def test_links_at_once_are_bounded(tmp_path: Path) -> None:
+    async def play_many() -> Host:
+        host = Host()
+        capture = capture_of(tmp_path, *(device(0.1, "aa", link) for link in range(1, 1000)))
+        with pytest.raises(ConfigError, match="more than 128 links"):
+            await CaptureListener(capture, host.take).play()
+        await asyncio.sleep(0.01)
+        return host
+
+    host = run(play_many())
+    assert [len(link.losses) for link in host.links] == [1] * MAX_LINKS
 
 
 def test_a_bad_line_hangs_up(tmp_path: Path) -> None:
