@@ -28,6 +28,9 @@ class _Lines(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         text = " ".join(record.getMessage().split())
+        if not text.isprintable():
+            # A peer's words may stand in it, and must not steer the terminal.
+            text = "".join(char if char.isprintable() else repr(char)[1:-1] for char in text)
         error = record.exc_info[1] if record.exc_info else None
         if error is not None and not os.environ.get(TRACEBACK_VARIABLE):
             text = f"{text} ({type(error).__name__}: {error}); please report it"

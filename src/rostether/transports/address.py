@@ -295,7 +295,8 @@ def _parse_options(text: str, scheme: str, query: str) -> dict[str, str]:
 
 
 def _require_path(text: str, place: str) -> str:
-    path = place.removeprefix("//") if place.startswith("///") else place
+    path = place.strip()
+    path = path.removeprefix("//") if path.startswith("///") else path
     if not path:
         raise ConfigError(
             f"link address {text!r} names no path; write one such as /dev/ttyACM0 or sim:blink.ino"
