@@ -29,8 +29,6 @@ PAUSED_QUEUE_FACTOR = 8
 TURN_BYTES = 4 * 1024
 # One write; other boards get their turn between two.
 WRITE_BYTES = 256 * 1024
-# A link that takes nothing keeps getting answers until this much waits in it, and is then as good as gone.
-MAX_UNSENT_BYTES = 1024 * 1024
 # What comes after a pause this long is written at once; what comes sooner is gathered for one write a turn.
 EAGER_AFTER_S = 0.0005
 EAGER_MESSAGES = 16
@@ -85,6 +83,7 @@ class Outbox:
         self._loop = loop
         self._on_dropped = on_dropped
         self._stall_s = settings.stall_s
+        self._unsent_limit_bytes = settings.unsent_bytes
         self._pacer = LinePacer(baud) if baud else None
         self._limit_bytes = settings.queue_bytes
         if self._pacer is not None:
@@ -152,7 +151,7 @@ class Outbox:
         if control:
             pieces.append(control)
         if self._blocked:
-            if pieces and self._transport.write_buffer_bytes < MAX_UNSENT_BYTES:
+            if pieces and self._transport.write_buffer_bytes < self._unsent_limit_bytes:
                 self._write(pieces)
             return
         if self._ready:

@@ -70,7 +70,9 @@ class PublisherEndpoint:
 
     async def open(self) -> None:
         """Advertise, then publish what came meanwhile. Raises GraphError, InvalidNameError."""
-        publisher = await self._graph.advertise(self.info.topic_name, self._type)
+        publisher = await self._graph.advertise(
+            self.info.topic_name, self._type, queue_bytes=self._settings.subscriber_bytes
+        )
         held, self._held, self._held_bytes = self._held, [], 0
         self._publisher = publisher
         self._opened.set()

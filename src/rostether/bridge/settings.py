@@ -22,6 +22,11 @@ class BridgeSettings:
     `endpoints`: how many a board may announce. The established library has at most 50.
     `queue_bytes`: what may wait for a board on each topic: more than one read of a ROS connection brings. On
     a line of known speed it is less.
+    `subscriber_bytes`: what may wait for each slow ROS subscriber of a board's topic: a second of images.
+    `unsent_bytes`: a link that takes nothing keeps getting answers until this much waits in it, and is then
+    as good as gone.
+    `connections`, `connections_per_host`: boards on one listener, and those from one address (None: as the
+    kind of link has it).
     `stall_s`: how long a board may take no byte before its subscriptions no longer wait for it.
     """
 
@@ -35,6 +40,10 @@ class BridgeSettings:
     frame_bytes: int = 65535
     endpoints: int = 256
     queue_bytes: int = 128 * 1024
+    subscriber_bytes: int = 4 * 1024 * 1024
+    unsent_bytes: int = 1024 * 1024
+    connections: int | None = None
+    connections_per_host: int | None = None
 
 
 DEFAULT_SETTINGS = BridgeSettings()

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -11,6 +13,7 @@ from rostether.cli.announcing import announced, check_mdns
 from rostether.cli.bridge_lines import ConsoleReporter
 from rostether.cli.device_options import config_option, discover_option, probe_option, read_devices
 from rostether.cli.graph_access import read_environment
+from rostether.cli.limit_options import limit_option, read_limits
 from rostether.cli.options import allow_option, listen_option, msg_path_option
 from rostether.cli.recording import record_limit_option, recorded
 from rostether.cli.running import run
@@ -25,6 +28,10 @@ from rostether.errors import ConfigError
 from rostether.graph.ports import Level
 from rostether.ros1.environment import LOOPBACK, RosEnvironment
 from rostether.transports.address import Address
+from rostether.transports.opening import listen as listen_for_links
+
+if TYPE_CHECKING:
+    from rostether.bridge.settings import BridgeSettings
 
 
 @click.command(
@@ -68,6 +75,7 @@ from rostether.transports.address import Address
     help="Record what goes over the lines to a new file; see `rostether link`.",
 )
 @record_limit_option
+@limit_option
 @click.option("-v", "--verbose", is_flag=True, help="Show the boards' debug lines too.")
 @click.option("--uvloop", is_flag=True, help="Run on uvloop: pip install 'rostether[uvloop]'.")
 def serve(
@@ -85,6 +93,7 @@ def serve(
     no_diagnostics: bool,
     record: Path | None,
     record_limit_mb: float,
+    limits: tuple[str, ...],
     verbose: bool,
     uvloop: bool,
 ) -> None:
@@ -111,6 +120,7 @@ def serve(
     devices = read_devices(config, probes)
     discovers = discover or bool(probes) or not addresses
     announces = check_mdns(is_wanted=mdns)
+    settings = read_limits(limits)
     reporter = ConsoleReporter(lowest=Level.DEBUG if verbose else Level.INFO)
     run(
         _serve(
@@ -128,6 +138,7 @@ def serve(
             wants_mdns=mdns is True,
             record=record,
             record_limit_mb=record_limit_mb,
+            settings=settings,
         ),
         is_service=True,
         uvloop=uvloop,
@@ -150,7 +161,13 @@ async def _serve(
     wants_mdns: bool,
     record: Path | None,
     record_limit_mb: float,
+    settings: BridgeSettings,
 ) -> None:
+    listen_bounded = partial(
+        listen_for_links,
+        connections=settings.connections,
+        connections_per_host=settings.connections_per_host,
+    )
     async with used_master(environment, is_chosen=is_chosen, port=master_port) as used:
         reporter.line(Level.INFO, used.line)
         for line in loopback_lines(used.environment, links):
@@ -167,6 +184,8 @@ async def _serve(
                 devices=devices,
                 diagnostics=diagnostics,
                 tap=tap,
+                listen=listen_bounded,
+                settings=settings,
             ) as supervisor,
             announced(supervisor.listening_on, reporter, is_on=announces, is_wanted=wants_mdns),
         ):

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from rostether.bridge.reporter import Reporter
+    from rostether.bridge.settings import BridgeSettings
     from rostether.bridge.supervisor import Listen, Supervisor
     from rostether.devices.device_book import DeviceBook
     from rostether.ros1.node.node import Ros1Graph
@@ -69,14 +70,16 @@ async def bridge(
     diagnostics: bool = False,
     tap: Callable[[Transport], Transport] | None = None,
     listen: Listen = listen,
+    settings: BridgeSettings | None = None,
 ) -> AsyncIterator[Supervisor]:
     """Serve boards as long as the block lasts; its end tells them to stop and leaves the graph.
 
     With `keeps_node` the one link's node is there from the start, and its end ends `wait_done`. With
     `diagnostics` each board's node publishes /diagnostics. `tap` may put a recorder around each link;
-    `listen` is how links are listened for.
+    `listen` is how links are listened for; `settings` are the limits.
     Raises TransportOpenError for an address that cannot be listened on, InvalidNameError.
     """
+    from rostether.bridge.settings import DEFAULT_SETTINGS
     from rostether.bridge.supervisor import Supervisor
     from rostether.msgdef.registry import Registry
     from rostether.ros1.node.node import join_ros1
@@ -99,6 +102,7 @@ async def bridge(
         diagnostics=diagnostics,
         tap=tap,
         listen=listen,
+        settings=settings or DEFAULT_SETTINGS,
     )
     try:
         await supervisor.start(addresses)

@@ -57,19 +57,35 @@ async def open_transport(address: Address | str) -> Transport:
             )
 
 
-async def listen(address: Address | str, on_transport: Callable[[Transport], None]) -> Listener:
-    """Listen where `address.listens`, calling back with each new link. Raises as `open_transport`."""
+async def listen(
+    address: Address | str,
+    on_transport: Callable[[Transport], None],
+    *,
+    connections: int | None = None,
+    connections_per_host: int | None = None,
+) -> Listener:
+    """Listen where `address.listens`, calling back with each new link. Raises as `open_transport`.
+
+    At most `connections` at a time, and of one address at most `connections_per_host` (None: the default of
+    the kind of link; what needs no connection counts all alike).
+    """
     if isinstance(address, str):
         address = parse_address(address)
     match address:
         case TcpAddress(connect=False):
-            from rostether.transports.tcp import TcpListener
+            from rostether.transports.tcp import MAX_CONNECTIONS, MAX_CONNECTIONS_PER_HOST, TcpListener
 
-            return await TcpListener.start(address, on_transport)
+            return await TcpListener.start(
+                address,
+                on_transport,
+                max_connections=connections or MAX_CONNECTIONS,
+                max_connections_per_host=connections_per_host or MAX_CONNECTIONS_PER_HOST,
+            )
         case UdpAddress(connect=False):
+            from rostether.transports.peers import MAX_PEERS
             from rostether.transports.udp import UdpListener
 
-            return await UdpListener.start(address, on_transport)
+            return await UdpListener.start(address, on_transport, max_peers=connections or MAX_PEERS)
         case XbeeAddress():
             from rostether.transports.serial import open_serial
             from rostether.transports.xbee import XbeeListener

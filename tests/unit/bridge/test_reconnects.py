@@ -1,0 +1,65 @@
+"""A thousand reconnects leave nothing behind: no descriptor, task, registration or memory."""
+
+from __future__ import annotations
+
+import asyncio
+import gc
+import os
+import sys
+from pathlib import Path
+
+import pytest
+
+from rostether.bridge.settings import BridgeSettings
+from unit.bridge.doubles import until
+from unit.bridge.tcp_boards import Bridge, TcpBoard, numbered
+
+RECONNECTS = 1000
+# Until then caches fill and the allocator takes what it keeps.
+WARM_UP = 200
+MAX_GROWTH_BYTES = 2 * 1024 * 1024
+
+
+def _descriptors() -> int:
+    return len(list(Path("/proc/self/fd").iterdir()))
+
+
+def _resident_bytes() -> int:
+    return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+async def _come_and_go(bridge: Bridge, board: TcpBoard, heard: list[int], number: int) -> None:
+    await board.connect()
+    requests = board.requests
+    await until(lambda: board.requests > requests, "a topic request")
+    await board.send(numbered(number))
+    await until(lambda: heard[-1:] == [number], "the message")
+    await board.hang_up()
+    await until(
+        lambda: not any(view.is_connected for view in bridge.supervisor.boards()), "the end of a session"
+    )
+    heard.clear()
+    bridge.reporter.lines.clear()
+    bridge.network.logs.clear()
+
+
+@pytest.mark.timeout(240)
+@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
+async def test_a_thousand_reconnects_leave_nothing_behind() -> None:
+    async with Bridge(BridgeSettings(grace_s=60.0)) as bridge:
+        heard = await bridge.listen("/count")
+        board = TcpBoard(bridge.port)
+        for number in range(WARM_UP):
+            await _come_and_go(bridge, board, heard, number)
+        gc.collect()
+        await asyncio.sleep(0.1)
+        before = _descriptors(), len(asyncio.all_tasks()), bridge.network.snapshot()
+        resident = _resident_bytes()
+        objects = len(gc.get_objects())
+        for number in range(RECONNECTS):
+            await _come_and_go(bridge, board, heard, number)
+        gc.collect()
+        await asyncio.sleep(0.1)
+        assert (_descriptors(), len(asyncio.all_tasks()), bridge.network.snapshot()) == before
+        assert _resident_bytes() - resident < MAX_GROWTH_BYTES
+        assert len(gc.get_objects()) - objects < RECONNECTS / 2
