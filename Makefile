@@ -3,7 +3,7 @@ PYTHON ?= $(shell scripts/find-python)
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: help demo test check bench fuzz docs clean
+.PHONY: help demo test check bench fuzz soak docs clean
 
 help:
 	@echo "make demo   watch a simulated board become a ROS node (no hardware, no ROS, no root)"
@@ -11,6 +11,7 @@ help:
 	@echo "make check  ruff, mypy and import-linter"
 	@echo "make bench  measure the data path, beside a bare relay"
 	@echo "make fuzz   look for inputs that break a promise, ten minutes a target (SECONDS=600)"
+	@echo "make soak   serve boards on lines that fail all the time, for MINUTES=10"
 	@echo "make docs   build the documentation into site/"
 
 demo: $(VENV)/.installed
@@ -32,6 +33,9 @@ bench: $(VENV)/.dev
 
 fuzz: $(VENV)/.dev
 	$(BIN)/python -m fuzz all --seconds $(or $(SECONDS),600) $(ARGS)
+
+soak: $(VENV)/.dev
+	$(BIN)/python -m benchmarks.soak $(or $(MINUTES),10)
 
 docs: $(VENV)/.dev
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
