@@ -43,6 +43,7 @@ class Crowd:
             self._selector.register(line, selectors.EVENT_READ)
         self.asked: set[socket.socket] = set()
         self._time_due = time.monotonic()
+        self._asks = 0
 
     def serve(self, until_s: float) -> None:
         """Answer what the host asks until then, and ask for the time as boards do."""
@@ -54,9 +55,12 @@ class Crowd:
                 if TOPIC_REQUEST in line.recv(65536):
                     line.sendall(TIME_REQUEST + self._announcements[line])
                     self.asked.add(line)
-            if time.monotonic() >= self._time_due:
-                self._time_due += TIME_PERIOD_S
-                for line in self.asked:
+            while time.monotonic() >= self._time_due:
+                # One after the other: each board asks from when it was switched on.
+                self._time_due += TIME_PERIOD_S / len(self.lines)
+                self._asks += 1
+                line = self.lines[self._asks % len(self.lines)]
+                if line in self.asked:
                     line.sendall(TIME_REQUEST)
             if time.monotonic() >= until_s:
                 return
