@@ -94,8 +94,10 @@ class ReceiveWindow {
   // Takes the frame at the front out of the window for as long as the object lives.
   class Taken {
    public:
-    explicit Taken(ReceiveWindow& window)
-        : window_(window), frame_(window.begin_), base_(window.base_), limit_(window.limit_) {
+    explicit Taken(ReceiveWindow& window) : window_(window), base_(window.base_), limit_(window.limit_) {
+      // What comes in while its callback transmits shall find room, also when other frames lay before this one.
+      if (window.begin_ - window.base_ > window.limit_ - window.end_) window.compact();
+      frame_ = window.begin_;
       window.begin_ += length() + FRAME_OVERHEAD_BYTES;
       window.base_ = window.begin_;
       window.goal_ = window.end_;

@@ -76,6 +76,25 @@ TEST(transmit, what_comes_in_meanwhile_waits_in_the_line_when_the_buffer_is_full
   EXPECT_EQUAL(sender.node.dropped(), 0);
 }
 
+TEST(transmit, frames_that_are_done_with_leave_their_room_to_what_comes_in) {
+  Board<QueueingHardware, 280> board;
+  static ros::Publisher* out;
+  std_msgs::String text;
+  ros::Publisher chatter("chatter", &text);
+  out = &chatter;
+  ros::Subscriber<std_msgs::String> texts("texts", [](const std_msgs::String& message) { out->publish(&message); });
+  board.node.advertise(chatter);
+  board.node.subscribe(texts);
+  board.meet();
+  board.line.send(frame(texts.id_, Payload().text(std::string(140, 'a'))) + frame(0) +
+                  frame(texts.id_, Payload().text(std::string(250, 'b'))));
+  EXPECT_EQUAL(board.node.spinOnce(), ros::SPIN_ERR);
+  // All of it was read while the topics were announced; a UART would have kept 64 bytes of it.
+  EXPECT(board.line.arriving.empty());
+  board.node.spinOnce();
+  EXPECT_EQUAL(board.line.take(chatter.id_).size(), 2u);
+}
+
 TEST(transmit, a_transmitter_that_takes_nothing_is_given_up) {
   Sender<QueueingHardware> sender;
   sender.node.getHardware()->stuck = true;
