@@ -14,7 +14,17 @@ LONGEST_FILE_LINES = 330
 NAMES_THAT_SAY_NOTHING = {"util", "utils", "helper", "helpers", "manager", "common", "misc", "base"}
 # `core` is the verb that every ROS user knows.
 ALLOWED = {PACKAGE / "cli" / "core.py"}
-HEAVY = {"numpy", "rosbags", "rich", "serialx", "zeroconf", "xml.dom", "http.client", "email", "multiprocessing"}
+HEAVY = {
+    "numpy",
+    "rosbags",
+    "rich",
+    "serialx",
+    "zeroconf",
+    "xml.dom",
+    "http.client",
+    "email",
+    "multiprocessing",
+}
 
 
 @pytest.mark.parametrize("module", MODULES, ids=lambda path: str(path.relative_to(PACKAGE)))

@@ -1,4 +1,4 @@
-"""Frames that nobody would send, for the Target sketch: any length, id and content, damaged ones, and noise."""
+"""Frames that nobody would send, for the Target sketch: any length, id, content and damage, and noise."""
 
 from __future__ import annotations
 
@@ -11,7 +11,24 @@ from rostether.rosserial.frame import encode_frame
 NUMBERS, TEXTS, REALS, JOINTS, TRANSFORMS, DIAGNOSTICS, SERVER = range(100, 107)
 NUMBERS_OUT = 108
 MOST_BYTES = 400
-_LENGTHS = (0, 1, 2, 3, 7, 8, 127, 255, 256, 280, 65535, 0x10000, 0x20000000, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF)
+_LENGTHS = (
+    0,
+    1,
+    2,
+    3,
+    7,
+    8,
+    127,
+    255,
+    256,
+    280,
+    65535,
+    0x10000,
+    0x20000000,
+    0x7FFFFFFF,
+    0x80000000,
+    0xFFFFFFFF,
+)
 
 
 def _text(value: str) -> bytes:
@@ -39,7 +56,10 @@ SAMPLES = (
     (TEXTS, _text("hello world")),
     (TEXTS, _text("x" * 276)),
     (REALS, struct.pack("<I", 1) + _text("label") + struct.pack("<III", 2, 1, 0) + _reals(1.0, -2.5)),
-    (JOINTS, _header() + struct.pack("<I", 2) + _text("a") + _text("b") + _reals(1.0) + _reals() + _reals(0.5)),
+    (
+        JOINTS,
+        _header() + struct.pack("<I", 2) + _text("a") + _text("b") + _reals(1.0) + _reals() + _reals(0.5),
+    ),
     (TRANSFORMS, struct.pack("<I", 1) + _header() + _text("child") + struct.pack("<7d", *range(7))),
     (DIAGNOSTICS, _header() + struct.pack("<I", 2) + _status() + _status()),
     (SERVER, b"\x01"),

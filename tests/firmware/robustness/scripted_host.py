@@ -1,4 +1,4 @@
-"""A host at a paused simulated board: what it sends goes out at line speed, and the board's time goes on as it says."""
+"""A host at a paused simulated board: it sends at line speed, and the board's time goes on as it says."""
 
 from __future__ import annotations
 

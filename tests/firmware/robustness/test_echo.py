@@ -1,4 +1,4 @@
-"""Real firmware on a simulated Uno at 57600 baud, the real bridge, and messages that come back as they went."""
+"""Real firmware on a simulated Uno at 57600 baud, the real bridge, and messages that come back unchanged."""
 
 from __future__ import annotations
 
@@ -51,9 +51,21 @@ async def test_doubles_come_back_as_the_nearest_floats() -> None:
     numbers = random.Random(2)
 
     def real() -> float:
-        return struct.unpack("<d", struct.pack("<Q", numbers.getrandbits(64)))[0]
+        return float(struct.unpack("<d", struct.pack("<Q", numbers.getrandbits(64)))[0])
 
-    edges = [0.0, -0.0, 1.0, -1.5, 0.1, 1e-45, 7e-46, 1e-38, 3.4028234663852886e38, 3.4028235677973366e38, 1e300]
+    edges = [
+        0.0,
+        -0.0,
+        1.0,
+        -1.5,
+        0.1,
+        1e-45,
+        7e-46,
+        1e-38,
+        3.4028234663852886e38,
+        3.4028235677973366e38,
+        1e300,
+    ]
     edges += [float("inf"), -float("inf"), 16777217.0, 5e-324, 1 + 2**-24, 1 + 3 * 2**-24]
     near = [numbers.uniform(-1, 1) * 10.0 ** numbers.randrange(-45, 39) for _ in range(30)]
     batches = [edges, [-each for each in edges], near, [real() for _ in range(30)]]

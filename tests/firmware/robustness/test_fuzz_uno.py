@@ -1,4 +1,4 @@
-"""Two thousand frames that nobody would send, on a simulated Uno at any baud: it neither resets nor falls silent."""
+"""Two thousand hostile frames to a simulated Uno at any baud: it neither resets nor falls silent."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ SKETCH = Path(__file__).parent / "sketches" / "Target"
 # Frames for each baud; slow lines take their time.
 BAUDS = {9600: 80, 57600: 320, 115200: 400, 250000: 400, 500000: 400, 1000000: 400}
 BATCH = 20
-# A gap in a frame lasts 0.2 s; each start of one that is left behind takes a spin, and callbacks wait for parameters.
+# A gap in a frame lasts 0.2 s; each start left behind takes a spin, and callbacks wait for parameters.
 QUIET_MS = 500
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import struct
-from pathlib import Path
 
 from firmware.examples.stage import EXAMPLES, running
 from firmware.robustness.scripted_host import ScriptedHost
