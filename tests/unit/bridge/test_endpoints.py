@@ -279,11 +279,11 @@ class RefusingGraph:
     def __getattr__(self, name: str) -> Any:
         return getattr(self._graph, name)
 
-    async def advertise(self, topic: str, message_type: MessageType) -> MemoryPublisher:
+    async def advertise(self, topic: str, message_type: MessageType, **options: Any) -> MemoryPublisher:
         if self.refusals:
             self.refusals -= 1
             raise GraphError("the master said no")
-        return await self._graph.advertise(topic, message_type)
+        return await self._graph.advertise(topic, message_type, **options)
 
 
 async def test_a_graph_that_refuses_is_asked_again(world: Table) -> None:
