@@ -5,11 +5,6 @@
 #include "ros/duration.h"
 #include "ros/message.h"
 #include "ros/node_handle.h"
-#include "ros/parameters.h"
-#include "ros/publisher.h"
-#include "ros/service_client.h"
-#include "ros/service_server.h"
-#include "ros/subscriber.h"
 #include "ros/time.h"
 
 #include "ros/platform/platform.h"

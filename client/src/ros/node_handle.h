@@ -4,7 +4,13 @@
 #include <stddef.h>
 #include <stdint.h>
 
+// A sketch with a Hardware of its own may include this header alone.
 #include "node_handle_base.h"
+#include "parameters.h"
+#include "publisher.h"
+#include "service_client.h"
+#include "service_server.h"
+#include "subscriber.h"
 
 namespace ros {
 

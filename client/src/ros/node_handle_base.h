@@ -23,6 +23,10 @@ const int SPIN_ERR = -1;
 const int SPIN_TIMEOUT = -2;
 
 class Publisher;
+template <class Request, class Response, class Object>
+class ServiceServer;
+template <class Request, class Response>
+class ServiceClient;
 
 // What a node keeps. Without constructors, so that one loop zeroes it all: an AVR would spend 80 bytes of code on it.
 struct NodeState {
@@ -71,12 +75,12 @@ class NodeHandleBase_ : public FrameSink, protected NodeState {
   bool subscribe(Subscriber& subscriber) {
     return add(subscriber, 1);
   }
-  template <class Server>
-  bool advertiseService(Server& server) {
+  template <class Request, class Response, class Object>
+  bool advertiseService(ServiceServer<Request, Response, Object>& server) {
     return add(server, 2);
   }
-  template <class Client>
-  bool serviceClient(Client& client) {
+  template <class Request, class Response>
+  bool serviceClient(ServiceClient<Request, Response>& client) {
     client.nh_ = this;
     return add(client, 2);
   }

@@ -1,0 +1,5 @@
+// As <ArduinoHardware.h>, with the board's network in place of its serial port.
+#if !defined(ROSSERIAL_ARDUINO_TCP)
+#define ROSSERIAL_ARDUINO_TCP
+#endif
+#include <ros.h>

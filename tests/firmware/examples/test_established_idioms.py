@@ -1,0 +1,72 @@
+"""What sketches for the established library write besides what the examples show: it compiles unchanged."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rostether.firmware.build import build_sketch, find_board
+
+# Each is the part of a sketch that once did not compile.
+SKETCHES = {
+    "header_beside_ros": """
+#include <ArduinoHardware.h>
+#include <ros.h>
+#include <geometry_msgs/Twist.h>
+ros::NodeHandle nh;
+void drive(const geometry_msgs::Twist& msg) { digitalWrite(13, msg.linear.x > 0); }
+ros::Subscriber<geometry_msgs::Twist> sub("cmd_vel", &drive);
+void setup() { nh.initNode(); nh.subscribe(sub); }
+void loop() { nh.spinOnce(); }
+""",
+    "node_handle_alone": """
+#include <Arduino.h>
+#include <ros/node_handle.h>
+#include <std_msgs/Int32.h>
+class Port {
+ public:
+  void init() { Serial.begin(57600); }
+  int read() { return Serial.read(); }
+  void write(uint8_t* data, int length) { Serial.write(data, length); }
+  unsigned long time() { return millis(); }
+};
+ros::NodeHandle_<Port, 5, 5, 150, 150> nh;
+void take(const std_msgs::Int32&) {}
+ros::Subscriber<std_msgs::Int32> sub("number", &take, 1);
+std_msgs::Int32 number;
+ros::Publisher pub("number_back", &number);
+void setup() { nh.initNode(); nh.subscribe(sub); nh.advertise(pub); }
+void loop() { pub.publish(&number); nh.spinOnce(); }
+""",
+    "service_by_its_types": """
+#include <ros.h>
+#include <std_srvs/Trigger.h>
+ros::NodeHandle nh;
+class Motor {
+ public:
+  void stop(const std_srvs::TriggerRequest&, std_srvs::TriggerResponse& answer) { answer.success = true; }
+};
+Motor motor;
+typedef std_srvs::TriggerRequest Request;
+typedef std_srvs::TriggerResponse Response;
+ros::ServiceServer<Request, Response, Motor> stop("stop", &Motor::stop, &motor);
+ros::ServiceClient<Request, Response> client("start");
+void setup() {
+  nh.initNode();
+  nh.advertiseService<Request, Response, Motor>(stop);
+  nh.serviceClient<Request, Response>(client);
+}
+void loop() { nh.spinOnce(); }
+""",
+}
+
+
+@pytest.mark.avr
+@pytest.mark.parametrize("name", SKETCHES)
+async def test_compiles_unchanged(name: str, tmp_path: Path) -> None:
+    sketch = tmp_path / name / f"{name}.ino"
+    sketch.parent.mkdir()
+    sketch.write_text(SKETCHES[name])
+    built = await build_sketch(sketch, find_board("uno"))
+    assert built.elf.is_file()
