@@ -1,0 +1,86 @@
+"""What a ROS 2 .msg or .srv text says, as values.
+
+Type names are `package/msg/Name` and `package/srv/Name`, as ROS 2 writes them; the halves of a service are
+`package/srv/Name_Request` and `package/srv/Name_Response`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+ConstantValue: TypeAlias = bool | int | float | str
+DefaultValue: TypeAlias = ConstantValue | tuple[ConstantValue, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Ros2Type:
+    """The type of one field.
+
+    `base` is a primitive (`bool byte char int8 ... uint64 float32 float64 string wstring`) or a full
+    `package/msg/Name`. `string_bound` is the most characters of a bounded string. An array is fixed when it
+    has a `length`, else a sequence of at most `bound` items (None: any number).
+    """
+
+    base: str
+    is_array: bool = False
+    length: int | None = None
+    bound: int | None = None
+    string_bound: int | None = None
+
+    def __str__(self) -> str:
+        base = self.base if self.string_bound is None else f"{self.base}<={self.string_bound}"
+        if not self.is_array:
+            return base
+        if self.length is not None:
+            return f"{base}[{self.length}]"
+        return f"{base}[{'' if self.bound is None else f'<={self.bound}'}]"
+
+
+@dataclass(frozen=True, slots=True)
+class Ros2Field:
+    """One named field; `default` is None where the text gives none."""
+
+    type: Ros2Type
+    name: str
+    default: DefaultValue | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Ros2Constant:
+    """One constant."""
+
+    type: str
+    name: str
+    value: ConstantValue
+
+
+@dataclass(frozen=True, slots=True)
+class Ros2Message:
+    """One message definition; `kind` is `msg`, or `srv` for half a service."""
+
+    package: str
+    kind: str
+    name: str
+    fields: tuple[Ros2Field, ...]
+    constants: tuple[Ros2Constant, ...] = ()
+
+    @property
+    def full_name(self) -> str:
+        """Return `package/kind/Name`."""
+        return f"{self.package}/{self.kind}/{self.name}"
+
+
+@dataclass(frozen=True, slots=True)
+class Ros2Service:
+    """One service definition."""
+
+    package: str
+    name: str
+    request: Ros2Message
+    response: Ros2Message
+
+    @property
+    def full_name(self) -> str:
+        """Return `package/srv/Name`."""
+        return f"{self.package}/srv/{self.name}"
