@@ -1,13 +1,28 @@
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from rostether.errors import BoardError
 from unit.boards.simavr.conftest import Start
-from unit.boards.simavr.programs import build
+from unit.boards.simavr.programs import build, build_text
 from unit.boards.simavr.readings import named, number
 
 pytestmark = pytest.mark.simavr
+
+STRINGS = """
+uint8_t rounds;
+
+void setup() { Serial.begin(57600); }
+
+void loop() {
+  String text = "Temperature: ";
+  for (int i = 0; i < 40; i++) text += String(i) + ", ";
+  Serial.println(text.length());
+  rounds++;
+}
+"""
 
 
 @pytest.mark.parametrize(("letter", "said"), [(b"j", "jumped to its start"), (b"o", "ran out of its code")])
@@ -54,6 +69,42 @@ async def test_a_stack_that_reaches_the_variables_is_told(start: Start) -> None:
     await board.send(b"x")
     await board.run("5ms")
     assert named(board, "stack_overflow")
+
+
+async def test_a_heap_that_came_and_went_is_no_stack(start: Start) -> None:
+    board = await start(build("wrong"))
+    await board.run("1ms")
+    before = await board.free_stack_bytes()
+    await board.send(b"m")
+    await board.run("5ms")
+    assert await board.free_stack_bytes() == pytest.approx(before - 702, abs=64)
+    asked = named(board, "stack")
+    assert (named(board, "stack_overflow"), len(asked)) == ([], 2)
+    # Into where the heap was, and into no variable: it is near, and has done no harm.
+    await board.send(b"D")
+    await board.run("5ms")
+    assert named(board, "stack_overflow") == []
+    assert [event["free_bytes"] for event in named(board, "stack")[2:]] == [0]
+
+
+async def test_a_stack_that_reaches_the_heap_is_told(start: Start) -> None:
+    board = await start(build("wrong"))
+    await board.run("1ms")
+    await board.send(b"M")
+    await board.run("5ms")
+    assert named(board, "stack_overflow") == []
+    # 73 calls deep, with 1,300 bytes left.
+    await board.send(b"D")
+    await board.run("5ms")
+    assert named(board, "stack_overflow")
+
+
+async def test_a_sketch_that_uses_strings_is_not_blamed(start: Start, tmp_path: Path) -> None:
+    board = await start(await build_text(tmp_path, STRINGS))
+    await board.run("300ms")
+    assert await number(board, "rounds") > 10
+    assert named(board, "stack_overflow") == named(board, "stack") == []
+    assert await board.free_stack_bytes() > 900
 
 
 async def test_guarded_memory_tells_who_writes(start: Start) -> None:

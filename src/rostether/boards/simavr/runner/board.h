@@ -51,6 +51,7 @@ struct board {
     bool quitting;
     bool quits_at_stop; /* --for: the end of the run is the end of the program */
     cycles_t stop_at;
+    uint32_t heap_end_place; /* where malloc keeps the heap's end; 0: the program has no malloc */
 };
 extern struct board board;
 
@@ -185,6 +186,7 @@ void markers_start(void);
 void canaries_start(void);
 void canaries_fill(void);
 void canaries_look(void);
+void canaries_heap_moved(void);
 void canaries_check_store(void);
 void canaries_check_interrupt(void);
 extern bool canaries_guarding;

@@ -4,7 +4,8 @@
  * where no memory is, opcodes that are none, and writes into guarded memory.
  *
  * The stack's depth is read from the noise that was in RAM at power-up: what is untouched was never used. So it is found
- * at any speed, a few bytes too good at worst, when the program wrote what was there by chance.
+ * at any speed, a few bytes too good at worst, when the program wrote what was there by chance. What the heap ever held
+ * (String objects that come and go) is no sign of the stack: it is looked for above the heap's highest end.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -26,6 +27,7 @@ static struct {
 static int guard_count, reports;
 static uint8_t *noise;
 static int lowest_told;
+static uint32_t highest_heap_end;
 
 static bool may_report(void) { return reports < MOST_REPORTS && ++reports; }
 
@@ -60,13 +62,22 @@ void canaries_fill(void) {
     if (!noise) noise = malloc(size);
     if (noise) memcpy(noise, board.avr->data, size);
     lowest_told = SCARCE_BYTES;
+    highest_heap_end = 0;
     reports = 0;
 }
 
-/* Bytes between the heap and the deepest stack since power-up; -1 for a program without symbols. */
+void canaries_heap_moved(void) {
+    uint32_t end = firmware_heap_end();
+    if (end > highest_heap_end) highest_heap_end = end;
+}
+
+/*
+ * Bytes between the heap at its largest and the deepest stack since power-up; -1 for a program without symbols. A stack
+ * that went where the heap once was leaves none, too, and may have done no harm.
+ */
 int canaries_free_stack(void) {
     const avr_t *avr = board.avr;
-    uint32_t from = firmware_heap_end(), at = from;
+    uint32_t start = firmware_heap_start(), from = highest_heap_end > start ? highest_heap_end : start, at = from;
     if (!noise || from <= avr->ioend + 1u) return -1;
     while (at <= avr->ramend && avr->data[at] == noise[at]) at++;
     return (int)(at - from);
@@ -76,7 +87,9 @@ void canaries_look(void) {
     int free_bytes = board.powered ? canaries_free_stack() : -1;
     if (free_bytes < 0 || free_bytes >= lowest_told) return;
     lowest_told = free_bytes;
-    event_begin(free_bytes ? "stack" : "stack_overflow");
+    uint32_t heap_end = firmware_heap_end();
+    bool is_overflow = !free_bytes && (highest_heap_end <= heap_end || _avr_sp_get(board.avr) < heap_end);
+    event_begin(is_overflow ? "stack_overflow" : "stack");
     event_int("free_bytes", free_bytes);
     event_end();
 }

@@ -27,13 +27,18 @@ void core_reset(void) { told_asleep = false; }
 static void simulate_one(void) {
     avr_t *avr = board.avr;
     avr_flashaddr_t from = avr->pc;
-    bool writes_flash = avr->flash[from] == 0xe8 && avr->flash[from + 1] == 0x95; /* SPM */
+    const uint8_t *code = avr->flash + from;
+    unsigned opcode = code[0] | code[1] << 8;
+    bool writes_flash = opcode == 0x95e8; /* SPM */
+    bool moves_heap = board.heap_end_place && (opcode & 0xfe0f) == 0x9200 /* STS */ &&
+                      (code[2] | code[3] << 8) == (int)board.heap_end_place;
     /* A count of zero ends the simulator's own batch after one instruction. */
     avr->run_cycle_count = 0;
     avr->pc = avr_run_one(avr);
     if (avr->state == cpu_Crashed) avr->state = cpu_Running;
     if (avr->pc == 0) canaries_tell_restart(from);
     if (writes_flash) instructions_decode();
+    if (moves_heap) canaries_heap_moved();
 }
 
 static void run_instructions(cycles_t target) {

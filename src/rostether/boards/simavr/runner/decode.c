@@ -18,6 +18,8 @@ static uint16_t word_at(uint32_t pc) {
 
 static bool is_long(uint16_t code) { return (code & 0xfc0f) == 0x9000 || (code & 0xfe0c) == 0x940c; }
 
+static bool moves_heap(uint16_t address) { return board.heap_end_place && address == board.heap_end_place; }
+
 /* Bytes that a taken skip at pc leaps over. */
 static int32_t skipped_bytes(uint32_t pc) { return is_long(word_at(pc + 2)) ? 4 : 2; }
 
@@ -51,6 +53,8 @@ static struct operation decode_transfer(uint16_t code, uint32_t pc) {
     static const uint8_t pointers[16] = {0, 30, 30, 0, 0, 0, 0, 0, 0, 28, 28, 0, 26, 26, 26, 0};
     unsigned d = code >> 4 & 0x1f, mode = code & 0xf;
     bool stores = code & 0x0200;
+    /* Compilers store the high byte first: with the low one the heap has moved, which the simulator's way tells. */
+    if (mode == 0x0 && stores && moves_heap(word_at(pc + 2))) return make(OP_SIMULATOR, 0, 0, 0);
     if (mode == 0x0) return make(stores ? OP_STS : OP_LDS, d, 0, word_at(pc + 2));
     if (mode == 0xf) return make(stores ? OP_PUSH : OP_POP, d, 0, 0);
     if (!stores && (mode == 4 || mode == 5)) return make(mode == 4 ? OP_LPM : OP_LPM_INC, d, 0, 0);

@@ -30,9 +30,8 @@ uint32_t firmware_heap_start(void) { return data_end; }
 
 /* malloc moves it; without malloc the heap is empty. */
 uint32_t firmware_heap_end(void) {
-    const struct symbol *end = firmware_symbol("__brkval");
-    const uint8_t *data = board.avr->data;
-    uint32_t top = end && end->address < board.avr->ramend ? data[end->address] | data[end->address + 1] << 8 : 0;
+    const uint8_t *place = board.avr->data + board.heap_end_place;
+    uint32_t top = board.heap_end_place ? place[0] | place[1] << 8 : 0;
     return top > data_end && top <= board.avr->ramend ? top : data_end;
 }
 
@@ -66,6 +65,8 @@ static void read_symbols(Elf *elf, Elf_Scn *section, const GElf_Shdr *header) {
     const struct symbol *end = firmware_symbol("__heap_start");
     if (!end) end = firmware_symbol("_end");
     if (end) data_end = end->address;
+    end = firmware_symbol("__brkval");
+    if (end && end->address < board.avr->ramend) board.heap_end_place = end->address;
 }
 
 static const char *load_segments(Elf *elf) {
