@@ -20,6 +20,8 @@ class BridgeSettings:
     `drain_pause_s`: how long a slow subscriber may pause a board that can be paused.
     `frame_bytes`: the largest payload of a frame from a board; the length field can say no more by default.
     `endpoints`: how many a board may announce. The established library has at most 50.
+    `messages_hz`: how many messages a second a board may bring into the graph, all topics together (None:
+    what its line carries).
     `queue_bytes`: what may wait for a board on each topic: more than one read of a ROS connection brings. On
     a line of known speed it is less.
     `subscriber_bytes`: what may wait for each slow ROS subscriber of a board's topic: a second of images.
@@ -39,6 +41,7 @@ class BridgeSettings:
     stall_s: float = 1.0
     frame_bytes: int = 65535
     endpoints: int = 256
+    messages_hz: float | None = None
     queue_bytes: int = 128 * 1024
     subscriber_bytes: int = 4 * 1024 * 1024
     unsent_bytes: int = 1024 * 1024

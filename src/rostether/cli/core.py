@@ -5,6 +5,7 @@ from __future__ import annotations
 import click
 
 from rostether.cli.graph_access import read_environment
+from rostether.cli.limit_options import GRAPH_LIMITS, limit_option, read_graph_limits
 from rostether.cli.options import allow_option, listen_option
 from rostether.cli.output import write_line
 from rostether.cli.running import run
@@ -27,12 +28,13 @@ from rostether.ros1.environment import RosEnvironment, format_uri
 )
 @listen_option
 @allow_option
-def core(port: int | None, listen: str | None, allowed: tuple[str, ...]) -> None:
+@limit_option(GRAPH_LIMITS)
+def core(port: int | None, listen: str | None, allowed: tuple[str, ...], limits: tuple[str, ...]) -> None:
     """Run the ROS master, parameter server and log collector, like roscore."""
     environment = read_environment()
     if listen is not None:
         environment = environment.listening_on(listen)
-    environment = environment.allowing(allowed)
+    environment = environment.allowing(allowed).limited(read_graph_limits(limits))
     run(_serve(environment, environment.master.port if port is None else port), is_service=True)
 
 

@@ -1,17 +1,20 @@
-"""`--limit NAME=VALUE`: the limits of the bridge, checked when they are given."""
+"""`--limit NAME=VALUE`: the limits of the bridge and of the graph, checked when they are given."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import click
 
 from rostether.errors import ConfigError
+from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 
 if TYPE_CHECKING:
     from rostether.bridge.settings import BridgeSettings
+
+Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 class Limit(NamedTuple):
@@ -24,9 +27,10 @@ class Limit(NamedTuple):
 
 _MIB = 1024 * 1024
 
-LIMITS = {
+BRIDGE_LIMITS = {
     "frame-bytes": Limit("frame_bytes", 64, 65535),
     "endpoints": Limit("endpoints", 1, 4096),
+    "messages-hz": Limit("messages_hz", 1, 10_000_000),
     "connections": Limit("connections", 1, 4096),
     "connections-per-host": Limit("connections_per_host", 1, 4096),
     "topic-bytes": Limit("queue_bytes", 8192, 256 * _MIB),
@@ -37,36 +41,70 @@ LIMITS = {
     "parameter-s": Limit("parameter_timeout_s", 0.05, 60),
     "grace-s": Limit("grace_s", 0, 86400),
 }
-"""By the name that a user writes."""
+"""Of `bridge.settings.BridgeSettings`, by the name that a user writes."""
 
-limit_option = click.option(
-    "--limit",
-    "limits",
-    multiple=True,
-    metavar="NAME=VALUE",
-    help=f"Set a limit; may be repeated. Names: {', '.join(LIMITS)}.",
-)
+GRAPH_LIMITS = {
+    "xmlrpc-bytes": Limit("body_bytes", 65536, 1024 * _MIB),
+    "xmlrpc-connections": Limit("xmlrpc_connections", 8, 65536),
+    "xmlrpc-connections-per-host": Limit("xmlrpc_connections_per_host", 4, 65536),
+    "xmlrpc-request-s": Limit("xmlrpc_request_s", 1, 3600),
+    "parameter-bytes": Limit("parameter_bytes", 1024, 4096 * _MIB),
+    "parameters-bytes": Limit("parameters_bytes", 65536, 4096 * _MIB),
+    "message-bytes": Limit("message_bytes", 1024, 4095 * _MIB),
+    "header-bytes": Limit("header_bytes", 4096, 64 * _MIB),
+    "header-s": Limit("header_s", 1, 3600),
+    "tcpros-connections": Limit("tcpros_connections", 8, 65536),
+    "tcpros-connections-per-host": Limit("tcpros_connections_per_host", 4, 65536),
+}
+"""Of `ros1.graph_limits.GraphLimits`."""
 
 
-def read_limits(texts: Sequence[str]) -> BridgeSettings:
-    """Return the settings with these limits. Raises ConfigError."""
+def limit_option(limits: Mapping[str, Limit]) -> Callable[[Function], Function]:
+    """Return the option `--limit` of a command that has these."""
+    return click.option(
+        "--limit",
+        "limits",
+        multiple=True,
+        metavar="NAME=VALUE",
+        help=f"Set a limit; may be repeated. Names: {', '.join(limits)}.",
+    )
+
+
+def read_limits(texts: Sequence[str]) -> tuple[BridgeSettings, GraphLimits]:
+    """Return the bridge's and the graph's limits. Raises ConfigError."""
     from rostether.bridge.settings import DEFAULT_SETTINGS
 
+    given = _read(texts, {**BRIDGE_LIMITS, **GRAPH_LIMITS})
+    bridge = {BRIDGE_LIMITS[name].setting: value for name, value in given.items() if name in BRIDGE_LIMITS}
+    return replace(DEFAULT_SETTINGS, **bridge), _graph_limits(given)  # type: ignore[arg-type]
+
+
+def read_graph_limits(texts: Sequence[str]) -> GraphLimits:
+    """Return the graph's limits, where no others are taken. Raises ConfigError."""
+    return _graph_limits(_read(texts, GRAPH_LIMITS))
+
+
+def _graph_limits(given: Mapping[str, float]) -> GraphLimits:
+    graph = {GRAPH_LIMITS[name].setting: value for name, value in given.items() if name in GRAPH_LIMITS}
+    return replace(DEFAULT_GRAPH_LIMITS, **graph)  # type: ignore[arg-type]
+
+
+def _read(texts: Sequence[str], limits: Mapping[str, Limit]) -> dict[str, float]:
     given: dict[str, float] = {}
     for text in texts:
         name, equals, value = text.partition("=")
-        limit = LIMITS.get(name)
+        limit = limits.get(name)
         if limit is None or not equals:
-            raise ConfigError(f"--limit {text}: write NAME=VALUE, where NAME is one of {', '.join(LIMITS)}")
-        is_time = name.endswith("-s")
+            raise ConfigError(f"--limit {text}: write NAME=VALUE, where NAME is one of {', '.join(limits)}")
+        may_be_broken = name.endswith(("-s", "-hz"))
         try:
-            number = float(value) if is_time else int(value)
+            number = float(value) if may_be_broken else int(value)
         except ValueError:
             number = float("nan")
         if not limit.lowest <= number <= limit.highest:
-            kind = "a number of seconds" if is_time else "a whole number"
+            kind = "a number" if may_be_broken else "a whole number"
             raise ConfigError(
                 f"--limit {text}: {kind} from {limit.lowest:g} to {limit.highest:.10g} is needed"
             )
-        given[limit.setting] = number
-    return replace(DEFAULT_SETTINGS, **given)  # type: ignore[arg-type]
+        given[name] = number
+    return given

@@ -13,7 +13,7 @@ from rostether.cli.announcing import announced, check_mdns
 from rostether.cli.bridge_lines import ConsoleReporter
 from rostether.cli.device_options import config_option, discover_option, probe_option, read_devices
 from rostether.cli.graph_access import read_environment
-from rostether.cli.limit_options import limit_option, read_limits
+from rostether.cli.limit_options import BRIDGE_LIMITS, GRAPH_LIMITS, limit_option, read_limits
 from rostether.cli.options import allow_option, listen_option, msg_path_option
 from rostether.cli.recording import record_limit_option, recorded
 from rostether.cli.running import run
@@ -75,7 +75,7 @@ if TYPE_CHECKING:
     help="Record what goes over the lines to a new file; see `rostether link`.",
 )
 @record_limit_option
-@limit_option
+@limit_option({**BRIDGE_LIMITS, **GRAPH_LIMITS})
 @click.option("-v", "--verbose", is_flag=True, help="Show the boards' debug lines too.")
 @click.option("--uvloop", is_flag=True, help="Run on uvloop: pip install 'rostether[uvloop]'.")
 def serve(
@@ -114,13 +114,13 @@ def serve(
     environment = read_environment(master)
     if listen is not None:
         environment = environment.listening_on(listen)
-    environment = environment.allowing(allowed)
+    settings, graph_limits = read_limits(limits)
+    environment = environment.allowing(allowed).limited(graph_limits)
     hosts = environment.listen_hosts if listen is not None else (LOOPBACK,)
     links = [link for address in addresses for link in read_links(address, hosts, allowed)]
     devices = read_devices(config, probes)
     discovers = discover or bool(probes) or not addresses
     announces = check_mdns(is_wanted=mdns)
-    settings = read_limits(limits)
     reporter = ConsoleReporter(lowest=Level.DEBUG if verbose else Level.INFO)
     run(
         _serve(

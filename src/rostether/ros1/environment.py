@@ -17,6 +17,7 @@ from pathlib import Path
 from rostether.errors import ConfigError
 from rostether.names.graph_name import canonical, is_global, is_legal_name, join
 from rostether.ros1.admission import EVERYBODY, Admission
+from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.transports.allow_list import check_networks
 
 DEFAULT_MASTER_PORT = 11311
@@ -74,8 +75,8 @@ class RosEnvironment:
     """The ROS 1 environment, validated.
 
     `master_uri_is_set` tells a chosen master from the default; `advertised_host` goes into the URIs we
-    register; `listen_hosts` are the addresses our servers bind, `admission` says who may connect to them;
-    `namespace` is global.
+    register; `listen_hosts` are the addresses our servers bind, `admission` says who may connect to them,
+    `limits` how much they may bring; `namespace` is global.
     """
 
     master_uri: str = DEFAULT_MASTER_URI
@@ -85,6 +86,7 @@ class RosEnvironment:
     namespace: str = "/"
     package_path: tuple[Path, ...] = ()
     admission: Admission = field(default=EVERYBODY, compare=False)
+    limits: GraphLimits = DEFAULT_GRAPH_LIMITS
 
     @classmethod
     def read(cls, environ: Mapping[str, str] | None = None) -> RosEnvironment:
@@ -145,6 +147,10 @@ class RosEnvironment:
         """
         checked = check_networks(networks, "--allow")
         return replace(self, admission=Admission(checked)) if checked else self
+
+    def limited(self, limits: GraphLimits) -> RosEnvironment:
+        """Return this environment with other limits (`--limit`)."""
+        return replace(self, limits=limits)
 
     def with_master(self, uri: str) -> RosEnvironment:
         """Return this environment with another master (`--master`). Raises ConfigError."""

@@ -52,6 +52,7 @@ class Roscore:
             port,
             advertised_host=environment.advertised_host,
             admission=environment.admission,
+            limits=environment.limits,
         )
         core = cls(master, environment, respawn_pause_s=respawn_pause_s)
         try:

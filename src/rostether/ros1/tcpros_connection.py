@@ -10,9 +10,10 @@ from typing import TypeAlias, cast
 
 from rostether.errors import RemoteProtocolError, RostetherError, TransportOpenError, TransportTimeoutError
 from rostether.ros1.environment import connect_host
+from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.tcpros.header import HeaderDecoder, encode_header
 
-HANDSHAKE_TIMEOUT_S = 10.0
+CONNECT_TIMEOUT_S = 10.0
 """A healthy peer answers in milliseconds; over a bad radio link TCP repeats a lost packet within 3 s."""
 
 UNSENT_BYTES = 128 << 10
@@ -41,20 +42,25 @@ class HandshakeProtocol(asyncio.Protocol):
     """
 
     def __init__(
-        self, accept: Accept, *, request: Mapping[str, str] | None = None, admit: Admit | None = None
+        self,
+        accept: Accept,
+        *,
+        request: Mapping[str, str] | None = None,
+        admit: Admit | None = None,
+        limits: GraphLimits = DEFAULT_GRAPH_LIMITS,
     ) -> None:
         self._accept = accept
         self._admit = admit
         self.host = ""
         self._request = request
-        self._decoder = HeaderDecoder()
+        self._decoder = HeaderDecoder(limits.header_bytes)
         loop = asyncio.get_running_loop()
         self.outcome: asyncio.Future[asyncio.Protocol] = loop.create_future()
         self._transport: asyncio.Transport | None = None
         self._timeout = loop.call_later(
-            HANDSHAKE_TIMEOUT_S,
+            limits.header_s,
             self._fail,
-            TransportTimeoutError(f"no connection header within {HANDSHAKE_TIMEOUT_S:g} s"),
+            TransportTimeoutError(f"no connection header within {limits.header_s:g} s"),
         )
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
@@ -118,13 +124,13 @@ async def connect(host: str, port: int, request: Mapping[str, str], accept: Acce
     loop = asyncio.get_running_loop()
     handshake: HandshakeProtocol | None = None
     try:
-        async with asyncio.timeout(HANDSHAKE_TIMEOUT_S):
+        async with asyncio.timeout(CONNECT_TIMEOUT_S):
             _, handshake = await loop.create_connection(
                 lambda: HandshakeProtocol(accept, request=request), connect_host(host), port
             )
             return await handshake.outcome
     except TimeoutError:
-        raise TransportTimeoutError(f"{host}:{port} gave no answer for {HANDSHAKE_TIMEOUT_S:g} s") from None
+        raise TransportTimeoutError(f"{host}:{port} gave no answer for {CONNECT_TIMEOUT_S:g} s") from None
     except (OSError, UnicodeError, OverflowError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise TransportOpenError(f"{host}:{port} cannot be reached ({reason})") from error

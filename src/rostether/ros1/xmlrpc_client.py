@@ -8,7 +8,7 @@ from typing import TypeAlias, cast
 
 from rostether.errors import GraphError, ProtocolError, RemoteProtocolError
 from rostether.ros1.environment import connect_host, parse_rpc_uri
-from rostether.xmlrpc.http_message import HttpClientSide, HttpStatusError
+from rostether.xmlrpc.http_message import MAX_BODY_BYTES, HttpClientSide, HttpStatusError
 from rostether.xmlrpc.values import FaultError, XmlRpcValue, dump_call, load_response
 
 StatusTriplet: TypeAlias = tuple[int, str, XmlRpcValue]
@@ -35,12 +35,14 @@ class XmlRpcClient:
         unreachable: type[GraphError] = GraphError,
         timeout_s: float = DEFAULT_TIMEOUT_S,
         on_lost: Callable[[], None] | None = None,
+        max_body_bytes: int = MAX_BODY_BYTES,
     ) -> None:
         self.uri = uri
         self.peer = peer
         self._unreachable = unreachable
         self._timeout_s = timeout_s
         self._on_lost = on_lost
+        self._max_body_bytes = max_body_bytes
         address = parse_rpc_uri(uri)
         self._host, self._port, self._path = address.host, address.port, address.path
         self._idle: list[_Connection] = []
@@ -116,7 +118,9 @@ class XmlRpcClient:
         loop = asyncio.get_running_loop()
         host_header = f"{self._host}:{self._port}"
         _, connection = await loop.create_connection(
-            lambda: _Connection(HttpClientSide(host_header, path=self._path), self._lost),
+            lambda: _Connection(
+                HttpClientSide(host_header, path=self._path, max_body_bytes=self._max_body_bytes), self._lost
+            ),
             connect_host(self._host),
             self._port,
         )

@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Awaitable, Callable
 from typing import cast
 
-from rostether.xmlrpc.http_message import HttpServerSide
+from rostether.xmlrpc.http_message import MAX_BODY_BYTES, HttpServerSide
 
 # Nearly all requests are below; larger ones are counted together, so that many cannot fill the memory.
 _LARGE_BODY_BYTES = 256 * 1024
@@ -27,12 +27,14 @@ class ServerConnection(asyncio.Protocol):
         on_lost: Callable[[ServerConnection], None],
         has_room: Callable[[], bool],
         admit: Callable[[ServerConnection, asyncio.Transport], bool] = lambda _connection, _transport: True,
+        *,
+        max_body_bytes: int = MAX_BODY_BYTES,
     ) -> None:
         self._answer = answer
         self._has_room = has_room
         self._admit = admit
         self._on_lost = on_lost
-        self._http = HttpServerSide()
+        self._http = HttpServerSide(max_body_bytes=max_body_bytes)
         self._transport: asyncio.Transport | None = None
         self._task: asyncio.Future[bytes] | None = None
         self._is_congested = False

@@ -17,29 +17,23 @@ from typing import Any, TypeAlias
 from rostether.errors import ConfigError, GraphError, RemoteProtocolError, RostetherError, SerializationError
 from rostether.ros1.admission import EVERYBODY, Admission
 from rostether.ros1.environment import LOOPBACK, connect_host, format_uri, is_loopback
+from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.ros1.xmlrpc_connection import ServerConnection
-from rostether.xmlrpc.http_message import MAX_BODY_BYTES
 from rostether.xmlrpc.values import FaultError, XmlRpcValue, dump_fault, dump_response, load_call
 
 Method: TypeAlias = Callable[..., Any]
 Dispatch: TypeAlias = Mapping[str, Method]
 
-# Descriptors are commonly limited to 1024 a process; a graph of hundreds of nodes keeps one or two open each.
-MAX_CONNECTIONS = 512
 # A client that reuses its connection does so within seconds; roscpp drops its own after 30 s.
 IDLE_TIMEOUT_S = 90.0
 # Who connects has a request; a connection that says nothing only holds a descriptor.
 FIRST_BYTE_LIMIT_S = 15.0
-# The largest request over a slow radio link; one that trickles in byte by byte is given up then.
-REQUEST_LIMIT_S = 60.0
-# One machine runs many nodes, but must leave room for others'; this one's own programs need no such limit.
-MAX_CONNECTIONS_PER_HOST = 256
 # A multicall sets the parameters of one launch file; a larger one would hold up everybody else.
 MAX_MULTICALL = 10_000
 # A client that reads has its answer within milliseconds; one that does not read is not waited for.
 _CLOSE_GRACE_S = 1.0
-# What all requests that are being received may take together: a few of the largest at once.
-MAX_BODIES_BYTES = 4 * MAX_BODY_BYTES
+# How many of the largest requests may be received at once.
+_LARGEST_AT_ONCE = 4
 # Trying to get one free port on several addresses: a clash is rare, two in a row are no accident.
 _BIND_ATTEMPTS = 5
 _FAULT = 1
@@ -64,9 +58,7 @@ class XmlRpcServer:
         admission: Admission = EVERYBODY,
         idle_timeout_s: float = IDLE_TIMEOUT_S,
         first_byte_limit_s: float = FIRST_BYTE_LIMIT_S,
-        request_limit_s: float = REQUEST_LIMIT_S,
-        max_connections: int = MAX_CONNECTIONS,
-        max_connections_per_host: int = MAX_CONNECTIONS_PER_HOST,
+        limits: GraphLimits = DEFAULT_GRAPH_LIMITS,
     ) -> None:
         self._methods: dict[str, Method] = {
             **dispatch,
@@ -78,9 +70,7 @@ class XmlRpcServer:
         self._idle_timeout_s = idle_timeout_s
         self._admission = admission
         self._first_byte_limit_s = first_byte_limit_s
-        self._request_limit_s = request_limit_s
-        self._max_connections = max_connections
-        self._max_connections_per_host = max_connections_per_host
+        self._limits = limits
         self._connections: dict[ServerConnection, None] = {}
         self._servers: list[asyncio.Server] = []
         self._sweep: asyncio.TimerHandle | None = None
@@ -144,16 +134,22 @@ class XmlRpcServer:
             await server.wait_closed()
 
     def _accept(self) -> ServerConnection:
-        return ServerConnection(self._answer, self._forget, self._has_room, self._admit)
+        return ServerConnection(
+            self._answer,
+            self._forget,
+            self._has_room,
+            self._admit,
+            max_body_bytes=self._limits.body_bytes,
+        )
 
     def _admit(self, connection: ServerConnection, transport: asyncio.Transport) -> bool:
         if not self._admission.admits(transport):
             return False
-        if len(self._connections) >= self._max_connections:
+        if len(self._connections) >= self._limits.xmlrpc_connections:
             _idlest(self._connections).abort()
         if not is_loopback(connection.host):
             same = [each for each in self._connections if each.host == connection.host]
-            if len(same) >= self._max_connections_per_host:
+            if len(same) >= self._limits.xmlrpc_connections_per_host:
                 _idlest(same).abort()
         self._connections[connection] = None
         if self._sweep is None:
@@ -161,7 +157,8 @@ class XmlRpcServer:
         return True
 
     def _has_room(self) -> bool:
-        return sum(connection.body_bytes for connection in self._connections) <= MAX_BODIES_BYTES
+        held_bytes = sum(connection.body_bytes for connection in self._connections)
+        return held_bytes <= _LARGEST_AT_ONCE * self._limits.body_bytes
 
     def _forget(self, connection: ServerConnection) -> None:
         self._connections.pop(connection, None)
@@ -169,7 +166,7 @@ class XmlRpcServer:
             self._emptied.set()
 
     def _sweep_later(self) -> None:
-        shortest_s = min(self._idle_timeout_s, self._first_byte_limit_s, self._request_limit_s)
+        shortest_s = min(self._idle_timeout_s, self._first_byte_limit_s, self._limits.xmlrpc_request_s)
         self._sweep = asyncio.get_running_loop().call_later(shortest_s / 4, self._sweep_idle)
 
     def _sweep_idle(self) -> None:
@@ -186,7 +183,7 @@ class XmlRpcServer:
             return True
         waited_s = now_s - connection.waiting_since_s
         if connection.is_receiving:
-            return waited_s > self._request_limit_s
+            return waited_s > self._limits.xmlrpc_request_s
         return not connection.has_spoken and waited_s > self._first_byte_limit_s
 
     def _answer(self, document: bytes) -> bytes | Awaitable[bytes]:

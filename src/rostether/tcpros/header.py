@@ -54,22 +54,24 @@ def decode_fields(body: bytes) -> dict[str, str]:
 class HeaderDecoder:
     """Collects one connection header from chunks cut anywhere; what follows it is `rest`."""
 
-    def __init__(self) -> None:
+    def __init__(self, max_header_bytes: int = MAX_HEADER_BYTES) -> None:
+        self._max_header_bytes = max_header_bytes
         self._buffer = bytearray()
         self.rest = b""
 
     def feed(self, data: bytes) -> dict[str, str] | None:
         """Take a chunk; return the fields once the header is complete.
 
-        Raises RemoteProtocolError for a header longer than MAX_HEADER_BYTES or broken fields.
+        Raises RemoteProtocolError for a header longer than the limit or broken fields.
         """
         self._buffer += data
         if len(self._buffer) < 4:
             return None
         (length,) = _LENGTH.unpack_from(self._buffer)
-        if length > MAX_HEADER_BYTES:
+        if length > self._max_header_bytes:
             raise RemoteProtocolError(
-                f"connection header claims {length} bytes, more than {MAX_HEADER_BYTES}: not a TCPROS peer?"
+                f"connection header claims {length} bytes, more than {self._max_header_bytes}: "
+                "not a TCPROS peer?"
             )
         if len(self._buffer) < 4 + length:
             return None

@@ -8,6 +8,7 @@ import socket
 
 import pytest
 
+from rostether.ros1.graph_limits import GraphLimits
 from rostether.xmlrpc.http_message import HttpClientSide
 from unit.ros1.xmlrpc_stage import RawClient, client_of, later, request, serving
 
@@ -83,8 +84,8 @@ async def test_who_does_not_read_is_not_read_from() -> None:
 
 
 async def test_many_large_requests_cannot_fill_the_memory(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rostether.ros1.xmlrpc_server.MAX_BODIES_BYTES", 1_000_000)
-    async with serving({"size": len}) as server:
+    monkeypatch.setattr("rostether.ros1.xmlrpc_server._LARGEST_AT_ONCE", 1)
+    async with serving({"size": len}, limits=GraphLimits(body_bytes=1_000_000)) as server:
         begin = request("size", "x" * 900_000)[:-100]
         first = await RawClient.connect(server)
         first.writer.write(begin)

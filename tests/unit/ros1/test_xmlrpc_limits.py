@@ -7,6 +7,7 @@ import asyncio
 import pytest
 
 from rostether.ros1 import xmlrpc_server
+from rostether.ros1.graph_limits import GraphLimits
 from unit.ros1.xmlrpc_stage import RawClient, client_of, request, serving
 from unit.transports.strangers import is_hung_up, stranger
 
@@ -33,7 +34,7 @@ async def test_a_connection_that_has_spoken_may_rest() -> None:
 
 @pytest.mark.parametrize("part", [b"POST / HTTP/1.1\r\n", request("ping")[:-1]], ids=["head", "body"])
 async def test_a_request_that_trickles_in_is_given_up(part: bytes) -> None:
-    async with serving({"ping": lambda: 1}, request_limit_s=0.1) as server:
+    async with serving({"ping": lambda: 1}, limits=GraphLimits(xmlrpc_request_s=0.1)) as server:
         slow = await RawClient.connect(server)
 
         async def trickle() -> None:
@@ -61,7 +62,7 @@ async def test_a_header_without_end_is_refused() -> None:
 async def test_one_address_displaces_only_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(xmlrpc_server, "is_loopback", lambda host: host != "127.0.0.2")
     async with (
-        serving({"ping": lambda: 1}, max_connections_per_host=1) as server,
+        serving({"ping": lambda: 1}, limits=GraphLimits(xmlrpc_connections_per_host=1)) as server,
         client_of(server) as friend,
     ):
         assert await friend.call("ping") == 1

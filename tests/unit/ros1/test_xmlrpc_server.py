@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from rostether.errors import ConfigError, GraphError, UnknownNameError
+from rostether.ros1.graph_limits import GraphLimits
 from rostether.ros1.xmlrpc_client import XmlRpcClient
 from rostether.ros1.xmlrpc_server import XmlRpcServer
 from unit.ros1.xmlrpc_stage import RawClient, client_of, later, request, serving
@@ -118,7 +119,7 @@ async def test_methods_are_listed() -> None:
 
 
 async def test_the_idlest_connection_makes_room() -> None:
-    async with serving({"ping": lambda: 1}, max_connections=2) as server:
+    async with serving({"ping": lambda: 1}, limits=GraphLimits(xmlrpc_connections=2)) as server:
         first = await RawClient.connect(server)
         second = await RawClient.connect(server)
         for raw in (first, second, first):

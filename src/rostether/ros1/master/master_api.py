@@ -13,6 +13,7 @@ from functools import partial
 from typing import Any, NamedTuple, Protocol, TypeAlias
 
 from rostether.errors import GraphError, UnknownNameError
+from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.ros1.master.argument_checks import (
     BadArgumentError,
     Check,
@@ -68,9 +69,14 @@ class MasterApi:
     `uri` is what getUri answers: set it once the server listens.
     """
 
-    def __init__(self, node_calls: NodeCalls, on_shutdown: Callable[[str], None]) -> None:
+    def __init__(
+        self,
+        node_calls: NodeCalls,
+        on_shutdown: Callable[[str], None],
+        limits: GraphLimits = DEFAULT_GRAPH_LIMITS,
+    ) -> None:
         self.registrations = Registrations()
-        self.parameters = ParameterTree()
+        self.parameters = ParameterTree(limits)
         self.uri = ""
         self._node_calls = node_calls
         self._on_shutdown = on_shutdown

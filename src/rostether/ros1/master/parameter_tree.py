@@ -10,12 +10,11 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from rostether.errors import GraphError, UnknownNameError
+from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.xmlrpc.values import MAX_NESTING, XmlRpcValue
 
 # Answers and notices wrap a value once or twice more; XML-RPC documents end at MAX_NESTING.
 MAX_DEPTH = MAX_NESTING - 10
-# A few robot descriptions with their meshes' names are some MB; beyond, somebody stores files here.
-MAX_TREE_BYTES = 256 * 1024 * 1024
 # What a value takes in memory beside its text, roughly.
 _BYTES_PER_VALUE = 64
 
@@ -42,7 +41,8 @@ def _parts(name: str) -> list[str]:
 class ParameterTree:
     """The parameters of one master."""
 
-    def __init__(self) -> None:
+    def __init__(self, limits: GraphLimits = DEFAULT_GRAPH_LIMITS) -> None:
+        self._limits = limits
         self._root: dict[str, XmlRpcValue] = {}
         self._bytes = _BYTES_PER_VALUE
 
@@ -70,8 +70,14 @@ class ParameterTree:
         if len(parts) > MAX_DEPTH:
             raise GraphError(f"parameters cannot be nested deeper than {MAX_DEPTH} levels: flatten them")
         added = _weigh(value, MAX_DEPTH - len(parts))
-        if self._bytes + added + len(name) + _BYTES_PER_VALUE * len(parts) > MAX_TREE_BYTES:
-            raise GraphError(f"the parameters would take more than {MAX_TREE_BYTES} bytes: delete some")
+        largest, most = self._limits.parameter_bytes, self._limits.parameters_bytes
+        if added > largest:
+            raise GraphError(f"{name} would take more than {largest} bytes: raise --limit parameter-bytes")
+        if self._bytes + added + len(name) + _BYTES_PER_VALUE * len(parts) > most:
+            raise GraphError(
+                f"the parameters would take more than {most} bytes: delete some, or raise "
+                "--limit parameters-bytes"
+            )
         if isinstance(value, dict) and not parts:
             self._root, self._bytes = value, added
             return

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 from rostether.ros1.admission import EVERYBODY, Admission
 from rostether.ros1.environment import DEFAULT_MASTER_PORT, LOOPBACK
+from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.ros1.master.master_api import MasterApi
 from rostether.ros1.master.node_calls import PING_INTERVAL_S, NodeCallQueue
 from rostether.ros1.xmlrpc_server import XmlRpcServer
@@ -24,16 +25,22 @@ class MasterServer:
     """A ROS master, with the parameters roscore sets; `start` makes one that listens."""
 
     def __init__(
-        self, hosts: Sequence[str], port: int, advertised_host: str, admission: Admission = EVERYBODY
+        self,
+        hosts: Sequence[str],
+        port: int,
+        advertised_host: str,
+        admission: Admission = EVERYBODY,
+        limits: GraphLimits = DEFAULT_GRAPH_LIMITS,
     ) -> None:
         self._node_calls = NodeCallQueue(self._drop_gone)
-        self.api = MasterApi(self._node_calls, self._stop)
+        self.api = MasterApi(self._node_calls, self._stop, limits)
         self._server = XmlRpcServer(
             self.api.dispatch(),
             hosts=hosts,
             port=port,
             advertised_host=advertised_host,
             admission=admission,
+            limits=limits,
         )
         self._stopped = asyncio.Event()
         self._closing: asyncio.Task[None] | None = None
@@ -47,6 +54,7 @@ class MasterServer:
         *,
         advertised_host: str = "",
         admission: Admission = EVERYBODY,
+        limits: GraphLimits = DEFAULT_GRAPH_LIMITS,
     ) -> MasterServer:
         """Start a master on one or several addresses; port 0 takes a free one.
 
@@ -54,7 +62,7 @@ class MasterServer:
         taken, ConfigError when an address is not this machine's.
         """
         hosts = (host,) if isinstance(host, str) else tuple(host)
-        master = cls(hosts, port, advertised_host or hosts[0], admission)
+        master = cls(hosts, port, advertised_host or hosts[0], admission, limits)
         await master._listen()
         return master
 

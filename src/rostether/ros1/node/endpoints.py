@@ -51,13 +51,14 @@ class Endpoints:
         self._subscriptions: dict[str, list[Subscription]] = {}
         self._services: dict[str, ServiceServer] = {}
         self._listener = TcprosListener(
-            self._accept_subscriber, self._accept_client, report, environment.admission
+            self._accept_subscriber, self._accept_client, report, environment.admission, environment.limits
         )
         self._server = XmlRpcServer(
             slave_dispatch(self),
             hosts=environment.listen_hosts,
             advertised_host=environment.advertised_host,
             admission=environment.admission,
+            limits=environment.limits,
         )
         self._is_open = False
         self.watches: ParameterWatches
@@ -151,6 +152,7 @@ class Endpoints:
             on_connection=on_connection,
             on_close=self._release_subscription,
             tcp_nodelay=tcp_nodelay,
+            limits=self._environment.limits,
         )
         together = self._subscriptions.setdefault(topic, [])
         together.append(subscription)
@@ -170,7 +172,12 @@ class Endpoints:
         if service in self._services:
             raise GraphError(f"this node offers the service {service} already: choose another name")
         server = ServiceServer(
-            service, service_type, handler, node_name=self.node_name, on_close=self._release_service
+            service,
+            service_type,
+            handler,
+            node_name=self.node_name,
+            on_close=self._release_service,
+            limits=self._environment.limits,
         )
         self._services[service] = server
         try:

@@ -7,6 +7,7 @@ from typing import Any
 
 from rostether.errors import GraphError, MasterUnreachableError, UnknownNameError
 from rostether.ros1.xmlrpc_client import MAX_IDLE_CONNECTIONS, StatusTriplet, XmlRpcClient
+from rostether.xmlrpc.http_message import MAX_BODY_BYTES
 from rostether.xmlrpc.values import XmlRpcValue
 
 
@@ -16,13 +17,18 @@ class MasterClient:
     All of them raise MasterUnreachableError when it does not answer, GraphError when it refuses.
     """
 
-    def __init__(self, uri: str, caller_id: str) -> None:
+    def __init__(self, uri: str, caller_id: str, *, max_body_bytes: int = MAX_BODY_BYTES) -> None:
         self.uri = uri
         self.caller_id = caller_id
         # A burst, such as a board announcing fifty topics, goes over the connections that are kept:
         # opening one for each call takes three times as long.
         self._turns = asyncio.Semaphore(MAX_IDLE_CONNECTIONS)
-        self._client = XmlRpcClient(uri, peer="the ROS master", unreachable=MasterUnreachableError)
+        self._client = XmlRpcClient(
+            uri,
+            peer="the ROS master",
+            unreachable=MasterUnreachableError,
+            max_body_bytes=max_body_bytes,
+        )
 
     async def register_publisher(self, topic: str, type_name: str, node_uri: str) -> list[str]:
         """Register us; returns the URIs of the topic's subscribers."""

@@ -53,7 +53,9 @@ async def join_ros1(
     """
     environment = environment or RosEnvironment.read()
     full_name = join(namespace, validate_name(node_name))
-    master = MasterClient(master_uri or environment.master_uri, full_name)
+    master = MasterClient(
+        master_uri or environment.master_uri, full_name, max_body_bytes=environment.limits.body_bytes
+    )
     graph = Ros1Graph(master, environment, namespace, remappings or {})
     try:
         await graph._open(check_interval_s)
@@ -77,6 +79,7 @@ class Ros1Graph:
         self._namespace = namespace
         self._remappings = resolve_remappings(remappings, namespace=namespace, node_name=self.node_name)
         self._master = master
+        self._limits = environment.limits
         self._clock = Clock()
         self._endpoints = Endpoints(master, environment, report=self._report, on_shutdown=self._leave)
         self._rosout = RosoutLog(
@@ -143,7 +146,9 @@ class Ros1Graph:
         self, service: str, service_type: ServiceType, *, persistent: bool = False
     ) -> ServiceClient:
         """Return a client for many calls; a persistent one keeps its connection. Close it at the end."""
-        return ServiceClient(self.resolve(service), service_type, self._master, persistent=persistent)
+        return ServiceClient(
+            self.resolve(service), service_type, self._master, persistent=persistent, limits=self._limits
+        )
 
     async def call_service(
         self, service: str, service_type: ServiceType, request: bytes, *, timeout_s: float | None = None

@@ -32,11 +32,12 @@ class PublisherConnection(asyncio.Protocol):
         transport: asyncio.Transport,
         record: ConnectionRecord,
         on_messages: Callable[[Sequence[bytes]], None],
+        max_message_bytes: int,
     ) -> None:
         self.record = record
         self.lost = asyncio.Event()
         self._transport = transport
-        self._decoder = MessageDecoder()
+        self._decoder = MessageDecoder(max_message_bytes)
         self._on_messages = on_messages
         self._is_paused = False
         self._held: list[bytes] = []

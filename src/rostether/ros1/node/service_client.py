@@ -19,6 +19,7 @@ from rostether.errors import (
 )
 from rostether.msgdef.interface import ServiceType
 from rostether.ros1.environment import parse_rpc_uri
+from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.ros1.node.master_client import MasterClient
 from rostether.ros1.tcpros_connection import connect
 from rostether.tcpros.handshake import check_server, client_fields, probe_fields
@@ -34,12 +35,19 @@ class ServiceClient:
     that has broken. Calls of a persistent client wait for each other, others run side by side."""
 
     def __init__(
-        self, service: str, service_type: ServiceType, master: MasterClient, *, persistent: bool = False
+        self,
+        service: str,
+        service_type: ServiceType,
+        master: MasterClient,
+        *,
+        persistent: bool = False,
+        limits: GraphLimits = DEFAULT_GRAPH_LIMITS,
     ) -> None:
         self.service = service
         self._type = service_type
         self._master = master
         self._persistent = persistent
+        self._limits = limits
         self._request_fields = client_fields(
             service, service_type, caller_id=master.caller_id, persistent=persistent
         )
@@ -117,7 +125,7 @@ class ServiceClient:
     async def _open(self, fields: dict[str, str]) -> _CallConnection:
         def accept(answer: dict[str, str], transport: asyncio.Transport) -> _CallConnection:
             check_server(answer, self.service, self._type)
-            return _CallConnection(transport)
+            return _CallConnection(transport, self._limits.message_bytes)
 
         try:
             uri = await self._master.lookup_service(self.service)
@@ -141,9 +149,9 @@ class ServiceClient:
 class _CallConnection(asyncio.Protocol):
     """A connection with one call at a time."""
 
-    def __init__(self, transport: asyncio.Transport) -> None:
+    def __init__(self, transport: asyncio.Transport, max_message_bytes: int) -> None:
         self._transport = transport
-        self._decoder = AnswerDecoder()
+        self._decoder = AnswerDecoder(max_message_bytes)
         self._answer: asyncio.Future[ServiceAnswer] | None = None
         self._is_lost = False
 

@@ -10,6 +10,7 @@ from rostether.errors import ProtocolError, RostetherError
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import ServiceHandler
 from rostether.msgdef.interface import ServiceType
+from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.tcpros.handshake import Purpose, check_client, purpose_of, server_fields
 from rostether.tcpros.header import encode_header
 from rostether.tcpros.message_framing import MessageDecoder
@@ -27,10 +28,12 @@ class ServiceServer:
         *,
         node_name: str,
         on_close: Callable[[ServiceServer], Awaitable[None]],
+        limits: GraphLimits = DEFAULT_GRAPH_LIMITS,
     ) -> None:
         self.service = service
         self.type = service_type
         self._handler = handler
+        self._limits = limits
         self._greeting = encode_header(server_fields(service, service_type, caller_id=node_name))
         self._on_close = on_close
         self._connections: set[ServiceConnection] = set()
@@ -45,6 +48,7 @@ class ServiceServer:
             greeting=self._greeting,
             answer=self._answer,
             on_lost=self._connections.discard,
+            max_message_bytes=self._limits.message_bytes,
         )
         self._connections.add(connection)
         return connection
@@ -77,13 +81,14 @@ class ServiceConnection(asyncio.Protocol):
         greeting: bytes,
         answer: Callable[[bytes], Awaitable[bytes]],
         on_lost: Callable[[ServiceConnection], None],
+        max_message_bytes: int,
     ) -> None:
         self._transport = transport
         self._purpose = purpose
         self._greeting = greeting
         self._answer = answer
         self._on_lost = on_lost
-        self._decoder = MessageDecoder()
+        self._decoder = MessageDecoder(max_message_bytes)
         self._requests: deque[bytes] = deque()
         self._task: asyncio.Task[None] | None = None
         self._is_lost = False

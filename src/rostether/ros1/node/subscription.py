@@ -8,6 +8,7 @@ from collections.abc import Awaitable, Callable, Mapping, Sequence
 from rostether.graph.callbacks import call_contained
 from rostether.graph.ports import Level, OnMessages
 from rostether.msgdef.interface import MessageType
+from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.ros1.node.publisher_connection import PublisherConnection, PublisherLink
 from rostether.ros1.tcpros_connection import ConnectionRecord
 from rostether.tcpros.handshake import check_publisher, subscriber_fields
@@ -31,6 +32,7 @@ class Subscription:
         on_connection: Callable[[Mapping[str, str]], None] | None,
         on_close: Callable[[Subscription], Awaitable[None]],
         tcp_nodelay: bool,
+        limits: GraphLimits = DEFAULT_GRAPH_LIMITS,
     ) -> None:
         self.topic = topic
         self.type = message_type
@@ -39,6 +41,7 @@ class Subscription:
         self._on_messages = on_messages
         self._on_connection = on_connection
         self._on_close = on_close
+        self._limits = limits
         self._links: dict[str, PublisherLink] = {}
         self._closing_links: set[asyncio.Task[None]] = set()
         self._request = subscriber_fields(topic, message_type, caller_id=node_name, tcp_nodelay=tcp_nodelay)
@@ -105,7 +108,7 @@ class Subscription:
     def _accept(self, uri: str, fields: dict[str, str], transport: asyncio.Transport) -> PublisherConnection:
         check_publisher(fields, self.topic, self.type)
         record = ConnectionRecord(transport, peer=uri, topic=self.topic, direction="i")
-        connection = PublisherConnection(transport, record, self._take)
+        connection = PublisherConnection(transport, record, self._take, self._limits.message_bytes)
         if self._is_paused:
             connection.pause()
         if self._on_connection is not None:

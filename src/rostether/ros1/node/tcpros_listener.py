@@ -10,6 +10,7 @@ from rostether.errors import ConfigError, GraphError, TypeMismatchError
 from rostether.graph.ports import Level
 from rostether.ros1.admission import EVERYBODY, Admission
 from rostether.ros1.environment import connect_host, is_loopback
+from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.ros1.tcpros_connection import HandshakeProtocol
 from rostether.tcpros.handshake import Purpose, purpose_of
 
@@ -18,12 +19,6 @@ MAX_HANDSHAKES = 256
 
 MAX_HANDSHAKES_PER_HOST = 64
 """The same for one address that is not this machine, so that it leaves room for others."""
-
-MAX_CONNECTIONS = 768
-"""Descriptors are commonly limited to 1024 a process; one is needed for each connection that stays."""
-
-MAX_CONNECTIONS_PER_HOST = 384
-"""One machine runs many nodes, but must leave room for others'."""
 
 _BIND_ATTEMPTS = 5
 
@@ -42,11 +37,13 @@ class TcprosListener:
         accept_client: AcceptPeer,
         report: Callable[[Level, str], None],
         admission: Admission = EVERYBODY,
+        limits: GraphLimits = DEFAULT_GRAPH_LIMITS,
     ) -> None:
         self._accept_subscriber = accept_subscriber
         self._accept_client = accept_client
         self._report = report
         self._admission = admission
+        self._limits = limits
         self._servers: list[asyncio.Server] = []
         self._served: dict[asyncio.Transport, str] = {}
         self._handshakes: dict[HandshakeProtocol, None] = {}
@@ -89,7 +86,7 @@ class TcprosListener:
             self.port = server.sockets[0].getsockname()[1]
 
     def _take(self) -> HandshakeProtocol:
-        return HandshakeProtocol(self._accept, admit=self._admit)
+        return HandshakeProtocol(self._accept, admit=self._admit, limits=self._limits)
 
     def _admit(self, handshake: HandshakeProtocol, transport: asyncio.Transport) -> bool:
         if not self._admission.admits(transport):
@@ -108,10 +105,11 @@ class TcprosListener:
         self._served = {each: host for each, host in self._served.items() if not each.is_closing()}
         peer = transport.get_extra_info("peername")
         host = peer[0] if peer else ""
-        if len(self._served) >= MAX_CONNECTIONS:
-            raise GraphError(f"this node has {MAX_CONNECTIONS} connections already: end some of them")
-        if not is_loopback(host) and list(self._served.values()).count(host) >= MAX_CONNECTIONS_PER_HOST:
-            raise GraphError(f"{host} has {MAX_CONNECTIONS_PER_HOST} connections already: end some of them")
+        most, most_per_host = self._limits.tcpros_connections, self._limits.tcpros_connections_per_host
+        if len(self._served) >= most:
+            raise GraphError(f"this node has {most} connections already: end some of them")
+        if not is_loopback(host) and list(self._served.values()).count(host) >= most_per_host:
+            raise GraphError(f"{host} has {most_per_host} connections already: end some of them")
         if purpose_of(fields) is Purpose.SUBSCRIBE:
             successor = self._accept_subscriber(fields, transport)
         else:

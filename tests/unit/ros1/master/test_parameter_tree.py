@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rostether.errors import GraphError, UnknownNameError
-from rostether.ros1.master import parameter_tree as module
+from rostether.ros1.graph_limits import GraphLimits
 from rostether.ros1.master.parameter_tree import MAX_DEPTH, ParameterTree, Update, updates, watch_key
 from rostether.xmlrpc.values import XmlRpcValue
 
@@ -120,9 +120,8 @@ def test_depth_is_bounded_by_name_and_value_together() -> None:
     assert tree.names() == ["/a" + "/x" * (MAX_DEPTH - 1)], "a refused value leaves nothing behind"
 
 
-def test_size_is_bounded_and_given_back(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "MAX_TREE_BYTES", 5000)
-    tree = ParameterTree()
+def test_size_is_bounded_and_given_back() -> None:
+    tree = ParameterTree(GraphLimits(parameters_bytes=5000, parameter_bytes=6000))
     for _ in range(100):
         tree.set("/a/b/text", "x" * 2000)
         tree.set("/a/b", 1)
@@ -134,6 +133,8 @@ def test_size_is_bounded_and_given_back(monkeypatch: pytest.MonkeyPatch) -> None
     assert tree._bytes == ParameterTree()._bytes
     with pytest.raises(GraphError, match="more than 5000 bytes"):
         tree.set("/a", ["x" * 1000] * 5)
+    with pytest.raises(GraphError, match="/a would take more than 6000 bytes"):
+        tree.set("/a", "x" * 6000)
     assert tree.names() == []
 
 

@@ -10,7 +10,7 @@ import pytest
 import pytest_asyncio
 
 from rostether.errors import ConfigError, GraphError
-from rostether.ros1 import tcpros_connection
+from rostether.ros1.graph_limits import GraphLimits
 from rostether.ros1.node import tcpros_listener
 from rostether.ros1.node.tcpros_listener import TcprosListener
 from rostether.tcpros.header import MAX_HEADER_BYTES
@@ -62,10 +62,11 @@ async def test_garbage_is_refused(listener: TcprosListener, data: bytes) -> None
     await peer.close()
 
 
-async def test_who_says_nothing_is_hung_up_on(
-    listener: TcprosListener, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(tcpros_connection, "HANDSHAKE_TIMEOUT_S", 0.05)
+async def test_who_says_nothing_is_hung_up_on() -> None:
+    listener = TcprosListener(
+        refuse_subscriber, refuse_client, lambda *_: None, limits=GraphLimits(header_s=0.05)
+    )
+    await listener.start(["127.0.0.1"])
     peer = await RawPeer.connect(listener.port)
     peer.writer.write(b"\x10\0")
     assert await peer.is_hung_up()
@@ -102,15 +103,17 @@ async def test_one_address_leaves_room_for_others(
 
 
 @pytest.mark.parametrize(
-    ("limit", "reason"),
-    [("MAX_CONNECTIONS", "this node has 1 connections"), ("MAX_CONNECTIONS_PER_HOST", "127.0.0.1 has 1")],
+    ("limits", "reason"),
+    [
+        (GraphLimits(tcpros_connections=1), "this node has 1 connections"),
+        (GraphLimits(tcpros_connections_per_host=1), "127.0.0.1 has 1"),
+    ],
 )
 async def test_connections_that_stay_are_counted(
-    limit: str, reason: str, monkeypatch: pytest.MonkeyPatch
+    limits: GraphLimits, reason: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(tcpros_listener, limit, 1)
     monkeypatch.setattr(tcpros_listener, "is_loopback", lambda _host: False)
-    listener = TcprosListener(lambda *_: asyncio.Protocol(), refuse_client, lambda *_: None)
+    listener = TcprosListener(lambda *_: asyncio.Protocol(), refuse_client, lambda *_: None, limits=limits)
     await listener.start(["127.0.0.1"])
     fields = {"topic": "/a", "md5sum": "*"}
     first, second = await RawPeer.connect(listener.port), await RawPeer.connect(listener.port)

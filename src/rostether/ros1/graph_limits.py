@@ -1,0 +1,43 @@
+"""The limits of a ROS graph's servers and connections that a user may want to set, with their reasons."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from rostether.tcpros.header import MAX_HEADER_BYTES
+from rostether.tcpros.message_framing import MAX_MESSAGE_BYTES
+from rostether.xmlrpc.http_message import MAX_BODY_BYTES
+
+
+@dataclass(frozen=True, slots=True)
+class GraphLimits:
+    """Of one server, or of one node.
+
+    `body_bytes`: an XML-RPC request or answer. The largest in the field are whole parameter dumps, of a few
+    MB.
+    `xmlrpc_connections`: descriptors are commonly limited to 1024 a process, and a graph of hundreds of nodes
+    keeps one or two open each. `xmlrpc_connections_per_host`: one machine runs many nodes, but must leave
+    room for others'; this one's own programs need no such limit.
+    `xmlrpc_request_s`: the largest request over a slow radio link; one that trickles in is given up then.
+    `parameter_bytes`, `parameters_bytes`: what one call may set in the master, and all parameters together,
+    in memory. A few robot descriptions have some MB; beyond, somebody stores files there.
+    `message_bytes`: a message, request or answer of a node: four times the largest in practice.
+    `header_bytes`: a connection header, which is mostly its message definition: the longest has 20 KB.
+    `header_s`: how long a peer may take for it. TCP repeats what a bad radio link lost within 3 s.
+    `tcpros_connections`, `tcpros_connections_per_host`: as those of XML-RPC; one stays for each subscriber.
+    """
+
+    body_bytes: int = MAX_BODY_BYTES
+    xmlrpc_connections: int = 512
+    xmlrpc_connections_per_host: int = 256
+    xmlrpc_request_s: float = 60.0
+    parameter_bytes: int = 64 * 1024 * 1024
+    parameters_bytes: int = 256 * 1024 * 1024
+    message_bytes: int = MAX_MESSAGE_BYTES
+    header_bytes: int = MAX_HEADER_BYTES
+    header_s: float = 10.0
+    tcpros_connections: int = 768
+    tcpros_connections_per_host: int = 384
+
+
+DEFAULT_GRAPH_LIMITS = GraphLimits()
