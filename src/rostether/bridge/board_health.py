@@ -59,7 +59,8 @@ class BoardHealth:
         """Return what is wrong now, errors first. Called about once a second."""
         if self.watch is None:
             return []
-        found = self.watch.find(now_s) + self._endpoints.find(now_s, self.watch.too_large_s)
+        found = self.watch.find(now_s)
+        found += self._endpoints.find(now_s, self.watch.too_large_s, self.watch.oversizes)
         found += self.required.find()
         drift_ppm = self.clock.drift_ppm
         if drift_ppm is not None and abs(drift_ppm) >= DRIFT_PPM:

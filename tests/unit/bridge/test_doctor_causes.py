@@ -100,6 +100,43 @@ class UartPort:
         return garbled(data, self._board_baud, self._baud)
 
 
+class SlowLine:
+    """A board's end of the wire whose bytes leave it as fast as its UART sends them, four at a time."""
+
+    can_pause = False
+    has_baud = False
+    write_buffer_bytes = 0
+
+    def __init__(self, wire: Transport, baud: int) -> None:
+        self._wire = wire
+        self._baud = baud
+        self._unsent = bytearray()
+        self._sending: asyncio.Task[None] | None = None
+        self.peer = wire.peer
+        self.start = wire.start
+        self.pause_reading = wire.pause_reading
+        self.resume_reading = wire.resume_reading
+        self.wait_closed = wire.wait_closed
+
+    def write(self, data: bytes | bytearray | memoryview) -> None:
+        self._unsent += data
+        if self._unsent and self._sending is None:
+            self._sending = asyncio.get_running_loop().create_task(self._send())
+
+    def close(self) -> None:
+        if self._sending is not None:
+            self._sending.cancel()
+        self._wire.close()
+
+    async def _send(self) -> None:
+        while self._unsent:
+            piece = bytes(self._unsent[:4])
+            del self._unsent[:4]
+            await asyncio.sleep(10 * len(piece) / self._baud)
+            self._wire.write(piece)
+        self._sending = None
+
+
 class Bench:
     """A port with a board at it, which speaks at `board_baud`; every opening connects the same board anew."""
 
@@ -339,6 +376,62 @@ def test_an_input_buffer_too_small_for_a_topic() -> None:
     )
     assert codes(diagnosis) == [Code.BUFFER_TOO_SMALL]
     assert diagnosis.findings[0].subject == "goal"
+
+
+def long_text(size: int) -> Callable[[SketchBoard], None]:
+    payload = struct.pack("<I", size - 4) + b"a line of text, \xff and \xc3\xa9 in it\n".ljust(size - 4, b"x")
+    return lambda board: board.write(encode_frame(board.ids["text"], payload))
+
+
+@pytest.mark.parametrize("size", [300, 511, 2000])
+@pytest.mark.parametrize("baud", [9600, 57600])
+def test_messages_longer_than_the_board_announced(size: int, baud: int) -> None:
+    """What a board does whose library does not look at its own buffer, a few bytes at a time."""
+    config = DeviceLinkConfig(output_buffer_bytes=280)
+
+    def board(transport: Transport) -> SketchBoard:
+        slow = SlowLine(transport, baud)
+        return talker(slow, config=config, turn=every(3.0, long_text(size))).publisher("text")
+
+    diagnosis = diagnose(board, watch_s=12.0)
+    (finding,) = diagnosis.findings
+    assert (finding.code, finding.subject) == (Code.MESSAGES_TOO_LONG, "text")
+    assert f"with {size} bytes" in finding.seen
+    assert "buffer of 280" in finding.seen
+
+
+def test_messages_longer_than_their_type_from_a_board_that_streams() -> None:
+    config = DeviceLinkConfig(output_buffer_bytes=65535)
+
+    def lie(board: SketchBoard) -> None:
+        board.write(encode_frame(board.ids["count"], bytes(12)))
+
+    def board(transport: Transport) -> SketchBoard:
+        return SketchBoard(transport, config=config, turn=every(0.5, lie)).publisher(
+            "count", "std_msgs/Int32"
+        )
+
+    (finding,) = diagnose(board).findings
+    assert (finding.code, finding.subject) == (Code.MESSAGES_TOO_LONG, "count")
+    assert "with 12 bytes, more than that type" in finding.seen
+
+
+def test_a_service_answer_longer_than_the_board_announced() -> None:
+    config = DeviceLinkConfig(output_buffer_bytes=64)
+
+    def board(transport: Transport) -> SketchBoard:
+        def answer(it: SketchBoard) -> None:
+            it.write(encode_frame(halves.response_id, b"\x01" + struct.pack("<I", 100) + b"x" * 100))
+
+        serving = SketchBoard(transport, config=config, turn=every(0.5, answer))
+        service = STORE.registry.service_type("std_srvs/Trigger")
+        halves = serving.link.add_service_server(
+            "check", "std_srvs/Trigger", service.request.md5sum, service.response.md5sum
+        )
+        return serving
+
+    (finding,) = diagnose(board).findings
+    assert (finding.code, finding.subject) == (Code.MESSAGES_TOO_LONG, "check")
 
 
 def test_a_board_that_says_that_a_message_was_too_large() -> None:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from rostether.bridge.endpoint_openings import name_of
+from rostether.bridge.endpoint_openings import Endpoint, ServiceEndpoint, name_of
 from rostether.bridge.endpoints import EndpointTable
 from rostether.bridge.findings.finding import Code, Finding, error, warning
+from rostether.bridge.findings.oversize import Oversizes
 from rostether.bridge.publisher_endpoint import PublisherEndpoint
 from rostether.bridge.subscriber_endpoint import SubscriberEndpoint
 from rostether.errors import DefinitionError, RostetherError, TypeMismatchError, UnknownTypeError
+from rostether.rosserial.events import ServiceRole
+from rostether.rosserial.packets import TopicInfo
 
 RECENT_S = 30.0
 """A loss is told as long as it is recent."""
@@ -34,11 +37,12 @@ class EndpointFindings:
         self._smallest_bytes = smallest_bytes
         self._losses: dict[str, tuple[int, float]] = {}
 
-    def find(self, now_s: float, too_large_s: float) -> list[Finding]:
+    def find(self, now_s: float, too_large_s: float, oversizes: Oversizes) -> list[Finding]:
         """Judge; `too_large_s` is when the board said that a message of its own was too large."""
         found = _refusals(self._endpoints.refused)
         silent = []
         for _, endpoint in self._endpoints:
+            found += self._too_long(endpoint, oversizes, now_s)
             if isinstance(endpoint, PublisherEndpoint):
                 found += self._publisher(endpoint)
                 if not endpoint.message_count:
@@ -48,6 +52,28 @@ class EndpointFindings:
         if now_s - too_large_s < RECENT_S and not any(each.code is Code.BUFFER_TOO_SMALL for each in found):
             found.append(_said_too_large(silent))
         return found
+
+    def _too_long(self, endpoint: Endpoint, oversizes: Oversizes, now_s: float) -> list[Finding]:
+        info = _sent_by_board(endpoint)
+        seen = oversizes.of(info.topic_id, now_s) if info is not None else None
+        if info is None or seen is None:
+            return []
+        if seen.largest_bytes <= info.buffer_size:
+            # Who streams announces no buffer, and is held to the size that the type has.
+            most = "more than that type or our limit of the frame length allows"
+            step = "generate the message headers of the sketch again, and publish nothing else on this topic"
+        else:
+            most = f"and the board announced a buffer of {info.buffer_size}"
+            step = f"{_LARGER}, or send less at a time"
+        return [
+            error(
+                Code.MESSAGES_TOO_LONG,
+                f"messages of {info.topic_name} [{info.message_type}] come with {seen.largest_bytes} bytes, "
+                f"{most}: they are refused",
+                step,
+                info.topic_name,
+            )
+        ]
 
     def _publisher(self, endpoint: PublisherEndpoint) -> list[Finding]:
         found = []
@@ -110,6 +136,16 @@ class EndpointFindings:
                 )
             )
         return found
+
+
+def _sent_by_board(endpoint: Endpoint) -> TopicInfo | None:
+    """Return what the board announced of the messages that it sends; a service has two halves."""
+    if isinstance(endpoint, PublisherEndpoint):
+        return endpoint.info
+    if isinstance(endpoint, ServiceEndpoint):
+        info = endpoint.info
+        return info.response if info.role is ServiceRole.SERVER else info.request
+    return None
 
 
 def _refusals(refused: dict[str, RostetherError]) -> list[Finding]:

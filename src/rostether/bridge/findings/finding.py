@@ -36,6 +36,7 @@ class Code(StrEnum):
     STALE_HEADERS = "stale-headers"
     UNKNOWN_TYPE = "unknown-type"
     NOT_BRIDGED = "not-bridged"
+    MESSAGES_TOO_LONG = "messages-too-long"
     MESSAGES_MISFIT = "messages-misfit"
     UNANNOUNCED_MESSAGES = "unannounced-messages"
     BUFFER_TOO_SMALL = "buffer-too-small"

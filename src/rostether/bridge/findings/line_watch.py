@@ -10,6 +10,7 @@ from rostether.bridge.findings.damage import Damage
 from rostether.bridge.findings.finding import Code, Finding, error, warning
 from rostether.bridge.findings.loop_speed import LoopSpeed
 from rostether.bridge.findings.noise import Noise, is_text, show
+from rostether.bridge.findings.oversize import Oversizes
 from rostether.bridge.findings.resets import MIN_STARTS, UNSETTLED_S, Resets, reset_loop
 from rostether.rosserial.events import (
     AnnouncementRefused,
@@ -54,6 +55,7 @@ class LineWatch:
     def __init__(self, baud: int | None, resets: Resets, statistics: LinkStatistics, now_s: float) -> None:
         self.noise = Noise()
         self.loop_speed = LoopSpeed()
+        self.oversizes = Oversizes()
         self.too_large_s = float("-inf")
         """When the board last said that a message did not fit its buffer."""
         self._baud = baud
@@ -130,6 +132,8 @@ class LineWatch:
         return [each for each in found if each is not None]
 
     def _discarded(self, event: FrameDiscarded, now_s: float) -> None:
+        if self.oversizes.take(event, self._version, now_s):
+            return
         # What the first frame ends is the rest of a burst that began before the port was opened.
         is_alive = self._alive_s is not None and now_s > self._alive_s and self._silence_s is None
         was_text = self.noise.take(event, now_s, is_alive=is_alive)
