@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from rostether.bridge.board_health import BoardHealth
 from rostether.bridge.endpoint_factory import EndpointFactory
@@ -31,12 +32,12 @@ class BoardNode:
         device: DeviceSettings = NO_SETTINGS,
     ) -> None:
         self.graph = graph
-        self.settings = settings
+        self.settings = replace(settings, **device.limits)
         self.device = device
         self.notices = Notices(reporter, graph.node_name, clock)
         self.notices.to_graph = graph.log
         self.endpoints = EndpointTable(
-            EndpointFactory(graph, store, self.notices, settings, device), self.notices
+            EndpointFactory(graph, store, self.notices, self.settings, device, clock), self.notices
         )
         self.health = BoardHealth(
             self.endpoints, store, self.notices, RequiredTopics(device.required_topics, graph.resolve)

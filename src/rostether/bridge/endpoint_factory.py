@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
+
 from rostether.bridge.access_check import check_endpoint
+from rostether.bridge.message_rate import MessageRate
 from rostether.bridge.publisher_endpoint import PublisherEndpoint
 from rostether.bridge.reporter import Notices
 from rostether.bridge.service_client_endpoint import ServiceClientEndpoint
@@ -29,12 +33,15 @@ class EndpointFactory:
         notices: Notices,
         settings: BridgeSettings,
         device: DeviceSettings = NO_SETTINGS,
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._graph = graph
         self._store = store
         self._notices = notices
         self._settings = settings
         self._access = device.access
+        # One for all topics: what a flood takes from others does not depend on how it is divided.
+        self._rate = MessageRate(settings.messages_hz, clock) if settings.messages_hz is not None else None
         self._queue_depths = {graph.resolve(name): depth for name, depth in device.queue_depths.items()}
         self._mismatches: dict[tuple[str, str], str] = {}
 
@@ -50,7 +57,9 @@ class EndpointFactory:
         self._check_md5sum(info.message_type, info.md5sum, message_type.md5sum)
         layout = self._store.layout(info.message_type)
         if event.role is TopicRole.PUBLISHER:
-            return PublisherEndpoint(info, message_type, layout, self._graph, self._notices, self._settings)
+            return PublisherEndpoint(
+                info, message_type, layout, self._graph, self._notices, self._settings, self._rate
+            )
         return SubscriberEndpoint(
             info, message_type, layout, self._graph, self._notices, self._queue_depths.get(name)
         )

@@ -6,6 +6,7 @@ import asyncio
 from functools import partial
 
 from rostether.bridge.board_line import BoardLine
+from rostether.bridge.message_rate import MessageRate
 from rostether.bridge.reporter import Notices
 from rostether.bridge.settings import BridgeSettings
 from rostether.graph.ports import Graph, Level, Publisher
@@ -32,6 +33,7 @@ class PublisherEndpoint:
         graph: Graph,
         notices: Notices,
         settings: BridgeSettings,
+        rate: MessageRate | None = None,
     ) -> None:
         self.info = info
         self.message_count = 0
@@ -43,6 +45,7 @@ class PublisherEndpoint:
         self._graph = graph
         self._notices = notices
         self._settings = settings
+        self._rate = rate
         self._line: BoardLine | None = None
         self._publisher: Publisher | None = None
         self._opened = asyncio.Event()
@@ -90,6 +93,10 @@ class PublisherEndpoint:
             payloads = self._drop_misfits(payloads)
             if not payloads:
                 return
+        if self._rate is not None:
+            payloads = self._keep_rate(self._rate, payloads)
+            if not payloads:
+                return
         self.message_count += len(payloads)
         if self._publisher is None:
             self._hold(payloads)
@@ -99,6 +106,20 @@ class PublisherEndpoint:
     def _publish(self, publisher: Publisher, payloads: list[bytes]) -> None:
         if not publisher.publish_raw(payloads) and self._line is not None:
             self._line.congested(partial(publisher.drained, self._settings.drain_pause_s))
+
+    def _keep_rate(self, rate: MessageRate, payloads: list[bytes]) -> list[bytes]:
+        admitted = rate.admit(len(payloads))
+        dropped = len(payloads) - admitted
+        if dropped:
+            self.dropped_count += dropped
+            self._notices.episode(
+                "messages_hz",
+                Level.WARN,
+                f"the board sends more than {rate.per_s:g} messages a second, its limit messages_hz: "
+                "the rest is dropped",
+                count=dropped,
+            )
+        return payloads[:admitted]
 
     def _drop_misfits(self, payloads: list[bytes]) -> list[bytes]:
         accepts = self._layout.accepts

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from rostether.devices.board_limits import BOARD_LIMITS, Limit, may_be_broken
 from rostether.errors import ConfigError
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 
@@ -17,28 +18,12 @@ if TYPE_CHECKING:
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
-class Limit(NamedTuple):
-    """One limit: the setting it is, and what it may be."""
-
-    setting: str
-    lowest: float
-    highest: float
-
-
 _MIB = 1024 * 1024
 
 BRIDGE_LIMITS = {
-    "frame-bytes": Limit("frame_bytes", 64, 65535),
-    "endpoints": Limit("endpoints", 1, 4096),
-    "messages-hz": Limit("messages_hz", 1, 10_000_000),
+    **{key.replace("_", "-"): limit for key, limit in BOARD_LIMITS.items()},
     "connections": Limit("connections", 1, 4096),
     "connections-per-host": Limit("connections_per_host", 1, 4096),
-    "topic-bytes": Limit("queue_bytes", 8192, 256 * _MIB),
-    "connection-bytes": Limit("unsent_bytes", 65536, 256 * _MIB),
-    "subscriber-bytes": Limit("subscriber_bytes", 65536, 1024 * _MIB),
-    "service-calls": Limit("queued_calls", 1, 4096),
-    "service-s": Limit("service_timeout_s", 0.1, 3600),
-    "parameter-s": Limit("parameter_timeout_s", 0.05, 60),
     "grace-s": Limit("grace_s", 0, 86400),
 }
 """Of `bridge.settings.BridgeSettings`, by the name that a user writes."""
@@ -96,13 +81,13 @@ def _read(texts: Sequence[str], limits: Mapping[str, Limit]) -> dict[str, float]
         limit = limits.get(name)
         if limit is None or not equals:
             raise ConfigError(f"--limit {text}: write NAME=VALUE, where NAME is one of {', '.join(limits)}")
-        may_be_broken = name.endswith(("-s", "-hz"))
+        is_broken = may_be_broken(name.replace("-", "_"))
         try:
-            number = float(value) if may_be_broken else int(value)
+            number = float(value) if is_broken else int(value)
         except ValueError:
             number = float("nan")
         if not limit.lowest <= number <= limit.highest:
-            kind = "a number" if may_be_broken else "a whole number"
+            kind = "a number" if is_broken else "a whole number"
             raise ConfigError(
                 f"--limit {text}: {kind} from {limit.lowest:g} to {limit.highest:.10g} is needed"
             )

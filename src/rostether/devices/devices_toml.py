@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from rostether.devices.board_limits import BOARD_LIMITS, may_be_broken
 from rostether.devices.device_book import DeviceBook
 from rostether.devices.port_pattern import is_entry, is_port_pattern, is_usb_id
 from rostether.devices.settings import (
@@ -40,6 +41,7 @@ SETTING_KEYS = (
     "access",
     "queue_depths",
     "grace_s",
+    "limits",
 )
 ACCESS_KEYS = ("publish", "subscribe", "serve", "call", "parameters")
 
@@ -115,7 +117,21 @@ def _settings(table: TomlTable, base: DeviceSettings) -> DeviceSettings:
         access=_access(table.table("access", known=ACCESS_KEYS), base.access),
         queue_depths={**base.queue_depths, **table.names_to_numbers("queue_depths", 1, MAX_QUEUE_DEPTH)},
         grace_s=_or(table.number("grace_s", 0.0, MAX_GRACE_S), base.grace_s),
+        limits={**base.limits, **_limits(table.table("limits", known=tuple(BOARD_LIMITS)))},
     )
+
+
+def _limits(table: TomlTable) -> dict[str, float]:
+    given: dict[str, float] = {}
+    for key, limit in BOARD_LIMITS.items():
+        value = (
+            table.number(key, limit.lowest, limit.highest)
+            if may_be_broken(key)
+            else table.whole(key, int(limit.lowest), int(limit.highest))
+        )
+        if value is not None:
+            given[limit.setting] = value
+    return given
 
 
 def _access(table: TomlTable, base: Access) -> Access:

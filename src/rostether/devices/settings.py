@@ -6,9 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from types import MappingProxyType
+from typing import Any
 
 _NOTHING: Mapping[str, str] = MappingProxyType({})
 _NO_DEPTHS: Mapping[str, int] = MappingProxyType({})
+_NO_LIMITS: Mapping[str, float] = MappingProxyType({})
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +81,8 @@ class DeviceSettings:
     `name` is its node name, `namespace` where its relative names resolve. `baud` saves looking for the speed.
     `reset=False` leaves DTR alone. `remap` maps its names to others, as `a:=b` does. `required_topics` are
     reported while it does not announce them. `queue_depths`: how many messages of a topic wait for the board
-    at most. `grace_s`: how long its node stays in the graph after it is lost.
+    at most. `grace_s`: how long its node stays in the graph after it is lost. `limits`: settings of the
+    bridge that are others for this board, see `board_limits`.
     """
 
     name: str | None = None
@@ -92,6 +95,7 @@ class DeviceSettings:
     access: Access = ANY_ACCESS
     queue_depths: Mapping[str, int] = field(default_factory=lambda: _NO_DEPTHS)
     grace_s: float | None = None
+    limits: Mapping[str, Any] = field(default_factory=lambda: _NO_LIMITS)
 
 
 NO_SETTINGS = DeviceSettings()

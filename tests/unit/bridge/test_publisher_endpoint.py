@@ -5,6 +5,7 @@ import struct
 
 import pytest
 
+from rostether.bridge.message_rate import MessageRate
 from rostether.bridge.publisher_endpoint import HELD_BYTES, PublisherEndpoint
 from rostether.bridge.settings import DEFAULT_SETTINGS
 from rostether.graph.ports import Graph
@@ -13,7 +14,10 @@ from unit.bridge.nodes import STORE, World, text, topic_info
 
 
 def endpoint(
-    world: World, type_name: str = "std_msgs/String", graph: Graph | None = None
+    world: World,
+    type_name: str = "std_msgs/String",
+    graph: Graph | None = None,
+    rate: MessageRate | None = None,
 ) -> PublisherEndpoint:
     return PublisherEndpoint(
         topic_info("chatter", type_name),
@@ -22,6 +26,7 @@ def endpoint(
         graph if graph is not None else world.board,
         world.notices,
         DEFAULT_SETTINGS,
+        rate,
     )
 
 
@@ -158,3 +163,20 @@ async def test_attached_anew_it_takes_the_new_id_only(world: World) -> None:
     chatter.attach(old, topic_info(topic_id=125))
     chatter.attach(new, topic_info(topic_id=126))
     assert (list(old.receivers), list(new.receivers)) == ([], [126])
+
+
+async def test_a_board_brings_no_more_than_its_rate(world: World) -> None:
+    now_s = 100.0
+    rate = MessageRate(10.0, lambda: now_s)
+    heard, line, chatter = await world.listen("/chatter"), FakeLine(), endpoint(world, rate=rate)
+    chatter.attach(line, chatter.info)
+    await chatter.open()
+    line.receivers[125]([text(str(number)) for number in range(25)])
+    line.receivers[125]([text("more")])
+    now_s += 0.5
+    line.receivers[125]([text(str(number)) for number in range(100, 110)])
+    expected = [text(str(number)) for number in (*range(10), *range(100, 105))]
+    await until(lambda: len(heard) == len(expected), "what is admitted")
+    assert heard == expected
+    assert (chatter.message_count, chatter.dropped_count) == (15, 21)
+    assert "sends more than 10 messages a second, its limit messages_hz" in world.reporter.texts[-1]

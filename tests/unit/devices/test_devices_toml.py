@@ -108,6 +108,10 @@ def test_a_port_is_found_by_its_link_and_by_a_pattern(tmp_path: Path) -> None:
         ('[devices.a]\nport = "/x"\nremap = { a = 1 }', "devices.a.remap.a", "write a ROS name"),
         ('[devices.a]\nport = "/x"\nrequired_topics = "/x"', "devices.a.required_topics", "a list in bra"),
         ('[devices.a]\nport = "/x"\nqueue_depths = { a = 0 }', "devices.a.queue_depths.a", "from 1 to"),
+        ('[devices.a]\nport = "/x"\nlimits = 3', "devices.a.limits", "must be a table"),
+        ('[devices.a]\nport = "/x"\nlimits.frames = 3', "devices.a.limits.frames", "known are frame_bytes"),
+        ("[defaults]\nlimits.endpoints = 1.5", "defaults.limits.endpoints", "from 1 to 4096, not 1.5"),
+        ("[defaults]\nlimits.messages_hz = 0", "defaults.limits.messages_hz", "from 1 to 1e+07, not 0"),
         ('[devices.a]\nport = "/x"\ngrace_s = nan', "devices.a.grace_s", "from 0 to 86400, not nan"),
         (
             '[devices.a]\nport = "/x"\naccess = { read = {} }',
@@ -171,3 +175,17 @@ def test_a_thousand_entries_are_enough() -> None:
 )
 def test_name_rules(rule: NameRule, name: str, is_permitted: bool) -> None:
     assert rule.permits(name) is is_permitted
+
+
+def test_limits_of_a_board_are_added_to_those_of_all() -> None:
+    book = parse_devices_toml(
+        "[defaults.limits]\nendpoints = 9\nmessages_hz = 0.5e3\n"
+        '[devices.a]\nport = "/x"\nlimits = { endpoints = 3, topic_bytes = 8192, service_s = 1.5 }'
+    )
+    assert book.defaults.limits == {"endpoints": 9, "messages_hz": 500.0}
+    assert book.devices[0].limits == {
+        "endpoints": 3,
+        "messages_hz": 500.0,
+        "queue_bytes": 8192,
+        "service_timeout_s": 1.5,
+    }

@@ -1,0 +1,24 @@
+"""How many messages a board may bring into the graph: so many a second, and those of one second at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+
+class MessageRate:
+    """Tells how many of the next messages may pass; a board that was silent may bring `per_s` at once."""
+
+    def __init__(self, per_s: float, clock: Callable[[], float]) -> None:
+        self.per_s = per_s
+        self._clock = clock
+        self._room = per_s
+        self._seen_s = clock()
+
+    def admit(self, count: int) -> int:
+        """Return how many of `count` messages may pass now, at most all."""
+        now_s = self._clock()
+        self._room = min(self._room + (now_s - self._seen_s) * self.per_s, max(self.per_s, 1.0))
+        self._seen_s = now_s
+        admitted = min(count, int(self._room))
+        self._room -= admitted
+        return admitted
