@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import AsyncIterator, Mapping
 
 import pytest
 import pytest_asyncio
 
-from rostether.graph.memory_network import MemoryNetwork
+from contract.capabilities import Capabilities
+from contract.implementations import IMPLEMENTATIONS, Implementation
 from rostether.graph.ports import Graph, JoinGraph
-from rostether.ros1.environment import RosEnvironment
-from rostether.ros1.master.server import MasterServer
-from rostether.ros1.node.node import join_ros1
 
 
 class _Closing:
@@ -30,20 +27,25 @@ class _Closing:
         return graph
 
 
-@pytest_asyncio.fixture(params=["memory", "ros1"])
-async def join(request: pytest.FixtureRequest) -> AsyncIterator[JoinGraph]:
+@pytest.fixture(params=list(IMPLEMENTATIONS))
+def implementation(request: pytest.FixtureRequest) -> Implementation:
+    """Each implementation in turn."""
+    return IMPLEMENTATIONS[request.param]
+
+
+@pytest.fixture
+def can(implementation: Implementation) -> Capabilities:
+    """What the implementation under test can do."""
+    return implementation.capabilities
+
+
+@pytest_asyncio.fixture
+async def join(implementation: Implementation) -> AsyncIterator[JoinGraph]:
     """Join a fresh, empty graph."""
-    if request.param == "memory":
-        closing = _Closing(MemoryNetwork().join)
-        yield closing
-        for graph in closing.graphs:
-            await graph.close()
-        return
-    master = await MasterServer.start(port=0)
-    closing = _Closing(
-        functools.partial(join_ros1, master_uri=master.uri, environment=RosEnvironment.read({}))
-    )
-    yield closing
-    for graph in closing.graphs:
-        await graph.close()
-    await master.close()
+    async with implementation.open() as join:
+        closing = _Closing(join)
+        try:
+            yield closing
+        finally:
+            for graph in closing.graphs:
+                await graph.close()

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
+from rostether.graph.ports import Graph, Snapshot
 from rostether.msgdef.interface import MessageType, ServiceType
 
 STRING = MessageType("std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1", "string data\n")
@@ -25,12 +26,37 @@ EMPTY = ServiceType(
     MessageType("std_srvs/EmptyRequest", "d41d8cd98f00b204e9800998ecf8427e"),
     MessageType("std_srvs/EmptyResponse", "d41d8cd98f00b204e9800998ecf8427e"),
 )
+ADD_DIAGNOSTICS = ServiceType(
+    "diagnostic_msgs/AddDiagnostics",
+    "e6ac9bbde83d0d3186523c3687aecaee",
+    MessageType(
+        "diagnostic_msgs/AddDiagnosticsRequest",
+        "c26cf6e164288fbc6050d74f838bcdf0",
+        "string load_namespace\n",
+    ),
+    MessageType(
+        "diagnostic_msgs/AddDiagnosticsResponse",
+        "937c9679a518e3a18d831e57125ea522",
+        "bool success\nstring message\n",
+    ),
+)
+TRUE, FALSE = b"\1", b"\0"
 
 
 def string(text: str) -> bytes:
     """Return a serialized std_msgs/String."""
     encoded = text.encode()
     return len(encoded).to_bytes(4, "little") + encoded
+
+
+def answer(text: str = "", *, success: bool = True) -> bytes:
+    """Return a serialized response of SetBool and of AddDiagnostics."""
+    return (TRUE if success else FALSE) + string(text)
+
+
+async def agreeing(request: bytes) -> bytes:
+    """Serve SetBool: the request comes back as its success."""
+    return answer("as you say", success=request == TRUE)
 
 
 @dataclass
@@ -56,3 +82,27 @@ async def until(condition: Callable[[], object], timeout_s: float = 10.0) -> Non
         if time.monotonic() > deadline_s:
             raise AssertionError("the condition never became true")
         await asyncio.sleep(0.001)
+
+
+async def snapshot_when(
+    graph: Graph, condition: Callable[[Snapshot], object], timeout_s: float = 10.0
+) -> Snapshot:
+    """Return the first snapshot for which a condition holds: news may take its time to all nodes."""
+    deadline_s = time.monotonic() + timeout_s
+    while not condition(snapshot := await graph.snapshot()):
+        if time.monotonic() > deadline_s:
+            raise AssertionError(f"the condition never became true of {snapshot}")
+        await asyncio.sleep(0.005)
+    return snapshot
+
+
+async def served(graph: Graph, service: str) -> None:
+    """Wait until a node has heard of a service."""
+    await snapshot_when(graph, lambda snapshot: service in snapshot.services)
+
+
+async def acquainted(*graphs: Graph) -> None:
+    """Wait until every node has heard of every other."""
+    names = {graph.node_name for graph in graphs}
+    for graph in graphs:
+        await snapshot_when(graph, lambda snapshot: names <= set(snapshot.nodes))

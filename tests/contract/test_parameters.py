@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from contract.graphs import until
-from rostether.errors import UnknownNameError
+from contract.capabilities import Capabilities
+from contract.graphs import acquainted, until
+from rostether.errors import RostetherError, UnknownNameError
 from rostether.graph.ports import JoinGraph, ParamValue
 
 VALUES: list[ParamValue] = [
@@ -15,43 +16,86 @@ VALUES: list[ParamValue] = [
     "text <&> ä",
     "",
     b"\x00\xff",
-    [1, 2.5, "three", [True]],
+    [True, False],
+    [1, -2, 3],
+    [0.5, 1.0],
+    ["one", ""],
     {"p": 1, "d": {"i": 0.5}},
     [],
 ]
+MIXED: ParamValue = [1, 2.5, "three", [True]]
 
 
 @pytest.mark.parametrize("value", VALUES)
 async def test_values_come_back_as_they_were_set(join: JoinGraph, value: ParamValue) -> None:
     one, other = await join("/one"), await join("/other")
-    await one.set_param("/gains/arm", value)
-    received = await other.get_param("/gains/arm")
-    assert received == value
-    assert type(received) is type(value)
+    await acquainted(one, other)
+    await one.set_param("/one/gains/arm", value)
+    for node in (one, other):
+        received = await node.get_param("/one/gains/arm")
+        assert received == value
+        assert type(received) is type(value)
+
+
+async def test_lists_of_several_kinds(join: JoinGraph, can: Capabilities) -> None:
+    node = await join("/node")
+    if can.mixed_lists:
+        await node.set_param("~list", MIXED)
+        assert await node.get_param("~list") == MIXED
+    else:
+        with pytest.raises(RostetherError, match="list of one type") as caught:
+            await node.set_param("~list", MIXED)
+        assert "\n" not in str(caught.value)
+        assert not await node.has_param("~list")
+
+
+async def test_nodes_set_each_others_parameters(join: JoinGraph) -> None:
+    one, other = await join("/one"), await join("/other")
+    await acquainted(one, other)
+    await other.set_param("/one/gains/p", 1.5)
+    assert await one.get_param("~gains/p") == 1.5
+    assert await other.has_param("/one/gains/p")
+    assert "/one/gains/p" in await other.list_params()
+    await other.delete_param("/one/gains/p")
+    assert not await one.has_param("~gains/p")
 
 
 async def test_trees(join: JoinGraph) -> None:
     node = await join("/node")
-    await node.set_param("/robot/arm/p", 1)
-    await node.set_param("/robot", {"arm": {"i": 2}, "name": "r2"})
-    assert await node.get_param("/robot") == {"arm": {"i": 2}, "name": "r2"}
-    assert await node.get_param("/robot/arm/i") == 2
-    assert not await node.has_param("/robot/arm/p")
-    assert await node.has_param("/robot/arm")
+    await node.set_param("/node/robot/arm/p", 1)
+    await node.set_param("/node/robot", {"arm": {"i": 2}, "name": "r2"})
+    assert await node.get_param("/node/robot") == {"arm": {"i": 2}, "name": "r2"}
+    assert await node.get_param("/node/robot/arm/i") == 2
+    assert not await node.has_param("/node/robot/arm/p")
+    assert await node.has_param("/node/robot/arm")
     names = await node.list_params()
-    assert [name for name in names if name.startswith("/robot")] == ["/robot/arm/i", "/robot/name"]
+    below = [name for name in names if name.startswith("/node/robot")]
+    assert below == ["/node/robot/arm/i", "/node/robot/name"]
     assert names == sorted(names)
-    await node.delete_param("/robot/arm")
-    assert await node.get_param("/robot") == {"name": "r2"}
+    await node.delete_param("/node/robot/arm")
+    assert await node.get_param("/node/robot") == {"name": "r2"}
+
+
+async def test_trees_of_other_nodes(join: JoinGraph) -> None:
+    node, other = await join("/node"), await join("/other")
+    await acquainted(node, other)
+    await other.set_param("/node/robot", {"arm": {"p": 1}})
+    await other.set_param("/node/robot", {"arm": {"i": 2}, "name": "r2"})
+    for each in (node, other):
+        assert await each.get_param("/node/robot") == {"arm": {"i": 2}, "name": "r2"}
+    await other.delete_param("/node/robot/arm")
+    assert await node.get_param("~robot") == {"name": "r2"}
 
 
 async def test_what_is_not_set_is_an_error(join: JoinGraph) -> None:
-    node = await join("/node")
-    with pytest.raises(UnknownNameError, match="/nothing"):
-        await node.get_param("/nothing")
-    with pytest.raises(UnknownNameError, match="/nothing"):
-        await node.delete_param("/nothing")
-    assert not await node.has_param("/nothing")
+    node, other = await join("/node"), await join("/other")
+    await acquainted(node, other)
+    for name in ("/nothing", "/node/nothing", "/other/nothing"):
+        with pytest.raises(UnknownNameError, match=name):
+            await node.get_param(name)
+        with pytest.raises(UnknownNameError, match=name):
+            await node.delete_param(name)
+        assert not await node.has_param(name)
 
 
 async def test_names_are_resolved(join: JoinGraph) -> None:
@@ -62,7 +106,17 @@ async def test_names_are_resolved(join: JoinGraph) -> None:
     assert await node.get_param("/robot/speed") == 57600
 
 
-async def test_search_goes_upward_from_the_node(join: JoinGraph) -> None:
+async def test_a_name_below_no_node_is_the_nodes_own(join: JoinGraph, can: Capabilities) -> None:
+    node, other = await join("/lab/robot"), await join("/other")
+    await acquainted(node, other)
+    await node.set_param("/gains/p", 1)
+    assert await node.get_param("/gains/p") == 1
+    assert await other.has_param("/gains/p") is can.global_parameters
+    assert await node.has_param("~gains/p") is not can.global_parameters
+
+
+async def test_search_goes_upward_from_the_node(join: JoinGraph, can: Capabilities) -> None:
+    can.require("global_parameters")
     node = await join("board", namespace="/lab/robot")
     assert await node.search_param("rate") is None
     for name in ("/rate", "/lab/rate", "/lab/robot/rate", "/lab/robot/board/rate"):
@@ -75,39 +129,52 @@ async def test_search_goes_upward_from_the_node(join: JoinGraph) -> None:
     assert await node.search_param("/gains/i") is None
 
 
-async def test_a_watch_tells_the_value_now_and_every_change(join: JoinGraph) -> None:
+async def test_search_finds_what_is_the_nodes_own(join: JoinGraph) -> None:
+    node = await join("board", namespace="/lab/robot")
+    assert await node.search_param("rate") is None
+    assert await node.search_param("~rate") is None
+    await node.set_param("~rate", 1)
+    for name in ("rate", "~rate", "/lab/robot/board/rate"):
+        assert await node.search_param(name) == "/lab/robot/board/rate"
+
+
+@pytest.mark.parametrize("owner", ["watcher", "other"])
+async def test_a_watch_tells_the_value_now_and_every_change(join: JoinGraph, owner: str) -> None:
     watcher, other = await join("/watcher"), await join("/other")
-    await other.set_param("/rate", 1)
+    await acquainted(watcher, other)
+    name = f"/{owner}/rate"
+    await other.set_param(name, 1)
     seen: list[ParamValue] = []
-    watch = await watcher.watch_param("/rate", seen.append)
+    watch = await watcher.watch_param(name, seen.append)
     await until(lambda: seen == [1])
-    await other.set_param("/rate", 2)
+    await other.set_param(name, 2)
     await until(lambda: seen == [1, 2])
-    await other.delete_param("/rate")
+    await other.delete_param(name)
     await until(lambda: seen == [1, 2, None])
-    await watcher.set_param("/rate", 3)
+    await watcher.set_param(name, 3)
     await until(lambda: seen == [1, 2, None, 3])
     await watch.close()
     await watch.close()
     again: list[ParamValue] = []
-    await watcher.watch_param("/rate", again.append)
-    await other.set_param("/rate", 4)
+    await watcher.watch_param(name, again.append)
+    await other.set_param(name, 4)
     await until(lambda: again == [3, 4])
     assert seen == [1, 2, None, 3]
 
 
 async def test_a_watch_sees_changes_above_and_below(join: JoinGraph) -> None:
     watcher, other = await join("/watcher"), await join("/other")
+    await acquainted(watcher, other)
     leaf: list[ParamValue] = []
     tree: list[ParamValue] = []
-    await watcher.watch_param("/arm/gains/p", leaf.append)
-    await watcher.watch_param("/arm", tree.append)
+    await watcher.watch_param("/watcher/arm/gains/p", leaf.append)
+    await watcher.watch_param("/watcher/arm", tree.append)
     await until(lambda: leaf == tree == [None])
-    await other.set_param("/arm", {"gains": {"p": 1}})
+    await other.set_param("/watcher/arm", {"gains": {"p": 1}})
     await until(lambda: leaf[1:] == [1] and tree[1:] == [{"gains": {"p": 1}}])
-    await other.set_param("/arm/gains/p", 2)
+    await other.set_param("/watcher/arm/gains/p", 2)
     await until(lambda: leaf[-1] == 2 and tree[-1] == {"gains": {"p": 2}})
-    await other.delete_param("/arm")
+    await other.delete_param("/watcher/arm")
     await until(lambda: leaf[-1] is None and tree[-1] is None)
 
 
@@ -115,10 +182,10 @@ async def test_two_watches_of_one_name_are_independent(join: JoinGraph) -> None:
     node = await join("/node")
     first: list[ParamValue] = []
     second: list[ParamValue] = []
-    watch = await node.watch_param("/rate", first.append)
-    await node.watch_param("/rate", second.append)
+    watch = await node.watch_param("~rate", first.append)
+    await node.watch_param("~rate", second.append)
     await watch.close()
-    await node.set_param("/rate", 5)
+    await node.set_param("~rate", 5)
     await until(lambda: second == [None, 5])
     assert first == [None]
 
@@ -131,7 +198,7 @@ async def test_a_callback_that_fails_ends_nothing(join: JoinGraph, caplog: pytes
         seen.append(value)
         raise ZeroDivisionError("a user's mistake")
 
-    await node.watch_param("/rate", fail)
-    await node.set_param("/rate", 5)
+    await node.watch_param("~rate", fail)
+    await node.set_param("~rate", 5)
     await until(lambda: seen == [None, 5])
-    assert "on_change of parameter /rate failed: ZeroDivisionError" in caplog.text
+    assert "on_change of parameter /node/rate failed: ZeroDivisionError" in caplog.text

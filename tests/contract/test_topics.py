@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import pytest
 
+from contract.capabilities import Capabilities
 from contract.graphs import BOOL, STRING, Inbox, string, until
 from rostether.errors import GraphError, TypeMismatchError
 from rostether.graph.ports import JoinGraph
 from rostether.msgdef.interface import ANY_MESSAGE
+from rostether.msgdef.registry import Registry
 
 
 async def test_batches_arrive_whole_and_in_order(join: JoinGraph) -> None:
@@ -32,7 +34,7 @@ async def test_empty_and_large_payloads_arrive(join: JoinGraph) -> None:
     publisher = await node.advertise("/big", STRING)
     await node.subscribe("/big", STRING, inbox.take)
     await until(lambda: publisher.subscriber_count == 1)
-    sent = [b"", bytes(3 << 20), b"", b"end"]
+    sent = [string(""), string("x" * (3 << 20)), string(""), string("end")]
     publisher.publish_raw(sent)
     await until(lambda: len(inbox.payloads) == 4)
     assert inbox.payloads == sent
@@ -89,7 +91,7 @@ async def test_a_topic_that_is_not_latched_does_not(join: JoinGraph) -> None:
     assert inbox.headers[0]["latching"] == "0"
 
 
-async def test_a_connection_tells_the_publisher_and_its_type(join: JoinGraph) -> None:
+async def test_a_connection_tells_the_publisher_and_its_type(join: JoinGraph, can: Capabilities) -> None:
     talker, listener, inbox = await join("/talker"), await join("/listener"), Inbox()
     await talker.advertise("/chat", STRING)
     await listener.subscribe("/chat", ANY_MESSAGE, inbox.take, on_connection=inbox.take_header)
@@ -97,14 +99,22 @@ async def test_a_connection_tells_the_publisher_and_its_type(join: JoinGraph) ->
     (header,) = inbox.headers
     assert header["callerid"] == "/talker"
     assert (header["type"], header["md5sum"]) == (STRING.name, STRING.md5sum)
-    assert header["message_definition"] == STRING.definition
+    if can.definitions_travel:
+        assert header["message_definition"] == STRING.definition
+    registry = Registry(bundled=False)
+    registry.add_full_text(STRING.name, header["message_definition"])
+    assert registry.message_type(STRING.name).md5sum == STRING.md5sum
 
 
-async def test_types_that_differ_do_not_meet(join: JoinGraph) -> None:
+async def test_types_that_differ_do_not_meet(join: JoinGraph, can: Capabilities) -> None:
     talker, listener = await join("/talker"), await join("/listener")
     wrong, right = Inbox(), Inbox()
     publisher = await talker.advertise("/chat", STRING)
-    await listener.subscribe("/chat", BOOL, wrong.take)
+    try:
+        await listener.subscribe("/chat", BOOL, wrong.take)
+    except TypeMismatchError as error:
+        assert not can.types_may_differ
+        assert "String" in str(error)
     await listener.subscribe("/chat", STRING, right.take)
     await until(lambda: publisher.subscriber_count == 1)
     publisher.publish_raw([string("hello")])

@@ -1,0 +1,40 @@
+"""The implementations of the graph port: how to open an empty graph of each, and what each can do."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import AsyncIterator, Callable
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from typing import NamedTuple
+
+from contract.capabilities import ROS1, Capabilities
+from rostether.graph.memory_network import MemoryNetwork
+from rostether.graph.ports import JoinGraph
+from rostether.ros1.environment import RosEnvironment
+from rostether.ros1.master.server import MasterServer
+from rostether.ros1.node.node import join_ros1
+
+
+class Implementation(NamedTuple):
+    """One implementation; `open` gives a `JoinGraph` of a graph that nobody else is in."""
+
+    capabilities: Capabilities
+    open: Callable[[], AbstractAsyncContextManager[JoinGraph]]
+
+
+@asynccontextmanager
+async def _open_memory() -> AsyncIterator[JoinGraph]:
+    yield MemoryNetwork().join
+
+
+@asynccontextmanager
+async def _open_ros1() -> AsyncIterator[JoinGraph]:
+    master = await MasterServer.start(port=0)
+    yield functools.partial(join_ros1, master_uri=master.uri, environment=RosEnvironment.read({}))
+    await master.close()
+
+
+IMPLEMENTATIONS: dict[str, Implementation] = {
+    "memory": Implementation(ROS1, _open_memory),
+    "ros1": Implementation(ROS1, _open_ros1),
+}
