@@ -124,6 +124,13 @@ class LinkKeeper:
         return with_settings(address, self._devices.settings_for(address.name, identity)), identity
 
 
+def identify_address(address: Address, list_ports: ListPorts = list_serial_ports) -> BoardIdentity:
+    """Return what is known of a link's board before it has answered: the marks of its port, if it has one."""
+    if isinstance(address, SerialAddress) and "/" in address.path:
+        return PortFinder(address.path, list_ports, lambda: 0.0).identify(address.path)
+    return BoardIdentity()
+
+
 def with_settings(address: SerialAddress, device: DeviceSettings) -> SerialAddress:
     """Return the address with a device's speed and reset, where it does not have its own."""
     if device.baud is not None and "baud" not in address.given:

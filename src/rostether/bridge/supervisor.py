@@ -17,7 +17,7 @@ from rostether.bridge.diagnostics import BoardView, view_board
 from rostether.bridge.discovery import Discovery
 from rostether.bridge.health_round import HealthRound
 from rostether.bridge.identity import identify_peer, node_name
-from rostether.bridge.link_keeper import LinkKeeper
+from rostether.bridge.link_keeper import LinkKeeper, identify_address
 from rostether.bridge.machine_ports import THIS_MACHINE, MachinePorts
 from rostether.bridge.reporter import LimitedReporter, Reporter, SilentReporter
 from rostether.bridge.session import Session
@@ -237,9 +237,9 @@ class Supervisor:
             self._done.set()
 
     async def _join_early(self, address: Address) -> None:
-        nobody = BoardIdentity()
-        device = self._devices.settings_for(address.name, nobody)
-        board = await self._boards.claim(node_name(address, "", nobody, device))
+        identity = identify_address(address)
+        device = self._devices.settings_for(address.name, identity)
+        board = await self._boards.claim(node_name(address, "", identity, device))
         board.is_kept = True
         try:
             await self._give_node(address, board, device)

@@ -9,18 +9,21 @@ import sys
 from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager
 from functools import partial
+from pathlib import Path
 
 import click
 
 from rostether.bridge.supervisor import Supervisor
 from rostether.cli.bridge_lines import ConsoleReporter
 from rostether.cli.demo_view import DemoView, RecentLines
+from rostether.cli.device_options import config_option, read_devices
 from rostether.cli.graph_access import read_environment
 from rostether.cli.output import write_line
 from rostether.cli.running import run
 from rostether.cli.serving import bridge
 from rostether.cli.verbs import Verb
 from rostether.cli.which_master import used_master
+from rostether.devices.device_book import DeviceBook
 from rostether.errors import GraphError, UnknownNameError
 from rostether.graph.ports import Level, ParamValue
 from rostether.msgdef.registry import Registry
@@ -52,12 +55,18 @@ PLAIN_LINE_S = 1.0
     """,
 )
 @click.option("--seconds", type=click.FloatRange(min=0.1), help="End after that time (default: Ctrl-C).")
-def demo(seconds: float | None) -> None:
-    """Show a simulated board at work: no hardware, no ROS, nothing to set up."""
-    run(_demo(read_environment(), seconds), is_service=True)
+@config_option
+def demo(seconds: float | None, config: Path | None) -> None:
+    """Show a simulated board at work: no hardware, no ROS, nothing to set up.
+
+    Only a file of settings that is named with --config is read: here they can be tried, on virtual_board.
+    """
+    # Settings of one's real boards, in the user's own file, must not make a demonstration fail.
+    devices = read_devices(config, ()) if config is not None else None
+    run(_demo(read_environment(), seconds, devices), is_service=True)
 
 
-async def _demo(environment: RosEnvironment, seconds: float | None) -> None:
+async def _demo(environment: RosEnvironment, seconds: float | None, devices: DeviceBook | None) -> None:
     is_live = sys.stdout.isatty() and os.environ.get("TERM") not in ("dumb", "unknown")
     recent = RecentLines()
     reporter = recent if is_live else ConsoleReporter()
@@ -67,7 +76,9 @@ async def _demo(environment: RosEnvironment, seconds: float | None) -> None:
         reporter.line(Level.INFO, used.line)
         board_name = await _free_name(used.environment)
         address = parse_address(f"tcp://127.0.0.1:0?name={board_name}")
-        supervisor = await stack.enter_async_context(bridge(used.environment, [address], reporter))
+        supervisor = await stack.enter_async_context(
+            bridge(used.environment, [address], reporter, devices=devices)
+        )
         view = DemoView(
             supervisor.boards, asyncio.get_running_loop().time, recent, used.environment.master_uri
         )

@@ -1,4 +1,4 @@
-"""What `serve` is told about single boards: the file of settings, and which ports to probe."""
+"""What commands are told about single boards: the file of settings, and which ports to probe."""
 
 from __future__ import annotations
 

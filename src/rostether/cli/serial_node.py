@@ -10,22 +10,25 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 import click
 
 from rostether.cli.bridge_lines import ConsoleReporter
+from rostether.cli.device_options import config_option, read_devices
 from rostether.cli.options import allow_option, listen_option
 from rostether.cli.running import run
 from rostether.cli.serving import bridge, loopback_lines, read_links
 from rostether.cli.verbs import Verb
 from rostether.cli.which_master import used_master
+from rostether.devices.device_book import DeviceBook
 from rostether.errors import ConfigError, GraphError, UnknownNameError
 from rostether.graph.ports import Level
 from rostether.names.graph_name import canonical, join, validate_name
 from rostether.names.remap import Arguments, parse_arguments
 from rostether.ros1.environment import LOOPBACK, RosEnvironment
 from rostether.ros1.node.master_client import MasterClient
-from rostether.transports.address import DEFAULT_BAUD, DEFAULT_PORT, SimAddress, TcpAddress
+from rostether.transports.address import DEFAULT_PORT, SimAddress, TcpAddress
 
 DEFAULT_SERIAL_PORT = "/dev/ttyUSB0"
 DEFAULT_NODE_NAME = "serial_node"
@@ -46,11 +49,17 @@ _ENVIRONMENT_OF_SPECIAL = {"__master": "ROS_MASTER_URI", "__ip": "ROS_IP", "__ho
 )
 @listen_option
 @allow_option
+@config_option
 @click.argument(
     "arguments", nargs=-1, type=click.UNPROCESSED, metavar="[PORT | tcp [TCP_PORT]] [NAME:=VALUE...]"
 )
-def serial_node(arguments: tuple[str, ...], listen: str | None, allowed: tuple[str, ...]) -> None:
-    """Bridge one board, taking the arguments that serial_node.py takes."""
+def serial_node(
+    arguments: tuple[str, ...], listen: str | None, allowed: tuple[str, ...], config: Path | None
+) -> None:
+    """Bridge one board, taking the arguments that serial_node.py takes.
+
+    What devices.toml says of the board holds where no argument says otherwise; its name is __name's.
+    """
     parsed = parse_arguments(arguments)
     reporter = ConsoleReporter(show_node=False)
     for name in parsed.private_params.keys() - set(PRIVATE_PARAMETERS):
@@ -64,8 +73,9 @@ def serial_node(arguments: tuple[str, ...], listen: str | None, allowed: tuple[s
     if listen is not None:
         environment = environment.listening_on(listen)
     environment = environment.allowing(allowed)
+    devices = read_devices(config, ())
     hosts = environment.listen_hosts if listen is not None else (LOOPBACK,)
-    run(_serve(environment, parsed, reporter, hosts, allowed), is_service=True)
+    run(_serve(environment, parsed, reporter, hosts, allowed, devices), is_service=True)
 
 
 async def _serve(
@@ -74,6 +84,7 @@ async def _serve(
     reporter: ConsoleReporter,
     hosts: Sequence[str],
     allowed: tuple[str, ...],
+    devices: DeviceBook,
 ) -> None:
     reporter.line(Level.INFO, "ROS Serial Python Node")
     namespace = canonical(join("/", arguments.special.get("__ns", environment.namespace)))
@@ -94,6 +105,7 @@ async def _serve(
             reporter,
             keeps_node=True,
             remappings=arguments.remappings,
+            devices=devices,
             diagnostics=True,
         ) as supervisor:
             # A node that was killed, or that another one replaced, ends the process: respawn waits for that.
@@ -131,10 +143,13 @@ def choose_link(rest: list[str], parameters: Mapping[str, object], *, node_name:
     if place == "tcp":
         port = _whole(known[1] if len(known) == 2 else parameters.get("tcp_port", DEFAULT_PORT), "tcp_port")
         return f"tcp://:{port}?{options}"
-    baud = _whole(known[1] if len(known) == 2 else parameters.get("baud", DEFAULT_BAUD), "baud")
     path, _, given = place.partition("?")
-    given = f"&{given}" if given else f"&baud={baud}"
-    return f"{path}?{options}{given}"
+    baud = known[1] if len(known) == 2 else parameters.get("baud")
+    if baud is not None:
+        number = _whole(baud, "baud")
+        given = given or f"baud={number}"
+    # Without a word about it devices.toml may know.
+    return f"{path}?{options}" + (f"&{given}" if given else "")
 
 
 def _whole(value: object, name: str) -> int:

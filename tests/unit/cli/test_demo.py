@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import signal
+from pathlib import Path
 
 import pytest
 
@@ -18,6 +19,30 @@ def test_the_demo_is_interrupted(graph: LiveGraph) -> None:
         process.communicate(timeout=20)
     assert process.returncode == 130
     assert not graph.master.api.registrations.nodes
+
+
+def test_settings_are_tried_on_the_demo_s_board(graph: LiveGraph, tmp_path: Path) -> None:
+    config = tmp_path / "devices.toml"
+    config.write_text(
+        '[devices.virtual_board]\naddress = "127.0.0.1"\n'
+        'required_topics = ["odom"]\naccess = { publish = { deny = ["/tf"] } }\n'
+    )
+    with started(graph.uri, "demo", "--config", str(config), "--seconds", "4") as process:
+        _, said = process.communicate(timeout=30)
+    assert "may not publish /tf" in said
+    assert "does not announce odom, which devices.toml requires" in said
+
+
+def test_the_user_s_own_settings_do_not_spoil_the_demo(
+    graph: LiveGraph, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    config = tmp_path / "rostether" / "devices.toml"
+    config.parent.mkdir()
+    config.write_text("[defaults]\naccess = { publish = { allow = [] } }\n")
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    with started(graph.uri, "demo", "--seconds", "3") as process:
+        text, _ = process.communicate(timeout=20)
+    assert process.returncode == 0, text
 
 
 def board(count: int) -> BoardView:

@@ -22,11 +22,11 @@ def _link(*rest: str, namespace: str = "/", node_name: str = "/serial_node", **p
 @pytest.mark.parametrize(
     ("link", "expected"),
     [
-        (_link(), "/dev/ttyUSB0?name=serial_node&baud=57600"),
-        (_link("/dev/ttyACM0"), "/dev/ttyACM0?name=serial_node&baud=57600"),
+        (_link(), "/dev/ttyUSB0?name=serial_node"),
+        (_link("/dev/ttyACM0"), "/dev/ttyACM0?name=serial_node"),
         (_link("/dev/ttyACM0", "115200"), "/dev/ttyACM0?name=serial_node&baud=115200"),
         (_link(port="/dev/ttyACM1", baud=115200), "/dev/ttyACM1?name=serial_node&baud=115200"),
-        (_link("/dev/ttyACM0", port="/dev/ttyACM1"), "/dev/ttyACM0?name=serial_node&baud=57600"),
+        (_link("/dev/ttyACM0", port="/dev/ttyACM1"), "/dev/ttyACM0?name=serial_node"),
         (_link("/dev/ttyACM0?reset=no"), "/dev/ttyACM0?name=serial_node&reset=no"),
         (_link("tcp"), "tcp://:11411?name=serial_node"),
         (_link("tcp", "11412"), "tcp://:11412?name=serial_node"),
@@ -72,6 +72,48 @@ async def test_well_known_lines_over_a_pseudo_terminal(tmp_path: Path) -> None:
                 assert "/chatter" not in topics
     finally:
         await master.close()
+
+
+@pytest.mark.parametrize("mark", ["name", "port"])
+async def test_settings_of_devices_toml(tmp_path: Path, mark: str) -> None:
+    master = await MasterServer.start(port=0)
+    port = tmp_path / "ttyACM0"
+    table = (
+        '[devices.serial_node]\nserial_number = "another"'
+        if mark == "name"
+        else f'[devices.arm]\nport = "{port}"'
+    )
+    config = tmp_path / "devices.toml"
+    config.write_text(
+        f"{table}\nbaud = 115200\n"
+        'remap = { chatter = "/talk" }\nrequired_topics = ["imu"]\n'
+        'access = { subscribe = { deny = ["/led_out"] } }\n'
+    )
+    environ = {"ROS_MASTER_URI": master.uri}
+    try:
+        async with Device(f"pty:{port}") as device:
+            device.publisher("chatter", "std_msgs/String")
+            device.subscriber("led_out", "std_msgs/Byte", lambda _message: None)
+            async with started("serial-node", str(port), "--config", str(config), **environ) as node:
+                await node.wait_for(f"Connecting to {port} at 115200 baud")
+                await node.wait_for("may not subscribe to /led_out")
+                await node.wait_for("does not announce imu, which devices.toml requires")
+                async with join("looker", environ=environ) as graph:
+                    topics = (await graph.snapshot()).topics
+                assert topics["/talk"].publishers == ("/serial_node",)
+            async with started("serial-node", str(port), "57600", "--config", str(config), **environ) as node:
+                await node.wait_for(f"Connecting to {port} at 57600 baud")
+    finally:
+        await master.close()
+
+
+async def test_the_user_s_own_file_is_read_and_its_mistakes_are_told(tmp_path: Path) -> None:
+    config = tmp_path / "rostether" / "devices.toml"
+    config.parent.mkdir()
+    config.write_text("[devices.arm]\nbauds = 1\n")
+    async with started("serial-node", "tcp", "0", XDG_CONFIG_HOME=str(tmp_path)) as node:
+        assert await asyncio.wait_for(node.process.wait(), 10.0) == 1
+        await node.wait_for("devices.toml:devices.arm.bauds: unknown key")
 
 
 async def test_the_node_is_there_before_a_board_and_the_process_ends_with_it() -> None:
