@@ -179,10 +179,12 @@ async def running(
     prepare: Prepare | None = None,
     *,
     uses_network: bool = False,
+    options: str = "",
 ) -> AsyncIterator[Stage]:
     """Run an example. `words` are told to the board at its start; `prepare` has the graph before that.
 
-    A sketch that uses the network finds the bridge there, others on the serial line.
+    A sketch that uses the network finds the bridge there, at a link address with `options`, others on
+    the serial line.
     """
     built = await build_example(name, kind)
     reporter = RecordingReporter()
@@ -195,7 +197,7 @@ async def running(
         words = list(words)
         if uses_network:
             bridge = await stack.enter_async_context(
-                a_bridge(master.uri, reporter, f"tcp://127.0.0.1:0?name={NODE}")
+                a_bridge(master.uri, reporter, f"tcp://127.0.0.1:0?name={NODE}{options}")
             )
             words.append("network " + bridge.listening_on[0].removeprefix("tcp://").partition("?")[0])
         board = await stack.enter_async_context(

@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
-from firmware.examples.stage import running
+import re
+from pathlib import Path
+
+import pytest
+
+from firmware.examples.stage import EXAMPLES, running
+from unit.bridge.doubles import until
 
 
 async def test_tcp_hello_world(kind: str) -> None:
@@ -21,3 +27,31 @@ async def test_tcp_blink(kind: str) -> None:
         for level in (True, False, True):
             toggle.publish()
             await stage.board.wait_for_pin("D7", level)
+
+
+def the_key() -> str:
+    found = re.search(r'#define KEY "(\w+)"', (EXAMPLES / "TcpSharedKey/TcpSharedKey.ino").read_text())
+    assert found is not None
+    return found[1]
+
+
+async def test_tcp_shared_key(kind: str, tmp_path: Path) -> None:
+    file = tmp_path / "board.key"
+    file.write_text(f"{the_key()}\n")
+    psk = f"&psk={file}"
+    async with running("TcpSharedKey", kind, ["watch serial"], uses_network=True, options=psk) as stage:
+        heard = await stage.listen("/chatter", "std_msgs/String")
+        assert [message.data for message in await heard.several(2)] == ["hello, friend"] * 2
+        assert stage.board.serial == b""
+
+
+@pytest.mark.parametrize(
+    ("key", "says"), [("x" * 64, b"the host says nothing"), (None, b"the host asks for no key")]
+)
+async def test_tcp_shared_key_of_others(key: str | None, says: bytes, tmp_path: Path) -> None:
+    file = tmp_path / "board.key"
+    file.write_text(key or "")
+    psk = f"&psk={file}" if key else ""
+    async with running("TcpSharedKey", "uno", ["watch serial"], uses_network=True, options=psk) as stage:
+        await until(lambda: says in stage.board.serial, "what the sketch says of it", 20.0)
+        assert "chatter" not in str(await stage.graph.raw.snapshot())

@@ -1,0 +1,57 @@
+// TcpSharedKey: TcpHelloWorld among strangers: the board and the host prove to each other that they have a key.
+//
+// Wiring:  an Ethernet shield (W5100, W5500) on the board, a cable to the network of the host; nothing on A0.
+// Try it:  rostether serve "tcp://0.0.0.0:11411?psk=board.key"          rostether topic echo /chatter
+//          where board.key holds the key below; make your own with: openssl rand -hex 32 > board.key
+
+#include <SPI.h>
+#include <Ethernet.h>
+
+#define ROSSERIAL_ARDUINO_TCP  // before ros.h: the node's line is a TCP connection
+#include <ros.h>
+#include <ros/keyed_client.h>
+#include <std_msgs/String.h>
+
+#define KEY "0f1e2d3c4b5a69788796a5b4c3d2e1f00f1e2d3c4b5a69788796a5b4c3d2e1f0"
+
+byte mac[] = {0xDE, 0xAD, 0xBE, 0xEF, 0xFE, 0xEF};
+IPAddress ip(192, 168, 0, 179);
+IPAddress server(192, 168, 0, 11);  // the host that `rostether serve` runs on
+const uint16_t serverPort = 11411;
+
+// With WiFiClient in place of EthernetClient where the board has Wi-Fi.
+typedef ros::KeyedClient<EthernetClient> Client_;
+ros::NodeHandle_<ArduinoTcpHardware<Client_>, 25, 25, 128> nh;
+
+std_msgs::String text;
+ros::Publisher chatter("chatter", &text);
+unsigned long said_ms;
+Client_::Refusal told = Client_::NONE;
+
+// Says on the serial line why the host and we do not come together.
+void explain(Client_::Refusal refusal) {
+  if (refusal == told) return;
+  told = refusal;
+  if (refusal == Client_::NO_ANSWER) Serial.println(F("the host says nothing: has it another key?"));
+  if (refusal == Client_::NO_HELLO) Serial.println(F("the host asks for no key: serve it with psk="));
+  if (refusal == Client_::WRONG_KEY) Serial.println(F("the host has another key"));
+}
+
+void setup() {
+  Serial.begin(115200);  // free for our own words: ROS does not use it
+  Ethernet.begin(mac, ip);
+  nh.getHardware()->client().setKey(F(KEY), analogRead(A0));
+  nh.getHardware()->setConnection(server, serverPort);
+  nh.initNode();
+  nh.advertise(chatter);
+}
+
+void loop() {
+  explain(nh.getHardware()->client().refusal());
+  if (millis() - said_ms >= 1000) {
+    said_ms = millis();
+    text.data = "hello, friend";
+    chatter.publish(&text);
+  }
+  nh.spinOnce();
+}

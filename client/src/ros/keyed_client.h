@@ -1,0 +1,152 @@
+// A network client that proves to the host that it has a key, before ROS says its first word; and has the host prove it.
+//
+//   #define ROSSERIAL_ARDUINO_TCP
+//   #include <Ethernet.h>
+//   #include <ros.h>
+//   #include <ros/keyed_client.h>
+//   ...
+//   ros::NodeHandle_<ArduinoTcpHardware<ros::KeyedClient<EthernetClient> > > nh;
+//   ...
+//   nh.getHardware()->client().setKey(F("what is in board.key"));
+//
+// The host:  rostether serve "tcp://:11411?psk=board.key"
+//
+// It keeps strangers out; it does not hide what is said. Where the board can do TLS, a TLS client can be the inner one.
+#ifndef ROS_KEYED_CLIENT_H_
+#define ROS_KEYED_CLIENT_H_
+
+#include <Arduino.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "sha256.h"
+
+namespace ros {
+
+// Four lines of text: the host's greeting with a nonce, our answer with a nonce and a proof, the host's proof.
+//
+//   host   RSPSK1 NONCE
+//   board  RSPSK1 OUR_NONCE PROOF      PROOF: HMAC-SHA256 over "rostether psk1 connector NONCE OUR_NONCE"
+//   host   RSPSK1 PROOF                the same with "listener"
+//
+// A nonce is 16 bytes, a proof 32, both in hex.
+template <class NetworkClient>
+class KeyedClient : public NetworkClient {
+ public:
+  enum Refusal { NONE, NO_ANSWER, NO_HELLO, WRONG_KEY };
+
+  KeyedClient() : chance_(0), refusal_(NONE) {}
+
+  // The text of the key file, which stays where it is. `chance` is what an attacker cannot know, such as the noise of an
+  // open analog input: without it, somebody who can make a board start at a chosen microsecond could play the host again.
+  void setKey(const char* key, uint32_t chance = 0) { set(KeyText(key), chance); }
+  void setKey(const __FlashStringHelper* key, uint32_t chance = 0) { set(KeyText(key), chance); }
+
+  // Why the last connection did not come about, if it was the hello: the host said nothing in time or hung up, spoke
+  // without asking for a key, or could not prove that it has ours.
+  Refusal refusal() const { return refusal_; }
+
+  int connect(IPAddress server, uint16_t port) { return greeted(NetworkClient::connect(server, port)); }
+  int connect(const char* server, uint16_t port) { return greeted(NetworkClient::connect(server, port)); }
+
+ private:
+  static const uint8_t NONCE_HEX = 32, PROOF_HEX = 64, WORD = 7;
+  // The host gives up after five seconds.
+  static const uint16_t LIMIT_MS = 5000;
+
+  void set(const KeyText& key, uint32_t chance) {
+    key_ = key;
+    chance_ = chance;
+  }
+
+  int greeted(int made) {
+    refusal_ = made > 0 ? greet() : NONE;
+    if (refusal_ == NONE) return made;
+    NetworkClient::stop();
+    return 0;
+  }
+
+  static const char* word() { return "RSPSK1 "; }
+
+  Refusal greet() {
+    char theirs[NONCE_HEX + 1], ours[NONCE_HEX + 1], proof[PROOF_HEX + 1], said[PROOF_HEX + 1];
+    const uint32_t began_ms = millis();
+    Refusal heard = readLine(theirs, NONCE_HEX, began_ms);
+    if (heard != NONE) return heard;
+    makeNonce(theirs, ours);
+    prove("connector ", theirs, ours, proof);
+    char line[WORD + NONCE_HEX + 1 + PROOF_HEX + 1];
+    memcpy(line, word(), WORD);
+    memcpy(line + WORD, ours, NONCE_HEX);
+    line[WORD + NONCE_HEX] = ' ';
+    memcpy(line + WORD + NONCE_HEX + 1, proof, PROOF_HEX);
+    line[sizeof line - 1] = '\n';
+    NetworkClient::write(reinterpret_cast<const uint8_t*>(line), sizeof line);
+    prove("listener ", theirs, ours, proof);
+    heard = readLine(said, PROOF_HEX, began_ms);
+    if (heard != NONE) return heard;
+    uint8_t differing = 0;
+    for (uint8_t i = 0; i < PROOF_HEX; ++i) differing |= static_cast<uint8_t>(said[i] ^ proof[i]);
+    return differing ? WRONG_KEY : NONE;
+  }
+
+  // Reads "RSPSK1 " and so many hex digits, and no byte beyond the end of the line: what follows is ROS.
+  Refusal readLine(char* hex, uint8_t digits, uint32_t began_ms) {
+    for (uint8_t at = 0; at <= WORD + digits; ++at) {
+      int byte = NetworkClient::read();
+      while (byte < 0) {
+        if (millis() - began_ms >= LIMIT_MS || !NetworkClient::connected()) return NO_ANSWER;
+        delay(1);
+        byte = NetworkClient::read();
+      }
+      if (at < WORD ? byte != word()[at] : at == WORD + digits ? byte != '\n' : !isHex(byte)) return NO_HELLO;
+      if (at >= WORD && at < WORD + digits) hex[at - WORD] = static_cast<char>(byte);
+    }
+    hex[digits] = 0;
+    return NONE;
+  }
+  static bool isHex(int byte) { return (byte >= '0' && byte <= '9') || (byte >= 'a' && byte <= 'f'); }
+
+  // A nonce of its own for each hello: it need not be secret, but must not come twice.
+  void makeNonce(const char* theirs, char* ours) {
+    const uint32_t now_us = micros();
+    HmacSha256 mac(key_);
+    mac.text().add("nonce ");
+    mac.text().add(theirs);
+    mac.text().add(&now_us, sizeof now_us);
+    mac.text().add(&chance_, sizeof chance_);
+    uint8_t digest[Sha256::DIGEST_BYTES];
+    mac.finish(digest);
+    memcpy(&chance_, digest + NONCE_HEX / 2, sizeof chance_);
+    toHex(digest, NONCE_HEX, ours);
+  }
+
+  void prove(const char* role, const char* theirs, const char* ours, char* hex) {
+    HmacSha256 mac(key_);
+    mac.text().add("rostether psk1 ");
+    mac.text().add(role);
+    mac.text().add(theirs);
+    mac.text().add(' ');
+    mac.text().add(ours);
+    uint8_t digest[Sha256::DIGEST_BYTES];
+    mac.finish(digest);
+    toHex(digest, PROOF_HEX, hex);
+  }
+
+  static void toHex(const uint8_t* bytes, uint8_t digits, char* hex) {
+    for (uint8_t i = 0; i < digits; ++i) {
+      const uint8_t digit = i % 2 ? bytes[i / 2] & 15 : bytes[i / 2] >> 4;
+      hex[i] = static_cast<char>(digit < 10 ? '0' + digit : 'a' + digit - 10);
+    }
+    hex[digits] = 0;
+  }
+
+  KeyText key_;
+  uint32_t chance_;
+  Refusal refusal_;
+};
+
+}  // namespace ros
+
+#endif

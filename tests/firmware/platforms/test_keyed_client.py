@@ -1,0 +1,94 @@
+"""ros/keyed_client.h and ros/sha256.h on the host: against Python's, and against hosts that mean no good."""
+
+from __future__ import annotations
+
+import hashlib
+import hmac
+import random
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from firmware.platforms.programs import EXTRAS, compile_program
+from rostether.transports.psk_hello import ListenerHello
+
+pytestmark = pytest.mark.gcc
+
+ON_HOST = EXTRAS / "arduino_on_host"
+SANITIZED = ("g++", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-DARDUINO=10819")
+KEY = "0123456789abcdef0123456789abcdef"
+NONCE = bytes(range(16))
+GREETING = f"RSPSK1 {NONCE.hex()}\n".encode()
+NONE, NO_ANSWER, NO_HELLO, WRONG_KEY = range(4)
+
+
+@pytest.fixture(scope="session")
+def program(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    output = tmp_path_factory.mktemp("keyed") / "keyed_client"
+    return compile_program([*SANITIZED, f"-I{ON_HOST}"], [ON_HOST / "keyed_client.cpp"], library, output)
+
+
+def hear(program: Path, data: bytes, *, stays: bool = False) -> tuple[int, int, bytes]:
+    """Return the refusal, how many bytes were left unread, and what the client said."""
+    done = subprocess.run(
+        [program, KEY, "stays" if stays else "leaves"], input=data, capture_output=True, timeout=30
+    )
+    assert done.returncode == 0, done.stderr.decode()
+    refusal, left, said = done.stdout.split(b" ", 2)
+    return int(refusal), int(left), said
+
+
+def test_digests_are_those_of_python(program: Path) -> None:
+    done = subprocess.run([program, "digests"], capture_output=True, text=True, timeout=30, check=True)
+    for length, line in enumerate(done.stdout.splitlines()):
+        digest = hashlib.sha256(bytes(i * 7 & 255 for i in range(length))).hexdigest()
+        mac = hmac.new(b"k" * length, b"text", "sha256").hexdigest()
+        assert line == f"{digest} {mac}", length
+
+
+def test_our_listener_takes_its_proof(program: Path) -> None:
+    refusal, _, said = hear(program, GREETING)
+    assert refusal == NO_ANSWER
+    listener = ListenerHello(KEY.encode(), NONCE)
+    assert listener.greeting == GREETING
+    assert listener.receive(said + b"\xff\xfe") is not None
+    others = {hear(program, f"RSPSK1 {bytes([first] * 16).hex()}\n".encode())[2] for first in range(4)}
+    assert len({each.split()[1] for each in others}) == 4, "nonces are its own each time"
+
+
+def test_a_host_without_the_key_is_refused(program: Path) -> None:
+    assert hear(program, GREETING + b"RSPSK1 " + b"0" * 64 + b"\n\xff\xfe")[:2] == (WRONG_KEY, 2)
+    # Its own proof, sent back to it.
+    _, _, said = hear(program, GREETING)
+    proof = said.split()[2]
+    assert hear(program, GREETING + b"RSPSK1 " + proof + b"\n")[0] == WRONG_KEY
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"\xff\xfe\x00\x00\xff\x00\x00\xff",
+        GREETING.replace(b"\n", b"00\n"),
+        GREETING.replace(b"RSPSK1", b"RSPSK2"),
+        GREETING[:30] + b"\n",
+        GREETING.upper(),
+        GREETING + b"RSPSK1 short\n",
+        b"RSPSK1 " + b"a" * 100_000,
+    ],
+)
+def test_what_is_no_hello_is_left_at_once(program: Path, data: bytes) -> None:
+    assert hear(program, data, stays=True)[0] == NO_HELLO
+
+
+def test_a_host_that_says_nothing_is_left_in_time(program: Path) -> None:
+    assert hear(program, b"RSPSK1 00", stays=True)[0] == NO_ANSWER
+
+
+def test_noise_never_gets_through(program: Path) -> None:
+    chance = random.Random(7)
+    for _ in range(30):
+        data = bytearray(GREETING + b"RSPSK1 " + b"0" * 64 + b"\n")
+        for _ in range(chance.randrange(1, 5)):
+            data[chance.randrange(len(data))] = chance.randrange(256)
+        assert hear(program, bytes(data))[0] != NONE
