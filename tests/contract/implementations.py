@@ -5,9 +5,11 @@ from __future__ import annotations
 import functools
 from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from dataclasses import replace
 from typing import NamedTuple
 
 from contract.capabilities import ROS1, Capabilities
+from contract.owned_parameters import OwnedParametersNetwork
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import JoinGraph
 from rostether.ros1.environment import RosEnvironment
@@ -28,6 +30,11 @@ async def _open_memory() -> AsyncIterator[JoinGraph]:
 
 
 @asynccontextmanager
+async def _open_memory_with_owned_parameters() -> AsyncIterator[JoinGraph]:
+    yield OwnedParametersNetwork().join
+
+
+@asynccontextmanager
 async def _open_ros1() -> AsyncIterator[JoinGraph]:
     master = await MasterServer.start(port=0)
     yield functools.partial(join_ros1, master_uri=master.uri, environment=RosEnvironment.read({}))
@@ -36,5 +43,8 @@ async def _open_ros1() -> AsyncIterator[JoinGraph]:
 
 IMPLEMENTATIONS: dict[str, Implementation] = {
     "memory": Implementation(ROS1, _open_memory),
+    "memory-owned-parameters": Implementation(
+        replace(ROS1, global_parameters=False, mixed_lists=False), _open_memory_with_owned_parameters
+    ),
     "ros1": Implementation(ROS1, _open_ros1),
 }

@@ -1,0 +1,62 @@
+"""The parameters of other nodes, through their services."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from rostether.errors import GraphError, ServiceUnavailableError
+from rostether.ros2.parameters.membership import Membership
+from rostether.ros2.parameters.typed_value import NOT_SET, TypedValue, value_of_message
+from rostether.ros2.rcl_interfaces import rcl_interfaces
+from rostether.serde.values import Message
+
+CALL_TIMEOUT_S = 3.0
+"""What people wait for a node that is busy before they think that it hangs."""
+
+LIST_SERVICE = "list_parameters"
+
+
+class ParameterClient:
+    """Asks other nodes; raises GraphError where one does not answer or refuses."""
+
+    def __init__(self, membership: Membership, timeout_s: float = CALL_TIMEOUT_S) -> None:
+        self._membership = membership
+        self._timeout_s = timeout_s
+
+    async def names(self, node: str) -> list[str]:
+        """Return the names of a node's parameters, also of those that are declared and not set."""
+        answer = await self._call(node, LIST_SERVICE, "ListParameters", {})
+        return list(answer.result.names)
+
+    async def get(self, node: str, names: Sequence[str]) -> dict[str, TypedValue]:
+        """Return those of the parameters that are set."""
+        answer = await self._call(node, "get_parameters", "GetParameters", {"names": list(names)})
+        if len(answer.values) == len(names):
+            values = zip(names, map(value_of_message, answer.values), strict=True)
+            return {name: value for name, value in values if value != NOT_SET}
+        # rclcpp and rclpy answer with nothing where one of the names is not set.
+        found: dict[str, TypedValue] = {}
+        for name in names if len(names) > 1 else ():
+            found |= await self.get(node, [name])
+        return found
+
+    async def set(self, node: str, values: Mapping[str, TypedValue]) -> None:
+        """Set parameters; `NOT_SET` deletes. Raises GraphError with the reason of the first refused."""
+        parameters = [{"name": name, "value": value.to_fields()} for name, value in values.items()]
+        answer = await self._call(node, "set_parameters", "SetParameters", {"parameters": parameters})
+        for name, result in zip(values, answer.results, strict=False):
+            if not result.successful:
+                reason = " ".join(result.reason.split()) or "it gives no reason"
+                raise GraphError(f"node {node} refuses to set its parameter {name}: {reason}")
+
+    async def _call(self, node: str, verb: str, name: str, request: Mapping[str, Any]) -> Message:
+        interfaces = rcl_interfaces()
+        payload = interfaces.codec(f"{name}Request").encode(request)
+        try:
+            answer = await self._membership.call_service(
+                f"{node}/{verb}", interfaces.service(name), payload, timeout_s=self._timeout_s
+            )
+        except ServiceUnavailableError as error:
+            raise ServiceUnavailableError(f"node {node} does not offer its parameters: {error}") from None
+        return interfaces.codec(f"{name}Response").decode(answer)

@@ -1,0 +1,173 @@
+"""The graph port's parameters on ROS 2: full names, trees and watches over parameters that nodes own."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Iterable, Mapping
+from typing import Protocol
+
+from rostether.errors import GraphError, SerializationError, UnknownNameError
+from rostether.graph.ports import ParamValue
+from rostether.ros2.parameters.client import LIST_SERVICE, ParameterClient
+from rostether.ros2.parameters.membership import Membership
+from rostether.ros2.parameters.parameter_name import ParameterPath, full_name, locate, name_parts
+from rostether.ros2.parameters.store import OnChanges
+from rostether.ros2.parameters.typed_value import NOT_SET, TypedValue, flatten
+from rostether.ros2.parameters.watches import ParameterWatch, ParameterWatches
+
+
+class OwnParameters(Protocol):
+    """The parameters of our own node; `store.ParameterStore` is one."""
+
+    def get(self, name: str) -> TypedValue:
+        """Return a value, `NOT_SET` where there is none."""
+
+    def names(self) -> list[str]:
+        """Return the names of all parameters that are set."""
+
+    def declare(self, name: str) -> None:
+        """Take notice that a parameter that is not set is asked for."""
+
+    def apply(self, values: Mapping[str, TypedValue]) -> None:
+        """Set all the values, or none; `NOT_SET` deletes. Raises GraphError with the reason."""
+
+    def listen(self, on_changes: OnChanges) -> None:
+        """Call back after each setting, until `unlisten`."""
+
+    def unlisten(self, on_changes: OnChanges) -> None:
+        """Call back no more."""
+
+
+class GraphParameters:
+    """Does what `graph.ports.Graph` says of parameters; names are fully resolved."""
+
+    def __init__(self, own: OwnParameters, membership: Membership) -> None:
+        self._own = own
+        self._membership = membership
+        self._node = membership.node_name
+        self._client = ParameterClient(membership)
+        self._watches = ParameterWatches(own, membership, self._value_or_none)
+
+    async def get(self, name: str) -> ParamValue:
+        """Return a value or tree; what is not set on our own node is declared. Raises UnknownNameError."""
+        place = await self._locate(name)
+        values = await self._values(place)
+        if not values:
+            if place.node == self._node:
+                self._own.declare(place.path)
+            raise UnknownNameError(f"parameter {name} is not set")
+        return _tree(place, values)
+
+    async def set(self, name: str, value: ParamValue) -> None:
+        """Set a value; a mapping replaces the whole tree below the name.
+
+        Raises SerializationError for what ROS 2 cannot hold, GraphError where the node refuses.
+        """
+        place = await self._locate(name)
+        values = flatten(place.path, value)
+        if "" in values:
+            raise GraphError(f"{name} is a node: give the name of a parameter below it, or a mapping")
+        before = await self._names_within(place)
+        gone = {each: NOT_SET for each in before if each not in values}
+        await self._apply(place.node, {**gone, **values})
+
+    async def delete(self, name: str) -> None:
+        """Delete a value or tree. Raises UnknownNameError, GraphError where the node refuses."""
+        place = await self._locate(name)
+        values = await self._values(place)
+        if not values:
+            raise UnknownNameError(f"parameter {name} is not set")
+        await self._apply(place.node, dict.fromkeys(values, NOT_SET))
+
+    async def has(self, name: str) -> bool:
+        """Tell whether a parameter, or one below it, is set."""
+        return bool(await self._values(await self._locate(name)))
+
+    async def search(self, name: str, resolve: Callable[[str], str]) -> str | None:
+        """Find a parameter of our own node by a relative name; others belong to other nodes.
+
+        As in ROS 1, only the first part of the name must be there.
+        """
+        if name.startswith(("/", "~")):
+            resolved = resolve(name)
+            return resolved if await self.has(resolved) else None
+        path = ParameterPath(self._node, name_parts(name)[0] if name_parts(name) else "")
+        is_there = any(map(path.holds, self._own.names()))
+        return full_name(self._node, name) if is_there else None
+
+    async def names(self) -> list[str]:
+        """Return the full names of what is set on all nodes that answer, sorted."""
+        services = (await self._membership.snapshot()).services
+        suffix = f"/{LIST_SERVICE}"
+        others = {name.removesuffix(suffix) for name in services if name.endswith(suffix)} - {self._node}
+        found = await asyncio.gather(*(self._names_of(node) for node in sorted(others)))
+        own = [full_name(self._node, name) for name in self._own.names()]
+        return sorted([*own, *(name for names in found for name in names)])
+
+    async def watch(self, name: str, on_change: Callable[[ParamValue], None]) -> ParameterWatch:
+        """Call back with the value now and after every change; None means it is unset."""
+        return await self._watches.add(name, on_change)
+
+    async def close(self) -> None:
+        """End all watches."""
+        await self._watches.close()
+
+    async def _locate(self, name: str) -> ParameterPath:
+        # A name below our own node may still be below a node whose name is longer.
+        return locate(name, (await self._membership.snapshot()).nodes, self._node)
+
+    async def _value_or_none(self, name: str) -> ParamValue:
+        place = await self._locate(name)
+        values = await self._values(place)
+        return _tree(place, values) if values else None
+
+    async def _values(self, place: ParameterPath) -> dict[str, TypedValue]:
+        if place.node == self._node:
+            return {name: self._own.get(name) for name in self._own.names() if place.holds(name)}
+        if place.path and (found := await self._client.get(place.node, [place.path])):
+            return found
+        names = await self._names_within(place)
+        return await self._client.get(place.node, names) if names else {}
+
+    async def _names_within(self, place: ParameterPath) -> list[str]:
+        names = self._own.names() if place.node == self._node else await self._client.names(place.node)
+        return [name for name in names if place.holds(name)]
+
+    async def _names_of(self, node: str) -> list[str]:
+        try:
+            names = await self._client.names(node)
+            values = await self._client.get(node, names) if names else {}
+        except (GraphError, SerializationError):
+            return []  # It left a moment ago, hangs, or has no parameters: the others' are still good.
+        return [full_name(node, name) for name in values]
+
+    async def _apply(self, node: str, values: Mapping[str, TypedValue]) -> None:
+        if not values:
+            return
+        if node == self._node:
+            self._own.apply(values)
+        else:
+            await self._client.set(node, values)
+
+
+def _tree(place: ParameterPath, values: Mapping[str, TypedValue]) -> ParamValue:
+    depth = len(name_parts(place.path))
+    root: dict[str, ParamValue] = {}
+    for name, value in _deepest_last(values.items()):
+        parts = name_parts(name)[depth:]
+        if not parts:
+            # ROS 2 may have both `a` and `a.b`; who asks for `a` means that one.
+            return value.value
+        tree = root
+        for part in parts[:-1]:
+            child = tree.setdefault(part, {})
+            if not isinstance(child, dict):
+                break
+            tree = child
+        else:
+            tree[parts[-1]] = value.value
+    return root
+
+
+def _deepest_last(items: Iterable[tuple[str, TypedValue]]) -> list[tuple[str, TypedValue]]:
+    return sorted(items, key=lambda item: len(name_parts(item[0])))

@@ -1,0 +1,57 @@
+"""Names of parameters: the port has full names as ROS 1 (`/ns/node/a/b`), ROS 2 a node and a name (`a.b`)."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from rostether.names.graph_name import namespace_of
+
+DOT = "."
+
+_PARTS = re.compile(r"[./]+")
+
+
+class ParameterPath(NamedTuple):
+    """A parameter, or all those below it, of one node; the empty path is all of the node's parameters."""
+
+    node: str
+    path: str
+
+    def holds(self, name: str) -> bool:
+        """Tell whether a parameter of the node is meant: the one of that path or one below it."""
+        parts = name_parts(self.path)
+        return name_parts(name)[: len(parts)] == parts
+
+
+def locate(full_name: str, nodes: Iterable[str], own_node: str) -> ParameterPath:
+    """Return whose parameter a full name is: that of the node with the longest name above it.
+
+    A name below no node is a parameter of our own node, there without the node's namespace.
+    """
+    above = [node for node in (*nodes, own_node) if _is_below(full_name, node) or full_name == node]
+    if above:
+        node = max(above, key=len)
+        return ParameterPath(node, _dotted(full_name[len(node) :]))
+    namespace = namespace_of(own_node)
+    inside = full_name[len(namespace) :] if _is_below(full_name, namespace) else full_name
+    return ParameterPath(own_node, _dotted(inside))
+
+
+def full_name(node: str, name: str) -> str:
+    """Return the full name of a node's parameter."""
+    return "/".join((node, *name_parts(name)))
+
+
+def name_parts(name: str) -> list[str]:
+    """Return the parts of a parameter's name, `a.b` as well as `a/b`."""
+    return [part for part in _PARTS.split(name) if part]
+
+
+def _dotted(name: str) -> str:
+    return DOT.join(name_parts(name))
+
+
+def _is_below(name: str, namespace: str) -> bool:
+    return name.startswith(namespace if namespace.endswith("/") else f"{namespace}/")

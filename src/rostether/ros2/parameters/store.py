@@ -1,0 +1,114 @@
+"""The parameters of one node: values, what may be asked for, and who is told of changes. Without I/O."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+from rostether.errors import GraphError
+from rostether.graph.callbacks import call_contained
+from rostether.graph.ports import ParamValue
+from rostether.ros2.parameters.typed_value import NOT_SET, ParameterType, TypedValue, typed_value
+
+USE_SIM_TIME = "use_sim_time"
+
+MAX_PARAMETERS = 4096
+"""Anybody on the graph can set them; the largest nodes (navigation) have about a thousand."""
+
+MAX_ASKED_NAMES = 256
+"""Names that a board asked for and nobody has set; line noise makes up names without end."""
+
+MAX_NAME_CHARACTERS = 256
+"""Names in use are below 100."""
+
+FIXED_TYPES = {USE_SIM_TIME: ParameterType.BOOL}
+"""Parameters that every node has; these are of one type and stay."""
+
+
+@dataclass(frozen=True, slots=True)
+class Changes:
+    """What one setting of parameters did."""
+
+    new: Mapping[str, TypedValue] = field(default_factory=dict)
+    changed: Mapping[str, TypedValue] = field(default_factory=dict)
+    deleted: Mapping[str, TypedValue] = field(default_factory=dict)
+
+    @property
+    def names(self) -> list[str]:
+        """All names that are concerned."""
+        return [*self.new, *self.changed, *self.deleted]
+
+
+OnChanges: TypeAlias = Callable[[Changes], None]
+
+
+class ParameterStore:
+    """A node's own parameters; any name may be set, of any type, and change its type."""
+
+    def __init__(self, initial: Mapping[str, ParamValue] | None = None) -> None:
+        """Start with values from files and command lines. Raises SerializationError, GraphError."""
+        self._values = {USE_SIM_TIME: TypedValue(ParameterType.BOOL, False)}
+        self._asked: dict[str, None] = {}
+        self._listeners: list[OnChanges] = []
+        self.apply({name: typed_value(name, value) for name, value in (initial or {}).items()})
+
+    def get(self, name: str) -> TypedValue:
+        """Return a value, `NOT_SET` where there is none."""
+        return self._values.get(name, NOT_SET)
+
+    def names(self) -> list[str]:
+        """Return the names of all parameters that are set, sorted."""
+        return sorted(self._values)
+
+    def declared_names(self) -> list[str]:
+        """Return those and the names that were asked for, sorted: what `ros2 param list` shows."""
+        return sorted({*self._values, *self._asked})
+
+    def declare(self, name: str) -> None:
+        """Take notice that somebody here asks for a parameter that is not set, so that people find it."""
+        if len(self._asked) < MAX_ASKED_NAMES and name not in self._values and not _name_fault(name):
+            self._asked[name] = None
+
+    def apply(self, values: Mapping[str, TypedValue]) -> None:
+        """Set all the values, or none; `NOT_SET` deletes. Raises GraphError with the reason."""
+        for name, value in values.items():
+            if fault := self._fault(name, value):
+                raise GraphError(fault)
+        added = sum(value != NOT_SET and name not in self._values for name, value in values.items())
+        if len(self._values) + added > MAX_PARAMETERS:
+            raise GraphError(f"a node has at most {MAX_PARAMETERS} parameters")
+        changes = Changes(
+            {n: v for n, v in values.items() if v != NOT_SET and n not in self._values},
+            {n: v for n, v in values.items() if v != NOT_SET and n in self._values},
+            {n: self._values[n] for n, v in values.items() if v == NOT_SET and n in self._values},
+        )
+        for name in changes.deleted:
+            del self._values[name]
+        self._values |= {**changes.new, **changes.changed}
+        if changes.names:
+            for listener in list(self._listeners):
+                call_contained("telling changed parameters", listener, changes)
+
+    def listen(self, on_changes: OnChanges) -> None:
+        """Call back after each setting, until `unlisten`."""
+        self._listeners.append(on_changes)
+
+    def unlisten(self, on_changes: OnChanges) -> None:
+        """Call back no more."""
+        if on_changes in self._listeners:
+            self._listeners.remove(on_changes)
+
+    def _fault(self, name: str, value: TypedValue) -> str:
+        fixed = FIXED_TYPES.get(name)
+        if fixed is not None and value.type is not fixed:
+            return f"parameter {name} must be a {fixed.name.lower()}, not {value.type.name.lower()}"
+        return _name_fault(name)
+
+
+def _name_fault(name: str) -> str:
+    if not name:
+        return "a parameter needs a name"
+    if len(name) > MAX_NAME_CHARACTERS:
+        return f"a parameter's name has at most {MAX_NAME_CHARACTERS} characters"
+    return ""

@@ -1,0 +1,144 @@
+"""The values a ROS 2 parameter can have: each is of one type, and lists hold items of one type."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any
+
+from rostether.errors import SerializationError
+from rostether.graph.ports import ParamValue
+from rostether.serde.values import Message
+
+_INT64 = range(-(2**63), 2**63)
+_MAX_SHOWN_CHARACTERS = 60  # an error stays one readable line
+
+
+class ParameterType(IntEnum):
+    """The types with the values of rcl_interfaces/ParameterType."""
+
+    NOT_SET = 0
+    BOOL = 1
+    INTEGER = 2
+    DOUBLE = 3
+    STRING = 4
+    BYTE_ARRAY = 5
+    BOOL_ARRAY = 6
+    INTEGER_ARRAY = 7
+    DOUBLE_ARRAY = 8
+    STRING_ARRAY = 9
+
+
+_FIELDS = {
+    ParameterType.BOOL: "bool_value",
+    ParameterType.INTEGER: "integer_value",
+    ParameterType.DOUBLE: "double_value",
+    ParameterType.STRING: "string_value",
+    ParameterType.BYTE_ARRAY: "byte_array_value",
+    ParameterType.BOOL_ARRAY: "bool_array_value",
+    ParameterType.INTEGER_ARRAY: "integer_array_value",
+    ParameterType.DOUBLE_ARRAY: "double_array_value",
+    ParameterType.STRING_ARRAY: "string_array_value",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class TypedValue:
+    """A parameter's value with its type: an empty list has one too."""
+
+    type: ParameterType
+    value: ParamValue
+
+    def to_fields(self) -> dict[str, Any]:
+        """Return the fields of a rcl_interfaces/ParameterValue."""
+        fields: dict[str, Any] = {"type": int(self.type)}
+        if isinstance(self.value, bytes):
+            # ROS 1 calls a signed number `byte`.
+            fields[_FIELDS[self.type]] = [byte - 256 if byte > 127 else byte for byte in self.value]
+        elif self.type is not ParameterType.NOT_SET:
+            fields[_FIELDS[self.type]] = self.value
+        return fields
+
+
+NOT_SET = TypedValue(ParameterType.NOT_SET, None)
+
+
+def typed_value(name: str, value: ParamValue) -> TypedValue:
+    """Give a value its type; None is not set, and a list of integers and floats becomes one of floats.
+
+    Raises SerializationError naming the parameter where ROS 2 cannot hold the value.
+    """
+    if value is None:
+        return NOT_SET
+    if isinstance(value, bytes):
+        return TypedValue(ParameterType.BYTE_ARRAY, value)
+    if isinstance(value, list):
+        return _typed_list(name, value)
+    scalar = _scalar_type(value)
+    if scalar is None:
+        raise _refusal(name, value)
+    return TypedValue(scalar, value)
+
+
+def value_of_message(message: Message) -> TypedValue:
+    """Read a rcl_interfaces/ParameterValue. Raises SerializationError for a type that does not exist."""
+    try:
+        kind = ParameterType(message.type)
+    except ValueError:
+        raise SerializationError(
+            f"a parameter has type {message.type}, which rcl_interfaces/ParameterType does not know"
+        ) from None
+    if kind is ParameterType.NOT_SET:
+        return NOT_SET
+    value = getattr(message, _FIELDS[kind])
+    if kind is ParameterType.BYTE_ARRAY:
+        value = bytes(byte & 0xFF for byte in value)
+    return TypedValue(kind, value)
+
+
+def flatten(path: str, value: ParamValue) -> dict[str, TypedValue]:
+    """Return the parameters that a value or mapping stands for, by their names with dots.
+
+    Raises SerializationError for what ROS 2 cannot hold.
+    """
+    if not isinstance(value, Mapping):
+        return {path: typed_value(path, value)}
+    flat: dict[str, TypedValue] = {}
+    for key, item in value.items():
+        below = ".".join(part for part in str(key).split("/") if part)
+        flat |= flatten(f"{path}.{below}" if path else below, item)
+    return flat
+
+
+def _typed_list(name: str, value: list[ParamValue]) -> TypedValue:
+    types = {_scalar_type(item) for item in value}
+    if not types:
+        return TypedValue(ParameterType.STRING_ARRAY, [])
+    if types == {ParameterType.INTEGER, ParameterType.DOUBLE}:
+        return TypedValue(
+            ParameterType.DOUBLE_ARRAY, [float(item) for item in value if isinstance(item, int | float)]
+        )
+    kind = types.pop()
+    if kind is None or types:
+        raise _refusal(name, value)
+    return TypedValue(ParameterType[f"{kind.name}_ARRAY"], list(value))
+
+
+def _scalar_type(value: ParamValue) -> ParameterType | None:
+    if isinstance(value, bool):
+        return ParameterType.BOOL
+    if isinstance(value, int):
+        return ParameterType.INTEGER if value in _INT64 else None
+    if isinstance(value, float):
+        return ParameterType.DOUBLE
+    return ParameterType.STRING if isinstance(value, str) else None
+
+
+def _refusal(name: str, value: ParamValue) -> SerializationError:
+    shown = repr(value)
+    shown = shown if len(shown) <= _MAX_SHOWN_CHARACTERS else shown[:_MAX_SHOWN_CHARACTERS] + "..."
+    return SerializationError(
+        f"parameter {name} cannot be {shown} in ROS 2: use a bool, 64-bit integer, float, string, bytes, "
+        "or a list of one type of them"
+    )

@@ -1,0 +1,156 @@
+"""Watching parameters of any node: our own store tells us, /parameter_events tells of the others."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Awaitable, Callable, Sequence
+from typing import Protocol
+
+from rostether.errors import GraphError, SerializationError
+from rostether.graph.callbacks import call_contained
+from rostether.graph.ports import ParamValue, Subscriber
+from rostether.ros2.parameters.membership import Membership
+from rostether.ros2.parameters.services import PARAMETER_EVENTS
+from rostether.ros2.parameters.store import Changes, OnChanges
+from rostether.ros2.rcl_interfaces import rcl_interfaces
+
+
+class TellingParameters(Protocol):
+    """Parameters that tell of their changes."""
+
+    def listen(self, on_changes: OnChanges) -> None:
+        """Call back after each setting, until `unlisten`."""
+
+    def unlisten(self, on_changes: OnChanges) -> None:
+        """Call back no more."""
+
+
+class ParameterWatches:
+    """All watches of one node; the subscription lasts as long as there are any."""
+
+    def __init__(
+        self,
+        own: TellingParameters,
+        membership: Membership,
+        fetch: Callable[[str], Awaitable[ParamValue]],
+    ) -> None:
+        self._own = own
+        self._membership = membership
+        self._fetch = fetch
+        self._watches: list[ParameterWatch] = []
+        self._subscriber: Subscriber | None = None
+        # Subscribing and unsubscribing take their turns.
+        self._lock = asyncio.Lock()
+
+    async def add(self, name: str, on_change: Callable[[ParamValue], None]) -> ParameterWatch:
+        """Call back with the value now and after every change."""
+        async with self._lock:
+            if self._subscriber is None:
+                self._subscriber = await self._membership.subscribe(
+                    PARAMETER_EVENTS, rcl_interfaces().message("ParameterEvent"), self._take
+                )
+                self._own.listen(self._take_own)
+        watch = ParameterWatch(self, name, on_change, self._fetch)
+        self._watches.append(watch)
+        await watch.start()
+        return watch
+
+    async def remove(self, watch: ParameterWatch) -> None:
+        """End a watch."""
+        if watch in self._watches:
+            self._watches.remove(watch)
+        async with self._lock:
+            if not self._watches and self._subscriber is not None:
+                self._own.unlisten(self._take_own)
+                subscriber, self._subscriber = self._subscriber, None
+                await subscriber.close()
+
+    async def close(self) -> None:
+        """End all watches."""
+        for watch in list(self._watches):
+            await watch.close()
+
+    def _take_own(self, changes: Changes) -> None:
+        for watch in self._watches:
+            watch.look_again()
+
+    def _take(self, payloads: Sequence[bytes]) -> None:
+        codec = rcl_interfaces().codec("ParameterEvent")
+        nodes = set()
+        for payload in payloads:
+            try:
+                nodes.add(codec.decode(payload).node)
+            except SerializationError:
+                continue  # Not what the topic's type says: nobody's parameters.
+        nodes.discard(self._membership.node_name)
+        for watch in self._watches:
+            if any(_concerns(node, watch.name) for node in nodes):
+                watch.look_again()
+
+
+class ParameterWatch:
+    """A `graph.ports.Watch`."""
+
+    def __init__(
+        self,
+        watches: ParameterWatches,
+        name: str,
+        on_change: Callable[[ParamValue], None],
+        fetch: Callable[[str], Awaitable[ParamValue]],
+    ) -> None:
+        self.name = name
+        self._watches = watches
+        self._on_change = on_change
+        self._fetch = fetch
+        self._latest: ParamValue = None
+        self._is_started = False
+        self._is_outdated = False
+        self._looking: asyncio.Task[None] | None = None
+        self._is_closed = False
+
+    async def start(self) -> None:
+        """Tell the value now, and changes from now on."""
+        with contextlib.suppress(GraphError, SerializationError):
+            self._latest = await self._fetch(self.name)
+        self._tell()
+        self._is_started = True
+        if self._is_outdated:
+            self.look_again()
+
+    def look_again(self) -> None:
+        """Fetch the value, which may have changed, and tell it if it has."""
+        self._is_outdated = True
+        if self._is_started and self._looking is None and not self._is_closed:
+            self._looking = asyncio.get_running_loop().create_task(self._look())
+
+    async def close(self) -> None:
+        """Stop watching. Idempotent."""
+        if not self._is_closed:
+            self._is_closed = True
+            if self._looking is not None:
+                self._looking.cancel()
+            await self._watches.remove(self)
+
+    async def _look(self) -> None:
+        try:
+            while self._is_outdated:
+                self._is_outdated = False
+                try:
+                    value = await self._fetch(self.name)
+                except (GraphError, SerializationError):
+                    continue  # Its node does not answer: the last value is the best there is.
+                if value != self._latest or type(value) is not type(self._latest):
+                    self._latest = value
+                    self._tell()
+        finally:
+            self._looking = None
+
+    def _tell(self) -> None:
+        if not self._is_closed:
+            call_contained(f"on_change of parameter {self.name}", self._on_change, self._latest)
+
+
+def _concerns(node: str, name: str) -> bool:
+    """Tell whether an event of a node may be about a full name: at it, below it, or the node's own."""
+    return name == node or name.startswith(f"{node}/") or node.startswith(name.rstrip("/") + "/")

@@ -1,0 +1,112 @@
+"""The interfaces every ROS 2 node speaks (rcl_interfaces), in ROS 1's words: what the graph port carries.
+
+A ROS 2 graph finds the definitions of the same names in ROS 2's words and converts between the two.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+from rostether.msgdef.full_text import message_full_text
+from rostether.msgdef.interface import MessageType, ServiceType
+from rostether.msgdef.md5sum import message_md5sum, service_md5sum
+from rostether.msgdef.parse_srv import parse_service
+from rostether.msgdef.registry import Registry
+from rostether.msgdef.spec import MessageSpec
+from rostether.serde.codec import Codec
+from rostether.serde.store import TypeStore
+
+PACKAGE = "rcl_interfaces"
+
+_MESSAGES = {
+    "FloatingPointRange": "float64 from_value\nfloat64 to_value\nfloat64 step\n",
+    "IntegerRange": "int64 from_value\nint64 to_value\nuint64 step\n",
+    "ListParametersResult": "string[] names\nstring[] prefixes\n",
+    "Log": """time stamp
+uint8 level
+string name
+string msg
+string file
+string function
+uint32 line
+""",
+    "Parameter": "string name\nParameterValue value\n",
+    "ParameterDescriptor": """string name
+uint8 type
+string description
+string additional_constraints
+bool read_only
+bool dynamic_typing
+FloatingPointRange[] floating_point_range
+IntegerRange[] integer_range
+""",
+    "ParameterEvent": """time stamp
+string node
+Parameter[] new_parameters
+Parameter[] changed_parameters
+Parameter[] deleted_parameters
+""",
+    "ParameterValue": """uint8 type
+bool bool_value
+int64 integer_value
+float64 double_value
+string string_value
+byte[] byte_array_value
+bool[] bool_array_value
+int64[] integer_array_value
+float64[] double_array_value
+string[] string_array_value
+""",
+    "SetParametersResult": "bool successful\nstring reason\n",
+}
+
+_SERVICES = {
+    "DescribeParameters": "string[] names\n---\nParameterDescriptor[] descriptors\n",
+    "GetParameters": "string[] names\n---\nParameterValue[] values\n",
+    "GetParameterTypes": "string[] names\n---\nuint8[] types\n",
+    "ListParameters": "string[] prefixes\nuint64 depth\n---\nListParametersResult result\n",
+    "SetParameters": "Parameter[] parameters\n---\nSetParametersResult[] results\n",
+    "SetParametersAtomically": "Parameter[] parameters\n---\nSetParametersResult result\n",
+}
+
+
+class RclInterfaces:
+    """Types and codecs by their short names; halves of services are `NameRequest` and `NameResponse`."""
+
+    def __init__(self) -> None:
+        self._registry = Registry(bundled=False)
+        for name, text in _MESSAGES.items():
+            self._registry.add_full_text(f"{PACKAGE}/{name}", text)
+        self._store = TypeStore(self._registry)
+        self._services = {name: self._learn_service(name, text) for name, text in _SERVICES.items()}
+
+    def message(self, name: str) -> MessageType:
+        """Return a message's type."""
+        return self._registry.message_type(f"{PACKAGE}/{name}")
+
+    def service(self, name: str) -> ServiceType:
+        """Return a service's type."""
+        return self._services[name]
+
+    def codec(self, name: str) -> Codec:
+        """Return the codec of a message or of half a service."""
+        return self._store.codec(f"{PACKAGE}/{name}")
+
+    def _learn_service(self, name: str, text: str) -> ServiceType:
+        spec = parse_service(text, package=PACKAGE, name=name)
+        for half in (spec.request, spec.response):
+            self._registry.add_full_text(half.full_name, half.text)
+        md5sum = service_md5sum(spec, self._registry.message)
+        return ServiceType(
+            spec.full_name, md5sum, self._describe(spec.request), self._describe(spec.response)
+        )
+
+    def _describe(self, spec: MessageSpec) -> MessageType:
+        lookup = self._registry.message
+        return MessageType(spec.full_name, message_md5sum(spec, lookup), message_full_text(spec, lookup))
+
+
+@cache
+def rcl_interfaces() -> RclInterfaces:
+    """Return the one table of this process."""
+    return RclInterfaces()
