@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from rostether.cli.library_logs import show_library_logs
@@ -19,7 +20,8 @@ if TYPE_CHECKING:
     from rostether.bridge.settings import BridgeSettings
     from rostether.bridge.supervisor import Listen, Supervisor
     from rostether.devices.device_book import DeviceBook
-    from rostether.ros1.node.node import Ros1Graph
+    from rostether.graph.ports import JoinGraph
+    from rostether.msgdef.registry import Registry
     from rostether.transports.transport import Transport
 
 
@@ -56,6 +58,13 @@ def loopback_lines(environment: RosEnvironment, links: Sequence[Address]) -> lis
     return lines
 
 
+def joining_ros1(environment: RosEnvironment) -> JoinGraph:
+    """Return what makes ROS 1 nodes under an environment."""
+    from rostether.ros1.node.node import join_ros1
+
+    return partial(join_ros1, environment=environment)
+
+
 @asynccontextmanager
 async def bridge(
     environment: RosEnvironment,
@@ -71,29 +80,27 @@ async def bridge(
     tap: Callable[[Transport], Transport] | None = None,
     listen: Listen = listen,
     settings: BridgeSettings | None = None,
+    join: JoinGraph | None = None,
+    registry: Registry | None = None,
 ) -> AsyncIterator[Supervisor]:
     """Serve boards as long as the block lasts; its end tells them to stop and leaves the graph.
 
     With `keeps_node` the one link's node is there from the start, and its end ends `wait_done`. With
     `diagnostics` each board's node publishes /diagnostics. `tap` may put a recorder around each link;
-    `listen` is how links are listened for; `settings` are the limits.
+    `listen` is how links are listened for; `settings` are the limits; `join` makes the boards' nodes,
+    without it ROS 1 nodes under `environment`; `registry` has the definitions, without it those of
+    `msg_paths` and ROS_PACKAGE_PATH.
     Raises TransportOpenError for an address that cannot be listened on, InvalidNameError.
     """
     from rostether.bridge.settings import DEFAULT_SETTINGS
     from rostether.bridge.supervisor import Supervisor
     from rostether.msgdef.registry import Registry
-    from rostether.ros1.node.node import join_ros1
     from rostether.serde.store import TypeStore
-
-    async def join(
-        node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
-    ) -> Ros1Graph:
-        return await join_ros1(node_name, environment=environment, namespace=namespace, remappings=remappings)
 
     show_library_logs(reporter.line)
     supervisor = Supervisor(
-        join,
-        TypeStore(Registry.from_environment(msg_paths)),
+        join or joining_ros1(environment),
+        TypeStore(registry or Registry.from_environment(msg_paths)),
         reporter=reporter,
         ns_per_board=ns_per_board,
         keeps_node=keeps_node,

@@ -11,6 +11,8 @@ from typing import Any
 import click
 from click.shell_completion import CompletionItem
 
+from rostether.cli.ros_choice import with_middleware
+
 HELP_WIDTH = 100
 """Columns of help text at most: longer lines are hard to read on wide terminals."""
 
@@ -33,9 +35,13 @@ class Verb(click.Command):
         self.examples = dedent(examples).strip("\n")
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Read the arguments; `–once`, as printed books and PDFs have it, is `--once`."""
+        """Read the arguments; `–once`, as printed books and PDFs have it, is `--once`.
+
+        `--ros2` may stand alone or before the name of a middleware.
+        """
         known = {option for parameter in self.get_params(ctx) for option in parameter.opts}
-        return super().parse_args(ctx, [_plain_dashes(each, known) for each in args])
+        plain = [_plain_dashes(each, known) for each in args]
+        return super().parse_args(ctx, with_middleware(plain) if "--ros2" in known else plain)
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the examples below the options, line by line as given."""
