@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
+import socket
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
@@ -29,6 +31,8 @@ TURN_S = 0.003
 MIN_READ_BYTES = 4 * 1024
 # A board on Wi-Fi answers within a second or is not there.
 CONNECT_LIMIT_S = 5.0
+# Linux has it; elsewhere acknowledgements are late only now and then.
+_QUICKACK: int | None = getattr(socket, "TCP_QUICKACK", None)
 
 if TYPE_CHECKING:
     from rostether.transports.greeting import Greeting
@@ -46,12 +50,14 @@ class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
         self._whole_buffer = memoryview(bytearray(READ_CHUNK_BYTES))
         self._buffer = self._whole_buffer
         self._on_lost = on_lost
+        self._socket: socket.socket | None = None
         self.host = ""
         self.own_host = ""
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Take the asyncio side and set the socket's options."""
         super().connection_made(transport)
+        self._socket = transport.get_extra_info("socket")
         tune_stream(transport.get_extra_info("socket"))
         peer_name = transport.get_extra_info("peername")
         if peer_name:
@@ -64,6 +70,18 @@ class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
         if self._on_lost is not None:
             self._on_lost(self)
         super().connection_lost(exc)
+
+    def write(self, data: bytes | bytearray | memoryview) -> None:
+        """Queue bytes. Never blocks; after the pipe ended it does nothing.
+
+        Who answers has its acknowledgements held back for 40 ms by the kernel, to send them along with the next
+        answer. A board whose TCP gathers small messages until the last is acknowledged (ESP boards do) would
+        send its next one that late, after each answer about the time.
+        """
+        super().write(data)
+        if self._socket is not None and _QUICKACK is not None:
+            with contextlib.suppress(OSError):
+                self._socket.setsockopt(socket.IPPROTO_TCP, _QUICKACK, 1)
 
     def get_buffer(self, sizehint: int) -> memoryview:
         """Lend the read buffer."""

@@ -76,6 +76,22 @@ async def test_sockets_send_at_once_and_notice_half_open_peers() -> None:
         assert sock.getsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE) != 0
 
 
+@pytest.mark.skipif(not hasattr(socket, "TCP_QUICKACK"), reason="only Linux can be asked for it")
+async def test_bytes_are_acknowledged_at_once_after_answers_too() -> None:
+    async with listening() as (listener, arrivals), connected_to(listener) as (board, board_seen):
+        host, host_seen = await arrivals.next_started()
+        assert isinstance(host, TcpTransport)
+        assert host._wire is not None
+        sock = host._wire.get_extra_info("socket")
+        for turn in range(1, 6):
+            # Who answers soon after it has heard something is taken for a party of a conversation.
+            board.write(b"?")
+            await host_seen.until_received(b"?" * turn)
+            host.write(b"!")
+            await board_seen.until_received(b"!" * turn)
+            assert sock.getsockopt(socket.IPPROTO_TCP, socket.TCP_QUICKACK) == 1
+
+
 async def test_pausing_stops_the_sender_and_loses_nothing() -> None:
     async with listening() as (listener, arrivals), connected_to(listener) as (board, board_seen):
         host, host_seen = await arrivals.next_started()
