@@ -12,6 +12,7 @@ import logging
 from collections.abc import Awaitable, Callable
 from enum import Enum
 from weakref import WeakValueDictionary
+from zlib import crc32
 
 from rostether.errors import GraphError, MasterUnreachableError, UnknownNameError
 from rostether.ros1.node.master_client import MasterClient
@@ -117,8 +118,11 @@ class Registrations:
 
     async def _watch_master(self, interval_s: float) -> None:
         is_away = False
+        # Each node at a moment of its own: a hundred boards that ask at once keep their messages waiting.
+        wait_s = interval_s * crc32(self._master.caller_id.encode()) / 2**32
         while True:
-            await asyncio.sleep(interval_s)
+            await asyncio.sleep(wait_s)
+            wait_s = interval_s
             try:
                 if await self._check():
                     _log.warning(

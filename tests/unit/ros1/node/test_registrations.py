@@ -44,3 +44,38 @@ async def test_the_last_wish_wins(kind: Kind, adds_last: bool) -> None:
     assert not registrations._locks
     await master.close()
     await server.close()
+
+
+async def test_nodes_ask_a_master_one_after_the_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    server = await MasterServer.start(port=0)
+    asked_s: list[float] = []
+    clock = asyncio.get_running_loop().time
+
+    async def lookup_node(_master: MasterClient, name: str) -> str:
+        asked_s.append(clock())
+        return NODE_URI
+
+    monkeypatch.setattr(MasterClient, "lookup_node", lookup_node)
+    nodes = []
+    for number in range(20):
+        master = MasterClient(server.uri, f"/board{number}")
+        registrations = Registrations(
+            master,
+            node_uri=NODE_URI,
+            service_uri=SERVICE_URI,
+            on_publishers=lambda *_: None,
+            register_more=nothing,
+            on_replaced=lambda _: None,
+        )
+        nodes.append((master, registrations))
+    began_s = clock()
+    for _, registrations in nodes:
+        registrations.start_watch(0.5)
+    while len(asked_s) < 20:
+        await asyncio.sleep(0.01)
+    parts = {int((at_s - began_s) / 0.1) for at_s in asked_s[:20]}
+    assert len(parts) >= 3, "they ask in one go"
+    for master, registrations in nodes:
+        await registrations.close()
+        await master.close()
+    await server.close()
