@@ -141,6 +141,10 @@ class Session:
             return
         now_s = self.heard_at_s = self._loop.time()
         try:
+            message = self.link.receive_message(data, now_s)
+            if message is not None:
+                self._carry(message[0], [message[1]])
+                return
             for event in self.link.receive_data(data, now_s):
                 self._handle(event)
             self._after_link()
@@ -195,15 +199,18 @@ class Session:
         except Exception as error:  # noqa: BLE001 - as in data_received
             self._fail(error)
 
+    def _carry(self, topic_id: int, payloads: list[bytes]) -> None:
+        receive = self.receivers.get(topic_id)
+        if receive is not None:
+            receive(payloads)
+        else:
+            self.unbridged_count += len(payloads)
+        if topic_id in self._stamps.offsets:
+            self._stamps.take(topic_id, payloads, self._loop.time())
+
     def _handle(self, event: HostEvent) -> None:
         if type(event) is MessagesReceived:
-            receive = self.receivers.get(event.topic_id)
-            if receive is not None:
-                receive(event.payloads)
-            else:
-                self.unbridged_count += len(event.payloads)
-            if event.topic_id in self._stamps.offsets:
-                self._stamps.take(event.topic_id, event.payloads, self._loop.time())
+            self._carry(event.topic_id, event.payloads)
             return
         self.watch.take(event, self._loop.time())
         handle = self._handlers.get(type(event))

@@ -106,6 +106,13 @@ class FrameDecoder:
         header = self.pending_header
         return header is not None and header.topic_id in topic_ids and now_s < self._fed_s + RECEIVING_S
 
+    def only_frame(self, data: bytes) -> tuple[int, bytes] | None:
+        """Return topic id and payload if a chunk is one whole frame with a header seen before.
+
+        None, and nothing taken, if it is anything else: feed it then.
+        """
+        return None if self._pending else self._scanner.only_frame(data)
+
     def feed(self, data: bytes | bytearray | memoryview, now_s: float) -> list[Decoded]:
         """Take a chunk, cut anywhere; return what it completes. Frames of one topic id come as one group.
 

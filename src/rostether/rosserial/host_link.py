@@ -92,6 +92,25 @@ class HostLink:
         self._pump(now_s)
         return events
 
+    def receive_message(self, data: bytes, now_s: float) -> tuple[int, bytes] | None:
+        """Take a chunk that is one message on an announced id, from a board at work; return id and payload.
+
+        None, and nothing taken, if it is anything else: `receive_data` takes it then. Such a message makes
+        nothing due earlier and gives nothing to send, so that boards which send one at a time cost half.
+        """
+        line = self._line
+        if isinstance(line, ProtocolDetector) or not self._presence.is_certain or self._is_stopped:
+            return None
+        message = line.only_frame(data)
+        if message is None or message[0] not in self._table.senders:
+            return None
+        statistics = self.statistics
+        statistics.bytes_received += len(data)
+        statistics.frames_received += 1
+        statistics.count_received(message[0], 1)
+        self._presence.message(now_s)
+        return message
+
     def get_timer(self) -> float | None:
         """Return when `handle_timer` wants to be called, on the clock of `now_s`."""
         if self._is_stopped:

@@ -117,6 +117,11 @@ class Presence:
         self._alarms = 0
         self._quarantine_until_s = float("-inf")
 
+    @property
+    def is_certain(self) -> bool:
+        """Whether the device is there and nothing says that it was reset."""
+        return self.state is State.PRESENT
+
     def heard(self, now_s: float) -> None:
         """Take any valid frame."""
         self.heard_s = now_s

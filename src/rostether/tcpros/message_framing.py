@@ -28,6 +28,8 @@ _MIN_RUN = 8
 
 def encode_messages(payloads: Sequence[bytes]) -> bytes:
     """Return a batch of payloads, each behind its length."""
+    if len(payloads) == 1:
+        return _pack_length(len(payloads[0])) + payloads[0]
     if not payloads:
         return b""
     if len(set(map(len, payloads))) == 1:
