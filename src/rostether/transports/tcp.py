@@ -74,7 +74,7 @@ class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
     def write(self, data: bytes | bytearray | memoryview) -> None:
         """Queue bytes. Never blocks; after the pipe ended it does nothing.
 
-        Who answers has its acknowledgements held back for 40 ms by the kernel, to send them along with the next
+        The kernel holds the acknowledgements of who answers back for 40 ms, to send them along with the next
         answer. A board whose TCP gathers small messages until the last is acknowledged (ESP boards do) would
         send its next one that late, after each answer about the time.
         """
