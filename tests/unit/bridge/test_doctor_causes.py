@@ -15,89 +15,21 @@ import pytest
 
 from rostether.bridge.doctor import Diagnosis, Doctor
 from rostether.bridge.findings.finding import Code
-from rostether.errors import TransportError, TransportOpenError
+from rostether.errors import TransportOpenError
 from rostether.rosserial.device_link import DeviceLinkConfig
 from rostether.rosserial.frame import encode_frame
 from rostether.transports.address import Address, SerialAddress, parse_address
 from rostether.transports.memory import memory_pair
 from rostether.transports.port_facts import PortFacts
-from rostether.transports.transport import Receiver, Transport
+from rostether.transports.transport import Transport
 from unit.bridge.nodes import STORE
 from unit.bridge.sketch_board import SketchBoard, every, hello, overwritten_info, publish, stamped
+from unit.bridge.uart_port import UartPort
 from unit.bridge.virtual_time import run
-from unit.rosserial.uart_line import garbled
 from vectors.captures import load
 
 PORT = "/dev/ttyACM0"
 MakeBoard = Callable[[Transport], SketchBoard]
-
-
-class UartPort:
-    """One end of a memory pair as a serial port: what the board sends at its own speed is read at ours."""
-
-    can_pause = False
-    has_baud = True
-
-    def __init__(self, baud: int, board_baud: int) -> None:
-        self._baud = baud
-        self._board_baud = board_baud
-        self._wire, self.board_end = memory_pair(self._read_at_our_speed, can_pause=False)
-        self._receiver: Receiver | None = None
-        self._unread = b""
-        self._is_started = False
-
-    @property
-    def peer(self) -> str:
-        return PORT
-
-    @property
-    def write_buffer_bytes(self) -> int:
-        return 0
-
-    def set_baud(self, baud: int) -> bool:
-        self._baud = baud
-        return True
-
-    def release(self, unread: bytes = b"") -> None:
-        self._receiver, self._unread = None, unread
-
-    def start(self, receiver: Receiver) -> None:
-        self._receiver = receiver
-        if not self._is_started:
-            self._is_started = True
-            self._wire.start(self)
-
-    def write(self, data: bytes | bytearray | memoryview) -> None:
-        self._wire.write(data)
-
-    def pause_reading(self) -> None:
-        pass
-
-    def resume_reading(self) -> None:
-        pass
-
-    def close(self) -> None:
-        self._wire.close()
-
-    async def wait_closed(self) -> None:
-        await self._wire.wait_closed()
-
-    def data_received(self, data: bytes) -> None:
-        if self._receiver is not None:
-            self._receiver.data_received(data)
-
-    def connection_lost(self, error: TransportError | None) -> None:
-        if self._receiver is not None:
-            self._receiver.connection_lost(error)
-
-    def pause_writing(self) -> None:
-        pass
-
-    def resume_writing(self) -> None:
-        pass
-
-    def _read_at_our_speed(self, data: bytes, _direction: object) -> bytes:
-        return garbled(data, self._board_baud, self._baud)
 
 
 class SlowLine:
@@ -147,11 +79,11 @@ class Bench:
 
     async def open(self, address: Address) -> Transport:
         assert isinstance(address, SerialAddress)
-        port = UartPort(address.baud, self._board_baud)
+        wire, board_end = memory_pair(can_pause=False)
         await self.close()
         if self._make_board is not None:
-            self._board = self._make_board(port.board_end).plug_in()
-        return port
+            self._board = self._make_board(board_end).plug_in()
+        return UartPort(wire, address.baud, self._board_baud)
 
     async def close(self) -> None:
         if self._board is not None:

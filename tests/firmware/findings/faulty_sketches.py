@@ -1,0 +1,317 @@
+"""Sketches with the faults that sketches have; each is built and runs on a simulated board."""
+
+from __future__ import annotations
+
+_NODE = """
+#include <ros.h>
+#include <std_msgs/String.h>
+#include <std_msgs/Empty.h>
+
+ros::NodeHandle nh;
+std_msgs::String text;
+ros::Publisher chatter("chatter", &text);
+void take(const std_msgs::Empty&) {}
+ros::Subscriber<std_msgs::Empty> toggle("toggle", &take);
+
+void begin() {
+  nh.initNode();
+  nh.advertise(chatter);
+  nh.subscribe(toggle);
+}
+
+void talk() {
+  static unsigned long due;
+  if (millis() - due >= 50) {
+    due = millis();
+    text.data = "hello";
+    chatter.publish(&text);
+  }
+  nh.spinOnce();
+}
+"""
+
+WELL = (
+    _NODE
+    + """
+void setup() { begin(); }
+void loop() { talk(); }
+"""
+)
+
+SPEAKS_115200 = (
+    _NODE
+    + """
+void setup() {
+  nh.getHardware()->setBaud(115200);
+  begin();
+}
+void loop() { talk(); }
+"""
+)
+
+STAYS_MUTE = """
+void setup() { Serial.begin(57600); }
+void loop() { if (Serial.available()) digitalWrite(13, Serial.read() & 1); }
+"""
+
+PRINTS = """
+void setup() { Serial.begin(57600); }
+void loop() {
+  Serial.print("Temperature: ");
+  Serial.print(analogRead(0) * 0.49);
+  Serial.println(" C");
+  delay(200);
+}
+"""
+
+PRINTS_BESIDE_THE_NODE = (
+    _NODE
+    + """
+void setup() { begin(); }
+void loop() {
+  static unsigned long due;
+  if (millis() - due >= 300) {
+    due = millis();
+    Serial.print("distance ");
+    Serial.print(analogRead(0));
+    Serial.println(" cm");
+  }
+  talk();
+}
+"""
+)
+
+SENDS_NOISE = """
+void setup() { Serial.begin(57600); randomSeed(7); }
+void loop() {
+  for (int i = 0; i < 20; i++) Serial.write(random(256));
+  delay(20);
+}
+"""
+
+WAITS_IN_ITS_LOOP = (
+    _NODE
+    + """
+void setup() { begin(); }
+void loop() {
+  talk();
+  delay(800);
+}
+"""
+)
+
+HANGS_AFTER_SECONDS = (
+    _NODE
+    + """
+void setup() { begin(); }
+void loop() {
+  talk();
+  if (millis() > 2500) for (;;) delay(1);
+}
+"""
+)
+
+# What it measures takes longer than its watchdog waits.
+IS_BITTEN_BY_ITS_WATCHDOG = (
+    _NODE
+    + """
+#include <avr/wdt.h>
+void setup() {
+  begin();
+  wdt_enable(WDTO_2S);
+}
+void loop() {
+  static unsigned long fed;
+  if (millis() < 1000) wdt_reset();
+  talk();
+}
+"""
+)
+
+# The array has four places, and five more are written; the topic's name lies behind it.
+OVERRUNS_AN_ARRAY = """
+#include <ros.h>
+#include <std_msgs/Float32.h>
+
+ros::NodeHandle nh;
+std_msgs::Float32 mean;
+struct {
+  float recent[4];
+  char topic[20];
+} state = {{0}, "temperature_mean"};
+ros::Publisher publisher(state.topic, &mean);
+volatile uint8_t count = 7;
+
+void setup() {
+  nh.initNode();
+  for (uint8_t i = 0; i < count; i++) state.recent[i] = 19.7f + i;
+  nh.advertise(publisher);
+}
+
+void loop() {
+  static unsigned long due;
+  if (millis() - due >= 100) {
+    due = millis();
+    mean.data = state.recent[0];
+    publisher.publish(&mean);
+  }
+  nh.spinOnce();
+}
+"""
+
+# Each level takes 80 bytes and more: the stack comes down on the variables, and the board starts over or worse.
+RECURSES_TOO_DEEP = (
+    _NODE
+    + """
+int dig(int depth) {
+  volatile char line[80];
+  for (uint8_t i = 0; i < sizeof line; i++) line[i] = 0x80 | (depth + i);
+  return depth ? dig(depth - 1) + line[depth & 63] : line[0];
+}
+void setup() { begin(); }
+void loop() {
+  talk();
+  if (millis() > 1500) digitalWrite(13, dig(analogRead(0) + 30) & 1);
+}
+"""
+)
+
+NAMES_A_TOPIC_WITH_A_SPACE = (
+    _NODE.replace('"chatter"', '"my chatter"')
+    + """
+void setup() { begin(); }
+void loop() { talk(); }
+"""
+)
+
+HAS_A_SMALL_INPUT_BUFFER = """
+#include <ros.h>
+#include <geometry_msgs/PoseWithCovariance.h>
+
+ros::NodeHandle_<ArduinoHardware, 3, 3, 100, 100> nh;
+void take(const geometry_msgs::PoseWithCovariance&) {}
+ros::Subscriber<geometry_msgs::PoseWithCovariance> goal("goal", &take);
+void setup() { nh.initNode(); nh.subscribe(goal); }
+void loop() { nh.spinOnce(); }
+"""
+
+# LED strips are driven like this: the clock's interrupts come only once in that time.
+STOPS_ITS_CLOCK_FOR_A_LED_STRIP = """
+#include <ros.h>
+#include <sensor_msgs/Range.h>
+
+ros::NodeHandle nh;
+sensor_msgs::Range range;
+ros::Publisher publisher("range", &range);
+
+void setup() { nh.initNode(); nh.advertise(publisher); }
+
+void loop() {
+  static unsigned long due;
+  if (millis() - due >= 50) {
+    due = millis();
+    range.header.stamp = nh.now();
+    publisher.publish(&range);
+    noInterrupts();
+    delayMicroseconds(2600);
+    interrupts();
+  }
+  nh.spinOnce();
+}
+"""
+
+_BY_HAND = """
+#include <ros.h>
+
+class Count : public ros::Msg {
+ public:
+  int serialize(unsigned char* out) const { for (int i = 0; i < SIZE; i++) out[i] = i; return SIZE; }
+  int deserialize(unsigned char*) { return SIZE; }
+  const char* getType() { return "std_msgs/Int32"; }
+  const char* getMD5() { return "da5909fbe378aeaf85e547e830cc1bb7"; }
+};
+
+ros::NodeHandle nh;
+Count count;
+ros::Publisher publisher("count", &count);
+void setup() { nh.initNode(); nh.advertise(publisher); }
+void loop() {
+  static unsigned long due;
+  if (millis() - due >= 100) { due = millis(); publisher.publish(&count); }
+  nh.spinOnce();
+}
+"""
+
+WRITES_TOO_FEW_BYTES = _BY_HAND.replace("SIZE", "3")
+WRITES_TOO_MANY_BYTES = _BY_HAND.replace("SIZE", "12")
+
+# Its header says 64 bytes, and its messages have 100: made by hand, without the library.
+SENDS_MORE_THAN_IT_ANNOUNCED = """
+void frame(uint16_t id, const uint8_t* data, uint16_t size) {
+  uint8_t sum = (id & 0xff) + (id >> 8);
+  const uint8_t head[] = {0xff, 0xfe, (uint8_t)size, (uint8_t)(size >> 8),
+                          (uint8_t)(255 - ((size & 0xff) + (size >> 8))), (uint8_t)id, (uint8_t)(id >> 8)};
+  Serial.write(head, sizeof head);
+  for (uint16_t i = 0; i < size; i++) sum += data[i];
+  Serial.write(data, size);
+  Serial.write((uint8_t)(255 - sum));
+}
+
+uint8_t buffer[160];
+
+uint16_t text(uint16_t place, const char* value) {
+  uint16_t size = strlen(value);
+  buffer[place] = size;
+  buffer[place + 1] = buffer[place + 2] = buffer[place + 3] = 0;
+  memcpy(buffer + place + 4, value, size);
+  return place + 4 + size;
+}
+
+void announce() {
+  uint16_t place = 2;
+  buffer[0] = 125;
+  buffer[1] = 0;
+  place = text(place, "chatter");
+  place = text(place, "std_msgs/String");
+  place = text(place, "992ce8a1687cec8c8bd883ec73ca41d1");
+  buffer[place] = 64;
+  buffer[place + 1] = buffer[place + 2] = buffer[place + 3] = 0;
+  frame(0, buffer, place + 4);
+}
+
+void setup() { Serial.begin(57600); }
+
+void loop() {
+  static unsigned long asked, sent;
+  while (Serial.available()) {
+    // The last byte of a request for topics.
+    static uint8_t before;
+    uint8_t now = Serial.read();
+    if (before == 0 && now == 0xff) announce();
+    before = now;
+  }
+  if (millis() - asked >= 2500 || !asked) {
+    asked = millis() | 1;
+    memset(buffer, 0, 8);
+    frame(10, buffer, 8);
+  }
+  if (millis() - sent >= 300) {
+    sent = millis();
+    memset(buffer, 'x', 100);
+    text(0, "");
+    buffer[0] = 96;
+    frame(125, buffer, 100);
+  }
+}
+"""
+
+ARM = """
+#include <ros.h>
+#include <my_robot/Arm.h>
+
+ros::NodeHandle nh;
+my_robot::Arm arm;
+ros::Publisher publisher("arm", &arm);
+void setup() { nh.initNode(); nh.advertise(publisher); }
+void loop() { nh.spinOnce(); }
+"""
