@@ -1,0 +1,138 @@
+"""Parameter files of ROS 2 (`--params-file`): initial parameters for nodes by their names.
+
+/**:                          any node
+  ros__parameters: {use_sim_time: true}
+/lab/*/board:                 `*` is one part of a name, `**` any number of parts, also none
+  ros__parameters:
+    gains: {p: 1.5}           the parameter gains.p
+lab:                          namespaces may nest
+  board: {ros__parameters: {port: /dev/ttyACM0}}
+
+Where several entries name a node, the last one in the file counts, and the last file.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from rostether.errors import ConfigError, SerializationError
+from rostether.graph.ports import ParamValue
+from rostether.ros2.parameters.typed_value import NOT_SET, TypedValue, flatten
+from rostether.serde.yaml_nesting import refuse_deep_nesting
+
+PARAMETERS_KEY = "ros__parameters"
+
+MAX_FILE_BYTES = 4 << 20
+"""The largest files in use (navigation of a whole robot) are some 50 KB."""
+
+_FLOAT = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)[eE][-+]?\d+$")
+_TIMESTAMP_TAG = "tag:yaml.org,2002:timestamp"
+
+
+@dataclass(frozen=True, slots=True)
+class _Entry:
+    pattern: re.Pattern[str]
+    values: dict[str, TypedValue]
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterRules:
+    """What files say about the parameters of nodes."""
+
+    entries: tuple[_Entry, ...] = ()
+
+    def for_node(self, node: str) -> dict[str, ParamValue]:
+        """Return the initial parameters of a node by their names with dots."""
+        values: dict[str, ParamValue] = {}
+        for entry in self.entries:
+            if entry.pattern.fullmatch(node):
+                values |= {name: typed.value for name, typed in entry.values.items()}
+        return values
+
+
+def read_parameter_files(paths: Iterable[Path]) -> ParameterRules:
+    """Read files, later ones over earlier ones. Raises ConfigError naming the file."""
+    entries: list[_Entry] = []
+    for path in paths:
+        try:
+            with path.open("rb") as file:
+                data = file.read(MAX_FILE_BYTES + 1)
+            text = data.decode()
+        except (OSError, UnicodeDecodeError) as error:
+            raise ConfigError(f"parameter file {path} cannot be read: {error}") from None
+        if len(data) > MAX_FILE_BYTES:
+            raise ConfigError(f"parameter file {path} is longer than {MAX_FILE_BYTES} bytes")
+        entries += parse_parameters(text, str(path)).entries
+    return ParameterRules(tuple(entries))
+
+
+def parse_parameters(text: str, source: str) -> ParameterRules:
+    """Read the text of a file. Raises ConfigError naming `source` and what is wrong with it."""
+    import yaml
+
+    entries: list[_Entry] = []
+    try:
+        refuse_deep_nesting(text)
+        loader = _loader()
+        if any(isinstance(event, yaml.AliasEvent) for event in yaml.parse(text, Loader=loader)):
+            raise ConfigError(f"parameter file {source} has an alias (*name), which ROS 2 does not read")
+        document = yaml.load(text, Loader=loader)  # noqa: S506 - a SafeLoader
+        if document is not None:
+            _collect("", document, entries)
+    except yaml.YAMLError as error:
+        reason = " ".join(str(error).split())
+        raise ConfigError(f"parameter file {source} is not YAML: {reason}") from None
+    except RecursionError:
+        raise ConfigError(f"parameter file {source} is nested too deeply") from None
+    except ValueError as error:
+        raise ConfigError(f"parameter file {source}: {error}") from None
+    return ParameterRules(tuple(entries))
+
+
+def _collect(node: str, content: Any, entries: list[_Entry]) -> None:
+    if not isinstance(content, dict):
+        what = f"{node} holds {content!r:.60}" if node else "it holds no mapping"
+        raise SerializationError(f"{what}; write nodes, below each `{PARAMETERS_KEY}:`, and parameters below")
+    for key, value in content.items():
+        if key == PARAMETERS_KEY:
+            entries.append(_Entry(_pattern(node), _values(node, value)))
+        else:
+            _collect(f"{node}/{str(key).strip('/')}", value, entries)
+
+
+def _values(node: str, content: Any) -> dict[str, TypedValue]:
+    if content is None:
+        return {}
+    if not isinstance(content, dict):
+        raise SerializationError(f"{node}: below `{PARAMETERS_KEY}:` stand names with values")
+    values = flatten("", content)
+    for name, value in values.items():
+        if value == NOT_SET:
+            raise SerializationError(f"{node}: parameter {name} has no value")
+    return values
+
+
+def _pattern(node: str) -> re.Pattern[str]:
+    parts = [part for part in node.split("/") if part]
+    any_part = {"*": r"/\w+", "**": r"(?:/\w+)*"}
+    return re.compile("".join(any_part.get(part) or re.escape(f"/{part}") for part in parts))
+
+
+@cache
+def _loader() -> Any:
+    import yaml
+
+    class Loader(yaml.SafeLoader):
+        """YAML as rcl reads it: 1e-3 is a number, a date is a text."""
+
+    Loader.yaml_implicit_resolvers = {
+        first: [(tag, pattern) for tag, pattern in resolvers if tag != _TIMESTAMP_TAG]
+        for first, resolvers in yaml.SafeLoader.yaml_implicit_resolvers.items()
+    }
+    Loader.add_implicit_resolver("tag:yaml.org,2002:float", _FLOAT, list("-+0123456789."))
+    return Loader
