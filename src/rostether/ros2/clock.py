@@ -1,0 +1,93 @@
+"""ROS time on ROS 2: the wall clock, or what /clock says while the node's parameter use_sim_time is true."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import struct
+import time
+from collections.abc import Callable, Sequence
+
+from rostether.errors import GraphError
+from rostether.graph.ports import Subscriber
+from rostether.msgdef.interface import MessageType
+from rostether.ros2.parameters.membership import Membership
+from rostether.ros2.parameters.store import USE_SIM_TIME, Changes, ParameterStore
+from rostether.rostime import Time
+
+CLOCK_TOPIC = "/clock"
+CLOCK_TYPE = MessageType("rosgraph_msgs/Clock", "a9c97c1d230cfc112e270351a944ee47", "time clock\n")
+
+_CLOCK = struct.Struct("<II")
+_log = logging.getLogger("rostether.ros2")
+
+
+def _wall_time() -> Time:
+    return Time.from_ns(time.time_ns())
+
+
+class NodeClock:
+    """Tells one node's time; use_sim_time may change at any time, as for a node of rclcpp."""
+
+    def __init__(
+        self, store: ParameterStore, membership: Membership, wall_time: Callable[[], Time] = _wall_time
+    ) -> None:
+        self._store = store
+        self._membership = membership
+        self._wall_time = wall_time
+        self._simulated: Time | None = None
+        self._subscriber: Subscriber | None = None
+        self._following: asyncio.Task[None] | None = None
+        self._is_closed = False
+
+    async def open(self) -> None:
+        """Follow the parameter until `close`. Raises GraphError."""
+        self._store.listen(self._take_changes)
+        await self._follow()
+
+    def now(self) -> Time:
+        """Return the time; simulated time is zero before the first message of /clock."""
+        return self._wall_time() if self._simulated is None else self._simulated
+
+    async def close(self) -> None:
+        """Follow no more. Idempotent."""
+        self._is_closed = True
+        self._store.unlisten(self._take_changes)
+        if self._following is not None:
+            await self._following
+        if self._subscriber is not None:
+            await self._subscriber.close()
+
+    def _take_changes(self, changes: Changes) -> None:
+        if USE_SIM_TIME in changes.names:
+            self._switch()
+            if self._following is None:
+                self._following = asyncio.get_running_loop().create_task(self._follow_contained())
+
+    def _switch(self) -> bool:
+        is_simulated = self._store.get(USE_SIM_TIME).value is True
+        if not is_simulated:
+            self._simulated = None
+        elif self._simulated is None:
+            self._simulated = Time()
+        return is_simulated
+
+    async def _follow_contained(self) -> None:
+        try:
+            await self._follow()
+        except GraphError as error:
+            _log.error("%s cannot follow %s: %s", self._membership.node_name, CLOCK_TOPIC, error)
+        finally:
+            self._following = None
+
+    async def _follow(self) -> None:
+        while not self._is_closed and self._switch() is (self._subscriber is None):
+            if self._subscriber is None:
+                self._subscriber = await self._membership.subscribe(CLOCK_TOPIC, CLOCK_TYPE, self._take)
+            else:
+                subscriber, self._subscriber = self._subscriber, None
+                await subscriber.close()
+
+    def _take(self, payloads: Sequence[bytes]) -> None:
+        if self._simulated is not None and len(payloads[-1]) == _CLOCK.size:
+            self._simulated = Time(*_CLOCK.unpack(payloads[-1]))

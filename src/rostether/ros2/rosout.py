@@ -1,0 +1,34 @@
+"""A node's own log messages on /rosout, as rcl names and marks them.
+
+They are made as rosgraph_msgs/Log, the graph port's log; on ROS 2 they travel as rcl_interfaces/msg/Log with
+that one's levels. The topic's quality of service is `qos.ROSOUT_QOS`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from rostether.graph.log_message import encode_log
+from rostether.graph.ports import Level
+from rostether.rostime import Time
+
+
+class RosoutLog:
+    """Makes the messages of one node."""
+
+    def __init__(self, node_name: str, now: Callable[[], Time]) -> None:
+        self._logger = logger_name(node_name)
+        self._now = now
+        self._sequence = 0
+
+    def encode(self, level: Level, text: str) -> bytes:
+        """Return one serialized message, stamped now."""
+        self._sequence += 1
+        return encode_log(
+            sequence=self._sequence, stamp=self._now(), level=level, node_name=self._logger, text=text
+        )
+
+
+def logger_name(node_name: str) -> str:
+    """Return the name of a node's logger: `/lab/board` logs as `lab.board`."""
+    return node_name.strip("/").replace("/", ".")
