@@ -13,7 +13,7 @@ ENDLESS = 2_000_000_000
 
 @dataclass(frozen=True, slots=True)
 class Crowd:
-    """What was measured on the devices that do not flood."""
+    """What was measured on the devices that do not flood; `late_...`: how punctual they were themselves."""
 
     sent: int
     received: int
@@ -22,6 +22,8 @@ class Crowd:
     longest_ms: float
     resident_mb: float
     cpu_percent: float
+    late_p99_ms: float
+    late_longest_ms: float
 
 
 def crowd(devices: int, rate_hz: int, seconds: int, *, floods: bool = True) -> Crowd:
@@ -44,6 +46,7 @@ def crowd(devices: int, rate_hz: int, seconds: int, *, floods: bool = True) -> C
         say(talkers)
         words = output(listener)
         used_s = cpu_s(bridge.pid) - before_s
+        late_p99_ms, late_longest_ms = (float(word) for word in first_line(talkers))
         received, p50_ms, p99_ms, longest_ms = int(words[0]), *(float(word) for word in words[1:])
         return Crowd(
             devices * messages,
@@ -53,4 +56,6 @@ def crowd(devices: int, rate_hz: int, seconds: int, *, floods: bool = True) -> C
             longest_ms,
             resident_mb(bridge.pid),
             used_s / seconds * 100,
+            late_p99_ms,
+            late_longest_ms,
         )

@@ -3,8 +3,11 @@
     crowd_devices.py PORT COUNT HZ MESSAGES
 
 Each message is a std_msgs/UInt64, the time it was written on the machine's monotonic clock, so that whoever
-hears it knows how long it took. Prints a line when all were asked for topics, begins at a line on stdin.
-The devices speak evenly spread over the period, as boards that know nothing of each other do.
+hears it knows how long it took. Prints a line when all were asked for topics, begins at a line on stdin, and
+prints at the end how late it was itself with its messages: p99 and the longest in ms. What the machine does
+to it, it does to the bridge as well.
+The devices speak evenly spread over the period, as boards that know nothing of each other do. Their TCP
+gathers small messages until the last is acknowledged (no TCP_NODELAY), as that of many boards does.
 """
 
 from __future__ import annotations
@@ -79,10 +82,13 @@ def main(arguments: list[str]) -> None:
         crowd.serve(time.monotonic() + 0.05)
     began_s = time.monotonic()
     step_s = 1 / (rate_hz * count)
+    late_s: list[float] = []
     for turn in range(messages * count):
         crowd.serve(began_s + turn * step_s)
+        late_s.append(time.monotonic() - began_s - turn * step_s)
         crowd.lines[turn % count].sendall(stamped())
-    print("done", flush=True)
+    late_s.sort()
+    print(f"{late_s[len(late_s) * 99 // 100] * 1e3:.3f} {late_s[-1] * 1e3:.3f}", flush=True)
     while True:
         crowd.serve(time.monotonic() + 1.0)
 
