@@ -1,0 +1,78 @@
+"""One rclpy context for all nodes of a process: one participant, one executor, one thread."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from rostether.names.graph_name import join, validate_name
+from rostether.ros2.rclpy.executor_thread import ExecutorThread
+from rostether.ros2.rclpy.failures import attempt
+from rostether.ros2.rclpy.graph import RclpyGraph
+from rostether.ros2.rclpy.installation import load_rclpy
+from rostether.ros2.rclpy.own_node import OwnNode
+from rostether.ros2.type_support import Ros2Types
+
+
+class RclpyContext:
+    """Opens nodes on a ROS 2 graph through rclpy and the middleware that is installed with it.
+
+    The middleware reads its settings from the environment of the process: RMW_IMPLEMENTATION,
+    ROS_AUTOMATIC_DISCOVERY_RANGE, ROS_STATIC_PEERS and its own.
+    """
+
+    def __init__(
+        self, context: Any, thread: ExecutorThread, types: Ros2Types, arguments: Sequence[str]
+    ) -> None:
+        self._context = context
+        self._thread = thread
+        self._types = types
+        self._arguments = arguments
+        self._graphs: set[RclpyGraph] = set()
+        self._is_closed = False
+
+    @classmethod
+    async def open(
+        cls, types: Ros2Types, *, domain_id: int | None = None, arguments: Sequence[str] = ()
+    ) -> RclpyContext:
+        """Start rclpy; `domain_id` wins over ROS_DOMAIN_ID.
+
+        `arguments` are given to every node, as `["--ros-args", "--params-file", "robot.yaml"]`.
+        Raises ConfigError when rclpy is not installed, GraphError when it does not start.
+        """
+        rclpy = await asyncio.to_thread(load_rclpy)
+        context = rclpy.context.Context()
+        attempt("start rclpy", lambda: context.init(args=[], domain_id=domain_id))
+        return cls(context, ExecutorThread(context), types, list(arguments))
+
+    async def join(
+        self, node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
+    ) -> RclpyGraph:
+        """Join as `node_name`; another node of that name stays. Raises InvalidNameError, GraphError."""
+        full_name = join(namespace, validate_name(node_name))
+        own = await self._thread.run(
+            lambda: OwnNode(
+                full_name,
+                context=self._context,
+                thread=self._thread,
+                types=self._types,
+                arguments=self._arguments,
+            )
+        )
+        graph = RclpyGraph(own, namespace, remappings or {}, on_close=self._graphs.discard)
+        self._graphs.add(graph)
+        return graph
+
+    async def close(self) -> None:
+        """Leave with all nodes, and end rclpy. Idempotent."""
+        if self._is_closed:
+            return
+        self._is_closed = True
+        await asyncio.gather(*(graph.close() for graph in list(self._graphs)))
+        await self._thread.stop()
+        await asyncio.to_thread(self._end)
+
+    def _end(self) -> None:
+        attempt("end rclpy", self._context.try_shutdown)
+        attempt("end rclpy", self._context.destroy)

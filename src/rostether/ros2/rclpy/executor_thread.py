@@ -1,0 +1,103 @@
+"""rclpy's executor in a thread of its own, and the ways between that thread and the event loop.
+
+rclpy waits by blocking, so it cannot live in an event loop. Everything that makes, changes or destroys
+what the executor waits for runs in the executor's thread (`run`), so that it never races with the waiting;
+what the executor receives comes back to the loop (`call_in_loop`), many messages in one call.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import threading
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from rostether.errors import GraphError
+from rostether.ros2.rclpy.installation import load_rclpy
+
+MAX_JOIN_S = 5.0
+"""How long to wait for the thread at the end: the longest thing it does is making a node, far below this."""
+
+_Result = TypeVar("_Result")
+_log = logging.getLogger("rostether.ros2")
+
+
+class NoAnswerError(Exception):
+    """Raised in a service's callback to leave a request without an answer; nobody needs to see it."""
+
+
+class ExecutorThread:
+    """Spins one rclpy context. Made in the event loop that it hands over to."""
+
+    def __init__(self, context: Any) -> None:
+        self._loop = asyncio.get_running_loop()
+        self._context = context
+        self.executor = load_rclpy().executors.SingleThreadedExecutor(context=context)
+        self._is_stopping = False
+        self._thread = threading.Thread(target=self._spin, name="rclpy executor", daemon=True)
+        self._thread.start()
+
+    @property
+    def is_current(self) -> bool:
+        """Whether the caller runs in this thread."""
+        return threading.current_thread() is self._thread
+
+    async def run(self, function: Callable[[], _Result]) -> _Result:
+        """Run a function in the thread and return what it returns. Raises what it raises, or GraphError."""
+        if self._is_stopping:
+            raise GraphError("rclpy has been shut down: open it again")
+        future: asyncio.Future[_Result] = self._loop.create_future()
+
+        def work() -> None:
+            try:
+                result = function()
+            except Exception as error:  # noqa: BLE001 - it belongs to who asked
+                self.call_in_loop(_set_exception, future, error)
+            else:
+                self.call_in_loop(_set_result, future, result)
+
+        self.executor.create_task(work)
+        return await future
+
+    def submit(self, function: Callable[[], object]) -> None:
+        """Run a function in the thread, some time soon; an exception becomes a line in the log."""
+        if not self._is_stopping:
+            self.executor.create_task(function)
+
+    def call_in_loop(self, callback: Callable[..., object], *args: object) -> None:
+        """Have the event loop call back; nothing happens when the loop has ended already."""
+        try:
+            self._loop.call_soon_threadsafe(callback, *args)
+        except RuntimeError:
+            _log.debug("the event loop has ended before %s", callback)
+
+    async def stop(self) -> None:
+        """End the thread. Idempotent."""
+        if self._is_stopping:
+            return
+        self._is_stopping = True
+        self.executor.create_task(lambda: None)
+        await asyncio.to_thread(self._thread.join, MAX_JOIN_S)
+        self.executor.shutdown()
+
+    def _spin(self) -> None:
+        while not self._is_stopping and self._context.ok():
+            try:
+                self.executor.spin_once()
+            except NoAnswerError:
+                pass
+            except Exception as error:  # noqa: BLE001 - one callback must not end all others
+                if self._context.ok() and not self._is_stopping:
+                    _log.error("a callback of rclpy failed: %s: %s", type(error).__name__, error)
+                    _log.debug("traceback of that failure", exc_info=error)
+
+
+def _set_result(future: asyncio.Future[_Result], result: _Result) -> None:
+    if not future.done():
+        future.set_result(result)
+
+
+def _set_exception(future: asyncio.Future[_Result], error: Exception) -> None:
+    if not future.done():
+        future.set_exception(error)

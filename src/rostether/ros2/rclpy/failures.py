@@ -1,0 +1,37 @@
+"""What rclpy raises, in our words."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeVar
+
+from rostether.errors import GraphError, InvalidNameError, RostetherError, TypeMismatchError
+
+_Result = TypeVar("_Result")
+
+# rclpy's exceptions for names derive from one of these two; which, depends on its version.
+_NAME_ERRORS = frozenset({"NameValidationException", "InvalidTopicNameException"})
+
+
+def attempt(what: str, function: Callable[[], _Result]) -> _Result:
+    """Call a function of rclpy for `what`, as in "subscribe to /chat".
+
+    Raises InvalidNameError, TypeMismatchError or GraphError for what rclpy raises.
+    """
+    try:
+        return function()
+    except RostetherError:
+        raise
+    except Exception as error:
+        reason = first_lines(str(error))
+        if _NAME_ERRORS & {each.__name__ for each in type(error).__mro__}:
+            raise InvalidNameError(f"cannot {what}: {reason}: ROS 2 does not take such a name") from error
+        if "incompatible type" in reason:
+            raise TypeMismatchError(f"cannot {what}: {reason}") from error
+        raise GraphError(f"cannot {what}: {reason}") from error
+
+
+def first_lines(text: str) -> str:
+    """Return a text of rclpy in one line, without the pictures that point at a character."""
+    lines = (line.strip() for line in text.splitlines())
+    return " ".join(line for line in lines if line and set(line) != {"^"})

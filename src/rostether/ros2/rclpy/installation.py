@@ -1,0 +1,112 @@
+"""What is installed of ROS 2's Python: rclpy itself, and the packages of message types.
+
+rclpy is loaded when the first node joins: importing it costs half a second. It carries no types of its own:
+a type can be used when the package that has it is installed beside it.
+"""
+
+from __future__ import annotations
+
+import functools
+import warnings
+from importlib import import_module
+from typing import Any, Final, NamedTuple
+
+from rostether.errors import ConfigError, UnknownTypeError
+
+INSTALL_ADVICE: Final = (
+    'pip install "rostether[rclpy]" or source the setup file of a ROS 2, or use zenoh, which needs neither'
+)
+
+
+class Rclpy(NamedTuple):
+    """The modules of rclpy that a graph uses."""
+
+    context: Any
+    node: Any
+    executors: Any
+    callback_groups: Any
+    qos: Any
+    events: Any
+    parameter: Any
+    serialization: Any
+    task: Any
+    duration: Any
+
+
+@functools.cache
+def load_rclpy() -> Rclpy:
+    """Import rclpy. Raises ConfigError with what to install."""
+    try:
+        with warnings.catch_warnings():
+            # What rclpy loads is not ours to mend: rosidl's parser uses modules that Python is about to drop.
+            warnings.simplefilter("ignore")
+            import_module("rosidl_generator_py")
+            return _import_modules()
+    except ImportError as error:
+        raise ConfigError(f"rclpy cannot be used ({_one_line(error)}): {INSTALL_ADVICE}") from error
+
+
+def _import_modules() -> Rclpy:
+    return Rclpy(
+        context=import_module("rclpy.context"),
+        node=import_module("rclpy.node"),
+        executors=import_module("rclpy.executors"),
+        callback_groups=import_module("rclpy.callback_groups"),
+        qos=import_module("rclpy.qos"),
+        events=_import_events(),
+        parameter=import_module("rclpy.parameter"),
+        serialization=import_module("rclpy.serialization"),
+        task=import_module("rclpy.task"),
+        duration=import_module("rclpy.duration"),
+    )
+
+
+@functools.cache
+def message_class(name: str) -> Any:
+    """Return the Python class of `pkg/msg/Name`. Raises UnknownTypeError when it is not installed."""
+    return _find_class(name)
+
+
+@functools.cache
+def service_class(name: str) -> Any:
+    """Return the Python class of `pkg/srv/Name`. Raises UnknownTypeError when it is not installed."""
+    return _find_class(name)
+
+
+def _find_class(name: str) -> Any:
+    package, kind, short = name.split("/")
+    try:
+        return getattr(import_module(f"{package}.{kind}"), short)
+    except ModuleNotFoundError as error:
+        if error.name not in (package, f"{package}.{kind}"):
+            raise _not_usable(name, error) from error
+        raise UnknownTypeError(
+            f"rclpy cannot carry {name}: the package {package} is not installed for this Python; build and "
+            "source the workspace that has it, or use zenoh, which takes types from their text"
+        ) from None
+    except ImportError as error:
+        raise _not_usable(name, error) from error
+    except AttributeError:
+        raise UnknownTypeError(
+            f"rclpy cannot carry {name}: the package {package} that is installed for this Python does not "
+            "have it; build and source a newer one, or use zenoh, which takes types from their text"
+        ) from None
+
+
+def _not_usable(name: str, error: ImportError) -> UnknownTypeError:
+    return UnknownTypeError(
+        f"rclpy cannot carry {name}: its package does not load ({_one_line(error)}); build it again for this "
+        "ROS 2, or use zenoh, which takes types from their text"
+    )
+
+
+def _import_events() -> Any:
+    try:
+        return import_module("rclpy.event_handler")
+    except ModuleNotFoundError:
+        # Its name in Humble.
+        return import_module("rclpy.qos_event")
+
+
+def _one_line(error: BaseException) -> str:
+    return " ".join(str(error).split())

@@ -1,0 +1,141 @@
+"""One rclpy node of ours: what its publishers, subscribers and services share."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Sequence
+from typing import Any, TypeVar
+
+from rostether.errors import TypeMismatchError
+from rostether.graph.log_message import MAX_LOG_TEXT_BYTES, ROSOUT
+from rostether.graph.ports import Level
+from rostether.ros2.rclpy.executor_thread import ExecutorThread
+from rostether.ros2.rclpy.failures import attempt, first_lines
+from rostether.ros2.rclpy.installation import load_rclpy, message_class
+from rostether.ros2.rclpy.quality import rosout_profile
+from rostether.ros2.type_support import Ros2Types
+
+_Result = TypeVar("_Result")
+_log = logging.getLogger("rostether.ros2")
+
+_LOGGING_LEVELS = {
+    Level.DEBUG: logging.DEBUG,
+    Level.INFO: logging.INFO,
+    Level.WARN: logging.WARNING,
+    Level.ERROR: logging.ERROR,
+    Level.FATAL: logging.CRITICAL,
+}
+
+
+class OwnNode:
+    """Made and destroyed in the executor's thread; `node` and `group` are rclpy's."""
+
+    def __init__(
+        self,
+        full_name: str,
+        *,
+        context: Any,
+        thread: ExecutorThread,
+        types: Ros2Types,
+        arguments: Sequence[str],
+    ) -> None:
+        rclpy = load_rclpy()
+        namespace, _, name = full_name.rpartition("/")
+        self.name = full_name
+        self.thread = thread
+        self.types = types
+        self.node = attempt(
+            f"join as {full_name}",
+            lambda: rclpy.node.Node(
+                name,
+                namespace=namespace or "/",
+                context=context,
+                cli_args=list(arguments),
+                use_global_arguments=False,
+                # rcl's own prints every line to the console as well.
+                enable_rosout=False,
+                allow_undeclared_parameters=True,
+                automatically_declare_parameters_from_overrides=True,
+            ),
+        )
+        # One handler that waits must not hold the others up.
+        self.group = rclpy.callback_groups.ReentrantCallbackGroup()
+        self._rosout = self.node.create_publisher(
+            message_class("rcl_interfaces/msg/Log"),
+            ROSOUT,
+            rosout_profile(),
+            callback_group=self.group,
+            event_callbacks=rclpy.events.PublisherEventCallbacks(use_default_callbacks=False),
+        )
+        self._logger_name = full_name.strip("/").replace("/", ".")
+        thread.executor.add_node(self.node)
+
+    def log(self, level: Level, text: str) -> None:
+        """Publish a log message on /rosout, as rcl does it."""
+        log = message_class("rcl_interfaces/msg/Log")
+        try:
+            self._rosout.publish(
+                log(
+                    stamp=self.node.get_clock().now().to_msg(),
+                    # ROS 1's levels are powers of two, ROS 2's tens.
+                    level=10 * level.bit_length(),
+                    name=self._logger_name,
+                    msg=text.encode("utf-8", "replace")[:MAX_LOG_TEXT_BYTES].decode("utf-8", "ignore"),
+                )
+            )
+        except Exception as error:  # noqa: BLE001 - a log line must not end what it tells of
+            _log.debug("cannot log on %s: %s", ROSOUT, first_lines(str(error)))
+
+    def now_ns(self) -> int:
+        """Return ROS time in nanoseconds."""
+        return int(self.node.get_clock().now().nanoseconds)
+
+    def report(self, level: Level, text: str) -> None:
+        """Log a line about this node, here and on /rosout. Call it in the event loop."""
+        _log.log(_LOGGING_LEVELS[level], "%s: %s", self.name, text)
+        self.log(level, text)
+
+    def report_from_thread(self, level: Level, text: str) -> None:
+        """Log a line about this node from the executor's thread."""
+        self.thread.call_in_loop(self.report, level, text)
+
+    def create_for_topic(
+        self, what: str, topic: str, type_name: str, function: Callable[[], _Result]
+    ) -> _Result:
+        """Make an endpoint of a topic in the executor's thread. Raises GraphError and its kinds."""
+        return self._create(what, type_name, function, lambda: self.topic_types(topic))
+
+    def create_for_service(
+        self, what: str, service: str, type_name: str, function: Callable[[], _Result]
+    ) -> _Result:
+        """Make an endpoint of a service in the executor's thread. Raises GraphError and its kinds."""
+        return self._create(what, type_name, function, lambda: self.service_types(service))
+
+    def topic_types(self, topic: str) -> list[str]:
+        """Return the types that a topic has, in the executor's thread."""
+        return list(dict(self.node.get_topic_names_and_types()).get(topic, ()))
+
+    def service_types(self, service: str) -> list[str]:
+        """Return the types that a service is offered as, in the executor's thread."""
+        return list(dict(self.node.get_service_names_and_types()).get(service, ()))
+
+    def destroy(self) -> None:
+        """Leave the graph; call it in the executor's thread."""
+        self.thread.executor.remove_node(self.node)
+        self.node.destroy_node()
+
+    def _create(
+        self,
+        what: str,
+        type_name: str,
+        function: Callable[[], _Result],
+        types_in_use: Callable[[], list[str]],
+    ) -> _Result:
+        try:
+            return attempt(what, function)
+        except TypeMismatchError as error:
+            others = " and ".join(sorted(set(types_in_use()) - {type_name})) or "another type"
+            raise TypeMismatchError(
+                f"cannot {what} as {type_name}: this process has it as {others}"
+                ", and this middleware takes one type for a name: choose another name, or use zenoh"
+            ) from error

@@ -1,0 +1,102 @@
+"""Our node's own parameters, kept by rclpy, which offers them to everybody by its services."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from rostether.errors import GraphError
+from rostether.ros2.parameters.store import MAX_ASKED_NAMES, MAX_NAME_CHARACTERS, Changes, OnChanges
+from rostether.ros2.parameters.typed_value import NOT_SET, ParameterType, TypedValue
+from rostether.ros2.rclpy.failures import attempt, first_lines
+from rostether.ros2.rclpy.installation import load_rclpy, message_class
+from rostether.ros2.rclpy.own_node import OwnNode
+
+
+class RclpyParameters:
+    """A `parameters.graph_parameters.OwnParameters`."""
+
+    def __init__(self, own: OwnNode) -> None:
+        self._own = own
+        self._node = own.node
+        self._asked: set[str] = set()
+        self._listeners: list[OnChanges] = []
+        add = getattr(self._node, "add_post_set_parameters_callback", None)
+        if add is not None:
+            add(self._note)
+        else:
+            # Humble tells only before it sets; the loop gets to it after that.
+            self._node.add_on_set_parameters_callback(self._note_and_agree)
+
+    def get(self, name: str) -> TypedValue:
+        """Return a value, `NOT_SET` where there is none."""
+        if not self._node.has_parameter(name):
+            return NOT_SET
+        return _typed(self._node.get_parameter(name))
+
+    def names(self) -> list[str]:
+        """Return the names of all parameters that are set, sorted."""
+        names = self._node.list_parameters([], 0).names
+        return sorted(name for name in names if self.get(name) != NOT_SET)
+
+    def declare(self, name: str) -> None:
+        """Take notice that a parameter that is not set is asked for: `ros2 param list` shows it then."""
+        is_known = name in self._asked or self._node.has_parameter(name)
+        if not name or len(name) > MAX_NAME_CHARACTERS or len(self._asked) >= MAX_ASKED_NAMES or is_known:
+            return
+        self._asked.add(name)
+        descriptor = message_class("rcl_interfaces/msg/ParameterDescriptor")(dynamic_typing=True)
+
+        def declare() -> None:
+            if not self._node.has_parameter(name):
+                self._node.declare_parameter(name, None, descriptor)
+
+        attempt(f"declare the parameter {name}", declare)
+
+    def apply(self, values: Mapping[str, TypedValue]) -> None:
+        """Set all the values, or none; `NOT_SET` deletes. Raises GraphError with the reason."""
+        parameters = [_parameter(name, value) for name, value in values.items()]
+        result = attempt("set parameters", lambda: self._node.set_parameters_atomically(parameters))
+        if not result.successful:
+            raise GraphError(
+                f"cannot set parameters: {first_lines(result.reason) or 'rclpy gives no reason'}"
+            )
+
+    def listen(self, on_changes: OnChanges) -> None:
+        """Call back after each setting, until `unlisten`."""
+        self._listeners.append(on_changes)
+
+    def unlisten(self, on_changes: OnChanges) -> None:
+        """Call back no more."""
+        if on_changes in self._listeners:
+            self._listeners.remove(on_changes)
+
+    def _note(self, parameters: list[Any]) -> None:
+        changes = Changes(changed={parameter.name: _typed(parameter) for parameter in parameters})
+        self._own.thread.call_in_loop(self._tell, changes)
+
+    def _note_and_agree(self, parameters: list[Any]) -> Any:
+        self._note(parameters)
+        return message_class("rcl_interfaces/msg/SetParametersResult")(successful=True)
+
+    def _tell(self, changes: Changes) -> None:
+        for listener in list(self._listeners):
+            listener(changes)
+
+
+def _typed(parameter: Any) -> TypedValue:
+    kind = ParameterType(parameter.type_.value)
+    value = parameter.value
+    if kind is ParameterType.NOT_SET:
+        return NOT_SET
+    if kind is ParameterType.BYTE_ARRAY:
+        return TypedValue(kind, b"".join(value))
+    return TypedValue(kind, list(value) if kind > ParameterType.BYTE_ARRAY else value)
+
+
+def _parameter(name: str, value: TypedValue) -> Any:
+    parameter = load_rclpy().parameter.Parameter
+    content: Any = value.value
+    if isinstance(content, bytes):
+        content = [bytes([byte]) for byte in content]
+    return parameter(name, parameter.Type(int(value.type)), content)

@@ -1,0 +1,157 @@
+"""Publishing on one topic: the machinery of a node, and the handles that share it."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Sequence
+from typing import Any
+
+from rostether.errors import SerializationError
+from rostether.graph.ports import Level
+from rostether.msgdef.interface import MessageType
+from rostether.ros2.rclpy.failures import first_lines
+from rostether.ros2.rclpy.installation import load_rclpy, message_class
+from rostether.ros2.rclpy.own_node import OwnNode
+from rostether.ros2.rclpy.quality import name_policy, publisher_profile
+from rostether.ros2.type_support import MessageSupport
+
+ACKNOWLEDGE_S = 0.1
+"""How long a publisher stays for subscribers that miss its last messages: time for many round trips."""
+
+
+class Publication:
+    """One publisher of rclpy. Opened and closed in the executor's thread."""
+
+    def __init__(self, own: OwnNode, topic: str, support: MessageSupport, *, latch: bool) -> None:
+        self.topic = topic
+        self.support = support
+        self.users = 0
+        self._own = own
+        self._latch = latch
+        self._has_complained = False
+        self._publisher: Any = None
+
+    def open(self) -> None:
+        """Advertise. Raises GraphError, InvalidNameError, TypeMismatchError, UnknownTypeError."""
+        events = load_rclpy().events.PublisherEventCallbacks(
+            incompatible_qos=self._explain_mismatch, use_default_callbacks=False
+        )
+        type_class = message_class(self.support.name)
+        self._publisher = self._own.create_for_topic(
+            f"publish {self.topic}",
+            self.topic,
+            self.support.name,
+            lambda: self._own.node.create_publisher(
+                type_class,
+                self.topic,
+                publisher_profile(latch=self._latch),
+                callback_group=self._own.group,
+                event_callbacks=events,
+            ),
+        )
+
+    @property
+    def subscriber_count(self) -> int:
+        """How many subscribers are connected now."""
+        publisher = self._publisher
+        return 0 if publisher is None else int(publisher.get_subscription_count())
+
+    def publish(self, payloads: Sequence[bytes]) -> None:
+        """Send to every subscriber, in order; in the event loop."""
+        publisher = self._publisher
+        # A flood that nobody hears costs nothing.
+        if publisher is None or not (self._latch or publisher.get_subscription_count()):
+            return
+        try:
+            converted = self.support.converter.to_cdr_all(payloads)
+        except SerializationError:
+            converted = self._convert_one_by_one(payloads)
+        try:
+            for each in converted:
+                publisher.publish(each)
+        except Exception as error:  # noqa: BLE001 - a middleware's trouble must not end its caller
+            self._complain(f"cannot publish on {self.topic}: {first_lines(str(error))}")
+
+    def close(self) -> None:
+        """Unadvertise."""
+        publisher, self._publisher = self._publisher, None
+        if publisher is not None:
+            publisher.wait_for_all_acked(load_rclpy().duration.Duration(seconds=ACKNOWLEDGE_S))
+            self._own.node.destroy_publisher(publisher)
+
+    def _convert_one_by_one(self, payloads: Sequence[bytes]) -> list[bytes]:
+        converted = []
+        for payload in payloads:
+            try:
+                converted.append(self.support.converter.to_cdr(payload))
+            except SerializationError as error:
+                self._complain(f"a message for {self.topic} is left out: {error}")
+        return converted
+
+    def _complain(self, text: str) -> None:
+        # Once: the next messages are most likely the same.
+        if not self._has_complained:
+            self._has_complained = True
+            self._own.report(Level.WARN, text)
+
+    def _explain_mismatch(self, event: Any) -> None:
+        policy = name_policy(event)
+        subscribers = [
+            f"{each.node_namespace.rstrip('/')}/{each.node_name}"
+            for each in self._own.node.get_subscriptions_info_by_topic(self.topic)
+            if policy != "durability" or each.qos_profile.durability.name == "TRANSIENT_LOCAL"
+        ]
+        advice = (
+            "it asks for messages from before it came, and this publisher keeps none: subscribe volatile"
+            if policy == "durability"
+            else f"it asks for another {policy} than this publisher offers: change its quality of service"
+        )
+        self._own.report_from_thread(
+            Level.WARN,
+            f"a subscriber of {self.topic} ({', '.join(subscribers) or 'of an unknown node'}) gets nothing: "
+            f"{advice}",
+        )
+
+
+class RclpyPublisher:
+    """A `graph.ports.Publisher`."""
+
+    def __init__(
+        self,
+        publication: Publication,
+        message_type: MessageType,
+        on_close: Callable[[RclpyPublisher], Awaitable[None]],
+    ) -> None:
+        self.type = message_type
+        self.publication = publication
+        self._on_close = on_close
+        self._is_closed = False
+
+    @property
+    def topic(self) -> str:
+        """The resolved topic name."""
+        return self.publication.topic
+
+    @property
+    def subscriber_count(self) -> int:
+        """How many subscribers are connected now."""
+        return 0 if self._is_closed else self.publication.subscriber_count
+
+    @property
+    def dropped_count(self) -> int:
+        """Zero: the middleware does not tell its publishers what slow subscribers lose."""
+        return 0
+
+    def publish_raw(self, payloads: Sequence[bytes]) -> bool:
+        """Send to every subscriber, in order; True, as no subscriber of ROS 2 slows its publishers down."""
+        if not self._is_closed:
+            self.publication.publish(payloads)
+        return True
+
+    async def drained(self, timeout_s: float) -> None:
+        """Return: nothing waits here."""
+
+    async def close(self) -> None:
+        """Unadvertise. Idempotent."""
+        if not self._is_closed:
+            self._is_closed = True
+            await self._on_close(self)

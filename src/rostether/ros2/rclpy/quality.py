@@ -1,0 +1,95 @@
+"""Quality of service: what our publishers offer, what our subscribers ask for, and why two do not meet.
+
+A subscriber gets nothing from a publisher that offers less than it asks for. So our publishers offer all
+they can, and our subscribers ask for what the publishers that are there have in common.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import Enum
+from typing import Any, Final
+
+from rostether.ros2.rclpy.installation import load_rclpy
+
+PUBLISHER_DEPTH: Final = 1000
+"""Messages kept for subscribers that have not confirmed them: 50 ms of the fastest flood we carry, so that
+a burst of one chunk of a board is never lost on a machine that is busy for a moment."""
+
+SUBSCRIBER_DEPTH: Final = 4000
+"""Messages kept until our thread takes them: 200 ms of that flood, longer than a node takes to be made."""
+
+LATCHED_DEPTH: Final = 1
+"""A latched topic of ROS 1 greets with its last message, and no more."""
+
+ROSOUT_DEPTH: Final = 1000
+ROSOUT_LIFESPAN_S: Final = 10
+"""As rcl declares them: who comes later sees the last 1000 messages that are not older than 10 s."""
+
+
+class Wish(Enum):
+    """What a subscriber asks for."""
+
+    RELIABLE = "reliable"
+    BEST_EFFORT = "best effort"
+    RELIABLE_LATCHED = "reliable, transient local"
+    BEST_EFFORT_LATCHED = "best effort, transient local"
+
+
+def publisher_profile(*, latch: bool) -> Any:
+    """Return what a publisher offers."""
+    qos = load_rclpy().qos
+    durability = qos.DurabilityPolicy.TRANSIENT_LOCAL if latch else qos.DurabilityPolicy.VOLATILE
+    return qos.QoSProfile(
+        history=qos.HistoryPolicy.KEEP_LAST,
+        depth=LATCHED_DEPTH if latch else PUBLISHER_DEPTH,
+        reliability=qos.ReliabilityPolicy.RELIABLE,
+        durability=durability,
+    )
+
+
+def subscriber_wish(publishers: Sequence[Any]) -> Wish:
+    """Return the most that all publishers (endpoint infos of rclpy) offer; reliable if there are none."""
+    profiles = [publisher.qos_profile for publisher in publishers]
+    is_reliable = all(profile.reliability.name != "BEST_EFFORT" for profile in profiles)
+    is_latched = bool(profiles) and all(is_latching(publisher) for publisher in publishers)
+    if is_latched:
+        return Wish.RELIABLE_LATCHED if is_reliable else Wish.BEST_EFFORT_LATCHED
+    return Wish.RELIABLE if is_reliable else Wish.BEST_EFFORT
+
+
+def subscriber_profile(wish: Wish) -> Any:
+    """Return the profile of a wish."""
+    qos = load_rclpy().qos
+    is_latched = wish in (Wish.RELIABLE_LATCHED, Wish.BEST_EFFORT_LATCHED)
+    is_reliable = wish in (Wish.RELIABLE, Wish.RELIABLE_LATCHED)
+    return qos.QoSProfile(
+        history=qos.HistoryPolicy.KEEP_LAST,
+        depth=SUBSCRIBER_DEPTH,
+        reliability=qos.ReliabilityPolicy.RELIABLE if is_reliable else qos.ReliabilityPolicy.BEST_EFFORT,
+        durability=qos.DurabilityPolicy.TRANSIENT_LOCAL if is_latched else qos.DurabilityPolicy.VOLATILE,
+    )
+
+
+def rosout_profile() -> Any:
+    """Return what rcl's own publishers of /rosout offer."""
+    qos = load_rclpy().qos
+    duration = load_rclpy().duration
+    return qos.QoSProfile(
+        history=qos.HistoryPolicy.KEEP_LAST,
+        depth=ROSOUT_DEPTH,
+        reliability=qos.ReliabilityPolicy.RELIABLE,
+        durability=qos.DurabilityPolicy.TRANSIENT_LOCAL,
+        lifespan=duration.Duration(seconds=ROSOUT_LIFESPAN_S),
+    )
+
+
+def is_latching(publisher: Any) -> bool:
+    """Tell whether a publisher (an endpoint info of rclpy) keeps messages for latecomers."""
+    return bool(publisher.qos_profile.durability.name == "TRANSIENT_LOCAL")
+
+
+def name_policy(event: Any) -> str:
+    """Return the policy that an incompatibility event is about, as `durability`."""
+    name = getattr(event.last_policy_kind, "name", str(event.last_policy_kind))
+    return str(name).removeprefix("RMW_QOS_POLICY_").replace("_", " ").lower()

@@ -1,0 +1,121 @@
+"""Calling a service."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+from rostether.errors import (
+    ServiceCallError,
+    ServiceTimeoutError,
+    ServiceUnavailableError,
+    TypeMismatchError,
+)
+from rostether.ros2.rclpy.installation import load_rclpy, service_class
+from rostether.ros2.rclpy.own_node import OwnNode
+from rostether.ros2.type_support import ServiceSupport
+
+DISCOVERY_S = 1.0
+"""How long a service may take to be found after this node has come: participants tell each other within
+100 ms on one network, and again after lost packets."""
+
+LOOK_INTERVAL_S = 0.01
+"""How often to look for a server that is being discovered."""
+
+SERVER_CHECK_INTERVAL_S = 0.25
+"""How often to look whether the server of a pending call lives: middlewares do not tell."""
+
+
+class RclpyServiceClient:
+    """One client of rclpy, kept for the node's life: finding a server again would cost each call a while."""
+
+    def __init__(self, own: OwnNode, service: str, support: ServiceSupport) -> None:
+        self.service = service
+        self._own = own
+        self._support = support
+        self._client: Any = None
+
+    def open(self) -> None:
+        """Make the client, in the executor's thread. Raises GraphError and its kinds, UnknownTypeError."""
+        type_class = service_class(self._support.name)
+        self._client = self._own.create_for_service(
+            f"call {self.service}",
+            self.service,
+            self._support.name,
+            lambda: self._own.node.create_client(type_class, self.service, callback_group=self._own.group),
+        )
+
+    def end(self) -> None:
+        """Leave the middleware, in the executor's thread."""
+        client, self._client = self._client, None
+        if client is not None:
+            self._own.node.destroy_client(client)
+
+    async def call(self, request: bytes, timeout_s: float | None) -> bytes:
+        """Call the service. Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError."""
+        cdr = self._support.request.to_cdr(request)
+        await self._find_server(DISCOVERY_S if timeout_s is None else min(timeout_s, DISCOVERY_S))
+        answer: asyncio.Future[bytes] = asyncio.get_running_loop().create_future()
+        pending = await self._own.thread.run(lambda: self._send(cdr, answer))
+        try:
+            async with asyncio.timeout(timeout_s):
+                response = await self._wait(answer)
+        except TimeoutError:
+            raise ServiceTimeoutError(f"{self.service} did not answer within {timeout_s:g} s") from None
+        finally:
+            if not answer.done() or answer.cancelled():
+                self._own.thread.submit(lambda: self._forget(pending))
+        return self._support.response.from_cdr(response)
+
+    async def _find_server(self, limit_s: float) -> None:
+        loop = asyncio.get_running_loop()
+        deadline_s = loop.time() + limit_s
+        while not await self._own.thread.run(self._is_ready):
+            if loop.time() >= deadline_s:
+                raise await self._own.thread.run(self._explain_absence)
+            await asyncio.sleep(LOOK_INTERVAL_S)
+
+    def _is_ready(self) -> bool:
+        if self._client is None:
+            raise ServiceCallError(f"the node left before {self.service} was called")
+        return bool(self._client.service_is_ready())
+
+    def _explain_absence(self) -> TypeMismatchError | ServiceUnavailableError:
+        types = set(self._own.service_types(self.service)) - {self._support.name}
+        if types:
+            return TypeMismatchError(
+                f"{self.service} is {' and '.join(sorted(types))}, not {self._support.name}: "
+                "call it with its type"
+            )
+        return ServiceUnavailableError(f"nobody offers the service {self.service}: start the node that does")
+
+    def _send(self, cdr: bytes, answer: asyncio.Future[bytes]) -> Any:
+        serialization = load_rclpy().serialization
+        if self._client is None:
+            raise ServiceCallError(f"the node left before {self.service} was called")
+        request = serialization.deserialize_message(cdr, self._client.srv_type.Request)
+
+        def done(future: Any) -> None:
+            if not future.cancelled() and future.exception() is None:
+                response = serialization.serialize_message(future.result())
+                self._own.thread.call_in_loop(_set_result, answer, response)
+
+        pending = self._client.call_async(request)
+        pending.add_done_callback(done)
+        return pending
+
+    async def _wait(self, answer: asyncio.Future[bytes]) -> bytes:
+        while not answer.done():
+            await asyncio.wait((answer,), timeout=SERVER_CHECK_INTERVAL_S)
+            if not answer.done() and not await self._own.thread.run(self._is_ready):
+                raise ServiceCallError(f"the server of {self.service} left before it answered")
+        return answer.result()
+
+    def _forget(self, pending: Any) -> None:
+        if self._client is not None:
+            self._client.remove_pending_request(pending)
+
+
+def _set_result(answer: asyncio.Future[bytes], response: bytes) -> None:
+    if not answer.done():
+        answer.set_result(response)

@@ -1,0 +1,271 @@
+"""Subscribing to one topic: a subscription of rclpy that adapts to the publishers it finds.
+
+    publishers known                 what is asked for
+    none                             reliable; of any type: nothing yet, as nobody told a type
+    all transient local              transient local, so that their last messages come
+    some volatile                    volatile
+    some best effort                 best effort
+
+What is asked for cannot be changed, so another subscription takes the place of the one before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Mapping, Sequence
+from typing import Any
+
+from rostether.errors import RostetherError, SerializationError
+from rostether.graph.callbacks import call_contained
+from rostether.graph.ports import Level, OnMessages
+from rostether.msgdef.interface import ANY_TYPE, MessageType
+from rostether.ros2.rclpy.failures import first_lines
+from rostether.ros2.rclpy.installation import load_rclpy, message_class
+from rostether.ros2.rclpy.mailbox import Mailbox
+from rostether.ros2.rclpy.own_node import OwnNode
+from rostether.ros2.rclpy.quality import Wish, is_latching, name_policy, subscriber_profile, subscriber_wish
+from rostether.ros2.type_support import MessageSupport
+
+MAX_BATCH = 1000
+"""Messages taken in one go before the executor looks at the other subscriptions again: a few milliseconds."""
+
+_GID_BYTES = 16
+
+
+class RclpySubscriber:
+    """A `graph.ports.Subscriber`. What starts with `look` or `open` runs in the executor's thread."""
+
+    def __init__(
+        self,
+        own: OwnNode,
+        topic: str,
+        message_type: MessageType,
+        on_messages: OnMessages,
+        *,
+        on_connection: Callable[[Mapping[str, str]], None] | None,
+        on_close: Callable[[RclpySubscriber], Awaitable[None]],
+        skip_own: bool = False,
+    ) -> None:
+        self.topic = topic
+        self._own = own
+        self._on_messages = on_messages
+        self._on_connection = on_connection
+        self._on_close = on_close
+        self._skip_own = skip_own
+        self._is_of_any_type = message_type.name == ANY_TYPE
+        self._support: MessageSupport | None = None
+        if not self._is_of_any_type:
+            self._support = own.types.message(message_type)
+        self._wish: Wish | None = None
+        self._subscription: Any = None
+        self._mailbox = Mailbox(lambda: own.thread.call_in_loop(self._deliver))
+        # Publishers whose connection was told, and whether each is this node's own.
+        self._known: dict[bytes, bool] = {}
+        # When each publisher's latest message was sent; and what a new subscription may see again.
+        self._latest: dict[bytes, int] = {}
+        self._seen: dict[bytes, int] = {}
+        self._complaints: set[str] = set()
+        self._tells_matches = True
+        self._is_closed = False
+
+    @property
+    def publisher_count(self) -> int:
+        """How many publishers are connected now."""
+        subscription = self._subscription
+        if self._is_closed or subscription is None:
+            return 0
+        count = getattr(subscription, "get_publisher_count", None)
+        return int(self._own.node.count_publishers(self.topic) if count is None else count())
+
+    @property
+    def needs_looks(self) -> bool:
+        """Whether nothing but looking tells it of publishers."""
+        return self._subscription is None or not self._tells_matches
+
+    def open(self) -> None:
+        """Subscribe. Raises GraphError, InvalidNameError, TypeMismatchError, UnknownTypeError."""
+        if self._support is not None:
+            message_class(self._support.name)
+        self._adapt(self._own.node.get_publishers_info_by_topic(self.topic))
+
+    def look(self) -> None:
+        """Adapt to the publishers that are there now."""
+        if self._is_closed:
+            return
+        try:
+            self._adapt(self._own.node.get_publishers_info_by_topic(self.topic))
+        except RostetherError as error:
+            self._complain(str(error))
+
+    def pause(self) -> None:
+        """Keep what comes; rclpy cannot have publishers wait, so the oldest go when the queue is full."""
+        self._mailbox.pause()
+
+    def resume(self) -> None:
+        """Hand on again."""
+        self._mailbox.resume()
+        self._own.thread.call_in_loop(self._deliver)
+
+    async def close(self) -> None:
+        """Unsubscribe. Idempotent; no callback runs after it returns."""
+        if not self._is_closed:
+            self._is_closed = True
+            await self._on_close(self)
+
+    def end(self) -> None:
+        """Leave the middleware."""
+        subscription, self._subscription = self._subscription, None
+        if subscription is not None:
+            self._own.node.destroy_subscription(subscription)
+
+    def _adapt(self, publishers: Sequence[Any]) -> None:
+        if self._support is None and publishers:
+            self._learn_type(publishers[0].topic_type)
+        if self._support is None:
+            return
+        of_type = [each for each in publishers if each.topic_type == self._support.name]
+        wish = subscriber_wish(of_type)
+        if self._subscription is None or (of_type and wish != self._wish):
+            self._subscribe(wish)
+        self._meet(of_type)
+
+    def _learn_type(self, name: str) -> None:
+        try:
+            message_class(name)
+            self._support = self._own.types.by_name(name)
+        except RostetherError as error:
+            self._complain(f"cannot subscribe to {self.topic}: {error}")
+
+    def _subscribe(self, wish: Wish) -> None:
+        support = self._support
+        assert support is not None
+        if self._subscription is not None:
+            self._take_rest(self._subscription, [])
+            self._seen = dict(self._latest)
+        self.end()
+
+        def on_message(message: bytes, info: Mapping[str, Any]) -> None:
+            self._take_rest(subscription, [(message, info)])
+
+        type_class = message_class(support.name)
+        subscription = self._subscription = self._own.create_for_topic(
+            f"subscribe to {self.topic}",
+            self.topic,
+            support.name,
+            lambda: self._own.node.create_subscription(
+                type_class,
+                self.topic,
+                on_message,
+                subscriber_profile(wish),
+                callback_group=self._own.group,
+                event_callbacks=self._event_callbacks(),
+                raw=True,
+            ),
+        )
+        self._wish = wish
+
+    def _event_callbacks(self) -> Any:
+        make = load_rclpy().events.SubscriptionEventCallbacks
+        try:
+            return make(
+                matched=lambda _: self.look(),
+                incompatible_qos=self._take_mismatch,
+                use_default_callbacks=False,
+            )
+        except TypeError:
+            # Humble tells of no matches.
+            self._tells_matches = False
+            return make(incompatible_qos=self._take_mismatch, use_default_callbacks=False)
+
+    def _take_mismatch(self, event: Any) -> None:
+        self.look()
+        policy = name_policy(event)
+        # Those two are what `look` adapts to.
+        if policy not in ("reliability", "durability"):
+            self._complain(
+                f"a publisher of {self.topic} offers another {policy} than a subscriber of this node asks "
+                "for: change its quality of service"
+            )
+
+    def _take_rest(self, subscription: Any, taken: list[tuple[bytes, Mapping[str, Any]]]) -> None:
+        message_type = subscription.msg_type
+        with subscription.handle as handle:
+            handle = handle or subscription.handle
+            while len(taken) < MAX_BATCH:
+                message = handle.take_message(message_type, True)
+                if message is None:
+                    break
+                taken.append(message)
+        messages = [message for message, info in taken if self._is_wanted(info)]
+        if messages:
+            if not self._known and self._on_connection is not None:
+                self.look()
+            self._mailbox.put(messages)
+
+    def _is_wanted(self, info: Mapping[str, Any]) -> bool:
+        gid = (info.get("publisher_gid") or {}).get("data")
+        if gid is None:
+            return True
+        stamp = info["source_timestamp"]
+        if self._seen and stamp <= self._seen.get(gid, -1):
+            return False
+        self._latest[gid] = stamp
+        if not self._skip_own:
+            return True
+        if gid not in self._known:
+            self.look()
+        return not self._known.get(gid, False)
+
+    def _meet(self, publishers: Sequence[Any]) -> None:
+        assert self._support is not None
+        gids = {bytes(each.endpoint_gid[:_GID_BYTES]): each for each in publishers}
+        for gid in self._known.keys() - gids.keys():
+            del self._known[gid]
+            self._latest.pop(gid, None)
+            self._seen.pop(gid, None)
+        for gid in gids.keys() - self._known.keys():
+            publisher = gids[gid]
+            node_name = f"{publisher.node_namespace.rstrip('/')}/{publisher.node_name}"
+            self._known[gid] = node_name == self._own.name
+            if self._on_connection is not None:
+                message_type = self._support.ros1_type
+                fields = {
+                    "callerid": node_name,
+                    "topic": self.topic,
+                    "type": message_type.name,
+                    "md5sum": message_type.md5sum,
+                    "message_definition": message_type.definition,
+                    "latching": "1" if is_latching(publisher) else "0",
+                }
+                self._own.thread.call_in_loop(self._tell_connection, fields)
+
+    def _tell_connection(self, fields: Mapping[str, str]) -> None:
+        if not self._is_closed and self._on_connection is not None:
+            call_contained(f"on_connection of {self.topic}", self._on_connection, fields)
+
+    def _deliver(self) -> None:
+        messages = self._mailbox.take_all()
+        if not messages or self._is_closed or self._support is None:
+            return
+        from_cdr = self._support.converter.from_cdr
+        try:
+            payloads = [from_cdr(message) for message in messages]
+        except SerializationError:
+            payloads = self._convert_one_by_one(messages)
+        if payloads:
+            call_contained(f"on_messages of {self.topic}", self._on_messages, payloads)
+
+    def _convert_one_by_one(self, messages: Sequence[bytes]) -> list[bytes]:
+        assert self._support is not None
+        payloads = []
+        for message in messages:
+            try:
+                payloads.append(self._support.converter.from_cdr(message))
+            except SerializationError as error:
+                self._complain(f"a message of {self.topic} is left out: {first_lines(str(error))}")
+        return payloads
+
+    def _complain(self, text: str) -> None:
+        # Each once: the next look or message would say the same.
+        if text not in self._complaints:
+            self._complaints.add(text)
+            self._own.report_from_thread(Level.WARN, text)
