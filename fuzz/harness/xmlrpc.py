@@ -5,7 +5,8 @@ from __future__ import annotations
 import contextlib
 
 from rostether.errors import RostetherError, SerializationError
-from rostether.xmlrpc.values import dump_call, dump_fault, dump_response, load_call, load_response
+from rostether.xmlrpc.document_reader import load_call, load_response
+from rostether.xmlrpc.values import dump_call, dump_fault, dump_response
 
 
 def seeds() -> list[bytes]:

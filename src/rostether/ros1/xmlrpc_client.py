@@ -8,8 +8,9 @@ from typing import TypeAlias, cast
 
 from rostether.errors import GraphError, ProtocolError, RemoteProtocolError
 from rostether.ros1.environment import connect_host, parse_rpc_uri
+from rostether.xmlrpc.document_reader import STEP_BYTES, DocumentReader
 from rostether.xmlrpc.http_message import MAX_BODY_BYTES, HttpClientSide, HttpStatusError
-from rostether.xmlrpc.values import FaultError, XmlRpcValue, dump_call, load_response
+from rostether.xmlrpc.values import FaultError, XmlRpcValue, dump_call
 
 StatusTriplet: TypeAlias = tuple[int, str, XmlRpcValue]
 
@@ -59,7 +60,11 @@ class XmlRpcClient:
         try:
             async with asyncio.timeout(limit_s):
                 answer = await self._exchange(body)
-            return load_response(answer)
+                reader = DocumentReader(answer)
+                for _ in reader.steps():
+                    if len(answer) > STEP_BYTES:
+                        await asyncio.sleep(0)
+            return reader.response()
         except TimeoutError:
             raise self._unreachable(
                 f"{self.peer} at {self.uri} did not answer {method} in {limit_s:g} s: see whether it hangs"

@@ -19,7 +19,8 @@ from rostether.ros1.admission import EVERYBODY, Admission
 from rostether.ros1.environment import LOOPBACK, connect_host, format_uri, is_loopback
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.ros1.xmlrpc_connection import ServerConnection
-from rostether.xmlrpc.values import FaultError, XmlRpcValue, dump_fault, dump_response, load_call
+from rostether.xmlrpc.document_reader import STEP_BYTES, DocumentReader, load_call
+from rostether.xmlrpc.values import FaultError, XmlRpcValue, dump_fault, dump_response
 
 Method: TypeAlias = Callable[..., Any]
 Dispatch: TypeAlias = Mapping[str, Method]
@@ -187,11 +188,27 @@ class XmlRpcServer:
         return not connection.has_spoken and waited_s > self._first_byte_limit_s
 
     def _answer(self, document: bytes) -> bytes | Awaitable[bytes]:
-        """Return the response document, at once when the method is plain."""
+        """Return the response document, at once when the method is plain and the document small."""
+        if len(document) > STEP_BYTES:
+            return self._answer_large(document)
         try:
             method, params = load_call(document)
         except RemoteProtocolError as error:
             return dump_fault(_FAULT, str(error))
+        return self._respond(method, params)
+
+    async def _answer_large(self, document: bytes) -> bytes:
+        reader = DocumentReader(document)
+        try:
+            for _ in reader.steps():
+                await asyncio.sleep(0)
+            method, params = reader.call()
+        except RemoteProtocolError as error:
+            return dump_fault(_FAULT, str(error))
+        answer = self._respond(method, params)
+        return answer if isinstance(answer, bytes) else await answer
+
+    def _respond(self, method: str, params: Sequence[XmlRpcValue]) -> bytes | Awaitable[bytes]:
         try:
             value = self._call(method, params)
         except Exception as error:  # noqa: BLE001 - whatever a peer provokes must not stop the server

@@ -17,9 +17,8 @@ from __future__ import annotations
 
 import binascii
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TypeAlias
-from xml.parsers import expat
 
 from rostether.errors import RemoteProtocolError, SerializationError
 
@@ -78,28 +77,6 @@ def dump_fault(code: int, text: str) -> bytes:
     return "".join(parts).encode()
 
 
-def load_call(document: bytes) -> tuple[str, list[XmlRpcValue]]:
-    """Return the method name and the arguments of a methodCall. Raises RemoteProtocolError."""
-    reader = _Reader(document)
-    if reader.method is None or reader.root != "methodCall":
-        raise RemoteProtocolError("the XML-RPC document is not a method call")
-    return reader.method, reader.params
-
-
-def load_response(document: bytes) -> XmlRpcValue:
-    """Return the value of a methodResponse. Raises FaultError, RemoteProtocolError for nonsense."""
-    reader = _Reader(document)
-    if reader.root != "methodResponse" or len(reader.params) != 1:
-        raise RemoteProtocolError("the XML-RPC document is not a response with one value")
-    value = reader.params[0]
-    if not reader.is_fault:
-        return value
-    if not isinstance(value, dict):
-        raise RemoteProtocolError("the XML-RPC fault is not a struct")
-    code = value.get("faultCode")
-    raise FaultError(code if isinstance(code, int) else -1, str(value.get("faultString", "no reason given")))
-
-
 def _escape(text: str) -> str:
     if bad := _NOT_XML.search(text):
         raise SerializationError(f"the character U+{ord(bad[0]):04X} cannot be sent as XML: remove it")
@@ -156,137 +133,3 @@ def _write_container(
     for item in value:
         _write(parts, item, nesting + 1)
     parts.append("</data></array></value>")
-
-
-def _read_int(text: str) -> int:
-    # A sign, ten digits, spaces and leading zeros fit; int() takes quadratic time for a longer text.
-    value = int(text) if len(text) <= 64 else MAX_INT + 1
-    if not MIN_INT <= value <= MAX_INT:
-        raise ValueError(f"{text:.40} does not fit 32 bits")
-    return value
-
-
-def _read_boolean(text: str) -> bool:
-    return {"0": False, "1": True, "false": False, "true": True}[text.strip().lower()]
-
-
-def _read_nil(text: str) -> None:
-    if text.strip():
-        raise ValueError("nil with a content")
-
-
-_SCALARS: dict[str, Callable[[str], XmlRpcValue]] = {
-    "int": _read_int,
-    "i4": _read_int,
-    "i1": _read_int,
-    "i2": _read_int,
-    "i8": _read_int,
-    "boolean": _read_boolean,
-    "double": float,
-    "string": str,
-    "base64": binascii.a2b_base64,
-    "dateTime.iso8601": lambda text: DateTime(text.strip()),
-    "nil": _read_nil,
-}
-_CHILDREN: dict[str, frozenset[str]] = {
-    "": frozenset(("methodCall", "methodResponse")),
-    "methodCall": frozenset(("methodName", "params")),
-    "methodResponse": frozenset(("params", "fault")),
-    "params": frozenset(("param",)),
-    "param": frozenset(("value",)),
-    "fault": frozenset(("value",)),
-    "value": frozenset((*_SCALARS, "array", "struct")),
-    "array": frozenset(("data",)),
-    "data": frozenset(("value",)),
-    "struct": frozenset(("member",)),
-    "member": frozenset(("name", "value")),
-}
-_NO_CHILDREN: frozenset[str] = frozenset()
-
-
-class _Reader:
-    """Reads one document; `params` are the call's arguments, or the one value of a response or fault.
-
-    A value is complete at its end tag and goes into the innermost container: `params` at the bottom, then
-    one list or dict for each array or struct that is open.
-    """
-
-    def __init__(self, document: bytes) -> None:
-        self.root = ""
-        self.method: str | None = None
-        self.is_fault = False
-        self.params: list[XmlRpcValue] = []
-        self._path = [""]
-        self._containers: list[list[XmlRpcValue] | dict[str, XmlRpcValue]] = [self.params]
-        self._names: list[str | None] = []
-        self._value: XmlRpcValue = None
-        self._has_value = False
-        self._text: list[str] = []
-        parser = expat.ParserCreate()
-        parser.buffer_text = True
-        parser.StartDoctypeDeclHandler = _refuse_doctype
-        parser.StartElementHandler = self._start
-        parser.EndElementHandler = self._end
-        parser.CharacterDataHandler = self._text.append
-        try:
-            parser.Parse(document, True)
-        except (expat.ExpatError, ValueError, LookupError) as error:
-            raise RemoteProtocolError(f"the XML-RPC document cannot be read: {error}") from None
-
-    def _start(self, tag: str, _attributes: Mapping[str, str]) -> None:
-        parent = self._path[-1]
-        if tag not in _CHILDREN.get(parent, _NO_CHILDREN):
-            raise RemoteProtocolError(f"an XML-RPC document has no <{tag:.40}> in <{parent}>")
-        self._path.append(tag)
-        self._text.clear()
-        if parent == "value" and self._has_value:
-            raise RemoteProtocolError("an XML-RPC value holds two values")
-        if tag == "array":
-            self._open([])
-        elif tag == "struct":
-            self._open({})
-        elif tag == "member":
-            self._names.append(None)
-        elif parent == "":
-            self.root = tag
-        elif tag == "fault":
-            self.is_fault = True
-
-    def _open(self, container: list[XmlRpcValue] | dict[str, XmlRpcValue]) -> None:
-        if len(self._containers) > MAX_NESTING:
-            raise RemoteProtocolError(f"XML-RPC values are nested deeper than {MAX_NESTING} levels")
-        self._containers.append(container)
-
-    def _end(self, tag: str) -> None:
-        del self._path[-1]
-        if tag == "value":
-            self._close_value()
-        elif tag in _SCALARS:
-            self._value = _SCALARS[tag]("".join(self._text))
-            self._has_value = True
-        elif tag in ("array", "struct"):
-            self._value = self._containers.pop()
-            self._has_value = True
-        elif tag == "name":
-            self._names[-1] = "".join(self._text)
-        elif tag == "member":
-            del self._names[-1]
-        elif tag == "methodName":
-            self.method = "".join(self._text).strip()
-        self._text.clear()
-
-    def _close_value(self) -> None:
-        value = self._value if self._has_value else "".join(self._text)
-        self._has_value = False
-        container = self._containers[-1]
-        if isinstance(container, list):
-            container.append(value)
-            return
-        name = self._names[-1]
-        if name is None:
-            raise RemoteProtocolError("an XML-RPC struct has a value without a name")
-        container[name] = value
-
-
-def _refuse_doctype(*_declaration: object) -> None:
-    raise RemoteProtocolError("an XML-RPC document must not have a document type declaration")

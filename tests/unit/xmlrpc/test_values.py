@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rostether.errors import RemoteProtocolError, SerializationError
+from rostether.xmlrpc.document_reader import load_call, load_response
 from rostether.xmlrpc.values import (
     MAX_INT,
     MAX_NESTING,
@@ -22,8 +23,6 @@ from rostether.xmlrpc.values import (
     dump_call,
     dump_fault,
     dump_response,
-    load_call,
-    load_response,
 )
 
 # Carriage returns are left out: XML reads them as line feeds, whoever writes them.

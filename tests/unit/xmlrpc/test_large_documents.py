@@ -1,0 +1,62 @@
+"""Documents that are large or have what is meant to cost much: read in short steps, or refused."""
+
+from __future__ import annotations
+
+import pytest
+
+from rostether.errors import RemoteProtocolError
+from rostether.xmlrpc.document_reader import (
+    MAX_TAG_BYTES,
+    MAX_VALUES,
+    STEP_BYTES,
+    DocumentReader,
+    load_call,
+)
+from rostether.xmlrpc.values import dump_call
+
+
+def call(params: bytes) -> bytes:
+    return b"<methodCall><methodName>m</methodName><params>" + params + b"</params></methodCall>"
+
+
+def test_a_large_document_is_read_in_steps() -> None:
+    params = ["x" * 100_000, list(range(10_000)), {str(key): "\u00e4<&>" for key in range(3_000)}]
+    document = dump_call("setParam", params)
+    reader = DocumentReader(document)
+    assert sum(1 for _ in reader.steps()) == -(-len(document) // STEP_BYTES)
+    assert reader.call() == ("setParam", params)
+
+
+@pytest.mark.parametrize(
+    "document",
+    [
+        call(b"<" + b"a" * 1_000_000 + b"/>"),
+        b"<methodCall " + b"".join(b'a%d="" ' % number for number in range(50_000)) + b"/>",
+        b"<!--" + b"- " * 500_000 + b"--><methodCall/>",
+        b"<methodCall><?a " + b"b" * 1_000_000,
+    ],
+    ids=["name", "attributes", "comment", "instruction"],
+)
+def test_a_tag_without_an_end_is_given_up_soon(document: bytes) -> None:
+    steps = 0
+    with pytest.raises(RemoteProtocolError, match=f"no tag of more than {MAX_TAG_BYTES} bytes"):
+        for _ in DocumentReader(document).steps():
+            steps += 1
+    assert steps * STEP_BYTES <= MAX_TAG_BYTES + STEP_BYTES
+
+
+def test_long_texts_are_no_long_tags() -> None:
+    for text in (b"x" * 1_000_000, b"&amp;" * 200_000, b"\n" * 200_000):
+        _, (value,) = load_call(call(b"<param><value>" + text + b"</value></param>"))
+        assert isinstance(value, str)
+
+
+@pytest.mark.parametrize("empty", [b"<value/>", b"<value><array><data/></array></value>"])
+def test_values_are_counted(empty: bytes) -> None:
+    most = MAX_VALUES - 1
+    document = b"<param><value><array><data>%s</data></array></value></param>"
+    _, (values,) = load_call(call(document % (empty * most)))
+    assert isinstance(values, list)
+    assert len(values) == most
+    with pytest.raises(RemoteProtocolError, match=f"at most {MAX_VALUES} values"):
+        load_call(call(document % (empty * (most + 1))))
