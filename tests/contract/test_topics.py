@@ -141,6 +141,21 @@ async def test_a_paused_subscriber_misses_nothing(join: JoinGraph) -> None:
     assert inbox.payloads == sent
 
 
+async def test_a_subscriber_may_leave_out_what_its_own_node_publishes(join: JoinGraph) -> None:
+    node, other = await join("/node"), await join("/other")
+    inbox, witness = Inbox(), Inbox()
+    mine, theirs = await node.advertise("/chat", STRING), await other.advertise("/chat", STRING)
+    subscriber = await node.subscribe("/chat", STRING, inbox.take, skip_own=True)
+    await other.subscribe("/chat", STRING, witness.take)
+    await until(lambda: mine.subscriber_count >= 1 and theirs.subscriber_count == 2)
+    await until(lambda: subscriber.publisher_count >= 1)
+    for number in range(3):
+        mine.publish_raw([string(f"mine {number}")])
+        theirs.publish_raw([string(f"theirs {number}")])
+    await until(lambda: len(witness.payloads) == 6 and len(inbox.payloads) >= 3)
+    assert inbox.payloads == [string(f"theirs {number}") for number in range(3)]
+
+
 async def test_a_callback_that_fails_ends_nothing(join: JoinGraph, caplog: pytest.LogCaptureFixture) -> None:
     node, inbox = await join("/node"), Inbox()
 

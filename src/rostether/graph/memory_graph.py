@@ -74,6 +74,7 @@ class MemoryGraph:
         *,
         on_connection: Callable[[Mapping[str, str]], None] | None = None,
         tcp_nodelay: bool = True,
+        skip_own: bool = False,
     ) -> MemorySubscriber:
         """Subscribe to a topic."""
         self._check_open()
@@ -89,6 +90,7 @@ class MemoryGraph:
             on_messages,
             on_connection=on_connection,
             on_close=ended,
+            skip_own=skip_own,
         )
         self._handles[subscriber] = None
         self._network.add_subscriber(subscriber)

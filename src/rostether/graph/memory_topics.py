@@ -74,6 +74,8 @@ class MemoryPublisher:
 
     def connect(self, subscriber: MemorySubscriber) -> None:
         """Connect a subscriber if it wants this type; a mismatch is one line in the log."""
+        if subscriber.skip_own and subscriber.node_name == self.node_name:
+            return
         if not _agree(self.type.md5sum, subscriber.type.md5sum):
             _log.warning(
                 "%s: %s publishes %s, %s wants %s",
@@ -112,10 +114,12 @@ class MemorySubscriber:
         *,
         on_connection: Callable[[Mapping[str, str]], None] | None,
         on_close: Callable[[MemorySubscriber], None],
+        skip_own: bool = False,
     ) -> None:
         self.topic = topic
         self.type = message_type
         self.node_name = node_name
+        self.skip_own = skip_own
         self.links: list[_Link] = []
         self.is_paused = False
         self.is_closed = False

@@ -159,8 +159,12 @@ class Graph(Protocol):
         *,
         on_connection: Callable[[Mapping[str, str]], None] | None = None,
         tcp_nodelay: bool = True,
+        skip_own: bool = False,
     ) -> Subscriber:
-        """Subscribe. `ANY_MESSAGE` takes every type; `on_connection` gets each publisher's header fields."""
+        """Subscribe. `ANY_MESSAGE` takes every type; `on_connection` gets each publisher's header fields.
+
+        `skip_own` leaves out what this very node publishes on the topic.
+        """
 
     async def advertise_service(
         self, service: str, service_type: ServiceType, handler: ServiceHandler

@@ -141,6 +141,7 @@ class Endpoints:
         *,
         on_connection: Callable[[Mapping[str, str]], None] | None = None,
         tcp_nodelay: bool = True,
+        skip_own: bool = False,
     ) -> Subscription:
         """Subscribe to a topic. Raises GraphError."""
         subscription = Subscription(
@@ -152,6 +153,7 @@ class Endpoints:
             on_connection=on_connection,
             on_close=self._release_subscription,
             tcp_nodelay=tcp_nodelay,
+            skipped_uri=self.node_uri if skip_own else "",
             limits=self._environment.limits,
         )
         together = self._subscriptions.setdefault(topic, [])

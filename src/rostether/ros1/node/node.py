@@ -124,6 +124,7 @@ class Ros1Graph:
         *,
         on_connection: Callable[[Mapping[str, str]], None] | None = None,
         tcp_nodelay: bool = True,
+        skip_own: bool = False,
     ) -> Subscription:
         """Subscribe. `ANY_MESSAGE` takes every type; `on_connection` gets each publisher's header fields."""
         self._check_open()
@@ -133,6 +134,7 @@ class Ros1Graph:
             on_messages,
             on_connection=on_connection,
             tcp_nodelay=tcp_nodelay,
+            skip_own=skip_own,
         )
 
     async def advertise_service(

@@ -32,6 +32,7 @@ class Subscription:
         on_connection: Callable[[Mapping[str, str]], None] | None,
         on_close: Callable[[Subscription], Awaitable[None]],
         tcp_nodelay: bool,
+        skipped_uri: str = "",
         limits: GraphLimits = DEFAULT_GRAPH_LIMITS,
     ) -> None:
         self.topic = topic
@@ -42,6 +43,7 @@ class Subscription:
         self._on_connection = on_connection
         self._on_close = on_close
         self._limits = limits
+        self._skipped_uri = skipped_uri
         self._links: dict[str, PublisherLink] = {}
         self._closing_links: set[asyncio.Task[None]] = set()
         self._request = subscriber_fields(topic, message_type, caller_id=node_name, tcp_nodelay=tcp_nodelay)
@@ -74,7 +76,7 @@ class Subscription:
         from a master that has just restarted and knows few of us.
         """
         for uri in uris:
-            if uri not in self._links and not self._is_closed:
+            if uri not in self._links and uri != self._skipped_uri and not self._is_closed:
                 self._links[uri] = PublisherLink(
                     uri,
                     caller_id=self._node_name,
