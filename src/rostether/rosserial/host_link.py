@@ -256,6 +256,10 @@ class HostLink:
             events.append(TimeRequested())
             if self.is_settled:
                 is_excused = self._negotiation.take_late_answer(now_s)
+                if self._negotiation.take_introduction(now_s) and not is_excused:
+                    self._presence.answered(now_s)
+                    self._judge(Verdict.RESET, now_s, events)
+                    continue
                 self._judge(self._presence.time_request(now_s, is_excused=is_excused), now_s, events)
             else:
                 # One behind the announcements may have waited for them: it tells not when the next is due.

@@ -112,6 +112,7 @@ class Negotiation:
         self._completeness = Completeness()
         self._unanswered = 0
         self._late_answers = 0
+        self._repeated_s = float("-inf")
         self._asked_in: int | None = None
         self._asked_s = 0.0
         self._first_asked_s = 0.0
@@ -149,6 +150,16 @@ class Negotiation:
         is_late = self._late_answers > 0 and now_s < self._asked_s + LATE_ANSWER_S
         self._late_answers -= is_late
         return is_late
+
+    def take_introduction(self, now_s: float) -> bool:
+        """Whether a time request that comes now, though settled, ends an introduction.
+
+        A board of our library that has started anew announces, though nobody asked, what is known of it, and
+        then asks for the time. The established library does so the other way round, and only when asked.
+        """
+        is_introduction = now_s < self._repeated_s + MAX_QUIET_S
+        self._repeated_s = float("-inf")
+        return is_introduction
 
     def ask(self, now_s: float, *, is_lossy: bool = False) -> None:
         """Begin a negotiation, unless one goes on. `is_lossy`: something was lost before."""
@@ -193,6 +204,7 @@ class Negotiation:
     def announced(self, kind: int, info: TopicInfo, now_s: float) -> None:
         """Take one announcement, sound or not: both are seen, none is missing."""
         if self.phase is Phase.SETTLED and self._completeness.is_known(kind, info):
+            self._repeated_s = now_s
             return
         pause_s = now_s - self._heard_s
         is_same_burst = self.phase is not Phase.ASKED

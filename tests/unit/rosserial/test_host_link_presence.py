@@ -20,6 +20,7 @@ from unit.rosserial.host_link_boards import (
     REQUEST,
     TIME,
     line_to,
+    run_to_settled,
     settled_link,
     small_device,
 )
@@ -65,6 +66,27 @@ class TestResetAndSilence:
             link.encode_message(100, b"")
         link.receive_data(BURST, now_s + 1.03)
         assert link.encode_message(100, b"") == frame(100, b"")
+
+    @pytest.mark.parametrize("pause_s", [0.0, 0.3])
+    def test_a_board_that_introduces_itself_again_was_reset(self, pause_s: float) -> None:
+        """Our library does so, and needs no question: announcements first, then the time request."""
+        link, now_s = settled_link()
+        for reset in (1, 2):
+            now_s += 2.2
+            events = link.receive_data(BURST[len(TIME) :], now_s)
+            assert events == []
+            events = link.receive_data(TIME, now_s + pause_s)
+            assert DeviceReset() in events
+            assert link.statistics.resets == reset
+            assert REQUEST in link.data_to_send()
+            now_s, _ = run_to_settled(link, now_s + pause_s, BURST)
+            assert link.can_send(100)
+
+    def test_an_answer_that_comes_twice_is_no_reset(self) -> None:
+        link, now_s = settled_link()
+        events = link.receive_data(BURST, now_s + 0.5)
+        events += link.receive_data(TIME, now_s + 2.5)
+        assert DeviceReset() not in events
 
     def test_a_healthy_board_that_only_listens_is_not_disturbed(self) -> None:
         device = DeviceLink()
