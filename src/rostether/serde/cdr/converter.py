@@ -1,0 +1,98 @@
+"""Converters between a message's ROS 1 serialization and CDR, compiled once for each pair of types."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from rostether.errors import SerializationError
+from rostether.msgdef.ros2.spec import Ros2Message
+from rostether.serde.cdr.converter_source import ERRORS, LITTLE_ENDIAN, compile_conversion
+from rostether.serde.cdr.pair_tree import DUMMY_NAME, Record, Side, Slot
+from rostether.serde.cdr.pairing import Lookup, pair
+from rostether.serde.cdr.walk import Misfit, Walk
+from rostether.serde.type_tree import Struct
+
+_BIG_ENDIAN = b"\0\0"
+
+
+class CdrConverter:
+    """Converts payloads of one pair of types, both ways.
+
+    CDR is what ROS 2's middlewares carry: four bytes of encapsulation, then XCDR version 1. We write little
+    endian, and read both byte orders; bytes behind the message are padding and not looked at.
+    """
+
+    __slots__ = ("_tree", "from_cdr", "only_in_ros1", "only_in_ros2", "ros1_name", "ros2_name", "to_cdr")
+
+    to_cdr: Callable[[bytes], bytes]
+    """Convert ROS 1 serialization to CDR. Raises SerializationError."""
+
+    from_cdr: Callable[[bytes], bytes]
+    """Convert CDR to ROS 1 serialization. Raises SerializationError."""
+
+    def __init__(self, tree: Record, ros1_name: str, ros2_name: str) -> None:
+        self.ros1_name = ros1_name
+        self.ros2_name = ros2_name
+        self.only_in_ros1 = tuple(_own(tree.ros1_slots, Side.ROS1))
+        """Fields that ROS 2 does not have: dropped on the way there, zero on the way back."""
+        self.only_in_ros2 = tuple(_own(tree.ros2_slots, Side.ROS2))
+        """Fields that ROS 1 does not have: the definition's default, or zero, on the way to ROS 2."""
+        self._tree = tree
+        self.to_cdr = compile_conversion(tree, Side.ROS2, self._refuse_ros1)
+        self.from_cdr = compile_conversion(tree, Side.ROS1, self._other_cdr)
+
+    def to_cdr_all(self, payloads: Sequence[bytes]) -> list[bytes]:
+        """Convert a batch. Raises SerializationError for the first that does not fit."""
+        return list(map(self.to_cdr, payloads))
+
+    def from_cdr_all(self, payloads: Sequence[bytes]) -> list[bytes]:
+        """Convert a batch. Raises SerializationError for the first that does not fit."""
+        return list(map(self.from_cdr, payloads))
+
+    def _refuse_ros1(self, payload: bytes) -> bytes:
+        walk = Walk(payload, Side.ROS1)
+        try:
+            walk.over(self._tree)
+        except Misfit as reason:
+            raise SerializationError(
+                f"the payload of {len(payload)} bytes {reason} of {self.ros1_name}"
+            ) from None
+        raise SerializationError(f"the payload has {len(payload) - walk.at} bytes more than {self.ros1_name}")
+
+    def _other_cdr(self, cdr: bytes) -> bytes:
+        """Convert big-endian CDR; say of all else why it is none."""
+        if len(cdr) < len(LITTLE_ENDIAN):
+            raise SerializationError(
+                f"{len(cdr)} bytes are no CDR, which begins with 4 bytes of encapsulation"
+            )
+        if cdr[:2] not in (_BIG_ENDIAN, LITTLE_ENDIAN[:2]):
+            raise SerializationError(
+                f"the payload begins with {cdr[:2].hex(' ')}, and ROS 2 sends plain CDR: 00 01 or 00 00"
+            )
+        turned = cdr[:2] == _BIG_ENDIAN
+        walk = Walk(cdr, Side.ROS2, turned=turned)
+        try:
+            if self._has_fields:
+                walk.over(self._tree)
+        except (Misfit, *ERRORS) as reason:
+            raise SerializationError(f"the CDR of {len(cdr)} bytes {reason} of {self.ros2_name}") from None
+        if not turned:
+            raise SerializationError(f"the CDR of {len(cdr)} bytes does not fit {self.ros2_name}")
+        return self.from_cdr(LITTLE_ENDIAN + bytes(walk.payload[len(LITTLE_ENDIAN) :]))
+
+    @property
+    def _has_fields(self) -> bool:
+        return [slot.ros2_name for slot in self._tree.ros2_slots] != [DUMMY_NAME]
+
+
+def compile_message(ros1: Struct, ros2: Ros2Message, lookup: Lookup) -> CdrConverter:
+    """Return the converter of a pair of types; `lookup` gives the ROS 2 messages below by `package/msg/Name`.
+
+    Raises TypeMismatchError if their fields do not fit, and what `lookup` raises.
+    """
+    return CdrConverter(pair(ros1, ros2, lookup), ros1.name, ros2.full_name)
+
+
+def _own(slots: Sequence[Slot], side: Side) -> list[str]:
+    names = [slot.ros1_name or slot.ros2_name for slot in slots if slot.side is side]
+    return [name for name in names if name != DUMMY_NAME]
