@@ -1,0 +1,93 @@
+"""What the ROS 2 environment variables say, as the middlewares themselves read them.
+
+Sources: ROS 2's own documentation of ROS_DOMAIN_ID and of the discovery range, and rmw_zenoh's of its
+ZENOH_* variables.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from rostether.errors import ConfigError
+
+MAX_DOMAIN_ID = 232
+"""The highest domain whose DDS ports still fit below 65536; every middleware keeps to it."""
+
+DEFAULT_DISTRO = "jazzy"
+ZENOH_MIDDLEWARE = "rmw_zenoh_cpp"
+_DISCOVERY_RANGES = ("", "SUBNET", "LOCALHOST", "OFF", "SYSTEM_DEFAULT")
+
+
+@dataclass(frozen=True, slots=True)
+class Ros2Environment:
+    """Where the ROS 2 graph is. Empty strings and None: nothing is said, the middleware's own way holds.
+
+    `zenoh_overrides` are pairs of a zenoh configuration path and its value in JSON5.
+    """
+
+    domain_id: int = 0
+    distro: str = DEFAULT_DISTRO
+    middleware: str = ""
+    discovery_range: str = ""
+    zenoh_session_config: Path | None = None
+    zenoh_router_config: Path | None = None
+    zenoh_overrides: tuple[tuple[str, str], ...] = ()
+
+    @classmethod
+    def read(cls, environ: Mapping[str, str] | None = None) -> Ros2Environment:
+        """Read the variables, of os.environ by default. Raises ConfigError."""
+        values = os.environ if environ is None else environ
+        return cls(
+            domain_id=_domain_id(values.get("ROS_DOMAIN_ID", "")),
+            distro=values.get("ROS_DISTRO", "").strip() or DEFAULT_DISTRO,
+            middleware=values.get("RMW_IMPLEMENTATION", "").strip(),
+            discovery_range=_discovery_range(values.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "")),
+            zenoh_session_config=_config_file(values, "ZENOH_SESSION_CONFIG_URI"),
+            zenoh_router_config=_config_file(values, "ZENOH_ROUTER_CONFIG_URI"),
+            zenoh_overrides=_overrides(values.get("ZENOH_CONFIG_OVERRIDE", "")),
+        )
+
+
+def _domain_id(text: str) -> int:
+    if not text.strip():
+        return 0
+    if text.strip().isdecimal() and int(text) <= MAX_DOMAIN_ID:
+        return int(text)
+    raise ConfigError(f"ROS_DOMAIN_ID={text!r:.80} is no domain: give a number from 0 to {MAX_DOMAIN_ID}")
+
+
+def _discovery_range(text: str) -> str:
+    word = text.strip().upper()
+    if word in _DISCOVERY_RANGES:
+        return word
+    raise ConfigError(
+        f"ROS_AUTOMATIC_DISCOVERY_RANGE={text!r:.80} is unknown: give SUBNET, LOCALHOST, OFF or SYSTEM_DEFAULT"
+    )
+
+
+def _config_file(values: Mapping[str, str], variable: str) -> Path | None:
+    text = values.get(variable, "").strip()
+    if not text:
+        return None
+    path = Path(text.removeprefix("file://"))
+    if not path.is_file():
+        raise ConfigError(f"{variable}={text!r:.200} is not a file: give the path of a zenoh configuration")
+    return path
+
+
+def _overrides(text: str) -> tuple[tuple[str, str], ...]:
+    pairs = []
+    for part in text.split(";"):
+        if not part.strip():
+            continue
+        path, equals, value = (piece.strip() for piece in part.partition("="))
+        if not (path and equals and value):
+            raise ConfigError(
+                f"ZENOH_CONFIG_OVERRIDE holds {part!r:.80}, which is no path=value: "
+                'write it as listen/endpoints=["tcp/127.0.0.1:0"]; with ";" between two of them'
+            )
+        pairs.append((path, value))
+    return tuple(pairs)

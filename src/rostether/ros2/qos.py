@@ -1,0 +1,68 @@
+"""Quality of service: what two ends of a ROS 2 topic promise and ask for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+
+class Reliability(IntEnum):
+    """Whether lost messages are sent again; the numbers are rmw's."""
+
+    RELIABLE = 1
+    BEST_EFFORT = 2
+
+
+class Durability(IntEnum):
+    """Whether latecomers get what was published before; the numbers are rmw's."""
+
+    TRANSIENT_LOCAL = 1
+    VOLATILE = 2
+
+
+class History(IntEnum):
+    """How many messages wait for a slow reader; the numbers are rmw's."""
+
+    KEEP_LAST = 1
+    KEEP_ALL = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Qos:
+    """One end's quality of service; what is not here (deadline, lifespan, liveliness) is infinite."""
+
+    reliability: Reliability = Reliability.RELIABLE
+    durability: Durability = Durability.VOLATILE
+    history: History = History.KEEP_LAST
+    depth: int = 10
+
+    @property
+    def is_latching(self) -> bool:
+        """Whether it is what ROS 1 calls latched."""
+        return self.durability is Durability.TRANSIENT_LOCAL
+
+
+DEFAULT_QOS = Qos()
+SENSOR_DATA_QOS = Qos(reliability=Reliability.BEST_EFFORT, depth=5)
+LATCHED_QOS = Qos(durability=Durability.TRANSIENT_LOCAL, depth=1)
+ROSOUT_QOS = Qos(durability=Durability.TRANSIENT_LOCAL, depth=1000)
+PARAMETER_EVENTS_QOS = Qos(depth=1000)
+SERVICES_QOS = Qos()
+
+
+def explain_mismatch(offered: Qos, requested: Qos) -> str:
+    """Say why a publisher that offers this and a subscriber that asks for that do not meet over DDS.
+
+    Empty when they do. The rule: who offers must promise at least what is asked for.
+    """
+    reasons = []
+    if offered.reliability is Reliability.BEST_EFFORT and requested.reliability is Reliability.RELIABLE:
+        reasons.append(
+            "the publisher is best effort and the subscriber asks for reliable: let the subscriber take best effort"
+        )
+    if offered.durability is Durability.VOLATILE and requested.durability is Durability.TRANSIENT_LOCAL:
+        reasons.append(
+            "the publisher is volatile and the subscriber asks for transient local: "
+            "latch the topic, or let the subscriber take volatile"
+        )
+    return "; ".join(reasons)

@@ -1,0 +1,41 @@
+"""The 33 bytes that rmw_zenoh attaches to every sample: i64 sequence, i64 ns since the epoch, 16, GID[16].
+
+All little endian. Samples without them are dropped by rmw_zenoh. In a service call the reply repeats the
+sequence and the GID of the request, so that the client knows its own.
+"""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+
+import xxhash
+
+GID_BYTES = 16
+ATTACHMENT = struct.Struct(f"<qqB{GID_BYTES}s")
+
+
+@dataclass(frozen=True, slots=True)
+class Attachment:
+    """What one sample says of itself."""
+
+    sequence: int
+    stamp_ns: int
+    gid: bytes
+
+    def encode(self) -> bytes:
+        """Return the bytes."""
+        return ATTACHMENT.pack(self.sequence, self.stamp_ns, GID_BYTES, self.gid)
+
+
+def parse_attachment(data: bytes) -> Attachment | None:
+    """Read a peer's attachment; None when it is none of rmw_zenoh's."""
+    if len(data) < ATTACHMENT.size:
+        return None
+    sequence, stamp_ns, size, gid = ATTACHMENT.unpack_from(data)
+    return Attachment(sequence, stamp_ns, gid) if size == GID_BYTES else None
+
+
+def gid_of(token: str) -> bytes:
+    """Return the GID of the endpoint that has this liveliness token: XXH3-128, low half first."""
+    return xxhash.xxh3_128_intdigest(token.encode()).to_bytes(GID_BYTES, "little")

@@ -1,0 +1,186 @@
+"""What one node publishes, subscribes to, offers and calls; names are resolved."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Mapping
+
+from rostether.errors import GraphError, ServiceUnavailableError, TypeMismatchError
+from rostether.graph.log_message import LOG_TYPE, ROSOUT
+from rostether.graph.ports import Level, OnMessages, ServiceHandler
+from rostether.msgdef.interface import ANY_TYPE, MessageType, ServiceType
+from rostether.ros2.naming import dds_name, type_of_dds_name
+from rostether.ros2.qos import ROSOUT_QOS
+from rostether.ros2.type_support import ServiceSupport
+from rostether.ros2.zenoh.entities import NodeEntities
+from rostether.ros2.zenoh.publication import Publication, Publisher
+from rostether.ros2.zenoh.service_client import ServiceClient
+from rostether.ros2.zenoh.service_server import ServiceServer
+from rostether.ros2.zenoh.session import LiveToken
+from rostether.ros2.zenoh.subscription import Subscription, Taker
+from rostether.ros2.zenoh.tokens import Kind, Token, parse_token, tokens_of
+
+SERVICE_LOOK_TIMEOUT_S = 1.0
+"""How long the network is asked for a service that our own view does not have; who is there answers at once."""
+
+MAX_CLIENTS = 256
+"""Services that one node calls before it forgets the first ones; a board's sketch holds a handful."""
+
+Report = Callable[[Level, str], None]
+
+
+class Endpoints:
+    """Makes the endpoints of a node, and ends them with it."""
+
+    def __init__(self, node: NodeEntities, *, report: Report) -> None:
+        self._node = node
+        self._report = report
+        self._publications: dict[str, Publication] = {}
+        self._subscriptions: dict[Subscription, None] = {}
+        self._servers: dict[str, ServiceServer] = {}
+        self._clients: dict[tuple[str, str], ServiceClient] = {}
+        self._node_token: LiveToken | None = None
+        self._rosout: Publication | None = None
+
+    def open(self) -> None:
+        """Appear in the graph, with /rosout."""
+        self._node_token = self._node.declare_node()
+        support = self._node.session.types.message(LOG_TYPE)
+        self._rosout = Publication(
+            ROSOUT, LOG_TYPE, support, node=self._node, report=self._report, latch=True, qos=ROSOUT_QOS
+        )
+        # For good: a handle that is closed does not end it.
+        self._rosout.handle_count = 1
+        self._publications[ROSOUT] = self._rosout
+
+    def publish_log(self, message: bytes) -> None:
+        """Publish a message on /rosout."""
+        if self._rosout is not None:
+            self._rosout.publish([message])
+
+    def advertise(self, topic: str, message_type: MessageType, *, latch: bool) -> Publisher:
+        """Publish a topic. Raises TypeMismatchError, UnknownTypeError."""
+        publication = self._publications.get(topic)
+        if publication is None:
+            support = self._node.session.types.message(message_type)
+            publication = Publication(
+                topic, message_type, support, node=self._node, report=self._report, latch=latch
+            )
+            self._publications[topic] = publication
+        else:
+            publication.share(message_type, latch=latch)
+        return Publisher(publication, self._release_publication)
+
+    def subscribe(
+        self,
+        topic: str,
+        message_type: MessageType,
+        on_messages: OnMessages,
+        *,
+        on_connection: Callable[[Mapping[str, str]], None] | None,
+        skip_own: bool,
+    ) -> Subscription:
+        """Subscribe to a topic. Raises TypeMismatchError, UnknownTypeError."""
+        is_any = message_type.name == ANY_TYPE
+        subscription = Subscription(
+            topic,
+            None if is_any else self._node.session.types.message(message_type),
+            Taker(on_messages, on_connection, self._release_subscription, self._report),
+            node=self._node,
+            own_gids=(lambda: self._own_gids(topic)) if skip_own else None,
+        )
+        self._subscriptions[subscription] = None
+        return subscription
+
+    def advertise_service(
+        self, service: str, service_type: ServiceType, handler: ServiceHandler
+    ) -> ServiceServer:
+        """Offer a service. Raises GraphError when this node offers it already."""
+        if service in self._servers:
+            raise GraphError(f"this node offers the service {service} already: choose another name")
+        support = self._node.session.types.service(service_type)
+        server = ServiceServer(service, support, handler, node=self._node, on_close=self._release_server)
+        self._servers[service] = server
+        return server
+
+    async def call_service(
+        self, service: str, service_type: ServiceType, request: bytes, *, timeout_s: float | None
+    ) -> bytes:
+        """Call a service. Raises what `Graph.call_service` raises."""
+        servers = await self._servers_of(service)
+        if service_type.name == ANY_TYPE:
+            support = self._node.session.types.service_by_name(_type_of(servers[0]))
+        else:
+            support = self._node.session.types.service(service_type)
+        _check_type(service, support, servers)
+        key = (service, support.name)
+        if key not in self._clients:
+            if len(self._clients) >= MAX_CLIENTS:
+                self._clients.pop(next(iter(self._clients))).close()
+            self._clients[key] = ServiceClient(service, support, node=self._node)
+        return await self._clients[key].call(request, timeout_s)
+
+    async def close(self) -> None:
+        """End everything, and disappear."""
+        await asyncio.gather(
+            *(each.close() for each in list(self._subscriptions)),
+            *(each.close() for each in list(self._servers.values())),
+        )
+        for publication in self._publications.values():
+            publication.close()
+        self._publications.clear()
+        self._rosout = None
+        for client in self._clients.values():
+            client.close()
+        self._clients.clear()
+        if self._node_token is not None:
+            self._node_token.withdraw()
+            self._node_token = None
+
+    async def _servers_of(self, service: str) -> list[Token]:
+        session = self._node.session
+        servers = session.graph.endpoints(Kind.SERVER, service)
+        if not servers:
+            # Between machines the news of a node takes a moment; the question finds it.
+            texts = await session.look(
+                tokens_of(session.domain_id, Kind.SERVER, service), SERVICE_LOOK_TIMEOUT_S
+            )
+            servers = [token for token in map(parse_token, texts) if token is not None]
+        if not servers:
+            raise ServiceUnavailableError(f"nobody offers the service {service}")
+        return servers
+
+    def _own_gids(self, topic: str) -> set[bytes]:
+        publication = self._publications.get(topic)
+        return set() if publication is None else publication.gids
+
+    def _release_publication(self, publication: Publication) -> None:
+        if self._publications.pop(publication.topic, None) is not None:
+            publication.close()
+
+    def _release_subscription(self, subscription: Subscription) -> None:
+        self._subscriptions.pop(subscription, None)
+
+    def _release_server(self, server: ServiceServer) -> None:
+        self._servers.pop(server.service, None)
+
+
+def _type_of(server: Token) -> str:
+    return type_of_dds_name(server.type) or server.type
+
+
+def _check_type(service: str, support: ServiceSupport, servers: list[Token]) -> None:
+    type_name = dds_name(support.name)
+    if any(each.type == type_name and each.type_hash == support.type_hash for each in servers):
+        return
+    other = servers[0]
+    if other.type == type_name:
+        raise TypeMismatchError(
+            f"service {service} has another definition of {support.name} "
+            f"({other.type_hash:.80}, not {support.type_hash}): set ROS_DISTRO to its distribution, "
+            "or give its definition with --msg-path"
+        )
+    raise TypeMismatchError(
+        f"service {service} has type {_type_of(other):.200}, not {support.name}: "
+        "make both ends use one definition"
+    )

@@ -1,0 +1,54 @@
+"""What a node tells of itself: its own token, and one for each of its ends."""
+
+from __future__ import annotations
+
+from rostether.names.graph_name import namespace_of
+from rostether.ros2.qos import DEFAULT_QOS, Qos
+from rostether.ros2.zenoh.session import LiveToken, ZenohSession
+from rostether.ros2.zenoh.tokens import Kind, Token
+
+
+class NodeEntities:
+    """Declares the tokens of one node."""
+
+    def __init__(self, session: ZenohSession, node_name: str) -> None:
+        self.session = session
+        self.node_name = node_name
+        self._namespace = namespace_of(node_name)
+        self._base_name = node_name.rpartition("/")[2]
+        self._id = session.next_id()
+
+    def declare_node(self) -> LiveToken:
+        """Tell everybody of the node."""
+        return self._declare(Kind.NODE, self._id)
+
+    def declare(self, kind: Kind, name: str, dds_type: str, type_hash: str, qos: Qos = DEFAULT_QOS) -> LiveToken:
+        """Tell everybody of an end of a topic or service."""
+        return self._declare(kind, self.session.next_id(), name, dds_type, type_hash, qos)
+
+    def _declare(
+        self,
+        kind: Kind,
+        entity_id: int,
+        name: str = "",
+        dds_type: str = "",
+        type_hash: str = "",
+        qos: Qos = DEFAULT_QOS,
+    ) -> LiveToken:
+        session = self.session
+        return LiveToken(
+            session,
+            Token(
+                session.domain_id,
+                session.session_id,
+                self._id,
+                entity_id,
+                kind,
+                self._namespace,
+                self._base_name,
+                name,
+                dds_type,
+                type_hash,
+                qos,
+            ),
+        )

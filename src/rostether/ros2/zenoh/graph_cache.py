@@ -1,0 +1,139 @@
+"""The graph as its liveliness tokens tell it, kept up to date, and who wants to hear of changes."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import AsyncIterator, Callable, Sequence
+
+from rostether.graph.callbacks import call_contained
+from rostether.graph.ports import ServiceInfo, Snapshot, TopicInfo
+from rostether.msgdef.interface import ANY_TYPE
+from rostether.ros2.naming import type_of_dds_name
+from rostether.ros2.zenoh.tokens import Kind, Token, parse_token
+
+MAX_TOKENS = 100_000
+"""A fleet of a hundred robots with a thousand endpoints each; what is beyond is not in our listings."""
+
+_log = logging.getLogger("rostether.ros2")
+
+_TOPICS = (Kind.PUBLISHER, Kind.SUBSCRIBER)
+Place = tuple[Kind, str]
+
+
+class GraphCache:
+    """Holds the tokens of one domain."""
+
+    def __init__(self) -> None:
+        self._tokens: dict[str, Token] = {}
+        self._endpoints: dict[Place, dict[str, Token]] = {}
+        self._listeners: dict[Place, list[Callable[[], None]]] = {}
+        self._change_events: set[asyncio.Event] = set()
+        self._snapshot: Snapshot | None = None
+
+    def take(self, news: Sequence[tuple[str, bool]]) -> None:
+        """Take tokens (key expressions) that have come (True) or gone."""
+        touched: dict[Place, None] = {}
+        for text, is_there in news:
+            token = self._add(text) if is_there else self._tokens.pop(text, None)
+            if token is None:
+                continue
+            self._snapshot = None
+            place = (token.kind, token.name)
+            if is_there:
+                self._endpoints.setdefault(place, {})[text] = token
+            else:
+                self._forget(place, text)
+            touched[place] = None
+        if not touched:
+            return
+        for event in self._change_events:
+            event.set()
+        for place in touched:
+            for listener in list(self._listeners.get(place, ())):
+                call_contained(f"listener of {place[1]}", listener)
+
+    def endpoints(self, kind: Kind, name: str) -> list[Token]:
+        """Return the tokens of a topic's or service's ends of one kind."""
+        return list(self._endpoints.get((kind, name), {}).values())
+
+    def listen(self, kind: Kind, name: str, listener: Callable[[], None]) -> None:
+        """Call back after each change of those ends, until `unlisten`."""
+        self._listeners.setdefault((kind, name), []).append(listener)
+
+    def unlisten(self, kind: Kind, name: str, listener: Callable[[], None]) -> None:
+        """Call back no more."""
+        listeners = self._listeners.get((kind, name), [])
+        if listener in listeners:
+            listeners.remove(listener)
+        if not listeners:
+            self._listeners.pop((kind, name), None)
+
+    def snapshot(self) -> Snapshot:
+        """Return the whole graph; types are ROS 2's names, several of one topic with a space between them."""
+        if self._snapshot is None:
+            self._snapshot = self._take_snapshot()
+        return self._snapshot
+
+    async def changes(self, closed: asyncio.Event) -> AsyncIterator[Snapshot]:
+        """Yield a snapshot now and one after each change, until `closed` is set."""
+        event = asyncio.Event()
+        self._change_events.add(event)
+        waiting = asyncio.ensure_future(closed.wait())
+        waiting.add_done_callback(lambda _: event.set())
+        try:
+            latest = None
+            while not closed.is_set():
+                event.clear()
+                snapshot = self.snapshot()
+                if snapshot != latest:
+                    latest = snapshot
+                    yield snapshot
+                else:
+                    await event.wait()
+        finally:
+            waiting.cancel()
+            self._change_events.discard(event)
+
+    def _add(self, text: str) -> Token | None:
+        if text in self._tokens:
+            return None
+        if len(self._tokens) >= MAX_TOKENS:
+            _log.debug("the graph has more than %d endpoints: %s is not listed", MAX_TOKENS, text)
+            return None
+        token = parse_token(text)
+        if token is not None:
+            self._tokens[text] = token
+        return token
+
+    def _forget(self, place: Place, text: str) -> None:
+        endpoints = self._endpoints.get(place, {})
+        endpoints.pop(text, None)
+        if not endpoints:
+            self._endpoints.pop(place, None)
+
+    def _take_snapshot(self) -> Snapshot:
+        nodes = {token.node_name for token in self._tokens.values()}
+        topics = sorted({name for kind, name in self._endpoints if kind in _TOPICS})
+        services = sorted(name for kind, name in self._endpoints if kind is Kind.SERVER)
+        return Snapshot(
+            nodes=tuple(sorted(nodes)),
+            topics={name: self._topic_info(name) for name in topics},
+            services={name: ServiceInfo(name, self._nodes(Kind.SERVER, name)) for name in services},
+        )
+
+    def _topic_info(self, name: str) -> TopicInfo:
+        types = {
+            type_of_dds_name(token.type) or token.type
+            for kind in _TOPICS
+            for token in self._endpoints.get((kind, name), {}).values()
+        }
+        return TopicInfo(
+            name,
+            " ".join(sorted(types)) or ANY_TYPE,
+            self._nodes(Kind.PUBLISHER, name),
+            self._nodes(Kind.SUBSCRIBER, name),
+        )
+
+    def _nodes(self, kind: Kind, name: str) -> tuple[str, ...]:
+        return tuple(sorted({token.node_name for token in self._endpoints.get((kind, name), {}).values()}))

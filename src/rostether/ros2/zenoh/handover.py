@@ -1,0 +1,77 @@
+"""From zenoh's threads to the event loop: a bounded queue that wakes the loop once for each batch."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections import deque
+from collections.abc import Callable
+from typing import Generic, TypeVar
+
+_Item = TypeVar("_Item")
+
+
+class Handover(Generic[_Item]):
+    """Hands items on in order; when more than `limit` (bytes, or items of size 1) wait, the oldest go.
+
+    `put` may be called in any thread, everything else in the loop's. The newest item is always kept.
+    """
+
+    def __init__(self, deliver: Callable[[list[_Item]], None], *, limit: int) -> None:
+        self.dropped_count = 0
+        self._deliver = deliver
+        self._limit = limit
+        self._loop = asyncio.get_running_loop()
+        self._lock = threading.Lock()
+        self._queue: deque[tuple[_Item, int]] = deque()
+        self._size = 0
+        self._is_scheduled = False
+        self._is_paused = False
+        self._is_closed = False
+
+    def put(self, item: _Item, size: int = 1) -> None:
+        """Queue an item."""
+        with self._lock:
+            if self._is_closed:
+                return
+            self._queue.append((item, size))
+            self._size += size
+            while self._size > self._limit and len(self._queue) > 1:
+                self._size -= self._queue.popleft()[1]
+                self.dropped_count += 1
+            if self._is_scheduled or self._is_paused:
+                return
+            self._is_scheduled = True
+            try:
+                self._loop.call_soon_threadsafe(self._run)
+            except RuntimeError:
+                self._is_closed = True  # The loop has ended before zenoh did.
+
+    def pause(self) -> None:
+        """Keep what comes."""
+        with self._lock:
+            self._is_paused = True
+
+    def resume(self) -> None:
+        """Hand on what has come meanwhile, and go on."""
+        with self._lock:
+            self._is_paused = False
+            if not self._is_scheduled and self._queue:
+                self._is_scheduled = True
+                self._loop.call_soon(self._run)
+
+    def close(self) -> None:
+        """Hand on nothing any more."""
+        with self._lock:
+            self._is_closed = True
+            self._queue.clear()
+
+    def _run(self) -> None:
+        with self._lock:
+            self._is_scheduled = False
+            if self._is_paused or self._is_closed or not self._queue:
+                return
+            items = [item for item, _ in self._queue]
+            self._queue.clear()
+            self._size = 0
+        self._deliver(items)

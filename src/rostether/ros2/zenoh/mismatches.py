@@ -1,0 +1,45 @@
+"""Explaining why two ends of one topic do not meet: zenoh itself would say nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from rostether.graph.ports import Level
+from rostether.ros2.naming import dds_name, type_of_dds_name
+from rostether.ros2.type_support import MessageSupport
+from rostether.ros2.zenoh.tokens import Kind, Token
+
+
+class Mismatches:
+    """Tells once of every end of a topic whose type is not ours."""
+
+    def __init__(self, topic: str, support: MessageSupport, report: Callable[[Level, str], None]) -> None:
+        self._topic = topic
+        self._support = support
+        self._type_name = dds_name(support.name)
+        self._report = report
+        self._told: set[Token] = set()
+
+    def tell(self, ends: Sequence[Token]) -> None:
+        """Look at the ends that there are now; those that are gone are forgotten."""
+        wrong = {end for end in ends if not self._meets(end)}
+        for end in wrong - self._told:
+            self._report(Level.WARN, self._explain(end))
+        self._told = wrong
+
+    def _meets(self, end: Token) -> bool:
+        return end.type == self._type_name and end.type_hash == self._support.type_hash
+
+    def _explain(self, end: Token) -> str:
+        verb = "publishes" if end.kind is Kind.PUBLISHER else "subscribes to"
+        if end.type != self._type_name:
+            other = type_of_dds_name(end.type) or end.type
+            return (
+                f"{end.node_name} {verb} {self._topic} as {other:.200}, this node uses {self._support.name}: "
+                "they do not meet, make both use one type"
+            )
+        return (
+            f"{end.node_name} {verb} {self._topic} with another definition of {self._support.name} "
+            f"({end.type_hash:.80}, not {self._support.type_hash}): they do not meet; "
+            "set ROS_DISTRO to its distribution, or give its definition with --msg-path"
+        )

@@ -1,0 +1,196 @@
+"""A node of a ROS 2 graph over zenoh: the graph port by rmw_zenoh's conventions."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import AsyncIterator, Callable, Mapping
+from contextlib import AsyncExitStack
+
+from rostether.errors import GraphError
+from rostether.graph.ports import Level, OnMessages, ParamValue, ServiceHandler, Snapshot
+from rostether.msgdef.interface import MessageType, ServiceType
+from rostether.names.resolve import resolve_name, resolve_remappings
+from rostether.ros2.clock import NodeClock
+from rostether.ros2.parameters.graph_parameters import GraphParameters
+from rostether.ros2.parameters.services import ParameterServices
+from rostether.ros2.parameters.store import ParameterStore
+from rostether.ros2.parameters.watches import ParameterWatch
+from rostether.ros2.rosout import RosoutLog
+from rostether.ros2.zenoh.endpoints import Endpoints
+from rostether.ros2.zenoh.entities import NodeEntities
+from rostether.ros2.zenoh.publication import Publisher
+from rostether.ros2.zenoh.service_server import ServiceServer
+from rostether.ros2.zenoh.session import ZenohSession
+from rostether.ros2.zenoh.subscription import Subscription
+from rostether.rostime import Time
+
+_log = logging.getLogger("rostether.ros2")
+
+_LOGGING_LEVELS = {
+    Level.DEBUG: logging.DEBUG,
+    Level.INFO: logging.INFO,
+    Level.WARN: logging.WARNING,
+    Level.ERROR: logging.ERROR,
+    Level.FATAL: logging.CRITICAL,
+}
+
+
+class ZenohGraph:
+    """A `graph.ports.Graph`; made by `ZenohSession.join`."""
+
+    def __init__(
+        self,
+        session: ZenohSession,
+        node_name: str,
+        namespace: str,
+        remappings: Mapping[str, str],
+        parameters: Mapping[str, ParamValue],
+    ) -> None:
+        self.node_name = node_name
+        self._session = session
+        self._namespace = namespace
+        self._remappings = resolve_remappings(remappings, namespace=namespace, node_name=node_name)
+        self._endpoints = Endpoints(NodeEntities(session, node_name), report=self._report)
+        store = ParameterStore(parameters)
+        self._parameters = GraphParameters(store, self)
+        self._parameter_services = ParameterServices(store, self)
+        self._clock = NodeClock(store, self)
+        self._rosout = RosoutLog(node_name, self._clock.now)
+        self._closing: asyncio.Task[None] | None = None
+        self._closed = asyncio.Event()
+        self._reason = ""
+
+    def resolve(self, name: str) -> str:
+        """Return the fully qualified, remapped form of a name. Raises InvalidNameError."""
+        return resolve_name(
+            name, namespace=self._namespace, node_name=self.node_name, remappings=self._remappings
+        )
+
+    async def advertise(
+        self, topic: str, message_type: MessageType, *, latch: bool = False, queue_bytes: int | None = None
+    ) -> Publisher:
+        """Advertise a topic. What waits for slow subscribers is zenoh's; `queue_bytes` says nothing to it.
+
+        Raises TypeMismatchError, UnknownTypeError, InvalidNameError.
+        """
+        self._check_open()
+        return self._endpoints.advertise(self.resolve(topic), message_type, latch=latch)
+
+    async def subscribe(
+        self,
+        topic: str,
+        message_type: MessageType,
+        on_messages: OnMessages,
+        *,
+        on_connection: Callable[[Mapping[str, str]], None] | None = None,
+        tcp_nodelay: bool = True,
+        skip_own: bool = False,
+    ) -> Subscription:
+        """Subscribe. `ANY_MESSAGE` takes every type; `on_connection` hears of each publisher."""
+        self._check_open()
+        return self._endpoints.subscribe(
+            self.resolve(topic), message_type, on_messages, on_connection=on_connection, skip_own=skip_own
+        )
+
+    async def advertise_service(
+        self, service: str, service_type: ServiceType, handler: ServiceHandler
+    ) -> ServiceServer:
+        """Offer a service. A handler that raises RostetherError fails the call with that error's text."""
+        self._check_open()
+        return self._endpoints.advertise_service(self.resolve(service), service_type, handler)
+
+    async def call_service(
+        self, service: str, service_type: ServiceType, request: bytes, *, timeout_s: float | None = None
+    ) -> bytes:
+        """Call a service.
+
+        Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError, TypeMismatchError.
+        """
+        self._check_open()
+        return await self._endpoints.call_service(
+            self.resolve(service), service_type, request, timeout_s=timeout_s
+        )
+
+    async def get_param(self, name: str) -> ParamValue:
+        """Return a parameter's value. Raises UnknownNameError."""
+        return await self._parameters.get(self.resolve(name))
+
+    async def set_param(self, name: str, value: ParamValue) -> None:
+        """Set a parameter; a mapping replaces the whole tree below it."""
+        await self._parameters.set(self.resolve(name), value)
+
+    async def delete_param(self, name: str) -> None:
+        """Delete a parameter. Raises UnknownNameError."""
+        await self._parameters.delete(self.resolve(name))
+
+    async def has_param(self, name: str) -> bool:
+        """Tell whether a parameter is set."""
+        return await self._parameters.has(self.resolve(name))
+
+    async def search_param(self, name: str) -> str | None:
+        """Find a parameter of this node by a relative name."""
+        return await self._parameters.search(name, self.resolve)
+
+    async def list_params(self) -> list[str]:
+        """Return the full names of the parameters of all nodes, sorted."""
+        return await self._parameters.names()
+
+    async def watch_param(self, name: str, on_change: Callable[[ParamValue], None]) -> ParameterWatch:
+        """Call back with the value now and whenever it has changed; None means it is unset."""
+        self._check_open()
+        return await self._parameters.watch(self.resolve(name), on_change)
+
+    def log(self, level: Level, text: str) -> None:
+        """Publish a log message on /rosout under this node's name."""
+        self._endpoints.publish_log(self._rosout.encode(level, text))
+
+    def now(self) -> Time:
+        """Return ROS time: the wall clock, or /clock under use_sim_time (zero before its first message)."""
+        return self._clock.now()
+
+    async def snapshot(self) -> Snapshot:
+        """Return the whole graph as it stands."""
+        return self._session.graph.snapshot()
+
+    def changes(self) -> AsyncIterator[Snapshot]:
+        """Yield a snapshot now and one after each change."""
+        return self._session.graph.changes(self._closed)
+
+    async def close(self, reason: str = "closed") -> None:
+        """Leave the graph: everything advertised, subscribed or watched ends. Idempotent."""
+        if self._closing is None:
+            self._reason = reason
+            self._closing = asyncio.ensure_future(self._close())
+        await asyncio.shield(self._closing)
+
+    async def wait_closed(self) -> str:
+        """Wait until the node has left, by `close` or with its session; returns the reason."""
+        await self._closed.wait()
+        return self._reason
+
+    async def open(self) -> None:
+        """Appear in the graph; `ZenohSession.join` does it."""
+        self._endpoints.open()
+        await self._clock.open()
+        await self._parameter_services.open()
+
+    async def _close(self) -> None:
+        try:
+            async with AsyncExitStack() as stack:
+                # Backwards: what uses the endpoints ends before they do.
+                stack.push_async_callback(self._endpoints.close)
+                stack.push_async_callback(self._parameter_services.close)
+                stack.push_async_callback(self._clock.close)
+                stack.push_async_callback(self._parameters.close)
+        finally:
+            self._session.leave(self)
+            self._closed.set()
+
+    def _report(self, level: Level, text: str) -> None:
+        _log.log(_LOGGING_LEVELS[level], "%s: %s", self.node_name, text)
+        self.log(level, text)
+
+    def _check_open(self) -> None:
+        if self._closing is not None:
+            raise GraphError(f"node {self.node_name} has left the graph: join again")

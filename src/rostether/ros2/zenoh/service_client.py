@@ -1,0 +1,94 @@
+"""Calling one service: queries with rmw_zenoh's attachment, and the token that shows the client."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+
+import zenoh
+
+from rostether.errors import ServiceCallError, ServiceTimeoutError, ServiceUnavailableError
+from rostether.ros2.naming import dds_name
+from rostether.ros2.qos import SERVICES_QOS
+from rostether.ros2.type_support import ServiceSupport
+from rostether.ros2.zenoh.attachment import Attachment, gid_of
+from rostether.ros2.zenoh.entities import NodeEntities
+from rostether.ros2.zenoh.tokens import Kind, data_key
+
+ENDLESS_S = 7 * 24 * 3600.0
+"""A query must have a time limit; a call without one ends when its server does, long before this."""
+
+MAX_ERROR_CHARACTERS = 2000
+"""What a server says of its failure is a line for people."""
+
+
+class ServiceClient:
+    """Calls one service, any number of times and side by side."""
+
+    def __init__(self, service: str, support: ServiceSupport, *, node: NodeEntities) -> None:
+        self.service = service
+        self.support = support
+        self._node = node
+        type_name = dds_name(support.name)
+        self._key = data_key(node.session.domain_id, service, type_name, support.type_hash)
+        self._token = node.declare(Kind.CLIENT, service, type_name, support.type_hash, SERVICES_QOS)
+        self._gid = gid_of(self._token.text)
+        self._sequence = 0
+
+    async def call(self, request: bytes, timeout_s: float | None) -> bytes:
+        """Call. Raises ServiceTimeoutError, ServiceUnavailableError, ServiceCallError, SerializationError."""
+        cdr = self.support.request.to_cdr(request)
+        loop = asyncio.get_running_loop()
+        answer: asyncio.Future[zenoh.Reply | None] = loop.create_future()
+
+        def settle(reply: zenoh.Reply | None) -> None:
+            if not answer.done():
+                answer.set_result(reply)
+
+        def hand_over(reply: zenoh.Reply | None) -> None:
+            # In a thread of zenoh's; the loop may have ended by then.
+            if not loop.is_closed():
+                loop.call_soon_threadsafe(settle, reply)
+
+        def watch_server() -> None:
+            if not self._node.session.graph.endpoints(Kind.SERVER, self.service):
+                settle(None)
+
+        self._sequence += 1
+        cancellation = zenoh.CancellationToken()
+        self._node.session.zenoh.get(
+            self._key,
+            zenoh.handlers.Callback(hand_over, lambda: hand_over(None), indirect=False),
+            target=zenoh.QueryTarget.ALL_COMPLETE,
+            consolidation=zenoh.ConsolidationMode.NONE,
+            timeout=ENDLESS_S if timeout_s is None else timeout_s + 1.0,
+            payload=cdr,
+            attachment=Attachment(self._sequence, time.time_ns(), self._gid).encode(),
+            cancellation_token=cancellation,
+        )
+        graph = self._node.session.graph
+        graph.listen(Kind.SERVER, self.service, watch_server)
+        try:
+            async with asyncio.timeout(timeout_s):
+                reply = await answer
+        except TimeoutError:
+            raise ServiceTimeoutError(
+                f"service {self.service} did not answer within {timeout_s:g} s"
+            ) from None
+        finally:
+            graph.unlisten(Kind.SERVER, self.service, watch_server)
+            cancellation.cancel()
+        if reply is None:
+            raise ServiceUnavailableError(f"service {self.service} ended during the call")
+        if reply.ok is None:
+            data = b"" if reply.err is None else reply.err.payload.to_bytes()
+            raise ServiceCallError(_one_line(data) or f"service {self.service} failed without a reason")
+        return self.support.response.from_cdr(reply.ok.payload.to_bytes())
+
+    def close(self) -> None:
+        """Withdraw the client's token."""
+        self._token.withdraw()
+
+
+def _one_line(data: bytes) -> str:
+    return " ".join(data[: 4 * MAX_ERROR_CHARACTERS].decode("utf-8", "replace").split())[:MAX_ERROR_CHARACTERS]

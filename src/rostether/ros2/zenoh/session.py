@@ -1,0 +1,206 @@
+"""One zenoh session of a process, which carries the nodes of many boards."""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+import logging
+import time
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import zenoh
+
+from rostether.errors import ConfigError, MasterUnreachableError
+from rostether.graph.ports import ParamValue
+from rostether.names.graph_name import join
+from rostether.ros2.environment import Ros2Environment
+from rostether.ros2.naming import validate_node_name
+from rostether.ros2.type_support import Ros2Types
+from rostether.ros2.zenoh.configuration import (
+    ROUTER_ENDPOINT,
+    Reach,
+    RouterChoice,
+    is_router_there,
+    names_its_own_place,
+    one_line,
+    peer_configuration,
+    router_configuration,
+)
+from rostether.ros2.zenoh.graph_cache import GraphCache
+from rostether.ros2.zenoh.handover import Handover
+from rostether.ros2.zenoh.tokens import Token, all_tokens
+
+if TYPE_CHECKING:
+    from rostether.ros2.zenoh.node import ZenohGraph
+
+MAX_WAITING_NEWS = 200_000
+"""Changes of the graph between two turns of the loop: twice all the tokens that we keep."""
+
+FIRST_LOOK_TIMEOUT_S = 2.0
+"""How long a session that has just opened waits to hear of the graph; who is there answers at once."""
+
+_log = logging.getLogger("rostether.ros2")
+
+
+class ZenohSession:
+    """A session; `join` is a `JoinGraph`. Make it with `ZenohSession.open`."""
+
+    def __init__(self, session: zenoh.Session, environment: Ros2Environment, types: Ros2Types) -> None:
+        self.zenoh = session
+        self.environment = environment
+        self.domain_id = environment.domain_id
+        self.types = types
+        self.graph = GraphCache()
+        self.session_id = str(session.zid())
+        self.is_router = False
+        self._ids = itertools.count()
+        self._nodes: set[ZenohGraph] = set()
+        self._is_closed = False
+        self._news: Handover[tuple[str, bool]] = Handover(self.graph.take, limit=MAX_WAITING_NEWS)
+        self._liveliness = session.liveliness()
+        self._watch: zenoh.Subscriber[None] | None = None
+
+    @classmethod
+    async def open(
+        cls, environment: Ros2Environment, types: Ros2Types, *, reach: Reach | None = None
+    ) -> ZenohSession:
+        """Open a session, beside a router or as the router of this machine, as `reach` says.
+
+        Raises ConfigError, and MasterUnreachableError where zenoh cannot open it.
+        """
+        reach = reach or Reach()
+        if await _takes_routers_place(environment, reach):
+            try:
+                session = await _open(router_configuration(environment, reach))
+            except MasterUnreachableError:
+                # Another process was quicker to take the place.
+                if reach.router is RouterChoice.ALWAYS or not await is_router_there():
+                    raise
+            else:
+                opened = cls(session, environment, types)
+                opened.is_router = True
+                return await opened._start()
+        return await cls(await _open(peer_configuration(environment, reach)), environment, types)._start()
+
+    async def join(
+        self,
+        node_name: str,
+        *,
+        namespace: str = "/",
+        remappings: Mapping[str, str] | None = None,
+        parameters: Mapping[str, ParamValue] | None = None,
+    ) -> ZenohGraph:
+        """Join as `node_name`, with initial values of its parameters. Raises InvalidNameError, GraphError."""
+        from rostether.ros2.zenoh.node import ZenohGraph  # noqa: PLC0415 - it needs this module's types
+
+        if self._is_closed:
+            raise MasterUnreachableError("this zenoh session is closed: open another one")
+        full_name = validate_node_name(join(namespace, node_name))
+        graph = ZenohGraph(self, full_name, namespace, remappings or {}, parameters or {})
+        self._nodes.add(graph)
+        try:
+            await graph.open()
+        except BaseException:
+            await graph.close()
+            raise
+        return graph
+
+    def leave(self, graph: ZenohGraph) -> None:
+        """Forget a node that has left."""
+        self._nodes.discard(graph)
+
+    def next_id(self) -> int:
+        """Return an id that no other entity of this session has."""
+        return next(self._ids)
+
+    def declare_token(self, token: Token) -> LiveToken:
+        """Tell everybody of a node or endpoint, until the token is withdrawn."""
+        return LiveToken(self, token)
+
+    def tell_graph(self, text: str, *, is_there: bool) -> None:
+        """Let our own view know of a token of ours at once; zenoh's own word of it comes later."""
+        self.graph.take([(text, is_there)])
+
+    async def look(self, key: str, timeout_s: float) -> list[str]:
+        """Ask the network which tokens match a key expression now."""
+        loop = asyncio.get_running_loop()
+        found: list[str] = []
+        done = asyncio.Event()
+
+        def finish() -> None:
+            try:
+                loop.call_soon_threadsafe(done.set)
+            except RuntimeError:
+                _log.debug("an answer came after the loop had ended")
+
+        def take(reply: zenoh.Reply) -> None:
+            if reply.ok is not None:
+                found.append(str(reply.ok.key_expr))
+
+        self._liveliness.get(key, zenoh.handlers.Callback(take, finish, indirect=False), timeout=timeout_s)
+        await done.wait()
+        return found
+
+    async def close(self) -> None:
+        """Let every node leave, and end. Idempotent."""
+        if self._is_closed:
+            return
+        self._is_closed = True
+        await asyncio.gather(*(graph.close("the session ended") for graph in list(self._nodes)))
+        self._news.close()
+        await asyncio.to_thread(self.zenoh.close)
+
+    async def _start(self) -> ZenohSession:
+        key = all_tokens(self.domain_id)
+        self._watch = self._liveliness.declare_subscriber(
+            key, zenoh.handlers.Callback(self._take_token, indirect=False), history=True
+        )
+        # Who asks for a snapshot or a service right away is to see what is there already.
+        started_s = time.monotonic()
+        tokens = await self.look(key, FIRST_LOOK_TIMEOUT_S)
+        await asyncio.sleep(0)
+        _log.debug("%d tokens after %.3f s", len(tokens), time.monotonic() - started_s)
+        return self
+
+    def _take_token(self, sample: zenoh.Sample) -> None:
+        self._news.put((str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT))
+
+
+class LiveToken:
+    """A token of ours, alive until `withdraw`."""
+
+    def __init__(self, session: ZenohSession, token: Token) -> None:
+        self.token = token
+        self.text = token.format()
+        self._session = session
+        self._declared = session.zenoh.liveliness().declare_token(self.text)
+        session.tell_graph(self.text, is_there=True)
+
+    def withdraw(self) -> None:
+        """Tell everybody that it is gone. Call it once."""
+        self._declared.undeclare()
+        self._session.tell_graph(self.text, is_there=False)
+
+
+async def _takes_routers_place(environment: Ros2Environment, reach: Reach) -> bool:
+    if reach.router is not RouterChoice.AUTO:
+        return reach.router is RouterChoice.ALWAYS
+    if reach.connect or names_its_own_place(environment):
+        return False
+    return not await is_router_there(ROUTER_ENDPOINT)
+
+
+async def _open(configuration: zenoh.Config) -> zenoh.Session:
+    try:
+        # Opening blocks until the first connections stand or are given up.
+        return await asyncio.to_thread(zenoh.open, configuration)
+    except zenoh.ZError as error:
+        text = one_line(error)
+        if "listener" in text:
+            raise MasterUnreachableError(
+                f"zenoh cannot listen: {text}: stop what uses the port, or give another endpoint"
+            ) from error
+        raise MasterUnreachableError(f"zenoh cannot open a session: {text}") from error
+    except Exception as error:
+        raise ConfigError(f"zenoh does not take its configuration: {one_line(error)}") from error

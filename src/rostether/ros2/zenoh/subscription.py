@@ -1,0 +1,230 @@
+"""One subscription of a node: its zenoh subscriber, its token, and the queue between zenoh and the loop."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import zenoh
+from zenoh import ext
+
+from rostether.errors import RostetherError, SerializationError
+from rostether.graph.callbacks import call_contained
+from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES
+from rostether.graph.ports import Level, OnMessages
+from rostether.msgdef.interface import ANY_MESSAGE, MessageType
+from rostether.ros2.naming import dds_name, type_of_dds_name
+from rostether.ros2.type_support import MessageSupport
+from rostether.ros2.zenoh.attachment import parse_attachment
+from rostether.ros2.zenoh.entities import NodeEntities
+from rostether.ros2.zenoh.handover import Handover
+from rostether.ros2.zenoh.mismatches import Mismatches
+from rostether.ros2.zenoh.session import LiveToken
+from rostether.ros2.zenoh.tokens import Kind, Token, data_key
+
+LATCHED_SAMPLES = 1
+"""What a subscriber asks of a latched publisher's past: ROS 1's latch has one message."""
+
+MAX_LEARNT_TYPES = 64
+"""Types that a subscriber of any type learns; one topic has one type, and a peer may make up names."""
+
+Report = Callable[[Level, str], None]
+OnConnection = Callable[[Mapping[str, str]], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Taker:
+    """Who takes what a subscription hands on."""
+
+    on_messages: OnMessages
+    on_connection: OnConnection | None
+    on_close: Callable[[Subscription], None]
+    report: Report
+
+
+class Subscription:
+    """A `graph.ports.Subscriber`. Without a support it takes every type, learnt from tokens and samples."""
+
+    def __init__(
+        self,
+        topic: str,
+        support: MessageSupport | None,
+        taker: Taker,
+        *,
+        node: NodeEntities,
+        own_gids: Callable[[], set[bytes]] | None = None,
+        history_samples: int = LATCHED_SAMPLES,
+    ) -> None:
+        self.topic = topic
+        self.type: MessageType = ANY_MESSAGE if support is None else support.ros1_type
+        self._support = support
+        self._taker = taker
+        self._node = node
+        self._own_gids = own_gids
+        self._what = f"on_messages of {topic}"
+        self._is_closed = False
+        self._has_warned = False
+        self._undecodable_count = 0
+        self._publishers: set[Token] = set()
+        self._learnt: dict[str, MessageSupport | None] = {}
+        self._tokens: dict[str, LiveToken] = {}
+        domain_id = node.session.domain_id
+        if support is None:
+            self._mismatches = None
+            self._key = data_key(domain_id, topic, "*", "*")
+        else:
+            self._mismatches = Mismatches(topic, support, taker.report)
+            self._key = data_key(domain_id, topic, dds_name(support.name), support.type_hash)
+        self._queue: Handover[tuple[str, bytes]] = Handover(self._take, limit=DEFAULT_QUEUE_BYTES)
+        # Publishers that are not latched keep no history, so that asking for it costs nothing then.
+        self._subscriber = ext.declare_advanced_subscriber(
+            node.session.zenoh,
+            self._key,
+            zenoh.handlers.Callback(
+                self._put_of_any if support is None or own_gids is not None else self._put, indirect=False
+            ),
+            history=ext.HistoryConfig(detect_late_publishers=True, max_samples=history_samples),
+        )
+        if support is not None:
+            self._declare_token(support)
+        node.session.graph.listen(Kind.PUBLISHER, topic, self._look)
+        self._look()
+
+    @property
+    def publisher_count(self) -> int:
+        """How many publishers of our type there are now."""
+        return len(self._publishers)
+
+    @property
+    def dropped_count(self) -> int:
+        """How many messages came faster than they were taken, or did not fit their type."""
+        return self._queue.dropped_count + self._undecodable_count
+
+    def pause(self) -> None:
+        """Hand nothing on; what comes waits, the oldest goes when there is too much."""
+        self._queue.pause()
+
+    def resume(self) -> None:
+        """Hand on again."""
+        self._queue.resume()
+
+    async def close(self) -> None:
+        """Unsubscribe. Idempotent; no callback runs after it returns."""
+        if self._is_closed:
+            return
+        self._is_closed = True
+        self._queue.close()
+        self._node.session.graph.unlisten(Kind.PUBLISHER, self.topic, self._look)
+        self._publishers = set()
+        for token in self._tokens.values():
+            token.withdraw()
+        self._subscriber.undeclare()
+        self._taker.on_close(self)
+
+    def _put(self, sample: zenoh.Sample) -> None:
+        # In a thread of zenoh's, or in ours while we publish.
+        data = sample.payload.to_bytes()
+        self._queue.put(("", data), len(data))
+
+    def _put_of_any(self, sample: zenoh.Sample) -> None:
+        if self._own_gids is not None and sample.attachment is not None:
+            attachment = parse_attachment(sample.attachment.to_bytes())
+            if attachment is not None and attachment.gid in self._own_gids():
+                return
+        data = sample.payload.to_bytes()
+        self._queue.put(("" if self._support else str(sample.key_expr), data), len(data))
+
+    def _take(self, samples: Sequence[tuple[str, bytes]]) -> None:
+        payloads: list[bytes] = []
+        support = self._support
+        for key, cdr in samples:
+            if key:
+                support = self._of_key(key)
+            if support is None:
+                continue
+            try:
+                payloads.append(support.converter.from_cdr(cdr))
+            except SerializationError as error:
+                self._refuse(error)
+        if payloads and not self._is_closed:
+            call_contained(self._what, self._taker.on_messages, payloads)
+
+    def _look(self) -> None:
+        ends = self._node.session.graph.endpoints(Kind.PUBLISHER, self.topic)
+        if self._mismatches is not None:
+            self._mismatches.tell(ends)
+        found = {end for end in ends if self._of_token(end) is not None}
+        new = found - self._publishers
+        self._publishers = found
+        for end in sorted(new, key=lambda end: end.format()):
+            support = self._of_token(end)
+            assert support is not None
+            self._connect(support, end.node_name, is_latching=end.qos.is_latching)
+
+    def _connect(self, support: MessageSupport, node_name: str, *, is_latching: bool) -> None:
+        if self._support is None:
+            self._declare_token(support)
+        if self._taker.on_connection is not None and not self._is_closed:
+            fields = {
+                "topic": self.topic,
+                "type": support.ros1_type.name,
+                "md5sum": support.ros1_type.md5sum,
+                "message_definition": support.ros1_type.definition,
+                "callerid": node_name,
+                "latching": "1" if is_latching else "0",
+            }
+            call_contained(f"on_connection of {self.topic}", self._taker.on_connection, fields)
+
+    def _of_token(self, end: Token) -> MessageSupport | None:
+        if self._support is None:
+            return self._learn(end.type, end.type_hash)
+        is_ours = end.type == dds_name(self._support.name) and end.type_hash == self._support.type_hash
+        return self._support if is_ours else None
+
+    def _of_key(self, key: str) -> MessageSupport | None:
+        _, type_name, type_hash = key.rsplit("/", 2)
+        is_new = f"{type_name}/{type_hash}" not in self._learnt
+        support = self._learn(type_name, type_hash)
+        if is_new and support is not None:
+            # A publisher without a token.
+            self._connect(support, "", is_latching=False)
+        return support
+
+    def _learn(self, type_name: str, type_hash: str) -> MessageSupport | None:
+        key = f"{type_name}/{type_hash}"
+        if key not in self._learnt:
+            if len(self._learnt) >= MAX_LEARNT_TYPES:
+                return None
+            self._learnt[key] = self._find(type_name, type_hash)
+        return self._learnt[key]
+
+    def _find(self, type_name: str, type_hash: str) -> MessageSupport | None:
+        name = type_of_dds_name(type_name)
+        try:
+            if not name:
+                raise SerializationError(f"{type_name!r:.200} is not the name of a type")
+            support = self._node.session.types.by_name(name)
+        except RostetherError as error:
+            self._taker.report(Level.WARN, f"cannot take {self.topic}: {error}")
+            return None
+        if support.type_hash != type_hash and type_hash.startswith("RIHS"):
+            self._taker.report(
+                Level.WARN,
+                f"cannot take {self.topic}: its {name} is not the one known here "
+                f"({type_hash:.80}, not {support.type_hash}): "
+                "set ROS_DISTRO to its distribution, or give its definition with --msg-path",
+            )
+            return None
+        return support
+
+    def _declare_token(self, support: MessageSupport) -> None:
+        if support.name not in self._tokens:
+            self._tokens[support.name] = self._node.declare(
+                Kind.SUBSCRIBER, self.topic, dds_name(support.name), support.type_hash
+            )
+
+    def _refuse(self, error: SerializationError) -> None:
+        self._undecodable_count += 1
+        if not self._has_warned:
+            self._has_warned = True
+            self._taker.report(Level.WARN, f"{self.topic}: a message that does not fit its type: {error}")

@@ -1,0 +1,135 @@
+"""Liveliness tokens: how the nodes, topics and services of a graph over zenoh are known.
+
+    @ros2_lv/<domain>/<session>/<node id>/<node id>/NN/<enclave>/<namespace>/<node>
+    @ros2_lv/<domain>/<session>/<node id>/<id>/MP|MS|SS|SC/<enclave>/<ns>/<node>/<name>/<type>/<hash>/<qos>
+
+Names are mangled: `/` is written `%`. Newer distributions append one more part (backends); it is ignored.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+from rostether.names.graph_name import join
+from rostether.ros2.qos import DEFAULT_QOS, Qos
+from rostether.ros2.zenoh.qos_text import format_qos, parse_qos
+
+ADMIN_SPACE = "@ros2_lv"
+_NODE_PARTS = 9
+_ENDPOINT_PARTS = 13
+MAX_TOKEN_CHARACTERS = 4096
+"""Eight names of ROS 2's greatest length; a longer token is no node's and would only fill our memory."""
+
+
+class Kind(Enum):
+    """What a token stands for."""
+
+    NODE = "NN"
+    PUBLISHER = "MP"
+    SUBSCRIBER = "MS"
+    SERVER = "SS"
+    CLIENT = "SC"
+
+
+_KINDS = {kind.value: kind for kind in Kind}
+
+
+@dataclass(frozen=True, slots=True)
+class Token:
+    """One token; `name`, `type` (`std_msgs::msg::dds_::String_`), `type_hash` and `qos` are an endpoint's."""
+
+    domain_id: int
+    session_id: str
+    node_id: int
+    entity_id: int
+    kind: Kind
+    node_namespace: str
+    node_base_name: str
+    name: str = ""
+    type: str = ""
+    type_hash: str = ""
+    qos: Qos = DEFAULT_QOS
+    enclave: str = ""
+
+    @property
+    def node_name(self) -> str:
+        """The fully qualified name of its node."""
+        return join(self.node_namespace, self.node_base_name)
+
+    def format(self) -> str:
+        """Return the key expression."""
+        parts = [
+            ADMIN_SPACE,
+            str(self.domain_id),
+            self.session_id,
+            str(self.node_id),
+            str(self.entity_id),
+            self.kind.value,
+            mangle(self.enclave) or "%",
+            mangle(self.node_namespace),
+            self.node_base_name,
+        ]
+        if self.kind is not Kind.NODE:
+            parts += [mangle(self.name), self.type, self.type_hash, format_qos(self.qos)]
+        return "/".join(parts)
+
+
+def parse_token(text: str) -> Token | None:
+    """Read a peer's token; None when it is none of ROS 2's."""
+    if len(text) > MAX_TOKEN_CHARACTERS:
+        return None
+    parts = text.split("/")
+    if len(parts) < _NODE_PARTS or parts[0] != ADMIN_SPACE:
+        return None
+    kind = _KINDS.get(parts[5])
+    if kind is None or not all(_is_number(parts[index]) for index in (1, 3, 4)):
+        return None
+    node = (
+        int(parts[1]),
+        parts[2],
+        int(parts[3]),
+        int(parts[4]),
+        kind,
+        demangle(parts[7]) or "/",
+        demangle(parts[8]).removeprefix("/"),
+    )
+    enclave = "" if parts[6] == "%" else demangle(parts[6])
+    if kind is Kind.NODE:
+        return Token(*node, enclave=enclave)
+    if len(parts) < _ENDPOINT_PARTS:
+        return None
+    name = demangle(parts[9])
+    return Token(
+        *node, name if name.startswith("/") else f"/{name}", parts[10], parts[11], parse_qos(parts[12]), enclave
+    )
+
+
+def all_tokens(domain_id: int) -> str:
+    """Return the key expression of every token of a domain."""
+    return f"{ADMIN_SPACE}/{domain_id}/**"
+
+
+def tokens_of(domain_id: int, kind: Kind, name: str) -> str:
+    """Return the key expression of the tokens of one topic's or service's ends."""
+    return f"{ADMIN_SPACE}/{domain_id}/*/*/*/{kind.value}/*/*/*/{mangle(name)}/**"
+
+
+def data_key(domain_id: int, name: str, dds_type: str, type_hash: str) -> str:
+    """Return the key expression of a topic's samples or of a service's queries."""
+    return f"{domain_id}/{name.removeprefix('/')}/{dds_type}/{type_hash}"
+
+
+def mangle(name: str) -> str:
+    """Return the name as one part of a key."""
+    return name.replace("/", "%")
+
+
+def demangle(part: str) -> str:
+    """Return the name of a part of a key."""
+    return part.replace("%", "/")
+
+
+def _is_number(text: str) -> bool:
+    # Short enough that int() takes no time, whatever a peer sends.
+    return len(text) <= 20 and text.isascii() and text.isdecimal()
