@@ -78,7 +78,7 @@ class TestResetAndSilence:
             events = link.receive_data(TIME, now_s + pause_s)
             assert DeviceReset() in events
             assert link.statistics.resets == reset
-            assert REQUEST in link.data_to_send()
+            assert not link.can_send(100)
             now_s, _ = run_to_settled(link, now_s + pause_s, BURST)
             assert link.can_send(100)
 
