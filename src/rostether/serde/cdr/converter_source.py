@@ -64,7 +64,7 @@ _PADS: Final = {
 
 
 def compile_conversion(tree: Record, target: Side, refuse: Callable[[bytes], bytes]) -> Convert:
-    """Return the conversion of one payload to a side; what does not fit, or is no such CDR, goes to `refuse`."""
+    """Return a conversion of one payload to a side; what does not fit, or is other CDR, goes to `refuse`."""
     source = _Source(target)
     cdr = target is Side.ROS2
     body = _Body(source, Place("", 0 if cdr else 4, aligned=not cdr), Place("", 4, aligned=cdr))
@@ -124,7 +124,7 @@ class _Source:
         return name
 
     def converter(self, node: Node) -> str:
-        """Return the name of `convert_n(b, o, c, out) -> (o, c)`: the places behind what it read and wrote."""
+        """Return the name of `convert_n(b, o, c, out) -> (o, c)`, the ends of what it read and wrote."""
         if ("convert", id(node)) in self._named:
             return self._named["convert", id(node)]
         name = self._name("convert", node)
