@@ -1,0 +1,59 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rostether.errors import ConfigError
+from rostether.ros2.environment import Ros2Environment
+
+
+def test_nothing_said_is_domain_0_of_the_default_distribution() -> None:
+    environment = Ros2Environment.read({})
+    assert environment == Ros2Environment()
+    assert (environment.domain_id, environment.distro) == (0, "jazzy")
+
+
+def test_every_variable_is_read(tmp_path: Path) -> None:
+    config = tmp_path / "session.json5"
+    config.write_text("{}")
+    environment = Ros2Environment.read(
+        {
+            "ROS_DOMAIN_ID": " 42 ",
+            "ROS_DISTRO": "kilted",
+            "RMW_IMPLEMENTATION": "rmw_zenoh_cpp",
+            "ROS_AUTOMATIC_DISCOVERY_RANGE": "localhost",
+            "ZENOH_SESSION_CONFIG_URI": str(config),
+            "ZENOH_ROUTER_CONFIG_URI": f"file://{config}",
+            "ZENOH_CONFIG_OVERRIDE": 'mode="client"; connect/endpoints=["tcp/10.0.0.1:7447"];',
+        }
+    )
+    assert environment == Ros2Environment(
+        42,
+        "kilted",
+        "rmw_zenoh_cpp",
+        "LOCALHOST",
+        config,
+        config,
+        (("mode", '"client"'), ("connect/endpoints", '["tcp/10.0.0.1:7447"]')),
+    )
+
+
+@pytest.mark.parametrize(
+    ("variable", "value"),
+    [
+        ("ROS_DOMAIN_ID", "233"),
+        ("ROS_DOMAIN_ID", "-1"),
+        ("ROS_DOMAIN_ID", "one"),
+        ("ROS_AUTOMATIC_DISCOVERY_RANGE", "moon"),
+        ("ZENOH_SESSION_CONFIG_URI", "/nowhere/session.json5"),
+        ("ZENOH_ROUTER_CONFIG_URI", "/nowhere/router.json5"),
+        ("ZENOH_CONFIG_OVERRIDE", "mode"),
+        ("ZENOH_CONFIG_OVERRIDE", "mode="),
+        ("ZENOH_CONFIG_OVERRIDE", "=1"),
+    ],
+)
+def test_what_makes_no_sense_is_refused_by_name(variable: str, value: str) -> None:
+    with pytest.raises(ConfigError, match=variable) as caught:
+        Ros2Environment.read({variable: value})
+    assert "\n" not in str(caught.value)

@@ -1,0 +1,72 @@
+from __future__ import annotations
+
+import asyncio
+import threading
+
+from contract.graphs import until
+from rostether.ros2.zenoh.handover import Handover
+
+
+async def test_items_of_a_thread_arrive_in_order_and_in_batches() -> None:
+    batches: list[list[int]] = []
+    handover: Handover[int] = Handover(batches.append, limit=10_000)
+    thread = threading.Thread(target=lambda: [handover.put(number) for number in range(1000)])
+    thread.start()
+    thread.join()  # The loop does not turn meanwhile, so there is one batch.
+    assert batches == []
+    await until(lambda: batches)
+    assert batches == [list(range(1000))]
+    handover.put(1000)
+    await until(lambda: len(batches) == 2)
+    assert batches[1] == [1000]
+
+
+async def test_the_oldest_go_when_there_is_too_much() -> None:
+    batches: list[list[str]] = []
+    handover: Handover[str] = Handover(batches.append, limit=10)
+    for item in ("a", "b", "c"):
+        handover.put(item, 5)
+    await until(lambda: batches)
+    assert batches == [["b", "c"]]
+    assert handover.dropped_count == 1
+    # The newest stays, even alone too large.
+    handover.put("d", 1)
+    handover.put("e", 11)
+    await until(lambda: len(batches) == 2)
+    assert batches[1] == ["e"]
+
+
+async def test_a_pause_keeps_what_comes() -> None:
+    batches: list[list[int]] = []
+    handover: Handover[int] = Handover(batches.append, limit=3)
+    handover.put(1)
+    handover.pause()
+    for number in (2, 3, 4):
+        handover.put(number)
+    await asyncio.sleep(0)
+    await asyncio.sleep(0)
+    assert batches == []
+    handover.resume()
+    handover.resume()
+    await until(lambda: batches)
+    assert batches == [[2, 3, 4]]
+
+
+async def test_nothing_is_handed_on_after_the_end() -> None:
+    batches: list[list[int]] = []
+    handover: Handover[int] = Handover(batches.append, limit=3)
+    handover.put(1)
+    handover.close()
+    handover.put(2)
+    await asyncio.sleep(0)
+    await asyncio.sleep(0)
+    assert batches == []
+
+
+def test_a_loop_that_has_ended_is_no_error() -> None:
+    async def make() -> Handover[int]:
+        return Handover(lambda _: None, limit=3)
+
+    handover = asyncio.run(make())
+    handover.put(1)
+    handover.put(2)

@@ -1,0 +1,86 @@
+from __future__ import annotations
+
+import pytest
+
+from rostether.ros2.qos import LATCHED_QOS
+from rostether.ros2.zenoh.tokens import (
+    MAX_TOKEN_CHARACTERS,
+    Kind,
+    Token,
+    all_tokens,
+    data_key,
+    parse_token,
+    tokens_of,
+)
+
+SESSION = "aac3178e146ba6f1fc6e6a4085e77f21"
+HASH = "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18"
+NODE = f"@ros2_lv/2/{SESSION}/0/0/NN/%/%robot%arm/listener"
+PUBLISHER = (
+    f"@ros2_lv/2/{SESSION}/0/10/MP/%/%/talker/%chat%raw/std_msgs::msg::dds_::String_/{HASH}/:1:,1:,:,:,,"
+)
+
+
+def test_a_nodes_token() -> None:
+    token = Token(2, SESSION, 0, 0, Kind.NODE, "/robot/arm", "listener")
+    assert token.format() == NODE
+    assert parse_token(NODE) == token
+    assert token.node_name == "/robot/arm/listener"
+
+
+def test_a_publishers_token() -> None:
+    token = Token(
+        2,
+        SESSION,
+        0,
+        10,
+        Kind.PUBLISHER,
+        "/",
+        "talker",
+        "/chat/raw",
+        "std_msgs::msg::dds_::String_",
+        HASH,
+        LATCHED_QOS,
+    )
+    assert token.format() == PUBLISHER
+    assert parse_token(PUBLISHER) == token
+    assert token.node_name == "/talker"
+
+
+def test_what_newer_distributions_append_is_ignored() -> None:
+    assert parse_token(f"{PUBLISHER}/cpp%shm") == parse_token(PUBLISHER)
+
+
+def test_an_enclave_is_kept() -> None:
+    text = NODE.replace("/NN/%/", "/NN/%lab/")
+    token = parse_token(text)
+    assert token is not None
+    assert token.enclave == "/lab"
+    assert token.format() == text
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "@ros2_lv/2",
+        NODE.replace("@ros2_lv", "@other"),
+        NODE.replace("NN", "XX"),
+        NODE.replace("@ros2_lv/2", "@ros2_lv/two"),
+        NODE.replace("@ros2_lv/2", "@ros2_lv/²"),
+        NODE.replace("@ros2_lv/2", "@ros2_lv/" + "9" * 500),
+        NODE.replace("/NN/", "/MP/"),
+        PUBLISHER.rpartition("/")[0],
+        NODE + "x" * MAX_TOKEN_CHARACTERS,
+    ],
+)
+def test_what_is_no_token_is_none(text: str) -> None:
+    assert parse_token(text) is None
+
+
+def test_keys() -> None:
+    assert data_key(7, "/chat/raw", "std_msgs::msg::dds_::String_", HASH) == (
+        f"7/chat/raw/std_msgs::msg::dds_::String_/{HASH}"
+    )
+    assert all_tokens(7) == "@ros2_lv/7/**"
+    assert tokens_of(7, Kind.SERVER, "/a/b") == "@ros2_lv/7/*/*/*/SS/*/*/*/%a%b/**"
