@@ -28,6 +28,7 @@ from rostether.rosserial.events import (
     TopicRole,
     UnknownTopicId,
 )
+from rostether.rosserial.frame import MAX_PAYLOAD_BYTES
 from rostether.rosserial.link_statistics import LinkStatistics
 
 NO_ANSWER_S = 5.0
@@ -91,15 +92,17 @@ class LineWatch:
             self.noise.alive()
         if isinstance(event, TimeRequested):
             self.loop_speed.request(now_s, self._statistics.topic_requests)
+        elif isinstance(event, TopicAnnounced):
+            # Only our library sends without a buffer of its own.
+            self.loop_speed.is_ours |= event.info.buffer_size >= MAX_PAYLOAD_BYTES
+            self._is_listener |= event.role is TopicRole.SUBSCRIBER
         elif isinstance(event, DeviceReset):
             self._resets.happened(now_s)
             self.loop_speed.forget()
         elif isinstance(event, ProtocolDetected):
             self._version = event.version
             self._alive_s = now_s
-        elif isinstance(event, ServiceAnnounced) or (
-            isinstance(event, TopicAnnounced) and event.role is TopicRole.SUBSCRIBER
-        ):
+        elif isinstance(event, ServiceAnnounced):
             self._is_listener = True
         elif isinstance(event, NegotiationSettled):
             self._settled_s = now_s

@@ -1,6 +1,7 @@
 """How late a board's time requests are: as late as its loop() is slow.
 
-A configured board asks for the time when 2.5 s have passed, at its next nh.spinOnce(). A request that
+A configured board asks for the time when 2.5 s have passed (with our library 2.2 s), at its next
+nh.spinOnce(). A request that
 answers a topic request says nothing, unless it comes when the next one has been overdue anyway.
 """
 
@@ -22,6 +23,13 @@ OVERDUE_S = 0.4
 """Later than this is late whatever was asked meanwhile."""
 
 TOLERANCE_S = 0.1
+
+OUR_PERIOD_S = 2.2
+"""Our own library asks a little more often than the established one."""
+
+SURELY_OURS_S = 2.4
+"""Who mostly asks sooner than this is none that waits 2.5 s."""
+
 MAX_LATE_S = 9.0
 """Beyond 11 s a board was away, not slow."""
 
@@ -33,21 +41,23 @@ class LoopSpeed:
     """The time requests of one connection."""
 
     def __init__(self) -> None:
+        self.is_ours = False
+        """Whether the board is known to run our library."""
         self._last_s: float | None = None
         self._asked = 0
-        self._late_s: deque[float] = deque(maxlen=KEPT)
+        self._intervals_s: deque[float] = deque(maxlen=KEPT)
 
     @property
     def late_s(self) -> float | None:
         """How late the requests mostly are; None while not known."""
-        if len(self._late_s) < MIN_COUNT:
+        if len(self._intervals_s) < MIN_COUNT:
             return None
-        return max(0.0, median(self._late_s))
+        return max(0.0, median(self._intervals_s) - self._period_s)
 
     @property
     def is_suspect(self) -> bool:
         """Whether one request was late, and no second one has told whether that is the rule."""
-        return len(self._late_s) == 1 and self._late_s[0] >= SLOW_LISTENER_S
+        return len(self._intervals_s) == 1 and self._intervals_s[0] - self._period_s >= SLOW_LISTENER_S
 
     def request(self, now_s: float, asked: int) -> None:
         """Take a time request; `asked` counts our topic requests, each of which provokes one."""
@@ -56,10 +66,10 @@ class LoopSpeed:
         self._asked = asked
         if last_s is None:
             return
-        late_s = now_s - last_s - REQUEST_PERIOD_S
-        if late_s > MAX_LATE_S or late_s < (OVERDUE_S if was_provoked else -TOLERANCE_S):
-            return
-        self._late_s.append(late_s)
+        interval_s = now_s - last_s
+        least_s = REQUEST_PERIOD_S + OVERDUE_S if was_provoked else OUR_PERIOD_S - TOLERANCE_S
+        if least_s <= interval_s <= REQUEST_PERIOD_S + MAX_LATE_S:
+            self._intervals_s.append(interval_s)
 
     def forget(self) -> None:
         """Note that the board was reset: its next request is not due when it was."""
@@ -73,7 +83,14 @@ class LoopSpeed:
         return warning(
             Code.SLOW_LOOP,
             f"loop() is too slow: the board's time request comes late by {late_s * 1000:.0f} ms "
-            f"(at worst {max(self._late_s) * 1000:.0f} ms)",
+            f"(at worst {(max(self._intervals_s) - self._period_s) * 1000:.0f} ms)",
             "call nh.spinOnce() every few ms: replace delay() by a comparison of millis(), and do long "
             "work in pieces",
         )
+
+    @property
+    def _period_s(self) -> float:
+        is_ours = self.is_ours or (
+            len(self._intervals_s) >= MIN_COUNT and median(self._intervals_s) < SURELY_OURS_S
+        )
+        return OUR_PERIOD_S if is_ours else REQUEST_PERIOD_S

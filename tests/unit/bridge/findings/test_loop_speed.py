@@ -67,3 +67,27 @@ def test_a_single_late_request_is_worth_another_look() -> None:
     assert speed.is_suspect
     speed.request(5.8, 0)
     assert not speed.is_suspect
+
+
+def test_our_own_library_asks_sooner() -> None:
+    speed = LoopSpeed()
+    speed.is_ours = True
+    for number in range(5):
+        speed.request(number * 2.4, 0)
+    assert speed.late_s == pytest.approx(0.2)
+    assert speed.find(is_listener=True) is not None
+
+
+def test_a_library_that_asks_sooner_is_taken_for_ours() -> None:
+    speed = LoopSpeed()
+    for number in range(5):
+        speed.request(number * 2.35, 0)
+    assert speed.late_s == pytest.approx(0.15)
+
+
+def test_jitter_does_not_make_an_established_board_ours() -> None:
+    speed = LoopSpeed()
+    for moment_s in (0.0, 2.5, 5.05, 7.4, 10.0, 12.5):
+        speed.request(moment_s, 0)
+    assert speed.late_s == pytest.approx(0.0, abs=0.06)
+    assert speed.find(is_listener=True) is None
