@@ -23,6 +23,9 @@ behind, and could not be dropped."""
 CLOSE_GRACE_S = 1.0
 """A peer that reads takes what is left within milliseconds; one that does not is not waited for."""
 
+# Nearly all headers are below; larger ones are counted together, so that many cannot fill the memory.
+_LARGE_HEADER_BYTES = 64 << 10
+
 _KEEPALIVE = (("TCP_KEEPIDLE", 60), ("TCP_KEEPINTVL", 10), ("TCP_KEEPCNT", 9))
 """As rospy and roscpp set them: a peer that vanished without a word is noticed after 2.5 minutes."""
 
@@ -38,7 +41,8 @@ class HandshakeProtocol(asyncio.Protocol):
 
     `accept` runs at once, so that no byte of the peer is lost, and leaves writing to its successor's
     `connection_made`. What it raises ends the connection and is `outcome`'s exception; the successor is its
-    result. An incoming connection's peer is told the error first. One that `admit` refuses is ended by it.
+    result. An incoming connection's peer is told the error first. One that `admit` refuses is ended by it; a
+    large header goes on only while `has_room` says so.
     """
 
     def __init__(
@@ -48,8 +52,10 @@ class HandshakeProtocol(asyncio.Protocol):
         request: Mapping[str, str] | None = None,
         admit: Admit | None = None,
         limits: GraphLimits = DEFAULT_GRAPH_LIMITS,
+        has_room: Callable[[], bool] = lambda: True,
     ) -> None:
         self._accept = accept
+        self._has_room = has_room
         self._admit = admit
         self.host = ""
         self._request = request
@@ -84,6 +90,8 @@ class HandshakeProtocol(asyncio.Protocol):
         try:
             fields = self._decoder.feed(data)
             if fields is None:
+                if self.held_bytes > _LARGE_HEADER_BYTES and not self._has_room():
+                    self._fail(RemoteProtocolError("too many large connection headers at once"))
                 return
             successor = self._accept(fields, self._transport)
         except RostetherError as error:
@@ -102,6 +110,11 @@ class HandshakeProtocol(asyncio.Protocol):
         """The peer hung up before its header was complete."""
         self._fail(exc or RemoteProtocolError("the peer hung up before its connection header was complete"))
 
+    @property
+    def held_bytes(self) -> int:
+        """How much of a header it holds."""
+        return self._decoder.held_bytes
+
     def abort(self) -> None:
         """Give up."""
         self._fail(RemoteProtocolError("connection given up"))
@@ -114,6 +127,8 @@ class HandshakeProtocol(asyncio.Protocol):
             self.outcome.exception()
         if self._transport is not None:
             self._transport.close()
+            # Who does not read our refusal is not waited for.
+            asyncio.get_running_loop().call_later(CLOSE_GRACE_S, self._transport.abort)
 
 
 async def connect(host: str, port: int, request: Mapping[str, str], accept: Accept) -> asyncio.Protocol:

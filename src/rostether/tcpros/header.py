@@ -15,6 +15,15 @@ from rostether.errors import RemoteProtocolError
 MAX_HEADER_BYTES = 1 << 20
 """A header is mostly its message_definition: the longest of Debian's message packages have 20 kB."""
 
+MAX_FIELDS = 64
+"""The headers in use have ten fields."""
+
+MAX_KEY_BYTES = 256
+"""The longest in use has 18."""
+
+MAX_VALUE_BYTES = 16 << 10
+"""Names, types and errors; only a message_definition may be longer."""
+
 _LENGTH = struct.Struct("<I")
 
 
@@ -31,23 +40,31 @@ def encode_header(fields: Mapping[str, str]) -> bytes:
 def decode_fields(body: bytes) -> dict[str, str]:
     """Return the fields of a header without its leading length. Raises RemoteProtocolError."""
     fields: dict[str, str] = {}
-    position, end = 0, len(body)
+    position, end, count = 0, len(body), 0
     while position < end:
         if end - position < 4:
             raise RemoteProtocolError("connection header ends inside a field's length")
         (length,) = _LENGTH.unpack_from(body, position)
         position += 4
+        count += 1
+        if count > MAX_FIELDS:
+            raise RemoteProtocolError(f"connection header has more than {MAX_FIELDS} fields")
         if length > end - position:
             raise RemoteProtocolError(
                 f"connection header field claims {length} bytes, only {end - position} are left"
             )
-        key, equals, value = (
-            body[position : position + length].decode("utf-8", "surrogateescape").partition("=")
-        )
-        if not equals:
-            raise RemoteProtocolError(f"connection header field {key[:80]!r} has no '='")
-        fields[key.strip()] = value
-        position += length
+        following = position + length
+        equals = body.find(b"=", position, min(following, position + MAX_KEY_BYTES))
+        if equals < 0:
+            start = body[position : min(following, position + 80)].decode("utf-8", "replace")
+            raise RemoteProtocolError(f"connection header field {start!r} has no '='")
+        key = body[position:equals].decode("utf-8", "surrogateescape").strip()
+        if following - equals > MAX_VALUE_BYTES and key != "message_definition":
+            raise RemoteProtocolError(
+                f"connection header field {key!r} is longer than {MAX_VALUE_BYTES} bytes"
+            )
+        fields[key] = body[equals + 1 : following].decode("utf-8", "surrogateescape")
+        position = following
     return fields
 
 
@@ -58,6 +75,11 @@ class HeaderDecoder:
         self._max_header_bytes = max_header_bytes
         self._buffer = bytearray()
         self.rest = b""
+
+    @property
+    def held_bytes(self) -> int:
+        """How much of a header that is not complete it holds."""
+        return len(self._buffer)
 
     def feed(self, data: bytes) -> dict[str, str] | None:
         """Take a chunk; return the fields once the header is complete.
@@ -76,4 +98,6 @@ class HeaderDecoder:
         if len(self._buffer) < 4 + length:
             return None
         self.rest = bytes(self._buffer[4 + length :])
-        return decode_fields(bytes(self._buffer[4 : 4 + length]))
+        body = bytes(self._buffer[4 : 4 + length])
+        self._buffer.clear()
+        return decode_fields(body)

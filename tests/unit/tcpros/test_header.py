@@ -45,6 +45,9 @@ def test_a_header_without_fields_is_complete() -> None:
         (b"\x09\0\0\0a=b", "claims 9 bytes, only 3"),
         (b"\x03\0\0\0abc", "has no '='"),
         (b"\0\0\0\0", "has no '='"),
+        (b"\x01\0\0\0=" * 65, "more than 64 fields"),
+        (struct.pack("<I", 300) + b"k" * 299 + b"=", "has no '='"),
+        (struct.pack("<I", 16391) + b"topic=" + b"x" * 16385, "field 'topic' is longer than 16384 bytes"),
     ],
 )
 def test_broken_fields_are_refused(body: bytes, reason: str) -> None:

@@ -20,6 +20,9 @@ MAX_HANDSHAKES = 256
 MAX_HANDSHAKES_PER_HOST = 64
 """The same for one address that is not this machine, so that it leaves room for others."""
 
+MAX_HEADERS_BYTES = 8 << 20
+"""What all headers that are being received may take together: a few of the largest at once."""
+
 _BIND_ATTEMPTS = 5
 
 AcceptPeer = Callable[[dict[str, str], asyncio.Transport], asyncio.Protocol]
@@ -86,7 +89,9 @@ class TcprosListener:
             self.port = server.sockets[0].getsockname()[1]
 
     def _take(self) -> HandshakeProtocol:
-        return HandshakeProtocol(self._accept, admit=self._admit, limits=self._limits)
+        return HandshakeProtocol(
+            self._accept, admit=self._admit, limits=self._limits, has_room=self._has_room
+        )
 
     def _admit(self, handshake: HandshakeProtocol, transport: asyncio.Transport) -> bool:
         if not self._admission.admits(transport):
@@ -100,6 +105,9 @@ class TcprosListener:
         self._handshakes[handshake] = None
         handshake.outcome.add_done_callback(lambda outcome: self._done(handshake, outcome))
         return True
+
+    def _has_room(self) -> bool:
+        return sum(each.held_bytes for each in self._handshakes) <= MAX_HEADERS_BYTES
 
     def _accept(self, fields: dict[str, str], transport: asyncio.Transport) -> asyncio.Protocol:
         self._served = {each: host for each, host in self._served.items() if not each.is_closing()}

@@ -156,3 +156,18 @@ async def test_several_addresses_share_one_port() -> None:
     writer.close()
     await writer.wait_closed()
     await listener.close()
+
+
+async def test_many_large_headers_cannot_fill_the_memory(
+    listener: TcprosListener, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tcpros_listener, "MAX_HEADERS_BYTES", 300_000)
+    begun = struct.pack("<I", MAX_HEADER_BYTES) + bytes(200_000)
+    first, second = await RawPeer.connect(listener.port), await RawPeer.connect(listener.port)
+    first.writer.write(begun)
+    await until(lambda: sum(each.held_bytes for each in listener._handshakes) == len(begun))
+    second.writer.write(begun)
+    assert await second.is_hung_up()
+    assert sum(each.held_bytes for each in listener._handshakes) == len(begun), "the first goes on"
+    await first.close()
+    await second.close()
