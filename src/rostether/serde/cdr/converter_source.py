@@ -33,8 +33,6 @@ from rostether.serde.cdr.pair_tree import (
     Slot,
     Text,
     Translation,
-    constant_bytes,
-    least_bytes,
 )
 from rostether.serde.cdr.pieces import Pieces
 from rostether.serde.cdr.place import Place
@@ -129,7 +127,7 @@ class _Source:
             return self._named["convert", id(node)]
         name = self._name("convert", node)
         body = self._function_body()
-        body.convert(node)
+        body.convert_inline(node)
         if body.pieces:
             body.flush()
         lines = [*body.lines, f"return {body.source_place.text()}, {body.target_place.text()}"]
@@ -142,7 +140,7 @@ class _Source:
             return self._named["walk", id(node)]
         name = self._name("walk", node)
         body = self._function_body()
-        body.skip(node)
+        body.skip_inline(node)
         lines = [*body.lines, f"return {body.source_place.text()}"]
         self.functions += [f"def {name}(b, o):", *indented(lines, 4)]
         return name
@@ -185,7 +183,14 @@ class _Body:
         self._from = Side.ROS1 if self._to_cdr else Side.ROS2
 
     def convert(self, node: Node) -> None:
-        """Convert one value."""
+        """Convert one value, by a function of its own if this one has become long."""
+        if node.block is None and len(self.lines) + self._source.lines(node) > _MAX_LINES:
+            self._call_converter(self._source.converter(node))
+        else:
+            self.convert_inline(node)
+
+    def convert_inline(self, node: Node) -> None:
+        """Convert one value here."""
         if node.block is not None:
             self._copy(node.block.size_bytes, node.block.alignment)
         elif isinstance(node, Plain):
@@ -194,15 +199,21 @@ class _Body:
             self._convert_text(node)
         elif isinstance(node, Array):
             self._convert_array(node)
-        elif len(self.lines) + self._source.lines(node) <= _MAX_LINES:
-            self._convert_record(node)
         else:
-            self._call_converter(self._source.converter(node))
+            self._convert_record(node)
 
     def skip(self, node: Node) -> None:
-        """Read over one value."""
+        """Read over one value, by a function of its own if this one has become long."""
+        if isinstance(node, Record) and len(self.lines) + self._source.lines(node) > _MAX_LINES:
+            place = self.source_place
+            place.move(self._line("o", f"{self._source.walker(node)}(b, {place.text()})"))
+        else:
+            self.skip_inline(node)
+
+    def skip_inline(self, node: Node) -> None:
+        """Read over one value here."""
         place = self.source_place
-        size = constant_bytes(node) if self._to_cdr else None
+        size = node.ros1_size_bytes if self._to_cdr else None
         if size is not None:
             place.advance(size)
         elif node.block is not None or isinstance(node, Plain):
@@ -214,11 +225,9 @@ class _Body:
             place.move(self._line("o", f"{place.text()} + {count}"))
         elif isinstance(node, Array):
             self._skip_array(node)
-        elif len(self.lines) + self._source.lines(node) <= _MAX_LINES:
+        else:
             for slot in node.slots(self._from):
                 self.skip(slot.node)
-        else:
-            place.move(self._line("o", f"{self._source.walker(node)}(b, {place.text()})"))
 
     def flush(self) -> None:
         """Put the pieces so far to the output of loops and functions."""
@@ -358,8 +367,8 @@ class _Body:
 
     def _limit(self, element: Node, count: str) -> None:
         """Refuse counts of elements that there are no bytes for."""
-        least = least_bytes(element, self._from)
-        if least_bytes(element, Side.ROS1) == 0:
+        least = element.least_bytes(self._from)
+        if element.least_bytes(Side.ROS1) == 0:
             self.lines.append(f"if {count} > {MAX_EMPTY_ELEMENTS}: raise overrun")
         if least:
             self.lines.append(f"if {count} * {least} > len(b) - ({self.source_place.text()}): raise overrun")
@@ -388,7 +397,7 @@ class _Body:
         count = str(array.length)
         if array.length is None:
             count = self._read_count(None)
-            size = constant_bytes(element) if self._to_cdr else None
+            size = element.ros1_size_bytes if self._to_cdr else None
             if size is not None:
                 place.move(self._line("o", f"{place.text()} + {count} * {size}"))
                 return

@@ -55,6 +55,15 @@ class Plain:
         """The value as a block; None if it is translated."""
         return None if self.translation is not None else Block(self.size_bytes, self.alignment)
 
+    @property
+    def ros1_size_bytes(self) -> int:
+        """The size in ROS 1."""
+        return self.size_bytes
+
+    def least_bytes(self, _side: Side) -> int:
+        """Return the size."""
+        return self.size_bytes
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Text:
@@ -62,6 +71,11 @@ class Text:
 
     bound: int | None = None
     block: None = None
+    ros1_size_bytes: None = None
+
+    def least_bytes(self, _side: Side) -> int:
+        """Return the size of a length, which is all that is sure."""
+        return 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,6 +86,7 @@ class Array:
     length: int | None
     bound: int | None = None
     block: Block | None = field(init=False)
+    ros1_size_bytes: int | None = field(init=False)
 
     def __post_init__(self) -> None:
         element = self.element.block
@@ -79,6 +94,16 @@ class Array:
         if element is not None and self.length:
             block = Block(self.length * element.size_bytes, element.alignment)
         object.__setattr__(self, "block", block)
+        size = self.element.ros1_size_bytes
+        if self.length is None or size is None:
+            size = 0 if self.length == 0 else None
+        else:
+            size *= self.length
+        object.__setattr__(self, "ros1_size_bytes", size)
+
+    def least_bytes(self, side: Side) -> int:
+        """Return how few bytes an array takes on a side, without padding."""
+        return 4 if self.length is None else self.length * self.element.least_bytes(side)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -109,9 +134,24 @@ class Record:
     ros1_slots: tuple[Slot, ...]
     ros2_slots: tuple[Slot, ...]
     block: Block | None = field(init=False)
+    ros1_size_bytes: int | None = field(init=False)
+    """The size in bytes of every ROS 1 value, None where it varies."""
+    _least: tuple[int, int] = field(init=False)
 
     def __post_init__(self) -> None:
+        # Worked out once: a type holding a type twice, which holds one twice ..., has many paths.
         object.__setattr__(self, "block", _record_block(self))
+        sizes = [slot.node.ros1_size_bytes for slot in self.ros1_slots]
+        size = None if None in sizes else sum(size or 0 for size in sizes)
+        object.__setattr__(self, "ros1_size_bytes", size)
+        least = [
+            sum(slot.node.least_bytes(side) for slot in self.slots(side)) for side in (Side.ROS1, Side.ROS2)
+        ]
+        object.__setattr__(self, "_least", tuple(least))
+
+    def least_bytes(self, side: Side) -> int:
+        """Return how few bytes a message takes on a side, without padding."""
+        return self._least[0 if side is Side.ROS1 else 1]
 
     @property
     def is_ordered(self) -> bool:
@@ -125,35 +165,6 @@ class Record:
 
 
 Node: TypeAlias = Plain | Text | Array | Record
-
-
-def least_bytes(node: Node, side: Side) -> int:
-    """Return how few bytes a value takes on a side, without padding."""
-    if isinstance(node, Plain):
-        return node.size_bytes
-    if isinstance(node, Text):
-        return 4
-    if isinstance(node, Array):
-        return 4 if node.length is None else node.length * least_bytes(node.element, side)
-    return sum(least_bytes(slot.node, side) for slot in node.slots(side))
-
-
-def constant_bytes(node: Node) -> int | None:
-    """Return the size in bytes of every ROS 1 value of a node, None where it varies."""
-    if isinstance(node, Plain):
-        return node.size_bytes
-    if isinstance(node, Text):
-        return None
-    if isinstance(node, Array):
-        size = constant_bytes(node.element) if node.length else None
-        return 0 if node.length == 0 else None if size is None else (node.length or 0) * size
-    total = 0
-    for slot in node.ros1_slots:
-        size = constant_bytes(slot.node)
-        if size is None:
-            return None
-        total += size
-    return total
 
 
 def _record_block(record: Record) -> Block | None:

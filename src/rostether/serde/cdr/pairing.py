@@ -24,7 +24,6 @@ from rostether.serde.cdr.pair_tree import (
     Slot,
     Text,
     Translation,
-    least_bytes,
 )
 from rostether.serde.cdr.renamed_types import RENAMED_FIELDS, RENAMED_VALUES
 from rostether.serde.type_tree import MAX_DEPTH, MAX_FIXED_BYTES
@@ -71,8 +70,16 @@ class _Pairing:
     def __init__(self, ros1_name: str, ros2_name: str, lookup: Lookup) -> None:
         self._names = f"{ros1_name} and {ros2_name}"
         self._lookup = lookup
+        self._records: dict[tuple[str, str], Record] = {}
 
     def record(self, ros1: type_tree.Struct, ros2: Ros2Message, path: str) -> Record:
+        """Return two messages as one; `path` is where they stand, to say so."""
+        key = (ros1.name, ros2.full_name)
+        if key not in self._records:
+            self._records[key] = self._paired(ros1, ros2, path)
+        return self._records[key]
+
+    def _paired(self, ros1: type_tree.Struct, ros2: Ros2Message, path: str) -> Record:
         if ros1.name in ("std_msgs/Time", "std_msgs/Duration") and ros2.full_name in _STAMPS.values():
             slot = Slot("data", "sec", Plain(8, 4))
             return Record(ros1.name, (slot,), (slot,))
@@ -162,7 +169,7 @@ class _Pairing:
         else:
             self._refuse(f"only ROS 2 has '{path}', a {ros2.base}, which ROS 1 cannot stand in for")
         node = Array(element, ros2.length, ros2.bound) if ros2.is_array else element
-        if least_bytes(node, Side.ROS2) > MAX_FIXED_BYTES:
+        if node.least_bytes(Side.ROS2) > MAX_FIXED_BYTES:
             self._refuse(f"'{path}' takes more than {MAX_FIXED_BYTES} bytes in ROS 2")
         return node
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from rostether.serde.cdr.pair_tree import Array, Node, Plain, Record, Side, Text, least_bytes
+from rostether.serde.cdr.pair_tree import Array, Node, Plain, Record, Side, Text
 from rostether.serde.type_tree import MAX_EMPTY_ELEMENTS
 
 ENCAPSULATION_BYTES: Final = 4
@@ -50,9 +50,9 @@ class Walk:
         if count is None:
             count = self._count(path)
             self._require_bound(count, array.bound, "elements", path)
-            if count > MAX_EMPTY_ELEMENTS and least_bytes(array.element, Side.ROS1) == 0:
+            if count > MAX_EMPTY_ELEMENTS and array.element.least_bytes(Side.ROS1) == 0:
                 raise Misfit(f"announces {count} elements in field '{path}', over the limit")
-            if count * least_bytes(array.element, self._side) > len(self.payload) - self.at:
+            if count * array.element.least_bytes(self._side) > len(self.payload) - self.at:
                 raise Misfit(f"announces {count} elements in field '{path}', more than there are bytes for")
         for index in range(count):
             self.over(array.element, f"{path}[{index}]")
