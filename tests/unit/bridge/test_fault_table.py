@@ -1,4 +1,4 @@
-"""What a line may do to us, over real TCP: each fault, and how soon messages flow again."""
+"""What a line may do to us, on TCP, pseudo-terminal and serial port: how soon messages flow again."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import asyncio
 import random
 import resource
 import time
+from pathlib import Path
 
 import pytest
 
@@ -14,27 +15,31 @@ from rostether.rosserial.events import MessagesReceived
 from rostether.rosserial.frame import encode_frame
 from rostether.rosserial.packets import TopicInfo
 from unit.bridge.doubles import until
+from unit.bridge.line_boards import COUNT, TIME_REQUEST, Board, Bridge, TcpBoard, gone_missing, line, numbered
 from unit.bridge.nodes import topic_info
-from unit.bridge.tcp_boards import COUNT, TIME_REQUEST, Bridge, TcpBoard, gone_missing, numbered
 from unit.rosserial.host_link_boards import settled_link
 
 GARBAGE = random.Random(4).randbytes(64 * 1024)
-# What must hold within half a second on a quiet machine; a busy one is given more.
-AT_ONCE_S = 2.0
+AT_ONCE_S = 0.5
+# A machine that is busy with other work may miss it now and then, a bridge that is slow misses it each time.
+TRIES = 3
+
+every_line = pytest.mark.parametrize("kind", ["tcp", "pty", "serial"])
 
 
-async def test_64_kib_of_garbage_before_the_first_frame() -> None:
-    async with Bridge() as bridge:
+@every_line
+async def test_64_kib_of_garbage_before_the_first_frame(kind: str, tmp_path: Path) -> None:
+    async with line(kind, tmp_path) as (bridge, board):
         heard = await bridge.listen("/count")
-        board = TcpBoard(bridge.port)
         await board.connect(GARBAGE)
         await board.settle(heard)
         await board.hang_up()
 
 
-async def test_garbage_between_frames_costs_no_frame() -> None:
+@every_line
+async def test_garbage_between_frames_costs_no_frame(kind: str, tmp_path: Path) -> None:
     rng = random.Random(7)
-    async with Bridge() as bridge, TcpBoard(bridge.port) as board:
+    async with line(kind, tmp_path) as (bridge, board), board:
         heard = await bridge.listen("/count")
         await board.settle(heard)
         for number in range(1, 301):
@@ -46,11 +51,12 @@ async def test_garbage_between_frames_costs_no_frame() -> None:
         assert sorted(set(heard)) == list(range(301))
 
 
-async def test_of_damaged_frames_none_is_delivered_and_no_other_is_lost() -> None:
+@every_line
+async def test_of_damaged_frames_none_is_delivered_and_no_other_is_lost(kind: str, tmp_path: Path) -> None:
     rng = random.Random(11)
     total = 5000
     damaged = set(rng.sample(range(1, total), total // 100))
-    async with Bridge() as bridge, TcpBoard(bridge.port) as board:
+    async with line(kind, tmp_path) as (bridge, board), board:
         heard = await bridge.listen("/count")
         await board.settle(heard)
         for number in range(1, total):
@@ -65,26 +71,37 @@ async def test_of_damaged_frames_none_is_delivered_and_no_other_is_lost() -> Non
         assert set(heard) <= set(range(total))
 
 
-async def test_a_disconnect_of_two_seconds() -> None:
-    async with Bridge() as bridge, TcpBoard(bridge.port) as board:
+@every_line
+@pytest.mark.parametrize("speaks_first", [False, True])
+async def test_a_disconnect_of_two_seconds(kind: str, speaks_first: bool, tmp_path: Path) -> None:
+    took_s: list[float] = []
+    async with line(kind, tmp_path) as (bridge, board), board:
         heard = await bridge.listen("/count")
         await board.settle(heard)
-        await board.hang_up()
-        await asyncio.sleep(2.0)
-        await board.connect()
-        board.count_from(1000)
-        began_s = time.monotonic()
-        await until(lambda: any(number >= 1000 for number in heard), "messages after the disconnect")
-        assert time.monotonic() - began_s < AT_ONCE_S
-        since = min(number for number in heard if number >= 1000)
-        await asyncio.sleep(1.0)
-        later = [number for number in heard if number >= since]
-        assert later == list(range(since, since + len(later)))
-        assert len(later) > 20
+        while len(took_s) < TRIES and min(took_s, default=AT_ONCE_S) >= AT_ONCE_S:
+            await board.hang_up()
+            await asyncio.sleep(2.0)
+            requests, first = board.requests, heard[-1] + 1000
+            await board.connect()
+            began_s = time.monotonic()
+            if not speaks_first:
+                await until(lambda: board.requests > requests, "a topic request")  # noqa: B023
+            board.count_from(first)
+            await until(lambda: heard[-1] >= first, "messages after the disconnect")  # noqa: B023
+            took_s.append(time.monotonic() - began_s)
+            since = min(number for number in heard if number >= first)
+            await asyncio.sleep(1.0)
+            later = [number for number in heard if number >= first]
+            assert later == list(range(since, since + len(later)))
+            assert len(later) > 20
+    # A terminal of ours stays when its opener goes: a board there that waits to be asked is found by a probe.
+    waits = kind == "pty" and not speaks_first
+    assert min(took_s) < (2 * AT_ONCE_S if waits else AT_ONCE_S)
 
 
-async def test_a_topic_stays_in_the_graph_over_a_disconnect() -> None:
-    async with Bridge() as bridge, TcpBoard(bridge.port) as board:
+@every_line
+async def test_a_topic_stays_in_the_graph_over_a_disconnect(kind: str, tmp_path: Path) -> None:
+    async with line(kind, tmp_path) as (bridge, board), board:
         heard = await bridge.listen("/count")
         await board.settle(heard)
         publishers = _publishers(bridge)
@@ -109,9 +126,12 @@ async def test_a_topic_stays_in_the_graph_over_a_disconnect() -> None:
         ),
     ],
 )
-async def test_a_topic_that_cannot_be_bridged_disturbs_no_other(bad: tuple[int, TopicInfo]) -> None:
+@every_line
+async def test_a_topic_that_cannot_be_bridged_disturbs_no_other(
+    kind: str, bad: tuple[int, TopicInfo], tmp_path: Path
+) -> None:
     good = (ids.PUBLISHER, topic_info("count", COUNT, topic_id=125, buffer_size=512))
-    async with Bridge() as bridge, TcpBoard(bridge.port, good, bad) as board:
+    async with line(kind, tmp_path, good, bad) as (bridge, board), board:
         heard = await bridge.listen("/count")
         await board.settle(heard)
         asked, used_s = board.requests, _cpu_s()
@@ -124,10 +144,11 @@ async def test_a_topic_that_cannot_be_bridged_disturbs_no_other(bad: tuple[int, 
         assert _cpu_s() - used_s < 1.0
 
 
-async def test_a_truncated_announcement_is_not_asked_for_in_a_loop() -> None:
+@every_line
+async def test_a_truncated_announcement_is_not_asked_for_in_a_loop(kind: str, tmp_path: Path) -> None:
     body = topic_info("bad", COUNT, topic_id=126).encode()
     truncated = encode_frame(ids.PUBLISHER, body[: len(body) // 2])
-    async with Bridge() as bridge, TcpBoard(bridge.port) as board:
+    async with line(kind, tmp_path) as (bridge, board), board:
         heard = await bridge.listen("/count")
         await board.settle(heard)
         asked = board.requests
@@ -154,33 +175,25 @@ def test_twenty_seconds_of_silence() -> None:
 
 @pytest.mark.parametrize("topic_id", [125, 126, 9999])
 @pytest.mark.parametrize("size", [65535, 32767, 500])
-async def test_a_length_that_never_comes(size: int, topic_id: int) -> None:
-    async with Bridge() as bridge, TcpBoard(bridge.port) as board:
+@every_line
+async def test_a_length_that_never_comes(kind: str, size: int, topic_id: int, tmp_path: Path) -> None:
+    async with line(kind, tmp_path) as (bridge, board), board:
         heard = await bridge.listen("/count")
         await board.settle(heard)
-        await board.send(encode_frame(topic_id, bytes(size))[:7])
-        began_s = time.monotonic()
-        board.count_from(1)
-        await until(lambda: len(set(heard)) > 1, "messages behind the header")
-        assert time.monotonic() - began_s < AT_ONCE_S
-        await asyncio.sleep(0.3)
-        assert sorted(set(heard)) == list(range(max(heard) + 1))
+        await _flows_behind(board, encode_frame(topic_id, bytes(size))[:7], heard)
 
 
 @pytest.mark.parametrize("size", [65535, 32767])
-async def test_a_possible_length_that_never_comes_on_a_board_that_streams(size: int) -> None:
+@every_line
+async def test_a_possible_length_that_never_comes_on_a_board_that_streams(
+    kind: str, size: int, tmp_path: Path
+) -> None:
     text = (ids.PUBLISHER, topic_info("text", "std_msgs/String", topic_id=126, buffer_size=65535))
     count = (ids.PUBLISHER, topic_info("count", COUNT, topic_id=125, buffer_size=65535))
-    async with Bridge() as bridge, TcpBoard(bridge.port, text, count) as board:
+    async with line(kind, tmp_path, text, count) as (bridge, board), board:
         heard = await bridge.listen("/count")
         await board.settle(heard)
-        await board.send(encode_frame(126, bytes(size))[:7])
-        board.count_from(1)
-        began_s = time.monotonic()
-        await until(lambda: len(set(heard)) > 1, "messages behind the header")
-        assert time.monotonic() - began_s < AT_ONCE_S
-        await asyncio.sleep(0.3)
-        assert sorted(set(heard)) == list(range(max(heard) + 1))
+        await _flows_behind(board, encode_frame(126, bytes(size))[:7], heard)
 
 
 @pytest.mark.timeout(120)
@@ -211,6 +224,25 @@ async def test_seconds_of_garbage_at_ten_megabytes_a_second(name: str) -> None:
         await asyncio.sleep(0.2)
         assert sorted(set(others)) == list(range(max(others) + 1))
         assert max(others) > 20
+
+
+async def _flows_behind(board: Board, header: bytes, heard: list[int]) -> None:
+    """Send a header, then numbers: the first is heard at once, and none is lost."""
+    took_s: list[float] = []
+    sent = set(heard)
+    while len(took_s) < TRIES and min(took_s, default=AT_ONCE_S) >= AT_ONCE_S:
+        first = max(sent) + 1
+        await board.send(header)
+        began_s = time.monotonic()
+        board.count_from(first)
+        await until(lambda: heard[-1] >= first, "messages behind the header")  # noqa: B023
+        took_s.append(time.monotonic() - began_s)
+        await asyncio.sleep(0.3)
+        await board.fall_silent()
+        sent |= set(range(first, board.number))
+        await until(lambda: heard[-1] == board.number - 1, "the last message")
+    assert min(took_s) < AT_ONCE_S
+    assert set(heard) == sent
 
 
 def _publishers(bridge: Bridge) -> tuple[str, ...]:

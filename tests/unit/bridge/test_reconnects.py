@@ -12,7 +12,7 @@ import pytest
 
 from rostether.bridge.settings import BridgeSettings
 from unit.bridge.doubles import until
-from unit.bridge.tcp_boards import Bridge, TcpBoard, numbered
+from unit.bridge.line_boards import Bridge, TcpBoard, numbered
 
 RECONNECTS = 1000
 # Until then caches fill and the allocator takes what it keeps.
