@@ -8,6 +8,7 @@ from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from dataclasses import replace
 from typing import NamedTuple
 
+from contract.broken_graph import HalfBrokenNetwork
 from contract.capabilities import ROS1, Capabilities
 from contract.owned_parameters import OwnedParametersNetwork
 from rostether.graph.memory_network import MemoryNetwork
@@ -35,6 +36,11 @@ async def _open_memory_with_owned_parameters() -> AsyncIterator[JoinGraph]:
 
 
 @asynccontextmanager
+async def _open_joint() -> AsyncIterator[JoinGraph]:
+    yield HalfBrokenNetwork().join
+
+
+@asynccontextmanager
 async def _open_ros1() -> AsyncIterator[JoinGraph]:
     master = await MasterServer.start(port=0)
     yield functools.partial(join_ros1, master_uri=master.uri, environment=RosEnvironment.read({}))
@@ -46,5 +52,6 @@ IMPLEMENTATIONS: dict[str, Implementation] = {
     "memory-owned-parameters": Implementation(
         replace(ROS1, global_parameters=False, mixed_lists=False), _open_memory_with_owned_parameters
     ),
+    "joint, one graph broken": Implementation(ROS1, _open_joint),
     "ros1": Implementation(ROS1, _open_ros1),
 }

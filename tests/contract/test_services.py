@@ -150,7 +150,7 @@ async def test_a_handlers_error_reaches_the_caller(
     await served(client, "/fail")
     with pytest.raises(ServiceCallError, match="the board did not answer"):
         await client.call_service("/refuse", SET_BOOL, TRUE)
-    assert caplog.text == ""
+    assert "/refuse failed" not in caplog.text
     for _ in range(2):
         with pytest.raises(ServiceCallError, match="a user's mistake"):
             await client.call_service("/fail", SET_BOOL, TRUE)

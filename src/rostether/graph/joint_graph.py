@@ -1,0 +1,264 @@
+"""One node in several graphs at once: a board in ROS 1 and in ROS 2.
+
+It publishes and serves in all of them, hears all of them, and asks them in their order for services and
+parameters. A graph that fails does not disturb the others; one that comes later gets everything there is.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
+from typing import TypeAlias, TypeVar
+
+from rostether.errors import (
+    DefinitionError,
+    GraphError,
+    InvalidNameError,
+    MasterUnreachableError,
+    RostetherError,
+    ServiceUnavailableError,
+    UnknownNameError,
+)
+from rostether.graph.joint_handles import JointPublisher, JointServiceServer, JointSubscriber, JointWatch
+from rostether.graph.joint_snapshot import follow_changes, merge_snapshots
+from rostether.graph.ports import Graph, Level, OnMessages, ParamValue, ServiceHandler, Snapshot
+from rostether.msgdef.interface import MessageType, ServiceType
+from rostether.rostime import Time
+
+_Handle: TypeAlias = JointPublisher | JointSubscriber | JointServiceServer | JointWatch
+HandleT = TypeVar("HandleT", JointPublisher, JointSubscriber, JointServiceServer, JointWatch)
+ResultT = TypeVar("ResultT")
+
+
+class JointGraph:
+    """A `graph.ports.Graph` over others, the most important first; all are closed with it."""
+
+    def __init__(self, graphs: Sequence[Graph]) -> None:
+        self._graphs = list(graphs)
+        self._first = self._graphs[0]
+        self.node_name = self._first.node_name
+        self._handles: list[_Handle] = []
+        self._joined = asyncio.Event()
+        self._closed = asyncio.Event()
+        self._reason = ""
+        self._closing: asyncio.Task[None] | None = None
+        self._watching = {asyncio.ensure_future(self._watch_closed(graph)) for graph in self._graphs}
+        self._background: set[asyncio.Task[None]] = set()
+
+    @property
+    def graphs(self) -> Sequence[Graph]:
+        """The graphs that it is in now."""
+        return tuple(self._graphs)
+
+    def run_until_closed(self, work: Callable[[], Awaitable[None]]) -> None:
+        """Let something run as long as the node is there."""
+        task = asyncio.ensure_future(work())
+        self._background.add(task)
+        task.add_done_callback(self._background.discard)
+
+    async def add(self, graph: Graph, position: int) -> None:
+        """Join one more graph, with everything that is advertised, subscribed, served and watched."""
+        self._graphs.insert(position, graph)
+        self._watching.add(asyncio.ensure_future(self._watch_closed(graph)))
+        self._joined.set()
+        await asyncio.gather(*(handle.parts.add(graph) for handle in self._open_handles()))
+
+    def resolve(self, name: str) -> str:
+        """Return the fully qualified, remapped form of a name. Raises InvalidNameError."""
+        return self._first.resolve(name)
+
+    async def advertise(
+        self, topic: str, message_type: MessageType, *, latch: bool = False, queue_bytes: int | None = None
+    ) -> JointPublisher:
+        """Advertise a topic in all graphs. Raises what they raise, when none takes it."""
+        name = self.resolve(topic)
+        return await self._open(JointPublisher(name, message_type, latch=latch, queue_bytes=queue_bytes))
+
+    async def subscribe(
+        self,
+        topic: str,
+        message_type: MessageType,
+        on_messages: OnMessages,
+        *,
+        on_connection: Callable[[Mapping[str, str]], None] | None = None,
+        tcp_nodelay: bool = True,
+        skip_own: bool = False,
+    ) -> JointSubscriber:
+        """Subscribe in all graphs."""
+        subscriber = JointSubscriber(
+            self.resolve(topic),
+            message_type,
+            on_messages,
+            first=self._first,
+            on_connection=on_connection,
+            tcp_nodelay=tcp_nodelay,
+            skip_own=skip_own,
+        )
+        return await self._open(subscriber)
+
+    async def advertise_service(
+        self, service: str, service_type: ServiceType, handler: ServiceHandler
+    ) -> JointServiceServer:
+        """Offer a service in all graphs."""
+        name = self.resolve(service)
+        if any(
+            isinstance(each, JointServiceServer) and each.service == name for each in self._open_handles()
+        ):
+            raise GraphError(f"this node offers the service {name} already: choose another name")
+        return await self._open(JointServiceServer(name, service_type, handler))
+
+    async def call_service(
+        self, service: str, service_type: ServiceType, request: bytes, *, timeout_s: float | None = None
+    ) -> bytes:
+        """Call a service in the first graph that has it."""
+
+        def call(graph: Graph) -> Awaitable[bytes]:
+            return graph.call_service(service, service_type, request, timeout_s=timeout_s)
+
+        # Unknown types and names that break one graph's rules too: another graph may know them.
+        return await self._first_of(
+            call, ServiceUnavailableError, MasterUnreachableError, DefinitionError, InvalidNameError
+        )
+
+    async def get_param(self, name: str) -> ParamValue:
+        """Return a parameter's value from the first graph that has it. Raises UnknownNameError."""
+        return await self._first_of(lambda graph: graph.get_param(name), RostetherError)
+
+    async def set_param(self, name: str, value: ParamValue) -> None:
+        """Set a parameter in the first graph that has it, else in the first that takes it."""
+        having = [graph for graph in self._graphs if await _answers(graph.has_param(name))]
+
+        async def set_it(graph: Graph) -> None:
+            await graph.set_param(name, value)
+
+        await self._first_of(set_it, RostetherError, graphs=having or self._graphs)
+
+    async def delete_param(self, name: str) -> None:
+        """Delete a parameter in the first graph that has it. Raises UnknownNameError."""
+
+        async def delete(graph: Graph) -> None:
+            await graph.delete_param(name)
+
+        await self._first_of(delete, RostetherError)
+
+    async def has_param(self, name: str) -> bool:
+        """Tell whether a parameter is set in any graph."""
+        return await self._any(lambda graph: graph.has_param(name), bool) or False
+
+    async def search_param(self, name: str) -> str | None:
+        """Find the nearest parameter of that name in the first graph that has one."""
+        return await self._any(lambda graph: graph.search_param(name), lambda found: found is not None)
+
+    async def list_params(self) -> list[str]:
+        """Return the full names of all parameters of all graphs, sorted."""
+        names: set[str] = set()
+        for found in await self._all(lambda graph: graph.list_params()):
+            names.update(found)
+        return sorted(names)
+
+    async def watch_param(self, name: str, on_change: Callable[[ParamValue], None]) -> JointWatch:
+        """Call back with the first graph's value that there is, now and whenever it has changed."""
+        watch = await self._open(JointWatch(self.resolve(name), on_change, lambda: self._graphs))
+        watch.start()
+        return watch
+
+    def log(self, level: Level, text: str) -> None:
+        """Publish a log message on every graph's /rosout."""
+        for graph in self._graphs:
+            graph.log(level, text)
+
+    def now(self) -> Time:
+        """Return the first graph's time."""
+        return self._first.now()
+
+    async def snapshot(self) -> Snapshot:
+        """Return what is in any of the graphs; raises when none of them answers."""
+        return merge_snapshots(await self._all(lambda graph: graph.snapshot()))
+
+    def changes(self) -> AsyncIterator[Snapshot]:
+        """Yield a snapshot now and one after each change in any graph."""
+        return follow_changes(lambda: self._graphs, self._joined, self._closed)
+
+    async def close(self, reason: str = "closed") -> None:
+        """Leave every graph. Idempotent."""
+        if self._closing is None:
+            self._reason = self._reason or reason
+            self._closing = asyncio.ensure_future(self._close())
+        await asyncio.shield(self._closing)
+
+    async def wait_closed(self) -> str:
+        """Wait until the node has left one of the graphs, by `close` or because it was told to."""
+        await self._closed.wait()
+        return self._reason
+
+    async def _open(self, handle: HandleT) -> HandleT:
+        if self._closing is not None:
+            raise GraphError(f"node {self.node_name} has left the graph: join again")
+        # Before it opens: a graph that comes meanwhile must find it.
+        self._handles = [*self._open_handles(), handle]
+        try:
+            await handle.parts.open(tuple(self._graphs))
+        except BaseException:
+            handle.parts.stop()
+            raise
+        return handle
+
+    def _open_handles(self) -> list[_Handle]:
+        return [handle for handle in self._handles if not handle.parts.is_closed]
+
+    async def _first_of(
+        self,
+        ask: Callable[[Graph], Awaitable[ResultT]],
+        *passing: type[RostetherError],
+        graphs: Sequence[Graph] = (),
+    ) -> ResultT:
+        """Return the first graph's answer that is no error that another one may not have."""
+        faults: list[RostetherError] = []
+        for graph in graphs or self._graphs:
+            try:
+                return await ask(graph)
+            except passing as fault:
+                faults.append(fault)
+        # A graph that does not answer is no reason to say less than one that does.
+        answered = (UnknownNameError, ServiceUnavailableError)
+        raise next((fault for fault in faults if isinstance(fault, answered)), faults[0])
+
+    async def _any(
+        self, ask: Callable[[Graph], Awaitable[ResultT]], is_it: Callable[[ResultT], bool]
+    ) -> ResultT | None:
+        return next((found for found in await self._all(ask) if is_it(found)), None)
+
+    async def _all(self, ask: Callable[[Graph], Awaitable[ResultT]]) -> list[ResultT]:
+        """Return the answers of all graphs that give one; raises when none does."""
+        results = await asyncio.gather(*map(ask, self._graphs), return_exceptions=True)
+        answers = [result for result in results if not isinstance(result, BaseException)]
+        faults = [result for result in results if isinstance(result, BaseException)]
+        serious = [fault for fault in faults if not isinstance(fault, RostetherError)]
+        if serious or not answers:
+            raise (serious or faults)[0]
+        return answers
+
+    async def _watch_closed(self, graph: Graph) -> None:
+        reason = await graph.wait_closed()
+        if self._closing is None:
+            self._reason = self._reason or reason
+            self._closed.set()
+
+    async def _close(self) -> None:
+        for task in (*self._watching, *self._background):
+            task.cancel()
+        await asyncio.gather(*self._watching, *self._background, return_exceptions=True)
+        for handle in self._open_handles():
+            handle.parts.stop()
+        results = await asyncio.gather(*(graph.close() for graph in self._graphs), return_exceptions=True)
+        self._closed.set()
+        for result in results:
+            if isinstance(result, BaseException):
+                raise result
+
+
+async def _answers(question: Awaitable[bool]) -> bool:
+    try:
+        return await question
+    except RostetherError:
+        return False

@@ -1,0 +1,190 @@
+"""The handles of a joint graph: each stands for one handle in every graph."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Mapping, Sequence
+
+from rostether.graph.callbacks import call_contained
+from rostether.graph.joint_parts import JointParts
+from rostether.graph.ports import (
+    Graph,
+    OnMessages,
+    ParamValue,
+    Publisher,
+    ServiceHandler,
+    ServiceServer,
+    Subscriber,
+    Watch,
+)
+from rostether.msgdef.interface import MessageType, ServiceType
+
+
+class JointPublisher:
+    """A `graph.ports.Publisher` in several graphs."""
+
+    def __init__(
+        self, topic: str, message_type: MessageType, *, latch: bool, queue_bytes: int | None
+    ) -> None:
+        self.topic = topic
+        self.type = message_type
+        self.parts: JointParts[Publisher] = JointParts(topic, self._open)
+        self._latch = latch
+        self._latched: bytes | None = None
+        self._queue_bytes = queue_bytes
+
+    @property
+    def subscriber_count(self) -> int:
+        """How many subscribers are connected now, in all graphs."""
+        return sum(part.subscriber_count for part in self.parts.by_graph.values())
+
+    @property
+    def dropped_count(self) -> int:
+        """How many messages slow subscribers have lost so far, in all graphs."""
+        return sum(part.dropped_count for part in self.parts.by_graph.values())
+
+    def publish_raw(self, payloads: Sequence[bytes]) -> bool:
+        """Queue the payloads in every graph; False when a subscriber in one of them is behind."""
+        if self._latch and payloads and not self.parts.is_closed:
+            self._latched = payloads[-1]
+        is_open = True
+        for part in self.parts.by_graph.values():
+            is_open = part.publish_raw(payloads) and is_open
+        return is_open
+
+    async def drained(self, timeout_s: float) -> None:
+        """Wait until no subscriber is above its high-water mark in any graph."""
+        await asyncio.gather(*(part.drained(timeout_s) for part in self.parts.by_graph.values()))
+
+    async def close(self) -> None:
+        """Unadvertise everywhere. Idempotent."""
+        await self.parts.close()
+
+    async def _open(self, graph: Graph) -> Publisher:
+        publisher = await graph.advertise(
+            self.topic, self.type, latch=self._latch, queue_bytes=self._queue_bytes
+        )
+        if self._latched is not None:
+            publisher.publish_raw([self._latched])
+        return publisher
+
+
+class JointSubscriber:
+    """A `graph.ports.Subscriber` in several graphs.
+
+    What its own node publishes comes through the first graph only: the node is in all of them.
+    """
+
+    def __init__(
+        self,
+        topic: str,
+        message_type: MessageType,
+        on_messages: OnMessages,
+        *,
+        first: Graph,
+        on_connection: Callable[[Mapping[str, str]], None] | None,
+        tcp_nodelay: bool,
+        skip_own: bool,
+    ) -> None:
+        self.topic = topic
+        self.parts: JointParts[Subscriber] = JointParts(topic, self._open)
+        self._type = message_type
+        self._on_messages = on_messages
+        self._first = first
+        self._on_connection = on_connection
+        self._tcp_nodelay = tcp_nodelay
+        self._skip_own = skip_own
+        self._is_paused = False
+
+    @property
+    def publisher_count(self) -> int:
+        """How many publishers are connected now, in all graphs."""
+        return sum(part.publisher_count for part in self.parts.by_graph.values())
+
+    def pause(self) -> None:
+        """Stop reading in every graph."""
+        self._is_paused = True
+        for part in self.parts.by_graph.values():
+            part.pause()
+
+    def resume(self) -> None:
+        """Read again."""
+        self._is_paused = False
+        for part in self.parts.by_graph.values():
+            part.resume()
+
+    async def close(self) -> None:
+        """Unsubscribe everywhere. Idempotent; no callback runs after it returns."""
+        await self.parts.close()
+
+    async def _open(self, graph: Graph) -> Subscriber:
+        subscriber = await graph.subscribe(
+            self.topic,
+            self._type,
+            self._on_messages,
+            on_connection=self._on_connection,
+            tcp_nodelay=self._tcp_nodelay,
+            skip_own=self._skip_own or graph is not self._first,
+        )
+        if self._is_paused:
+            subscriber.pause()
+        return subscriber
+
+
+class JointServiceServer:
+    """A `graph.ports.ServiceServer` in several graphs."""
+
+    def __init__(self, service: str, service_type: ServiceType, handler: ServiceHandler) -> None:
+        self.service = service
+        self.parts: JointParts[ServiceServer] = JointParts(f"service {service}", self._open)
+        self._type = service_type
+        self._handler = handler
+
+    async def close(self) -> None:
+        """Unadvertise everywhere. Idempotent."""
+        await self.parts.close()
+
+    async def _open(self, graph: Graph) -> ServiceServer:
+        return await graph.advertise_service(self.service, self._type, self._handler)
+
+
+class JointWatch:
+    """A `graph.ports.Watch` in several graphs: tells the value of the first graph that has one."""
+
+    def __init__(
+        self, name: str, on_change: Callable[[ParamValue], None], order: Callable[[], Sequence[Graph]]
+    ) -> None:
+        self.parts: JointParts[Watch] = JointParts(f"parameter {name}", self._open)
+        self._name = name
+        self._on_change = on_change
+        self._order = order
+        self._values: dict[Graph, ParamValue] = {}
+        self._told: list[ParamValue] = []
+
+    def start(self) -> None:
+        """Tell the value now, and changes from now on."""
+        self._told = [self._value()]
+        call_contained(f"on_change of parameter {self._name}", self._on_change, self._told[0])
+
+    async def close(self) -> None:
+        """Stop watching. Idempotent."""
+        await self.parts.close()
+
+    async def _open(self, graph: Graph) -> Watch:
+        def take(value: ParamValue) -> None:
+            self._values[graph] = value
+            self._tell()
+
+        return await graph.watch_param(self._name, take)
+
+    def _tell(self) -> None:
+        value = self._value()
+        if self._told and not self.parts.is_closed:
+            latest = self._told[0]
+            if value != latest or type(value) is not type(latest):
+                self._told = [value]
+                call_contained(f"on_change of parameter {self._name}", self._on_change, value)
+
+    def _value(self) -> ParamValue:
+        values = (self._values.get(graph) for graph in self._order())
+        return next((value for value in values if value is not None), None)

@@ -1,0 +1,145 @@
+"""One thing (a publisher, a subscriber, a service, a watch) opened in each of several graphs.
+
+A graph that refuses it for now (its master does not answer) is asked again; one that refuses it for good (it
+does not know the type) is left out. Neither disturbs the others.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Awaitable, Callable, Coroutine, Sequence
+from functools import partial
+from typing import Generic, Protocol, TypeAlias, TypeVar
+
+from rostether.errors import AccessDeniedError, GraphError, RostetherError, TypeMismatchError
+from rostether.graph.ports import Graph
+
+FIRST_RETRY_S = 0.2
+LAST_RETRY_S = 5.0
+"""A graph that is away comes back within seconds, or much later: then this seldom is soon enough."""
+
+SLOW_GRAPH_S = 1.0
+"""What a graph that hangs may delay the others; it goes on opening meanwhile."""
+
+_log = logging.getLogger("rostether.graph")
+
+
+class _Part(Protocol):
+    async def close(self) -> None: ...
+
+
+PartT = TypeVar("PartT", bound=_Part)
+ResultT = TypeVar("ResultT")
+_Trial: TypeAlias = "asyncio.Task[RostetherError | None]"
+
+
+class JointParts(Generic[PartT]):
+    """The parts that stand now, by graph."""
+
+    def __init__(self, what: str, open_part: Callable[[Graph], Awaitable[PartT]]) -> None:
+        self.by_graph: dict[Graph, PartT] = {}
+        self.is_closed = False
+        self._what = what
+        self._open_part = open_part
+        self._tasks: set[asyncio.Task[None] | _Trial] = set()
+
+    async def open(self, graphs: Sequence[Graph]) -> None:
+        """Open it in every graph, at least in one. Raises what the graphs raise, when none takes it."""
+        trials = {self._run(self._try(graph)): graph for graph in graphs}
+        try:
+            await self._wait(trials)
+        except BaseException:
+            await self.close()
+            raise
+        if not self.by_graph:
+            faults = [fault for trial in trials if (fault := trial.result()) is not None]
+            raise min(faults, key=_rank)
+        for trial, graph in trials.items():
+            trial.add_done_callback(partial(self._note, graph))
+
+    async def add(self, graph: Graph) -> None:
+        """Open it in one more graph."""
+        trial = self._run(self._try(graph))
+        trial.add_done_callback(partial(self._note, graph))
+        await asyncio.wait((trial,))
+
+    async def close(self) -> None:
+        """Close every part. Idempotent. Raises the first error after all have been closed."""
+        self.stop()
+        parts = list(self.by_graph.values())
+        self.by_graph.clear()
+        results = await asyncio.gather(*(part.close() for part in parts), return_exceptions=True)
+        for result in results:
+            if isinstance(result, BaseException):
+                raise result
+
+    def stop(self) -> None:
+        """Open nothing any more; what stands ends with its graph."""
+        self.is_closed = True
+        for task in self._tasks:
+            task.cancel()
+
+    async def _wait(self, trials: dict[_Trial, Graph]) -> None:
+        """Wait for all trials, but not long for one that hangs once there is a part."""
+        pending = set(trials)
+        while pending:
+            done, pending = await asyncio.wait(
+                pending,
+                timeout=SLOW_GRAPH_S if self.by_graph else None,
+                return_when=asyncio.FIRST_COMPLETED,
+            )
+            if not done:
+                return
+
+    async def _try(self, graph: Graph) -> RostetherError | None:
+        try:
+            part = await self._open_part(graph)
+        except RostetherError as error:
+            return error
+        if self.is_closed:
+            await part.close()
+        else:
+            self.by_graph[graph] = part
+        return None
+
+    def _note(self, graph: Graph, trial: _Trial) -> None:
+        if trial.cancelled() or self.is_closed:
+            return
+        fault = trial.result()
+        if fault is not None:
+            self._warn(graph, fault)
+            if _is_passing(fault):
+                self._run(self._keep_trying(graph))
+
+    async def _keep_trying(self, graph: Graph) -> None:
+        delay_s = FIRST_RETRY_S
+        while True:
+            await asyncio.sleep(delay_s)
+            fault = await self._try(graph)
+            if fault is None:
+                return
+            if not _is_passing(fault):
+                self._warn(graph, fault)
+                return
+            delay_s = min(2 * delay_s, LAST_RETRY_S)
+
+    def _warn(self, graph: Graph, fault: RostetherError) -> None:
+        yet = " yet" if _is_passing(fault) else ""
+        _log.warning("%s: %s is not in every graph%s: %s", graph.node_name, self._what, yet, fault)
+
+    def _run(self, work: Coroutine[object, object, ResultT]) -> asyncio.Task[ResultT]:
+        task = asyncio.get_running_loop().create_task(work)
+        tasks: set[asyncio.Task[ResultT]] = self._tasks  # type: ignore[assignment]
+        tasks.add(task)
+        task.add_done_callback(tasks.discard)
+        return task
+
+
+def _rank(fault: RostetherError) -> int:
+    """Tell what to say first: what we did wrong, then what is worth another try."""
+    return 0 if isinstance(fault, TypeMismatchError) else 1 if _is_passing(fault) else 2
+
+
+def _is_passing(fault: RostetherError) -> bool:
+    return isinstance(fault, GraphError) and not isinstance(fault, TypeMismatchError | AccessDeniedError)

@@ -1,0 +1,89 @@
+"""Several graphs seen as one."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Callable, Iterable, Sequence
+
+from rostether.errors import GraphError
+from rostether.graph.ports import Graph, ServiceInfo, Snapshot, TopicInfo
+from rostether.msgdef.interface import ANY_TYPE
+
+
+def merge_snapshots(snapshots: Iterable[Snapshot]) -> Snapshot:
+    """Return what is in any of the snapshots; a topic has the first type that is known."""
+    nodes: set[str] = set()
+    topics: dict[str, TopicInfo] = {}
+    services: dict[str, ServiceInfo] = {}
+    for snapshot in snapshots:
+        nodes.update(snapshot.nodes)
+        for name, topic in snapshot.topics.items():
+            topics[name] = _merge_topics(topics[name], topic) if name in topics else topic
+        for name, service in snapshot.services.items():
+            before = services[name].providers if name in services else ()
+            services[name] = ServiceInfo(name, _merge_names(before, service.providers))
+    return Snapshot(tuple(sorted(nodes)), dict(sorted(topics.items())), dict(sorted(services.items())))
+
+
+async def follow_changes(
+    graphs: Callable[[], Sequence[Graph]], joined: asyncio.Event, closed: asyncio.Event
+) -> AsyncIterator[Snapshot]:
+    """Yield a merged snapshot now and after each change, until all graphs have ended or `closed` is set.
+
+    `joined` is set when there is one more graph.
+    """
+    latest: dict[Graph, Snapshot] = {}
+    news = asyncio.Event()
+    tasks: dict[Graph, asyncio.Task[None]] = {}
+
+    async def follow(graph: Graph) -> None:
+        try:
+            async for snapshot in graph.changes():
+                latest[graph] = snapshot
+                news.set()
+        except GraphError:
+            latest.pop(graph, None)  # What nobody can see is not part of the picture.
+        finally:
+            news.set()
+
+    async def forward(event: asyncio.Event) -> None:
+        while True:
+            await event.wait()
+            news.set()
+            if event is closed:
+                return
+            event.clear()
+
+    watching = [asyncio.ensure_future(forward(event)) for event in (joined, closed)]
+    told: Snapshot | None = None
+    try:
+        while True:
+            for graph in graphs():
+                if graph not in tasks:
+                    tasks[graph] = asyncio.ensure_future(follow(graph))
+            merged = merge_snapshots(latest[graph] for graph in graphs() if graph in latest)
+            if latest and merged != told:
+                told = merged
+                yield merged
+                continue
+            if closed.is_set() or all(task.done() for task in tasks.values()):
+                return
+            await news.wait()
+            news.clear()
+    finally:
+        for task in (*watching, *tasks.values()):
+            task.cancel()
+        await asyncio.gather(*watching, *tasks.values(), return_exceptions=True)
+
+
+def _merge_topics(one: TopicInfo, other: TopicInfo) -> TopicInfo:
+    return TopicInfo(
+        one.name,
+        other.type if one.type == ANY_TYPE else one.type,
+        _merge_names(one.publishers, other.publishers),
+        _merge_names(one.subscribers, other.subscribers),
+    )
+
+
+def _merge_names(one: Iterable[str], other: Iterable[str]) -> tuple[str, ...]:
+    return tuple(sorted({*one, *other}))
