@@ -56,7 +56,10 @@ class JointParts(Generic[PartT]):
             faults = [fault for trial in trials if (fault := trial.result()) is not None]
             raise min(faults, key=_rank)
         for trial, graph in trials.items():
-            trial.add_done_callback(partial(self._note, graph))
+            if trial.done():
+                self._note(graph, trial)
+            else:
+                trial.add_done_callback(partial(self._note, graph))
 
     async def add(self, graph: Graph) -> None:
         """Open it in one more graph."""

@@ -1,0 +1,363 @@
+"""One node in several graphs: what comes from which, and graphs that come late, hang or refuse."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Mapping
+from typing import Any
+
+import pytest
+
+from contract.broken_graph import BrokenGraph
+from contract.graphs import BOOL, SET_BOOL, STRING, TRUE, Inbox, answer, string, until
+from rostether.errors import (
+    GraphError,
+    InvalidNameError,
+    MasterUnreachableError,
+    ServiceCallError,
+    ServiceUnavailableError,
+    UnknownNameError,
+    UnknownTypeError,
+)
+from rostether.graph import joint_parts
+from rostether.graph.joint_graph import JointGraph
+from rostether.graph.joint_join import JointJoin
+from rostether.graph.memory_graph import MemoryGraph
+from rostether.graph.memory_network import MemoryNetwork
+from rostether.graph.ports import Graph, Level, ParamValue, ServiceHandler
+
+
+class World:
+    """Two graphs, a node in both, and a node in each."""
+
+    def __init__(self, networks: list[MemoryNetwork], joint: JointGraph, others: list[MemoryGraph]) -> None:
+        self.networks = networks
+        self.joint = joint
+        self.others = others
+
+
+async def make_world() -> World:
+    networks = [MemoryNetwork(), MemoryNetwork()]
+    joint = await JointJoin([network.join for network in networks])("/board")
+    return World(networks, joint, [await network.join("/other") for network in networks])
+
+
+def answering(text: str) -> ServiceHandler:
+    async def handle(_: bytes) -> bytes:
+        return answer(text)
+
+    return handle
+
+
+async def test_it_publishes_to_all_and_hears_all() -> None:
+    world = await make_world()
+    inboxes, mine = [Inbox(), Inbox()], Inbox()
+    publisher = await world.joint.advertise("chat", STRING)
+    subscriber = await world.joint.subscribe("/back", STRING, mine.take)
+    for other, inbox in zip(world.others, inboxes, strict=True):
+        await other.subscribe("/chat", STRING, inbox.take)
+    talkers = [await other.advertise("/back", STRING) for other in world.others]
+    assert publisher.topic == "/chat"
+    assert publisher.subscriber_count == subscriber.publisher_count == 2
+    publisher.publish_raw([string("hello")])
+    await until(lambda: all(inbox.payloads == [string("hello")] for inbox in inboxes))
+    for number, talker in enumerate(talkers):
+        talker.publish_raw([string(f"from {number}")])
+    await until(lambda: sorted(mine.payloads) == [string("from 0"), string("from 1")])
+    subscriber.pause()
+    talkers[1].publish_raw([string("later")])
+    talkers[0].publish_raw([string("later")])
+    await asyncio.sleep(0.01)
+    assert len(mine.payloads) == 2
+    subscriber.resume()
+    await until(lambda: mine.payloads[2:] == [string("later")] * 2)
+    await publisher.close()
+    await subscriber.close()
+    await publisher.close()
+    assert all(
+        "/chat" not in network.snapshot().topics or not network.snapshot().topics["/chat"].publishers
+        for network in world.networks
+    )
+    await world.joint.close()
+
+
+async def test_its_own_messages_come_once() -> None:
+    world = await make_world()
+    inbox = Inbox()
+    publisher = await world.joint.advertise("/chat", STRING)
+    await world.joint.subscribe("/chat", STRING, inbox.take)
+    skipping = Inbox()
+    await world.joint.subscribe("/chat", STRING, skipping.take, skip_own=True)
+    publisher.publish_raw([string("hello")])
+    await until(lambda: inbox.payloads)
+    await asyncio.sleep(0.01)
+    assert inbox.payloads == [string("hello")]
+    assert skipping.payloads == []
+    await world.joint.close()
+
+
+async def test_a_slow_subscriber_of_either_graph_is_felt() -> None:
+    world = await make_world()
+    publisher = await world.joint.advertise("/chat", STRING)
+    slow = await world.others[1].subscribe("/chat", STRING, Inbox().take)
+    slow.pause()
+    for _ in range(100):
+        is_open = publisher.publish_raw([string("x" * 10000)])
+    assert not is_open
+    await publisher.drained(0.001)
+    assert publisher.publish_raw([string("")])
+    for _ in range(500):
+        publisher.publish_raw([string("x" * 10000)])
+    assert publisher.dropped_count > 0
+    await world.joint.close()
+
+
+async def test_the_first_graph_that_has_a_service_is_called() -> None:
+    world = await make_world()
+    with pytest.raises(ServiceUnavailableError):
+        await world.joint.call_service("/switch", SET_BOOL, TRUE)
+    await world.others[1].advertise_service("/switch", SET_BOOL, answering("second"))
+    assert await world.joint.call_service("/switch", SET_BOOL, TRUE) == answer("second")
+    await world.others[0].advertise_service("/switch", SET_BOOL, answering("first"))
+    assert await world.joint.call_service("/switch", SET_BOOL, TRUE) == answer("first")
+
+    async def refuse(_: bytes) -> bytes:
+        raise GraphError("not today")
+
+    # A failure is an answer: nobody asks again elsewhere.
+    await world.others[0].advertise_service("/refuse", SET_BOOL, refuse)
+    await world.others[1].advertise_service("/refuse", SET_BOOL, answering("second"))
+    with pytest.raises(ServiceCallError, match="not today"):
+        await world.joint.call_service("/refuse", SET_BOOL, TRUE)
+    server = await world.joint.advertise_service("/mine", SET_BOOL, answering("mine"))
+    for other in world.others:
+        assert await other.call_service("/mine", SET_BOOL, TRUE) == answer("mine")
+    await server.close()
+    for other in world.others:
+        with pytest.raises(ServiceUnavailableError):
+            await other.call_service("/mine", SET_BOOL, TRUE)
+    await world.joint.close()
+
+
+async def test_parameters_come_from_the_first_graph_that_has_them() -> None:
+    world = await make_world()
+    first, second = world.others
+    await second.set_param("/rate", 2)
+    seen: list[ParamValue] = []
+    watch = await world.joint.watch_param("/rate", seen.append)
+    assert seen == [2]
+    assert await world.joint.get_param("/rate") == 2
+    assert await world.joint.has_param("/rate")
+    assert await world.joint.search_param("rate") == "/rate"
+    await first.set_param("/rate", 1)
+    assert await world.joint.get_param("/rate") == 1
+    await until(lambda: seen == [2, 1])
+    await second.set_param("/rate", 3)
+    await world.joint.set_param("/new", 7)
+    await second.set_param("/there", 7)
+    await world.joint.set_param("/there", 8)
+    assert await second.get_param("/there") == 8
+    assert (await first.list_params(), await second.list_params()) == (["/new", "/rate"], ["/rate", "/there"])
+    assert await world.joint.list_params() == ["/new", "/rate", "/there"]
+    await world.joint.delete_param("/rate")
+    await until(lambda: seen == [2, 1, 3])
+    await world.joint.delete_param("/rate")
+    await until(lambda: seen == [2, 1, 3, None])
+    with pytest.raises(UnknownNameError):
+        await world.joint.delete_param("/rate")
+    await watch.close()
+    await world.joint.close()
+
+
+async def test_both_graphs_are_seen_as_one() -> None:
+    world = await make_world()
+    changes = world.joint.changes()
+    await anext(changes)
+    await world.others[0].advertise("/chat", STRING)
+    await world.others[1].subscribe("/chat", STRING, Inbox().take)
+    await world.others[1].advertise_service("/switch", SET_BOOL, answering(""))
+    while "/switch" not in (snapshot := await asyncio.wait_for(anext(changes), 5.0)).services:
+        pass
+    assert snapshot == await world.joint.snapshot()
+    assert snapshot.nodes == ("/board", "/other")
+    chat = snapshot.topics["/chat"]
+    assert (chat.type, chat.publishers, chat.subscribers) == ("std_msgs/String", ("/other",), ("/other",))
+    world.joint.log(Level.WARN, "hot")
+    assert [network.logs[-1].text for network in world.networks] == ["hot", "hot"]
+    ended = asyncio.ensure_future(anext(changes, None))
+    await world.joint.close()
+    assert await asyncio.wait_for(ended, 5.0) is None
+    assert all(network.snapshot().nodes == ("/other",) for network in world.networks)
+
+
+async def test_a_graph_that_tells_it_to_leave_is_obeyed() -> None:
+    world = await make_world()
+    closed = asyncio.ensure_future(world.joint.wait_closed())
+    await world.networks[1].join("/board")
+    assert await asyncio.wait_for(closed, 5.0) == "new node registered with same name"
+    await world.joint.close()
+    assert await world.joint.wait_closed() == "new node registered with same name"
+    with pytest.raises(GraphError, match="has left the graph"):
+        await world.joint.advertise("/chat", STRING)
+    assert "/board" not in world.networks[0].snapshot().nodes
+
+
+class Door:
+    """A `JoinGraph` that lets nobody in until it is open."""
+
+    def __init__(self, network: MemoryNetwork) -> None:
+        self._network = network
+        self.is_open = False
+        self.attempts = 0
+
+    async def __call__(
+        self, node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
+    ) -> Graph:
+        self.attempts += 1
+        if not self.is_open:
+            raise MasterUnreachableError("closed door")
+        return await self._network.join(node_name, namespace=namespace, remappings=remappings)
+
+
+@pytest.mark.parametrize("position", [0, 1])
+async def test_a_graph_that_comes_late_gets_everything(
+    position: int, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rostether.graph.joint_join.FIRST_RETRY_S", 0.01)
+    early, late = MemoryNetwork(), MemoryNetwork()
+    door = Door(late)
+    joins: list[Any] = [early.join]
+    joins.insert(position, door)
+    joint = await JointJoin(joins)("/board")
+    assert "closed door" in caplog.text
+    seen: list[ParamValue] = []
+    inbox, mine = Inbox(), Inbox()
+    publisher = await joint.advertise("/map", STRING, latch=True)
+    publisher.publish_raw([string("old"), string("new")])
+    subscriber = await joint.subscribe("/back", STRING, mine.take)
+    gone = await joint.advertise("/gone", STRING)
+    await gone.close()
+    await joint.advertise_service("/switch", SET_BOOL, answering("mine"))
+    await joint.watch_param("/rate", seen.append)
+    subscriber.pause()
+    changes = joint.changes()
+    await anext(changes)
+    other = await late.join("/other")
+    await other.set_param("/rate", 1)
+    back = await other.advertise("/back", STRING, latch=True)
+    back.publish_raw([string("back")])
+    await other.subscribe("/map", STRING, inbox.take)
+    door.is_open = True
+    await until(lambda: inbox.payloads == [string("new")])
+    await until(lambda: seen == [None, 1])
+    assert await other.call_service("/switch", SET_BOOL, TRUE) == answer("mine")
+    assert "/gone" not in late.snapshot().topics
+    while "/other" not in (await asyncio.wait_for(anext(changes), 5.0)).nodes:
+        pass
+    assert mine.payloads == []
+    subscriber.resume()
+    await until(lambda: mine.payloads == [string("back")])
+    await joint.close()
+    assert "/board" not in late.snapshot().nodes
+
+
+async def test_nobody_waits_for_a_late_graph_after_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rostether.graph.joint_join.FIRST_RETRY_S", 0.01)
+    door = Door(MemoryNetwork())
+    joint = await JointJoin([MemoryNetwork().join, door])("/board")
+    await until(lambda: door.attempts > 2)
+    await joint.close()
+    attempts = door.attempts
+    await asyncio.sleep(0.03)
+    assert door.attempts == attempts
+
+
+async def test_no_graph_at_all_is_an_error() -> None:
+    with pytest.raises(MasterUnreachableError, match="closed door"):
+        await JointJoin([Door(MemoryNetwork()), Door(MemoryNetwork())])("/board")
+    network = MemoryNetwork()
+    with pytest.raises(InvalidNameError):
+        await JointJoin([network.join, Door(MemoryNetwork())])("no name")
+    assert network.snapshot().nodes == ()
+
+
+class MoodyGraph(MemoryGraph):
+    """Refuses to publish with `fault`, or hangs."""
+
+    fault: Exception | None = None
+    hangs = False
+    attempts = 0
+
+    async def advertise(self, *args: Any, **kwargs: Any) -> Any:
+        self.attempts += 1
+        if self.fault is not None:
+            raise self.fault
+        if self.hangs:
+            await asyncio.Event().wait()
+        return await super().advertise(*args, **kwargs)
+
+
+async def make_moody() -> tuple[JointGraph, MoodyGraph, MemoryNetwork]:
+    network, moody_network = MemoryNetwork(), MemoryNetwork()
+    moody = MoodyGraph(moody_network, "/board", "/", {})
+    return JointGraph([moody, await network.join("/board")]), moody, moody_network
+
+
+async def test_a_refusal_for_now_is_tried_again(
+    caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(joint_parts, "FIRST_RETRY_S", 0.01)
+    joint, moody, network = await make_moody()
+    moody.fault = MasterUnreachableError("away")
+    publisher = await joint.advertise("/chat", STRING)
+    assert "/board: /chat is not in every graph yet: away" in caplog.text
+    await until(lambda: moody.attempts > 2)
+    moody.fault = None
+    await until(lambda: "/chat" in network.snapshot().topics)
+    moody.fault = MasterUnreachableError("away")
+    other = await joint.advertise("/other", STRING)
+    await until(lambda: moody.attempts > 5)
+    await other.close()
+    attempts = moody.attempts
+    await asyncio.sleep(0.03)
+    assert moody.attempts == attempts
+    await publisher.close()
+    await joint.close()
+
+
+async def test_a_refusal_for_good_is_told_once(
+    caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(joint_parts, "FIRST_RETRY_S", 0.001)
+    joint, moody, _ = await make_moody()
+    moody.fault = MasterUnreachableError("away")
+    await joint.advertise("/chat", STRING)
+    moody.fault = UnknownTypeError("never heard of it")
+    await until(lambda: "never heard of it" in caplog.text)
+    attempts = moody.attempts
+    await joint.advertise("/other", STRING)
+    await asyncio.sleep(0.02)
+    assert moody.attempts == attempts + 1
+    assert "/board: /other is not in every graph: never heard of it" in caplog.text
+    await joint.close()
+
+
+async def test_a_graph_that_hangs_holds_nobody_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(joint_parts, "SLOW_GRAPH_S", 0.01)
+    joint, moody, _ = await make_moody()
+    moody.hangs = True
+    publisher = await asyncio.wait_for(joint.advertise("/chat", STRING), 5.0)
+    assert len(publisher.parts.by_graph) == 1
+    await asyncio.wait_for(publisher.close(), 5.0)
+    await asyncio.wait_for(joint.close(), 5.0)
+
+
+async def test_what_all_refuse_is_refused() -> None:
+    joint = JointGraph([BrokenGraph("/board"), BrokenGraph("/board")])
+    with pytest.raises(MasterUnreachableError):
+        await joint.advertise("/chat", BOOL)
+    with pytest.raises(MasterUnreachableError):
+        await joint.snapshot()
+    with pytest.raises(MasterUnreachableError):
+        await joint.get_param("/rate")
+    await joint.close()
