@@ -319,6 +319,6 @@ def _parse_endpoint(text: str, place: str) -> tuple[str, int]:
         raise ConfigError(
             f"{port_text!r} in link address {text!r} is no port; write HOST:PORT with a number up to 65535"
         )
-    if "/" in host or any(character.isspace() for character in host):
+    if any(character in "/[]" or character.isspace() for character in host):
         raise ConfigError(f"host {host!r} in link address {text!r} is no host name; write HOST:PORT")
     return host or LOOPBACK, int(port_text)
