@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import importlib.util
 import os
 import shutil
 from collections.abc import Callable
@@ -19,6 +20,11 @@ def missing_program(program: str, package: str) -> str:
     return "" if shutil.which(program) else f"no {program} (apt install {package})"
 
 
+def missing_module(module: str, package: str) -> str:
+    """Return why a Python module cannot be imported here, or an empty string."""
+    return "" if importlib.util.find_spec(module) else f'no module {module} (pip install "{package}")'
+
+
 PEERS: dict[str, Callable[[], str]] = {
     "ros1": functools.cache(missing_ros1),
     "roscpp": functools.cache(missing_roscpp),
@@ -26,6 +32,7 @@ PEERS: dict[str, Callable[[], str]] = {
     **{name: functools.partial(functools.cache(missing_compiler), name) for name in COMPILERS},
     "qemu": functools.partial(missing_program, "qemu-system-arm", "qemu-system-arm"),
     "wine": functools.partial(missing_program, "wine", "wine"),
+    "rclpy": functools.partial(missing_module, "rclpy", "rostether[rclpy]"),
 }
 
 

@@ -48,7 +48,7 @@ class CdrWriter:
             self._number("uint32", len(raw))
             self._out += raw
         elif type_.base in CODES:
-            self._number(type_.base, value or 0)
+            self._number(type_.base, 0 if value is None else value)
         elif isinstance(value, (Time, Duration)):
             seconds, nanoseconds = value
             self._number("int32", _wrapped(seconds))
