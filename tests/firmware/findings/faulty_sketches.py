@@ -159,23 +159,6 @@ void loop() {
 }
 """
 
-# Each level takes 80 bytes and more: the stack comes down on the variables, and the board starts over or worse.
-RECURSES_TOO_DEEP = (
-    _NODE
-    + """
-int dig(int depth) {
-  volatile char line[80];
-  for (uint8_t i = 0; i < sizeof line; i++) line[i] = 0x80 | (depth + i);
-  return depth ? dig(depth - 1) + line[depth & 63] : line[0];
-}
-void setup() { begin(); }
-void loop() {
-  talk();
-  if (millis() > 1500) digitalWrite(13, dig(analogRead(0) + 30) & 1);
-}
-"""
-)
-
 NAMES_A_TOPIC_WITH_A_SPACE = (
     _NODE.replace('"chatter"', '"my chatter"')
     + """
@@ -245,7 +228,7 @@ void loop() {
 WRITES_TOO_FEW_BYTES = _BY_HAND.replace("SIZE", "3")
 WRITES_TOO_MANY_BYTES = _BY_HAND.replace("SIZE", "12")
 
-# Its header says 64 bytes, and its messages have 100: made by hand, without the library.
+# It announces 64 bytes, and its messages have 100: made by hand, without the library.
 SENDS_MORE_THAN_IT_ANNOUNCED = """
 void frame(uint16_t id, const uint8_t* data, uint16_t size) {
   uint8_t sum = (id & 0xff) + (id >> 8);
@@ -284,11 +267,10 @@ void setup() { Serial.begin(57600); }
 void loop() {
   static unsigned long asked, sent;
   while (Serial.available()) {
-    // The last byte of a request for topics.
-    static uint8_t before;
-    uint8_t now = Serial.read();
-    if (before == 0 && now == 0xff) announce();
-    before = now;
+    // The end of a request for topics.
+    static uint32_t last;
+    last = last << 8 | Serial.read();
+    if (last == 0xff0000ff) announce();
   }
   if (millis() - asked >= 2500 || !asked) {
     asked = millis() | 1;

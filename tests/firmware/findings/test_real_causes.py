@@ -1,0 +1,144 @@
+"""Findings by what brings them about in the field: real firmware with that fault, or a board that meets it.
+
+Each test examines several boards at once, so that together they take a few watches' time. What the tests of
+the command do at pseudo-terminals (permission, a port in use, no such port) is not here.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+
+from firmware.findings import faulty_sketches as sketches
+from firmware.findings.examining import Case, examine_all
+from rostether.boards.simavr.simulated_board import SimulatedBoard
+from rostether.bridge.doctor import Diagnosis
+from rostether.bridge.findings.finding import Code, Finding
+
+ARM = "my_robot/msg/Arm.msg"
+
+
+def codes(diagnoses: dict[str, Diagnosis]) -> dict[str, list[Code]]:
+    return {name: [each.code for each in diagnosis.findings] for name, diagnosis in diagnoses.items()}
+
+
+def only(diagnosis: Diagnosis) -> Finding:
+    (finding,) = diagnosis.findings
+    return finding
+
+
+async def switch_off(board: SimulatedBoard) -> None:
+    await board.power(False)
+
+
+async def sag(board: SimulatedBoard) -> None:
+    """A motor starts again and again, and the supply breaks down each time."""
+    while True:
+        await asyncio.sleep(2.0)
+        await board.power(False)
+        await asyncio.sleep(0.2)
+        await board.power(True)
+
+
+async def unplug(board: SimulatedBoard) -> None:
+    await asyncio.sleep(2.0)
+    await board.close()
+
+
+async def test_boards_that_do_not_speak_rosserial(tmp_path: Path) -> None:
+    found = await examine_all(
+        {
+            "well": Case(sketches.WELL),
+            "mute": Case(sketches.STAYS_MUTE),
+            "off": Case(sketches.WELL, happening=switch_off),
+            "prints": Case(sketches.PRINTS),
+            "noise": Case(sketches.SENDS_NOISE),
+            "unplugged": Case(sketches.WELL, happening=unplug),
+        },
+        tmp_path,
+    )
+    assert codes(found) == {
+        "well": [],
+        "mute": [Code.NOTHING_RECEIVED],
+        "off": [Code.NOTHING_RECEIVED],
+        "prints": [Code.TEXT_RECEIVED],
+        "noise": [Code.NOISE_RECEIVED],
+        "unplugged": [Code.CONNECTION_LOST],
+    }
+    assert "'Temperature: " in only(found["prints"]).seen
+
+
+async def test_sketches_with_another_baud_rate(tmp_path: Path) -> None:
+    bauds = {"slow": 9600, "fast": 115200, "fastest": 1000000}
+    cases = {
+        name: Case(sketches.SPEAKS_115200.replace("115200", str(baud)), baud=baud)
+        for name, baud in bauds.items()
+    }
+    found = await examine_all(cases, tmp_path)
+    assert codes(found) == {name: [Code.WRONG_BAUD] for name in bauds}
+    for name, baud in bauds.items():
+        finding = only(found[name])
+        assert f"does not speak at 57600 baud, but at {baud}" in finding.seen
+        assert f"?baud={baud}" in finding.next_step
+        assert found[name].board is not None
+
+
+async def test_sketches_with_faults(tmp_path: Path) -> None:
+    old, new = "float32 angle\nfloat32 speed\n", "float32 angle\nfloat32 speed\nfloat32 torque\n"
+    found = await examine_all(
+        {
+            "text": Case(sketches.PRINTS_BESIDE_THE_NODE),
+            "overrun": Case(sketches.OVERRUNS_AN_ARRAY),
+            "space": Case(sketches.NAMES_A_TOPIC_WITH_A_SPACE),
+            "small": Case(sketches.HAS_A_SMALL_INPUT_BUFFER),
+            "few": Case(sketches.WRITES_TOO_FEW_BYTES),
+            "many": Case(sketches.WRITES_TOO_MANY_BYTES),
+            "more": Case(sketches.SENDS_MORE_THAN_IT_ANNOUNCED),
+            "stale": Case(sketches.ARM, sent_as={ARM: old}, known={ARM: new}),
+            "unknown": Case(sketches.ARM, sent_as={ARM: new}),
+        },
+        tmp_path,
+    )
+    assert codes(found) == {
+        "text": [Code.TEXT_BETWEEN_FRAMES],
+        "overrun": [Code.RAM_OVERFLOW],
+        "space": [Code.NOT_BRIDGED],
+        "small": [Code.BUFFER_TOO_SMALL],
+        "few": [Code.MESSAGES_MISFIT],
+        "many": [Code.MESSAGES_TOO_LONG],
+        "more": [Code.MESSAGES_TOO_LONG],
+        "stale": [Code.STALE_HEADERS],
+        "unknown": [Code.UNKNOWN_TYPE],
+    }
+    assert "'distance " in only(found["text"]).seen
+    assert "mean'" in only(found["overrun"]).seen
+    assert "my chatter [std_msgs/String]" in only(found["space"]).seen
+    assert only(found["small"]).subject == "goal"
+    assert "100 bytes, and the board announced a buffer of 64" in only(found["more"]).seen
+    assert "arm are stale" in only(found["stale"]).seen
+    assert "its definition lacks 'float32 torque'" in only(found["stale"]).seen
+    assert "no package 'my_robot'" in only(found["unknown"]).seen
+
+
+async def test_boards_that_work_badly(tmp_path: Path) -> None:
+    found = await examine_all(
+        {
+            "waits": Case(sketches.WAITS_IN_ITS_LOOP, watch_s=8.0),
+            "hangs": Case(sketches.HANGS_AFTER_SECONDS, watch_s=10.0),
+            "bitten": Case(sketches.IS_BITTEN_BY_ITS_WATCHDOG, watch_s=8.0),
+            "sags": Case(sketches.WELL, happening=sag, watch_s=8.0),
+            "drifts": Case(sketches.STOPS_ITS_CLOCK_FOR_A_LED_STRIP, watch_s=14.0),
+            "damaged": Case(sketches.WELL, words=["fault from:flip=0.004,seed=3"], watch_s=10.0),
+        },
+        tmp_path,
+    )
+    assert codes(found) == {
+        "waits": [Code.SLOW_LOOP],
+        "hangs": [Code.BOARD_SILENT],
+        "bitten": [Code.RESET_LOOP],
+        "sags": [Code.RESET_LOOP],
+        "drifts": [Code.CLOCK_DRIFT],
+        "damaged": [Code.FRAMES_DAMAGED],
+    }
+    assert "too slow" in only(found["drifts"]).seen
+    assert " % of the frames come damaged" in only(found["damaged"]).seen
