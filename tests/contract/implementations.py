@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from contract.broken_graph import HalfBrokenNetwork
-from contract.capabilities import ROS1, Capabilities
+from contract.capabilities import ROS1, ROS2, Capabilities
 from contract.owned_parameters import OwnedParametersNetwork
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import JoinGraph
@@ -47,6 +47,22 @@ async def _open_ros1() -> AsyncIterator[JoinGraph]:
     await master.close()
 
 
+@asynccontextmanager
+async def _open_zenoh() -> AsyncIterator[JoinGraph]:
+    from contract.zenoh_graphs import open_one_session
+
+    async with open_one_session() as join:
+        yield join
+
+
+@asynccontextmanager
+async def _open_zenoh_across() -> AsyncIterator[JoinGraph]:
+    from contract.zenoh_graphs import open_sessions
+
+    async with open_sessions() as join:
+        yield join
+
+
 IMPLEMENTATIONS: dict[str, Implementation] = {
     "memory": Implementation(ROS1, _open_memory),
     "memory-owned-parameters": Implementation(
@@ -54,4 +70,6 @@ IMPLEMENTATIONS: dict[str, Implementation] = {
     ),
     "joint, one graph broken": Implementation(ROS1, _open_joint),
     "ros1": Implementation(ROS1, _open_ros1),
+    "zenoh": Implementation(ROS2, _open_zenoh),
+    "zenoh-across": Implementation(ROS2, _open_zenoh_across),
 }

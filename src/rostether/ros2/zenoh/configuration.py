@@ -20,6 +20,7 @@ from rostether.ros2.environment import Ros2Environment
 
 ROUTER_PORT = 7447
 ROUTER_ENDPOINT = f"tcp/localhost:{ROUTER_PORT}"
+_ALL_ADDRESSES = ("/0.0.0.0:", "/[::]:")
 PROBE_TIMEOUT_S = 1.0
 """A router on this machine accepts within a millisecond; one on a machine that swaps, within this."""
 
@@ -137,10 +138,17 @@ def _add(configuration: zenoh.Config, path: str, endpoints: Sequence[str]) -> No
     known = json.loads(configuration.get_json(path))
     if not isinstance(known, list):
         raise ConfigError(f"the zenoh configuration has {path} for each mode: write the endpoints into it")
+    wide = {_port(each) for each in endpoints if any(host in each for host in _ALL_ADDRESSES)}
+    # Loopback is one of all addresses: both cannot be listened on.
+    kept = [each for each in known if not ("localhost" in each and _port(each) in wide)]
     try:
-        configuration.insert_json5(path, json.dumps([*known, *endpoints]))
+        configuration.insert_json5(path, json.dumps([*kept, *endpoints]))
     except Exception as error:
         raise ConfigError(f"zenoh takes no {path} {', '.join(endpoints)}: {one_line(error)}") from error
+
+
+def _port(endpoint: str) -> str:
+    return endpoint.rpartition(":")[2]
 
 
 def one_line(error: BaseException) -> str:

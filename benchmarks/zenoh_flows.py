@@ -1,0 +1,121 @@
+"""The bridge into ROS 2 over zenoh: floods to a subscriber in another process, and round trips."""
+
+from __future__ import annotations
+
+import socket
+import struct
+import subprocess
+import threading
+import time
+from contextlib import ExitStack, contextmanager
+from collections.abc import Iterator
+
+import zenoh
+
+from benchmarks.flood_device import PUBLISHER_ID, SUBSCRIBER_ID, announcement, answer_requests, connect
+from benchmarks.processes import Bench, cpu_s, first_line, output, say
+from benchmarks.round_trip import FRAME_BYTES, PAYLOAD, RoundTrips
+from benchmarks.throughput import Flood
+from benchmarks.zenoh_listener import open_session, wait_for
+from interop.ros1_peers import free_port
+from rostether.rosserial.frame import encode_frame
+from rostether.ros2.zenoh.attachment import Attachment
+
+TYPE = "std_msgs/String"
+LOST_S = 2.0
+
+
+class ZenohBench(Bench):
+    """The processes of one measurement, without a ROS 1 master."""
+
+    def __enter__(self) -> ZenohBench:
+        return self
+
+
+@contextmanager
+def _bridged(bench: ZenohBench, name: str) -> Iterator[tuple[subprocess.Popen[str], int, int]]:
+    device_port, zenoh_port = free_port(), free_port()
+    bridge = bench.module("zenoh_bridge", str(device_port), str(zenoh_port), name)
+    if first_line(bridge) != ["serving"]:
+        raise RuntimeError("the bridge did not start")
+    yield bridge, device_port, zenoh_port
+
+
+def device_to_ros2(type_name: str, count: int) -> Flood:
+    """A TCP device floods, a zenoh subscriber of another process counts."""
+    with ZenohBench() as bench, _bridged(bench, "flood_board") as (bridge, device_port, zenoh_port):
+        device = bench.module("flood_device", str(device_port), "send", type_name, str(count))
+        listener = bench.module("zenoh_listener", str(zenoh_port), "flood", str(count))
+        first_line(listener)
+        before = cpu_s(bridge.pid)
+        say(device)
+        words = output(listener)
+        return Flood(count, int(words[0]), float(words[1]), cpu_s(bridge.pid) - before)
+
+
+class _Peers:
+    """The three ends in this process: who publishes `in`, the device that echoes, who subscribes to `out`."""
+
+    def __init__(self, stack: ExitStack, device_port: int, zenoh_port: int) -> None:
+        self._announcements = announcement(SUBSCRIBER_ID, 1, "in", TYPE)
+        self._announcements += announcement(PUBLISHER_ID, 0, "out", TYPE)
+        self.device = stack.enter_context(connect(device_port))
+        self.device.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self.device.settimeout(LOST_S)
+        threading.Thread(target=self._echo, daemon=True).start()
+        session = stack.enter_context(open_session(str(zenoh_port)))
+        self._came = threading.Event()
+        self._publisher = session.declare_publisher(wait_for(session, "MS", "in"))
+        session.declare_subscriber(
+            wait_for(session, "MP", "out"),
+            zenoh.handlers.Callback(lambda _: self._came.set(), indirect=False),
+        )
+        self._sequence = 0
+        time.sleep(1.0)
+
+    def round_trip_s(self) -> float | None:
+        """Send one message around; None when it is lost."""
+        self._came.clear()
+        self._sequence += 1
+        attachment = Attachment(self._sequence, time.time_ns(), bytes(16)).encode()
+        started = time.perf_counter()
+        self._publisher.put(_CDR, attachment=attachment)
+        return time.perf_counter() - started if self._came.wait(LOST_S) else None
+
+    def _echo(self) -> None:
+        while True:
+            try:
+                received = self.device.recv(65536)
+            except TimeoutError:
+                continue
+            except OSError:
+                return
+            if not received:
+                return
+            answer_requests(self.device, self._announcements, received)
+            at = received.find(_FRAME_START)
+            if at >= 0 and len(received) >= at + FRAME_BYTES:
+                self.device.sendall(encode_frame(PUBLISHER_ID, received[at + 7 : at + 7 + len(PAYLOAD)]))
+
+
+_FRAME_START = encode_frame(SUBSCRIBER_ID, PAYLOAD)[:7]
+# The same String in CDR: its length counts the NUL at its end.
+_CDR = b"\0\1\0\0" + struct.pack("<I", len(PAYLOAD) - 3) + b"x" * (len(PAYLOAD) - 4) + b"\0"
+
+
+def round_trips(rate_hz: float, count: int) -> RoundTrips:
+    """Send `count` 64-byte messages at `rate_hz` and time each one's way to the device and back."""
+    with (
+        ZenohBench() as bench,
+        _bridged(bench, "echo_board") as (_, device_port, zenoh_port),
+        ExitStack() as stack,
+    ):
+        peers = _Peers(stack, device_port, zenoh_port)
+        times: list[float] = []
+        started = time.perf_counter()
+        for index in range(count):
+            taken_s = peers.round_trip_s()
+            if taken_s is not None:
+                times.append(taken_s)
+            time.sleep(max(0.0, started + (index + 1) / rate_hz - time.perf_counter()))
+        return RoundTrips(count, tuple(sorted(times)))

@@ -1,0 +1,65 @@
+"""Graphs over zenoh on a port of their own: nodes of one session, and nodes that have a session each."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import AsyncIterator, Mapping
+from contextlib import AsyncExitStack, asynccontextmanager
+
+from interop.ros1_peers import free_port
+from rostether.graph.ports import Graph, JoinGraph
+from rostether.msgdef.registry import Registry
+from rostether.msgdef.ros2.definitions import Ros2Definitions
+from rostether.ros2.environment import Ros2Environment
+from rostether.ros2.type_support import Ros2Types
+from rostether.ros2.zenoh.configuration import Reach, RouterChoice
+from rostether.ros2.zenoh.session import ZenohSession
+
+
+@functools.cache
+def ros2_types() -> Ros2Types:
+    """Return the types that we bring, compiled once for all tests."""
+    return Ros2Types(Registry(), Ros2Definitions())
+
+
+async def open_session(
+    port: int, *, is_router: bool, domain_id: int = 0, types: Ros2Types | None = None
+) -> ZenohSession:
+    """Open a session that meets others at a port of loopback, and nowhere else."""
+    endpoint = f'["tcp/127.0.0.1:{port}"]'
+    if is_router:
+        overrides = (("listen/endpoints", endpoint),)
+    else:
+        overrides = (("listen/endpoints", '["tcp/127.0.0.1:0"]'), ("connect/endpoints", endpoint))
+    choice = RouterChoice.ALWAYS if is_router else RouterChoice.NEVER
+    environment = Ros2Environment(domain_id=domain_id, zenoh_overrides=overrides)
+    return await ZenohSession.open(environment, types or ros2_types(), reach=Reach(choice))
+
+
+@asynccontextmanager
+async def open_one_session() -> AsyncIterator[JoinGraph]:
+    """Join nodes of one session, as a bridge's."""
+    session = await open_session(free_port(), is_router=True)
+    try:
+        yield session.join
+    finally:
+        await session.close()
+
+
+@asynccontextmanager
+async def open_sessions() -> AsyncIterator[JoinGraph]:
+    """Join nodes that have a session each: the first is the router of the others."""
+    port = free_port()
+    async with AsyncExitStack() as stack:
+        is_first = True
+
+        async def join(
+            node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
+        ) -> Graph:
+            nonlocal is_first
+            session = await open_session(port, is_router=is_first)
+            is_first = False
+            stack.push_async_callback(session.close)
+            return await session.join(node_name, namespace=namespace, remappings=remappings)
+
+        yield join

@@ -1,0 +1,201 @@
+"""Our nodes over zenoh beside zenoh-ros2-sdk, another implementation of rmw_zenoh's conventions."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+import pytest
+import pytest_asyncio
+
+from contract.graphs import Inbox, string, until
+from contract.zenoh_graphs import open_session
+from interop.ros1_peers import free_port
+from interop.zenoh_peers import SdkPeer, missing_sdk, sdk_peer
+from rostether.errors import ServiceCallError, ServiceTimeoutError
+from rostether.graph.ports import Graph
+from rostether.msgdef.interface import ANY_MESSAGE
+from rostether.msgdef.registry import Registry
+from rostether.ros2.zenoh.session import ZenohSession
+from rostether.serde.store import TypeStore
+
+pytestmark = pytest.mark.skipif(bool(missing_sdk()), reason=missing_sdk())
+
+DOMAIN = 7
+REGISTRY = Registry()
+STORE = TypeStore(REGISTRY)
+STRING = REGISTRY.message_type("std_msgs/String")
+RANGE = REGISTRY.message_type("sensor_msgs/Range")
+SET_BOOL = REGISTRY.service_type("std_srvs/SetBool")
+STRING_TEXT = "string data\n"
+RANGE_TEXT = """std_msgs/Header header
+uint8 radiation_type
+float32 field_of_view
+float32 min_range
+float32 max_range
+float32 range
+float32 variance
+================================================================================
+MSG: std_msgs/Header
+builtin_interfaces/Time stamp
+string frame_id
+================================================================================
+MSG: builtin_interfaces/Time
+int32 sec
+uint32 nanosec
+"""
+
+
+@pytest_asyncio.fixture
+async def session() -> AsyncIterator[ZenohSession]:
+    """Our session, the router of a port of its own."""
+    session = await open_session(free_port(), is_router=True, domain_id=DOMAIN)
+    yield session
+    await session.close()
+
+
+@pytest_asyncio.fixture
+async def node(session: ZenohSession) -> Graph:
+    """Our node."""
+    return await session.join("board", namespace="/lab")
+
+
+@pytest_asyncio.fixture
+async def peer(session: ZenohSession, tmp_path: Path) -> AsyncIterator[SdkPeer]:
+    """The other side, which knows our session as its router."""
+    (endpoint,) = (value for path, value in session.environment.zenoh_overrides if path == "listen/endpoints")
+    port = int(endpoint.rpartition(":")[2].strip('"]'))
+    async with sdk_peer(port, tmp_path, DOMAIN) as peer:
+        yield peer
+
+
+async def test_publisher_to_sdk_subscriber(node: Graph, peer: SdkPeer) -> None:
+    publisher = await node.advertise("/chat", STRING)
+    await peer.do("subscribe", "/chat", msg_type="std_msgs/msg/String", msg_definition=STRING_TEXT)
+    await until(lambda: publisher.subscriber_count == 1)
+    texts = [f"message {number} ä" for number in range(500)]
+    publisher.publish_raw([string(text) for text in texts])
+    await until(lambda: len(peer.got) == 500)
+    assert [fields["data"] for fields in peer.got] == texts
+
+
+async def test_sdk_publisher_to_subscriber(node: Graph, peer: SdkPeer) -> None:
+    inbox = Inbox()
+    await node.subscribe("/chat", STRING, inbox.take, on_connection=inbox.take_header)
+    await peer.do(
+        "advertise", "/chat", msg_type="std_msgs/msg/String", msg_definition=STRING_TEXT, node_name="talker"
+    )
+    await until(lambda: inbox.headers)
+    assert inbox.headers[0]["callerid"] == "/talker"
+    texts = [f"message {number} ä" for number in range(500)]
+    await peer.do("publish", "/chat", messages=[{"data": text} for text in texts])
+    await until(lambda: len(inbox.payloads) == 500)
+    assert inbox.payloads == [string(text) for text in texts]
+
+
+async def test_a_stamped_message_both_ways(node: Graph, session: ZenohSession, peer: SdkPeer) -> None:
+    # The other side takes our word for the hash: its own needs definitions from the net.
+    kind = {
+        "msg_type": "sensor_msgs/msg/Range",
+        "msg_definition": RANGE_TEXT,
+        "type_hash": session.types.message(RANGE).type_hash,
+    }
+    codec = STORE.codec("sensor_msgs/Range")
+    there, back = await node.advertise("/there", RANGE), Inbox()
+    await node.subscribe("/back", ANY_MESSAGE, back.take)
+    await peer.do("subscribe", "/there", **kind)
+    await peer.do("advertise", "/back", **kind)
+    await until(lambda: there.subscriber_count == 1)
+    header = {"stamp": {"sec": 12, "nanosec": 34}, "frame_id": "sonar"}
+    fields = {
+        "radiation_type": 1,
+        "field_of_view": 0.5,
+        "min_range": 0.25,
+        "max_range": 4.0,
+        "range": 1.5,
+    }
+    ros1 = codec.encode(
+        {**fields, "header": {"seq": 9, "stamp": {"secs": 12, "nsecs": 34}, "frame_id": "sonar"}}
+    )
+    there.publish_raw([ros1])
+    await until(lambda: peer.got)
+    got = peer.got[0]
+    assert {name: got[name] for name in fields} == fields
+    assert got["header"] == header
+    await peer.do("publish", "/back", messages=[{**fields, "variance": 0.0, "header": header}])
+    await until(lambda: back.payloads)
+    # The same but for seq, which ROS 2 does not have.
+    assert back.payloads[0] == bytes(4) + ros1[4:]
+
+
+async def test_latched_topic_to_sdk_subscriber(node: Graph, peer: SdkPeer) -> None:
+    publisher = await node.advertise("/map", STRING, latch=True)
+    publisher.publish_raw([string("old"), string("new")])
+    await peer.do(
+        "subscribe",
+        "/map",
+        msg_type="std_msgs/msg/String",
+        msg_definition=STRING_TEXT,
+        qos=":1:,1:,:,:,,",
+    )
+    await until(lambda: peer.got)
+    publisher.publish_raw([string("newer")])
+    await until(lambda: len(peer.got) == 2)
+    assert [fields["data"] for fields in peer.got] == ["new", "newer"]
+
+
+async def test_service_called_by_sdk(node: Graph, peer: SdkPeer) -> None:
+    async def answer(request: bytes) -> bytes:
+        return request + string("is it")
+
+    await node.advertise_service("/switch", SET_BOOL, answer)
+    halves = {"request_definition": "bool data", "response_definition": "bool success\nstring message"}
+    for data in (True, False):
+        answered = await peer.do(
+            "call", "/switch", srv_type="std_srvs/srv/SetBool", request={"data": data}, **halves
+        )
+        assert {key: answered["response"][key] for key in ("success", "message")} == {
+            "success": data,
+            "message": "is it",
+        }
+
+
+async def test_service_of_sdk_called(node: Graph, peer: SdkPeer) -> None:
+    halves = {"request_definition": "bool data", "response_definition": "bool success\nstring message"}
+    await peer.do("serve", "/switch", srv_type="std_srvs/srv/SetBool", answer="you said ", **halves)
+    response = await node.call_service("/switch", SET_BOOL, b"\x01", timeout_s=10.0)
+    assert response == b"\x01" + string("you said True")
+    assert await node.call_service("/switch", SET_BOOL, b"\x00") == b"\x00" + string("you said False")
+    await peer.do("close", "srv /switch")
+    with pytest.raises((ServiceCallError, ServiceTimeoutError)):
+        await node.call_service("/switch", SET_BOOL, b"\x01", timeout_s=2.0)
+
+
+async def test_each_sees_the_others_graph(node: Graph, session: ZenohSession, peer: SdkPeer) -> None:
+    await node.advertise("/ours", STRING)
+    await node.subscribe("/back", STRING, Inbox().take)
+    await peer.do(
+        "advertise",
+        "/theirs",
+        msg_type="std_msgs/msg/String",
+        msg_definition=STRING_TEXT,
+        node_name="talker",
+        namespace="/far",
+    )
+    topics = (await peer.do("topics"))["topics"]
+    assert topics["/ours"] == topics["/theirs"] == ["std_msgs/msg/String"]
+    assert topics["/rosout"] == ["rcl_interfaces/msg/Log"]
+    info = (await peer.do("topic", "/ours"))["info"]
+    (publisher,) = info["publishers"]
+    assert (publisher["node_namespace"].strip("/"), publisher["node_name"].strip("/")) == ("lab", "board")
+    assert publisher["type_hash"] == session.types.message(STRING).type_hash
+    snapshot = await node.snapshot()
+    assert {"/lab/board", "/far/talker"} <= set(snapshot.nodes)
+    assert snapshot.topics["/theirs"].publishers == ("/far/talker",)
+    assert snapshot.topics["/theirs"].type == "std_msgs/msg/String"
+    await peer.close()
+    changes = node.changes()
+    async for snapshot in changes:
+        if "/far/talker" not in snapshot.nodes:
+            break
+    await changes.aclose()  # type: ignore[attr-defined]

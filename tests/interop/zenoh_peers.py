@@ -1,0 +1,86 @@
+"""zenoh-ros2-sdk as the other side, a process of its own."""
+
+from __future__ import annotations
+
+import asyncio
+import importlib.util
+import json
+import sys
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any
+
+PEER = Path(__file__).parent / "peers" / "zenoh_sdk_peer.py"
+
+
+def missing_sdk() -> str:
+    """Return why zenoh-ros2-sdk cannot be used here, or an empty string."""
+    return "" if importlib.util.find_spec("zenoh_ros2_sdk") else "zenoh-ros2-sdk is not installed (pip)"
+
+
+class SdkPeer:
+    """The other side; `got` collects what its subscribers print."""
+
+    def __init__(self, process: asyncio.subprocess.Process) -> None:
+        self.got: list[dict[str, Any]] = []
+        self._process = process
+        self._answers: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
+        self._reading = asyncio.ensure_future(self._read())
+
+    async def do(self, what: str, name: str = "", timeout_s: float = 20.0, **order: Any) -> dict[str, Any]:
+        """Give an order, and wait until it is done."""
+        assert self._process.stdin is not None
+        line = json.dumps({"do": what, "name": name, **order})
+        self._process.stdin.write(line.encode() + b"\n")
+        return await self.answer(what, timeout_s)
+
+    async def answer(self, what: str, timeout_s: float = 20.0) -> dict[str, Any]:
+        """Wait for the answer to an order."""
+        async with asyncio.timeout(timeout_s):
+            answer = await self._answers.get()
+        assert answer.get("done") == what, answer
+        assert "error" not in answer, answer
+        return answer
+
+    async def close(self) -> None:
+        """End the process."""
+        if self._process.returncode is None:
+            self._process.kill()
+        await self._process.wait()
+        await self._reading
+        assert self._process.stdin is not None
+        self._process.stdin.close()
+
+    async def _read(self) -> None:
+        assert self._process.stdout is not None
+        async for line in self._process.stdout:
+            if not line.startswith(b"{"):
+                continue
+            fields = json.loads(line)
+            if "got" in fields:
+                self.got.append(fields["fields"])
+            else:
+                self._answers.put_nowait(fields)
+
+
+@asynccontextmanager
+async def sdk_peer(port: int, home: Path, domain_id: int = 0) -> AsyncIterator[SdkPeer]:
+    """Start the other side as a peer of the router at `port`."""
+    process = await asyncio.create_subprocess_exec(
+        sys.executable,
+        str(PEER),
+        str(port),
+        str(domain_id),
+        stdin=asyncio.subprocess.PIPE,
+        stdout=asyncio.subprocess.PIPE,
+        stderr=asyncio.subprocess.DEVNULL,
+        env={"PATH": "/usr/bin:/bin", "HOME": str(home), "XDG_CACHE_HOME": str(home)},
+        limit=1 << 24,
+    )
+    peer = SdkPeer(process)
+    try:
+        await peer.answer("start")
+        yield peer
+    finally:
+        await peer.close()

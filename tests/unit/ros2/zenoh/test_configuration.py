@@ -1,0 +1,97 @@
+from __future__ import annotations
+
+import asyncio
+import json
+from pathlib import Path
+
+import pytest
+import zenoh
+
+from rostether.errors import ConfigError
+from rostether.ros2.environment import Ros2Environment
+from rostether.ros2.zenoh.configuration import (
+    Reach,
+    is_router_there,
+    names_its_own_place,
+    peer_configuration,
+    router_configuration,
+)
+
+
+def endpoints(configuration: zenoh.Config, path: str) -> list[str]:
+    found = json.loads(configuration.get_json(path))
+    assert isinstance(found, list)
+    return found
+
+
+def test_a_peer_listens_on_loopback_and_knows_the_router() -> None:
+    configuration = peer_configuration(Ros2Environment(), Reach())
+    assert configuration.get_json("mode") == '"peer"'
+    assert endpoints(configuration, "listen/endpoints") == ["tcp/localhost:0"]
+    assert endpoints(configuration, "connect/endpoints") == ["tcp/localhost:7447"]
+    assert configuration.get_json("scouting/multicast/enabled") == "false"
+
+
+def test_a_router_listens_on_loopback_only() -> None:
+    configuration = router_configuration(Ros2Environment(), Reach())
+    assert configuration.get_json("mode") == '"router"'
+    assert endpoints(configuration, "listen/endpoints") == ["tcp/localhost:7447"]
+
+
+def test_endpoints_are_added() -> None:
+    reach = Reach(connect=("tcp/10.0.0.1:7447",), listen=("tcp/10.0.0.2:7447",))
+    configuration = router_configuration(Ros2Environment(), reach)
+    assert endpoints(configuration, "listen/endpoints") == ["tcp/localhost:7447", "tcp/10.0.0.2:7447"]
+    assert endpoints(configuration, "connect/endpoints") == ["tcp/10.0.0.1:7447"]
+
+
+@pytest.mark.parametrize("everywhere", ["tcp/0.0.0.0:7447", "tcp/[::]:7447"])
+def test_all_addresses_take_loopbacks_place(everywhere: str) -> None:
+    configuration = router_configuration(Ros2Environment(), Reach(listen=(everywhere,)))
+    assert endpoints(configuration, "listen/endpoints") == [everywhere]
+
+
+def test_overrides_have_the_last_word() -> None:
+    environment = Ros2Environment(zenoh_overrides=(("mode", '"client"'), ("connect/endpoints", "[]")))
+    configuration = peer_configuration(environment, Reach())
+    assert configuration.get_json("mode") == '"client"'
+    assert endpoints(configuration, "connect/endpoints") == []
+
+
+def test_a_file_stands_for_everything(tmp_path: Path) -> None:
+    path = tmp_path / "zenoh.json5"
+    path.write_text('{mode: "client", connect: {endpoints: ["tcp/10.0.0.9:7447"]}}')
+    environment = Ros2Environment(zenoh_session_config=path, zenoh_router_config=path)
+    for configuration in (peer_configuration(environment, Reach()), router_configuration(environment, Reach())):
+        assert configuration.get_json("mode") == '"client"'
+        assert endpoints(configuration, "connect/endpoints") == ["tcp/10.0.0.9:7447"]
+
+
+def test_what_zenoh_does_not_take_is_refused_in_one_line(tmp_path: Path) -> None:
+    path = tmp_path / "zenoh.json5"
+    path.write_text("{mode: ")
+    with pytest.raises(ConfigError, match=r"zenoh\.json5 is not a zenoh configuration") as caught:
+        peer_configuration(Ros2Environment(zenoh_session_config=path), Reach())
+    assert "\n" not in str(caught.value)
+    with pytest.raises(ConfigError, match="ZENOH_CONFIG_OVERRIDE: zenoh takes no nonsense=1"):
+        peer_configuration(Ros2Environment(zenoh_overrides=(("nonsense", "1"),)), Reach())
+    with pytest.raises(ConfigError, match="zenoh takes no connect/endpoints nowhere"):
+        peer_configuration(Ros2Environment(), Reach(connect=("nowhere",)))
+
+
+def test_a_users_own_place_is_known() -> None:
+    assert not names_its_own_place(Ros2Environment())
+    assert not names_its_own_place(Ros2Environment(zenoh_overrides=(("scouting/delay", "1"),)))
+    assert names_its_own_place(Ros2Environment(zenoh_overrides=(("connect/endpoints", "[]"),)))
+    assert names_its_own_place(Ros2Environment(zenoh_overrides=(("mode", '"peer"'),)))
+    assert names_its_own_place(Ros2Environment(zenoh_session_config=Path("x")))
+
+
+async def test_a_router_is_looked_for() -> None:
+    server = await asyncio.start_server(lambda _, writer: writer.close(), "127.0.0.1", 0)
+    port = server.sockets[0].getsockname()[1]
+    assert await is_router_there(f"tcp/127.0.0.1:{port}")
+    server.close()
+    await server.wait_closed()
+    assert not await is_router_there(f"tcp/127.0.0.1:{port}")
+    assert await is_router_there("unixsock-stream//tmp/somewhere")
