@@ -27,7 +27,7 @@ class RclpyContext:
     ) -> None:
         self._context = context
         self._thread = thread
-        self._types = types
+        self.types = types
         self._arguments = arguments
         self._graphs: set[RclpyGraph] = set()
         self._is_closed = False
@@ -56,7 +56,7 @@ class RclpyContext:
                 full_name,
                 context=self._context,
                 thread=self._thread,
-                types=self._types,
+                types=self.types,
                 arguments=self._arguments,
             )
         )

@@ -95,11 +95,6 @@ class Publication:
 
     def _explain_mismatch(self, event: Any) -> None:
         policy = name_policy(event)
-        subscribers = [
-            f"{each.node_namespace.rstrip('/')}/{each.node_name}"
-            for each in self._own.node.get_subscriptions_info_by_topic(self.topic)
-            if policy != "durability" or each.qos_profile.durability.name == "TRANSIENT_LOCAL"
-        ]
         advice = (
             "it asks for messages from before it came, and this publisher keeps none: subscribe volatile"
             if policy == "durability"
@@ -107,8 +102,7 @@ class Publication:
         )
         self._own.report_from_thread(
             Level.WARN,
-            f"a subscriber of {self.topic} ({', '.join(subscribers) or 'of an unknown node'}) gets nothing: "
-            f"{advice}",
+            f"a subscriber gets nothing of {self.topic}: {advice} (ros2 topic info --verbose {self.topic})",
         )
 
 

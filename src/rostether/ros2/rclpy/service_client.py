@@ -15,9 +15,8 @@ from rostether.ros2.rclpy.installation import load_rclpy, service_class
 from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.type_support import ServiceSupport
 
-DISCOVERY_S = 1.0
-"""How long a service may take to be found after this node has come: participants tell each other within
-100 ms on one network, and again after lost packets."""
+DISCOVERY_S = 3.5
+"""How long a service may take to be found: DDS tells of it at once, and where that is lost again after 3 s."""
 
 LOOK_INTERVAL_S = 0.01
 """How often to look for a server that is being discovered."""

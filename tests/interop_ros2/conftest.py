@@ -1,0 +1,57 @@
+"""Fixtures of the interoperability tests with ROS 2."""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import AsyncIterator, Iterator, Mapping
+
+import pytest
+import pytest_asyncio
+
+from interop_ros2.rclpy_peer import RclpyPeer, rclpy_peer
+from ros2_domains import own_domain
+from rostether.graph.ports import Graph, JoinGraph
+from rostether.msgdef.registry import Registry
+from rostether.msgdef.ros2.definitions import Ros2Definitions
+from rostether.ros2.rclpy.context import RclpyContext
+from rostether.ros2.type_support import Ros2Types
+from rostether.serde.store import TypeStore
+
+
+@pytest.fixture(scope="session")
+def store() -> TypeStore:
+    """The codecs of our types."""
+    return TypeStore(Registry())
+
+
+@pytest.fixture(scope="module")
+def peer() -> Iterator[RclpyPeer]:
+    """Another process with rclpy, one for all tests of a file: names tell the tests apart."""
+    if importlib.util.find_spec("rclpy") is None:
+        pytest.skip('rclpy is not installed (pip install "rostether[rclpy]")')
+    with rclpy_peer() as peer:
+        yield peer
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def context(store: TypeStore) -> AsyncIterator[RclpyContext]:
+    """Our side, one for all tests of a file: two processes take a second to find each other."""
+    context = await RclpyContext.open(Ros2Types(store.registry, Ros2Definitions()), domain_id=own_domain())
+    yield context
+    await context.close()
+
+
+@pytest_asyncio.fixture(loop_scope="module")
+async def join(context: RclpyContext) -> AsyncIterator[JoinGraph]:
+    """Join as a node that leaves at the end of the test."""
+    graphs = []
+
+    async def join(
+        node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
+    ) -> Graph:
+        graphs.append(await context.join(node_name, namespace=namespace, remappings=remappings))
+        return graphs[-1]
+
+    yield join
+    for graph in graphs:
+        await graph.close()

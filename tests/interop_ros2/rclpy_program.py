@@ -1,0 +1,203 @@
+"""A ROS 2 node of somebody else: plain rclpy, nothing of ours. It does what JSON lines on its input say.
+
+Each line is `{"verb": NAME, ...}` and is answered by one line, `{"answer": ...}` or `{"error": ...}`.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import sys
+import threading
+import time
+from typing import Any
+
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.parameter_client import AsyncParameterClient
+from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
+
+PATIENCE_S = 10.0
+QUALITIES = {
+    "default": QoSProfile(depth=100),
+    "sensor": qos_profile_sensor_data,
+    "latched": QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL),
+    "rosout": QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL),
+}
+
+
+def find(name: str) -> Any:
+    package, kind, short = name.split("/")
+    return getattr(importlib.import_module(f"{package}.{kind}"), short)
+
+
+def fill(message: Any, values: dict[str, Any]) -> Any:
+    """Set the fields of a message from plain values."""
+    for name, value in values.items():
+        kind = message.get_fields_and_field_types()[name]
+        present = getattr(message, name)
+        if isinstance(value, dict):
+            fill(present, value)
+        elif isinstance(value, list) and value and isinstance(value[0], dict):
+            item = kind.split("[")[0].removeprefix("sequence<").removesuffix(">")
+            package, short = item.split("/")
+            setattr(message, name, [fill(find(f"{package}/msg/{short}")(), each) for each in value])
+        elif kind == "sequence<octet>" or kind.startswith("octet["):
+            setattr(message, name, [bytes([each]) for each in value])
+        elif kind == "octet":
+            setattr(message, name, bytes([value]))
+        else:
+            setattr(message, name, value)
+    return message
+
+
+def plain(value: Any) -> Any:
+    """Return a message, or part of one, as JSON has it."""
+    if hasattr(value, "get_fields_and_field_types"):
+        return {name: plain(getattr(value, name)) for name in value.get_fields_and_field_types()}
+    if isinstance(value, bytes):
+        return value[0] if len(value) == 1 else list(value)
+    if isinstance(value, bool | int | float | str):
+        return value
+    return [plain(each.item() if hasattr(each, "item") else each) for each in value]
+
+
+def wait_for(condition: Any, what: str) -> None:
+    deadline_s = time.monotonic() + PATIENCE_S
+    while not condition():
+        if time.monotonic() > deadline_s:
+            raise TimeoutError(what)
+        time.sleep(0.005)
+
+
+class Peer:
+    def __init__(self, name: str) -> None:
+        self.context = Context()
+        self.context.init(args=[])
+        self.node = Node(name, context=self.context, namespace="/far", allow_undeclared_parameters=True)
+        self.executor = SingleThreadedExecutor(context=self.context)
+        self.executor.add_node(self.node)
+        self.publishers: dict[str, Any] = {}
+        self.received: dict[str, list[Any]] = {}
+        self.requests: dict[str, list[Any]] = {}
+        threading.Thread(target=self.spin, daemon=True).start()
+
+    def spin(self) -> None:
+        while self.context.ok():
+            self.executor.spin_once()
+
+    def advertise(self, topic: str, type: str, quality: str = "default") -> None:  # noqa: A002
+        self.publishers[topic] = self.node.create_publisher(find(type), topic, QUALITIES[quality])
+
+    def publish(self, topic: str, messages: list[dict[str, Any]], subscribers: int = 1) -> None:
+        publisher = self.publishers[topic]
+        wait_for(lambda: publisher.get_subscription_count() >= subscribers, f"nobody subscribes to {topic}")
+        for values in messages:
+            publisher.publish(fill(publisher.msg_type(), values))
+
+    def unadvertise(self, topic: str) -> None:
+        self.node.destroy_publisher(self.publishers.pop(topic))
+
+    def subscribe(self, topic: str, type: str, quality: str = "default") -> None:  # noqa: A002
+        messages = self.received.setdefault(topic, [])
+        self.node.create_subscription(find(type), topic, messages.append, QUALITIES[quality])
+
+    def receive(self, topic: str, count: int) -> Any:
+        messages = self.received[topic]
+        wait_for(lambda: len(messages) >= count, f"{len(messages)} of {count} messages came on {topic}")
+        return [plain(message) for message in messages]
+
+    def serve(self, service: str, type: str, response: dict[str, Any]) -> None:  # noqa: A002
+        requests = self.requests.setdefault(service, [])
+
+        def answer(request: Any, empty: Any) -> Any:
+            requests.append(plain(request))
+            return fill(empty, response)
+
+        self.node.create_service(find(type), service, answer)
+
+    def served(self, service: str) -> Any:
+        return self.requests[service]
+
+    def call(
+        self,
+        service: str,
+        type: str,  # noqa: A002
+        request: dict[str, Any],
+        timeout_s: float = PATIENCE_S,
+    ) -> Any:
+        client = self.node.create_client(find(type), service)
+        try:
+            if not client.wait_for_service(PATIENCE_S):
+                raise TimeoutError(f"nobody offers {service}")
+            future = client.call_async(fill(client.srv_type.Request(), request))
+            deadline_s = time.monotonic() + timeout_s
+            while not future.done():
+                if time.monotonic() > deadline_s:
+                    return None
+                time.sleep(0.001)
+            return plain(future.result())
+        finally:
+            self.node.destroy_client(client)
+
+    def set_own_parameter(self, name: str, value: Any) -> None:
+        self.node.set_parameters([Parameter(name, value=value)])
+
+    def get_own_parameter(self, name: str) -> Any:
+        return self.node.get_parameter(name).value
+
+    def parameters(self, node: str, method: str, arguments: list[Any]) -> Any:
+        client = AsyncParameterClient(self.node, node)
+        if not client.wait_for_services(PATIENCE_S):
+            raise TimeoutError(f"{node} does not offer its parameters")
+        if method == "set_parameters":
+            arguments = [Parameter(name, value=value) for name, value in arguments]
+        future = getattr(client, method)(arguments)
+        wait_for(future.done, f"{node} does not answer")
+        return plain(future.result())
+
+    def nodes(self) -> Any:
+        return self.node.get_node_names_and_namespaces()
+
+    def endpoints(self, topic: str) -> Any:
+        return [
+            {
+                "node": each.node_name,
+                "namespace": each.node_namespace,
+                "type": each.topic_type,
+                "hash": str(each.topic_type_hash),
+                "kind": each.endpoint_type.name,
+                "reliability": each.qos_profile.reliability.name,
+                "durability": each.qos_profile.durability.name,
+            }
+            for each in (
+                *self.node.get_publishers_info_by_topic(topic),
+                *self.node.get_subscriptions_info_by_topic(topic),
+            )
+        ]
+
+    def of_node(self, name: str, namespace: str) -> Any:
+        return {
+            "publishers": self.node.get_publisher_names_and_types_by_node(name, namespace),
+            "subscribers": self.node.get_subscriber_names_and_types_by_node(name, namespace),
+            "services": self.node.get_service_names_and_types_by_node(name, namespace),
+            "clients": self.node.get_client_names_and_types_by_node(name, namespace),
+        }
+
+
+def main() -> None:
+    peer = Peer(sys.argv[1])
+    print(json.dumps({"answer": "ready"}), flush=True)
+    for line in sys.stdin:
+        words = json.loads(line)
+        try:
+            reply = {"answer": getattr(peer, words.pop("verb"))(**words)}
+        except Exception as error:  # noqa: BLE001 - the test is told
+            reply = {"error": f"{type(error).__name__}: {error}"}
+        print(json.dumps(reply), flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,162 @@
+"""Services and parameters between our node over rclpy and a real one in another process."""
+
+from __future__ import annotations
+
+import asyncio
+
+import pytest
+
+from contract.graphs import TRUE, until
+from interop_ros2.rclpy_peer import PEER_NAME, RclpyPeer
+from rostether.errors import ServiceTimeoutError, SessionError, TypeMismatchError, UnknownTypeError
+from rostether.graph.ports import JoinGraph, ParamValue
+from rostether.msgdef.interface import MessageType, ServiceType
+from rostether.serde.store import TypeStore
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+SERVICES = {
+    "std_srvs/SetBool": ({"data": True}, {"success": True, "message": "äh"}),
+    "std_srvs/Trigger": ({}, {"success": False, "message": "no"}),
+}
+
+
+def ros2_service(name: str) -> str:
+    return name.replace("/", "/srv/")
+
+
+@pytest.mark.parametrize("name", SERVICES)
+async def test_rclpy_client_to_server(join: JoinGraph, peer: RclpyPeer, store: TypeStore, name: str) -> None:
+    node = await join("/board")
+    request, response = SERVICES[name]
+    received = []
+
+    async def handle(payload: bytes) -> bytes:
+        received.append(payload)
+        return store.codec(f"{name}Response").encode(response)
+
+    service = f"/ours/{name.replace('/', '_')}"
+    server = await node.advertise_service(service, store.registry.service_type(name), handle)
+    assert await peer.ask("call", service=service, type=ros2_service(name), request=request) == response
+    assert received == [store.codec(f"{name}Request").encode(request)]
+    await server.close()
+
+
+@pytest.mark.parametrize("name", SERVICES)
+async def test_client_to_rclpy_server(join: JoinGraph, peer: RclpyPeer, store: TypeStore, name: str) -> None:
+    request, response = SERVICES[name]
+    service = f"/theirs/{name.replace('/', '_')}"
+    await peer.ask("serve", service=service, type=ros2_service(name), response=response)
+    node = await join("/board")
+    payload = store.codec(f"{name}Request").encode(request)
+    received = await node.call_service(service, store.registry.service_type(name), payload, timeout_s=10.0)
+    assert received == store.codec(f"{name}Response").encode(response)
+    (seen,) = await peer.ask("served", service=service)
+    assert seen == request or not request
+
+
+async def test_a_call_of_another_type_is_refused(join: JoinGraph, peer: RclpyPeer, store: TypeStore) -> None:
+    await peer.ask("serve", service="/theirs/typed", type="std_srvs/srv/SetBool", response={})
+    node = await join("/board")
+    while "/theirs/typed" not in (await node.snapshot()).services:
+        await asyncio.sleep(0.01)
+    told = "/theirs/typed is std_srvs/srv/SetBool, not std_srvs/srv/Trigger"
+    with pytest.raises(TypeMismatchError, match=told):
+        await node.call_service("/theirs/typed", store.registry.service_type("std_srvs/Trigger"), b"")
+
+
+async def test_a_handler_that_fails_leaves_the_caller_waiting_and_says_why(
+    join: JoinGraph, peer: RclpyPeer, store: TypeStore, caplog: pytest.LogCaptureFixture
+) -> None:
+    node = await join("/board")
+
+    async def refuse(_: bytes) -> bytes:
+        raise SessionError("the board is away")
+
+    await node.advertise_service("/ours/refusing", store.registry.service_type("std_srvs/Trigger"), refuse)
+    call = {"service": "/ours/refusing", "type": "std_srvs/srv/Trigger", "request": {}}
+    assert await peer.ask("call", **call, timeout_s=0.3) is None
+    assert "no answer to a call of /ours/refusing: the board is away" in caplog.text
+
+
+async def test_a_server_that_does_not_answer_times_out(
+    join: JoinGraph, peer: RclpyPeer, store: TypeStore
+) -> None:
+    node, other = await join("/board"), await join("/other")
+
+    async def hang(_: bytes) -> bytes:
+        await asyncio.Event().wait()
+        raise AssertionError("unreachable")
+
+    set_bool = store.registry.service_type("std_srvs/SetBool")
+    await node.advertise_service("/ours/hanging", set_bool, hang)
+    with pytest.raises(ServiceTimeoutError, match=r"/ours/hanging did not answer within 0.2 s"):
+        await other.call_service("/ours/hanging", set_bool, TRUE, timeout_s=0.2)
+
+
+async def test_a_service_type_that_is_not_installed_is_refused(join: JoinGraph) -> None:
+    node = await join("/board")
+    half = MessageType("my_robot_srvs/FlyRequest", "0" * 32, "float32 height\n")
+    fly = ServiceType("my_robot_srvs/Fly", "0" * 32, half, MessageType("my_robot_srvs/FlyResponse", "1" * 32))
+    with pytest.raises(UnknownTypeError, match="the package my_robot_srvs is not installed"):
+        await node.call_service("/fly", fly, b"\0\0\0\0")
+
+
+PARAMETERS: dict[str, ParamValue] = {
+    "flag": True,
+    "count": 7,
+    "gain": 0.5,
+    "name": "ärm",
+    "flags": [True, False],
+    "counts": [1, -2],
+    "gains": [0.5, 1.5],
+    "names": ["a", "b"],
+}
+
+
+async def test_rclpy_sets_and_reads_our_parameters(join: JoinGraph, peer: RclpyPeer) -> None:
+    node = await join("/board")
+    seen: list[ParamValue] = []
+    await node.watch_param("~arm/gain", seen.append)
+    await peer.ask(
+        "parameters",
+        node="/board",
+        method="set_parameters",
+        arguments=[(f"arm.{name}", value) for name, value in PARAMETERS.items()],
+    )
+    assert await node.get_param("~arm") == PARAMETERS
+    assert await node.get_param("/board/arm/gain") == 0.5
+    await until(lambda: seen[-1] == 0.5)
+    await node.set_param("~arm/gain", 0.75)
+    reply = await peer.ask("parameters", node="/board", method="get_parameters", arguments=["arm.gain"])
+    assert reply["values"][0]["double_value"] == 0.75
+
+
+async def test_what_a_board_asks_for_is_listed(join: JoinGraph, peer: RclpyPeer) -> None:
+    node = await join("/board")
+    assert not await node.has_param("~baud")
+    with pytest.raises(LookupError):
+        await node.get_param("~baud")
+    reply = await peer.ask("parameters", node="/board", method="list_parameters", arguments=[])
+    while "baud" not in reply["result"]["names"]:
+        reply = await peer.ask("parameters", node="/board", method="list_parameters", arguments=[])
+    assert not await node.has_param("~baud")
+    await peer.ask("parameters", node="/board", method="set_parameters", arguments=[("baud", 57600)])
+    assert await node.get_param("~baud") == 57600
+
+
+async def test_parameters_of_rclpy(join: JoinGraph, peer: RclpyPeer) -> None:
+    node = await join("/board")
+    for name, value in PARAMETERS.items():
+        await peer.ask("set_own_parameter", name=f"far.{name}", value=value)
+    while PEER_NAME not in (await node.snapshot()).nodes:
+        await asyncio.sleep(0.01)
+    for name, value in PARAMETERS.items():
+        assert await node.get_param(f"{PEER_NAME}/far/{name}") == value
+    await node.set_param(f"{PEER_NAME}/far/gain", 2.0)
+    assert await peer.ask("get_own_parameter", name="far.gain") == 2.0
+    assert f"{PEER_NAME}/far/gain" in await node.list_params()
+    seen: list[ParamValue] = []
+    await node.watch_param(f"{PEER_NAME}/far/count", seen.append)
+    await peer.ask("set_own_parameter", name="far.count", value=8)
+    await until(lambda: seen == [7, 8])

@@ -1,0 +1,215 @@
+"""Topics between our node over rclpy and a real one in another process."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+import pytest
+
+from contract.graphs import Inbox, string, until
+from interop_ros2.rclpy_peer import PEER_NAME, RclpyPeer
+from interop_ros2.samples import ADDED, MESSAGES, ros1_values, ros2_name, without_seq
+from rostether.errors import UnknownTypeError
+from rostether.graph.ports import JoinGraph, Level
+from rostether.msgdef.interface import ANY_MESSAGE, MessageType
+from rostether.ros2.rclpy.context import RclpyContext
+from rostether.rostime import Time
+from rostether.serde.plain_form import to_plain
+from rostether.serde.store import TypeStore
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+
+def encode(store: TypeStore, name: str, values: Any) -> bytes:
+    return store.codec(name).encode(_with_times(ros1_values(values)))
+
+
+def _with_times(values: Any) -> Any:
+    if isinstance(values, dict):
+        if values.keys() == {"secs", "nsecs"}:
+            return Time(**values)
+        return {name: _with_times(value) for name, value in values.items()}
+    return [_with_times(value) for value in values] if isinstance(values, list) else values
+
+
+def decode(store: TypeStore, name: str, payload: bytes) -> Any:
+    return without_seq(to_plain(store.codec(name).decode(payload)))
+
+
+@pytest.mark.parametrize("name", MESSAGES)
+async def test_publisher_to_rclpy_subscriber(
+    join: JoinGraph, peer: RclpyPeer, store: TypeStore, name: str
+) -> None:
+    topic = f"/to_peer/{name.replace('/', '_')}"
+    await peer.ask("subscribe", topic=topic, type=ros2_name(name))
+    node = await join("/board")
+    publisher = await node.advertise(topic, store.registry.message_type(name))
+    await until(lambda: publisher.subscriber_count == 1)
+    payload = encode(store, name, MESSAGES[name])
+    publisher.publish_raw([payload] * 3)
+    expected = {**MESSAGES[name], **ADDED.get(name, {})}
+    assert await peer.ask("receive", topic=topic, count=3) == [expected] * 3
+
+
+@pytest.mark.parametrize("name", MESSAGES)
+async def test_rclpy_publisher_to_subscriber(
+    join: JoinGraph, peer: RclpyPeer, store: TypeStore, name: str
+) -> None:
+    topic = f"/from_peer/{name.replace('/', '_')}"
+    node, inbox = await join("/board"), Inbox()
+    subscriber = await node.subscribe(
+        topic, store.registry.message_type(name), inbox.take, on_connection=inbox.take_header
+    )
+    await peer.ask("advertise", topic=topic, type=ros2_name(name))
+    await peer.ask("publish", topic=topic, messages=[MESSAGES[name]] * 3)
+    await until(lambda: len(inbox.payloads) == 3)
+    assert [decode(store, name, payload) for payload in inbox.payloads] == [MESSAGES[name]] * 3
+    assert inbox.headers[0]["type"] == name
+    await until(lambda: subscriber.publisher_count == 1)
+    await peer.ask("unadvertise", topic=topic)
+    await until(lambda: subscriber.publisher_count == 0)
+
+
+async def test_a_burst_arrives_whole_and_in_order(join: JoinGraph, peer: RclpyPeer, store: TypeStore) -> None:
+    node, inbox = await join("/board"), Inbox()
+    string_type = store.registry.message_type("std_msgs/String")
+    await peer.ask("subscribe", topic="/burst/out", type="std_msgs/msg/String")
+    publisher = await node.advertise("/burst/out", string_type)
+    await until(lambda: publisher.subscriber_count == 1)
+    for start in range(0, 300, 100):
+        publisher.publish_raw([string(f"message {number}") for number in range(start, start + 100)])
+        received = await peer.ask("receive", topic="/burst/out", count=start + 100)
+    assert received == [{"data": f"message {number}"} for number in range(300)]
+    await node.subscribe("/burst/in", string_type, inbox.take)
+    await peer.ask("advertise", topic="/burst/in", type="std_msgs/msg/String")
+    await peer.ask("publish", topic="/burst/in", messages=received)
+    await until(lambda: len(inbox.payloads) == 300)
+    assert inbox.payloads == [string(message["data"]) for message in received]
+
+
+@pytest.mark.parametrize("is_first", [True, False])
+async def test_a_subscriber_of_any_type_learns_it(
+    join: JoinGraph, peer: RclpyPeer, store: TypeStore, is_first: bool
+) -> None:
+    topic = f"/any/{'first' if is_first else 'second'}"
+    if not is_first:
+        await peer.ask("advertise", topic=topic, type="sensor_msgs/msg/Range")
+    node, inbox = await join("/board"), Inbox()
+    await node.subscribe(topic, ANY_MESSAGE, inbox.take, on_connection=inbox.take_header)
+    if is_first:
+        await peer.ask("advertise", topic=topic, type="sensor_msgs/msg/Range")
+    await peer.ask("publish", topic=topic, messages=[MESSAGES["sensor_msgs/Range"]])
+    await until(lambda: inbox.payloads)
+    assert decode(store, "sensor_msgs/Range", inbox.payloads[0]) == MESSAGES["sensor_msgs/Range"]
+    (header,) = inbox.headers
+    assert header["callerid"] == PEER_NAME
+    assert header["type"] == "sensor_msgs/Range"
+    await peer.ask("unadvertise", topic=topic)
+
+
+async def test_sensor_data_is_heard(join: JoinGraph, peer: RclpyPeer, store: TypeStore) -> None:
+    node, inbox = await join("/board"), Inbox()
+    string_type = store.registry.message_type("std_msgs/String")
+    # Asked for reliably before anybody publishes: the subscription adapts.
+    await node.subscribe("/sensor/in", string_type, inbox.take)
+    await peer.ask("advertise", topic="/sensor/in", type="std_msgs/msg/String", quality="sensor")
+    while not inbox.payloads:
+        await peer.ask("publish", topic="/sensor/in", messages=[{"data": "hello"}])
+        await asyncio.sleep(0.01)
+    assert inbox.payloads[0] == string("hello")
+    await peer.ask("subscribe", topic="/sensor/out", type="std_msgs/msg/String", quality="sensor")
+    publisher = await node.advertise("/sensor/out", string_type)
+    await until(lambda: publisher.subscriber_count == 1)
+    # The other side may still be meeting us, and nobody sends again what is best effort.
+    while not (received := await peer.ask("receive", topic="/sensor/out", count=0)):
+        publisher.publish_raw([string("back")])
+        await asyncio.sleep(0.01)
+    assert received[0] == {"data": "back"}
+
+
+@pytest.mark.parametrize("is_known", [True, False])
+async def test_a_latched_topic_of_rclpy_greets_a_subscriber(
+    join: JoinGraph, peer: RclpyPeer, store: TypeStore, is_known: bool
+) -> None:
+    topic = f"/latched/in/{'known' if is_known else 'unknown'}"
+    node, inbox = await join("/board"), Inbox()
+    await peer.ask("advertise", topic=topic, type="std_msgs/msg/String", quality="latched")
+    await peer.ask("publish", topic=topic, messages=[{"data": "old"}, {"data": "new"}], subscribers=0)
+    if is_known:
+        while topic not in (await node.snapshot()).topics:
+            await asyncio.sleep(0.01)
+    await node.subscribe(
+        topic, store.registry.message_type("std_msgs/String"), inbox.take, on_connection=inbox.take_header
+    )
+    await until(lambda: inbox.payloads)
+    await peer.ask("publish", topic=topic, messages=[{"data": "newer"}])
+    await until(lambda: inbox.payloads[-1] == string("newer"))
+    assert inbox.payloads == [string("new"), string("newer")]
+    assert [header["latching"] for header in inbox.headers] == ["1"]
+
+
+async def test_a_latched_topic_greets_a_subscriber_of_rclpy(
+    join: JoinGraph, peer: RclpyPeer, store: TypeStore
+) -> None:
+    node = await join("/board")
+    string_type = store.registry.message_type("std_msgs/String")
+    publisher = await node.advertise("/latched/out", string_type, latch=True)
+    publisher.publish_raw([string("old"), string("new")])
+    await peer.ask("subscribe", topic="/latched/out", type="std_msgs/msg/String", quality="latched")
+    assert await peer.ask("receive", topic="/latched/out", count=1) == [{"data": "new"}]
+
+
+async def test_a_subscriber_that_asks_for_too_much_is_explained(
+    join: JoinGraph, peer: RclpyPeer, store: TypeStore, caplog: pytest.LogCaptureFixture
+) -> None:
+    node = await join("/board")
+    await node.advertise("/fleeting", store.registry.message_type("std_msgs/String"))
+    await peer.ask("subscribe", topic="/fleeting", type="std_msgs/msg/String", quality="latched")
+    await until(lambda: "a subscriber gets nothing of /fleeting" in caplog.text)
+    assert "subscribe volatile" in caplog.text
+
+
+async def test_the_type_hash_is_the_official_one(
+    join: JoinGraph, context: RclpyContext, peer: RclpyPeer, store: TypeStore
+) -> None:
+    node = await join("/board")
+    for name in MESSAGES:
+        message_type = store.registry.message_type(name)
+        topic = f"/hash/{name.replace('/', '_')}"
+        await node.advertise(topic, message_type)
+        while not (endpoints := await peer.ask("endpoints", topic=topic)):
+            await asyncio.sleep(0.01)
+        (endpoint,) = endpoints
+        assert endpoint["hash"].removeprefix("RIHS01_") in context.types.message(message_type).type_hash
+        assert (endpoint["namespace"], endpoint["node"]) == ("/", "board")
+        assert endpoint["type"] == ros2_name(name)
+
+
+async def test_logs_reach_rosout(join: JoinGraph, peer: RclpyPeer) -> None:
+    await peer.ask("subscribe", topic="/rosout", type="rcl_interfaces/msg/Log", quality="rosout")
+    node = await join("board", namespace="/robot")
+    for level in Level:
+        node.log(level, f"of level {level.name}")
+    while True:
+        logs = await peer.ask("receive", topic="/rosout", count=len(Level))
+        ours = [log for log in logs if log["name"] == "robot.board"]
+        if len(ours) == len(Level):
+            break
+        await asyncio.sleep(0.01)
+    assert [(log["level"], log["msg"]) for log in ours] == [
+        (10, "of level DEBUG"),
+        (20, "of level INFO"),
+        (30, "of level WARN"),
+        (40, "of level ERROR"),
+        (50, "of level FATAL"),
+    ]
+
+
+async def test_a_type_that_is_not_installed_is_refused(join: JoinGraph) -> None:
+    node = await join("/board")
+    theirs = MessageType("my_robot_msgs/Feather", "0" * 32, "float32 weight\n")
+    for attempt in (node.advertise("/feather", theirs), node.subscribe("/feather", theirs, Inbox().take)):
+        with pytest.raises(UnknownTypeError, match="the package my_robot_msgs is not installed") as caught:
+            await attempt
+        assert "\n" not in str(caught.value)

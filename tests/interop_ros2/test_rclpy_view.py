@@ -1,0 +1,104 @@
+"""How the graph looks from both sides: our node over rclpy, and a real one in another process."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+
+import pytest
+
+from contract.graphs import Inbox, answer
+from interop_ros2.rclpy_peer import PEER_NAME, RclpyPeer
+from ros2_domains import own_domain
+from rostether.graph.ports import JoinGraph
+from rostether.msgdef.ros2.definitions import Ros2Definitions
+from rostether.ros2.rclpy.context import RclpyContext
+from rostether.ros2.type_support import Ros2Types
+from rostether.rostime import Time
+from rostether.serde.store import TypeStore
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+
+async def test_rclpy_sees_our_nodes_with_what_they_do(
+    join: JoinGraph, peer: RclpyPeer, store: TypeStore
+) -> None:
+    node = await join("board", namespace="/robot", remappings={"chat": "/talk"})
+
+    async def handle(_: bytes) -> bytes:
+        return answer()
+
+    await node.advertise("chat", store.registry.message_type("std_msgs/String"))
+    await node.subscribe("~cmd", store.registry.message_type("geometry_msgs/Twist"), Inbox().take)
+    await node.advertise_service("switch", store.registry.service_type("std_srvs/SetBool"), handle)
+    while ["board", "/robot"] not in await peer.ask("nodes"):
+        await asyncio.sleep(0.01)
+    while True:
+        seen = await peer.ask("of_node", name="board", namespace="/robot")
+        if len(seen["publishers"]) == 3 and len(seen["subscribers"]) == 1 and len(seen["services"]) == 8:
+            break
+        await asyncio.sleep(0.01)
+    assert ["/talk", ["std_msgs/msg/String"]] in seen["publishers"]
+    assert {topic for topic, _ in seen["publishers"]} == {"/talk", "/rosout", "/parameter_events"}
+    assert seen["subscribers"] == [["/robot/board/cmd", ["geometry_msgs/msg/Twist"]]]
+    assert ["/robot/switch", ["std_srvs/srv/SetBool"]] in seen["services"]
+    endpoints = await peer.ask("endpoints", topic="/talk")
+    assert [(each["reliability"], each["durability"]) for each in endpoints] == [("RELIABLE", "VOLATILE")]
+
+
+async def test_we_see_the_nodes_of_rclpy(join: JoinGraph, peer: RclpyPeer) -> None:
+    node = await join("/board")
+    changes = node.changes()
+    await anext(changes)
+    await peer.ask("advertise", topic="/seen", type="std_msgs/msg/String")
+    while True:
+        snapshot = await asyncio.wait_for(anext(changes), 10.0)
+        if "/seen" in snapshot.topics:
+            break
+    assert PEER_NAME in snapshot.nodes
+    assert snapshot.topics["/seen"].type == "std_msgs/msg/String"
+    assert snapshot.topics["/seen"].publishers == (PEER_NAME,)
+    assert snapshot.services[f"{PEER_NAME}/get_parameters"].providers == (PEER_NAME,)
+    await peer.ask("unadvertise", topic="/seen")
+    while "/seen" in snapshot.topics:
+        snapshot = await asyncio.wait_for(anext(changes), 10.0)
+
+
+async def test_a_node_that_leaves_is_gone_over_there(join: JoinGraph, peer: RclpyPeer) -> None:
+    node = await join("/leaver")
+    while ["leaver", "/"] not in await peer.ask("nodes"):
+        await asyncio.sleep(0.01)
+    await node.close()
+    while ["leaver", "/"] in await peer.ask("nodes"):
+        await asyncio.sleep(0.01)
+
+
+async def test_time_comes_from_clock_where_a_node_is_told_to(join: JoinGraph, peer: RclpyPeer) -> None:
+    node = await join("/simulated")
+    await node.set_param("~use_sim_time", value=True)
+    assert node.now() == Time()
+    await peer.ask("advertise", topic="/clock", type="rosgraph_msgs/msg/Clock")
+    # Nobody sends again what is best effort.
+    while node.now() != Time(42, 7):
+        await peer.ask("publish", topic="/clock", messages=[{"clock": {"sec": 42, "nanosec": 7}}])
+        await asyncio.sleep(0.01)
+    await node.set_param("~use_sim_time", value=False)
+    assert node.now() > Time(1_000_000, 0)
+
+
+async def test_parameters_from_a_file(store: TypeStore, tmp_path: Path) -> None:
+    path = tmp_path / "robot.yaml"
+    path.write_text(
+        "/**:\n  ros__parameters:\n    gain: 0.5\n/robot/board:\n  ros__parameters:\n    arm: {p: 3}\n"
+    )
+    context = await RclpyContext.open(
+        Ros2Types(store.registry, Ros2Definitions()),
+        domain_id=own_domain(),
+        arguments=["--ros-args", "--params-file", str(path)],
+    )
+    node, other = await context.join("board", namespace="/robot"), await context.join("/other")
+    assert await node.get_param("~gain") == 0.5
+    assert await node.get_param("~arm") == {"p": 3}
+    assert await other.get_param("~gain") == 0.5
+    assert not await other.has_param("~arm")
+    await context.close()

@@ -1,0 +1,53 @@
+"""What rclpy raises, in our words."""
+
+from __future__ import annotations
+
+from typing import NoReturn
+
+import pytest
+
+from rostether.errors import GraphError, InvalidNameError, RostetherError, TypeMismatchError, UnknownTypeError
+from rostether.ros2.rclpy.failures import attempt
+
+
+class InvalidNodeNameException(Exception):
+    """As rclpy's."""
+
+
+class NameValidationException(Exception):
+    """As rclpy's."""
+
+
+class InvalidTopicNameException(NameValidationException):
+    """As rclpy's."""
+
+
+@pytest.mark.parametrize(
+    ("raised", "error", "text"),
+    [
+        (
+            InvalidTopicNameException("Invalid topic name: must not end:\n  '/a/'\n      ^"),
+            InvalidNameError,
+            "cannot publish /a/: Invalid topic name: must not end: '/a/': ROS 2 does not take such a name",
+        ),
+        (
+            RuntimeError("create_publisher() called for existing topic name rt/a with incompatible type X"),
+            TypeMismatchError,
+            "with incompatible type X",
+        ),
+        (RuntimeError("no more\nmemory"), GraphError, "cannot publish /a/: no more memory"),
+        (UnknownTypeError("no such type"), UnknownTypeError, "no such type"),
+    ],
+)
+def test_errors(raised: Exception, error: type[RostetherError], text: str) -> None:
+    def fail() -> NoReturn:
+        raise raised
+
+    with pytest.raises(error) as caught:
+        attempt("publish /a/", fail)
+    assert text in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_what_succeeds_is_returned() -> None:
+    assert attempt("add", lambda: 2) == 2

@@ -1,0 +1,54 @@
+"""What is said where rclpy or a package of types is missing."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from rostether.errors import ConfigError, UnknownTypeError
+from rostether.ros2.rclpy.installation import load_rclpy, message_class, service_class
+
+
+@pytest.fixture(autouse=True)
+def _forget() -> None:
+    for function in (load_rclpy, message_class, service_class):
+        function.cache_clear()
+
+
+def test_rclpy_that_is_missing_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "rosidl_generator_py", None)
+    monkeypatch.setitem(sys.modules, "rclpy.context", None)
+    with pytest.raises(ConfigError, match=r'pip install "rostether\[rclpy\]" or source') as caught:
+        load_rclpy()
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(("find", "name"), [(message_class, "no_pkg/msg/A"), (service_class, "no_pkg/srv/A")])
+def test_a_package_that_is_missing_is_named(find: type, name: str) -> None:
+    with pytest.raises(UnknownTypeError, match="package no_pkg is not installed"):
+        find(name)
+
+
+def test_a_type_that_is_missing_in_its_package_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    package = tmp_path / "thin_msgs" / "msg"
+    package.mkdir(parents=True)
+    (package / "__init__.py").write_text("class Thin: pass\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    assert message_class("thin_msgs/msg/Thin").__name__ == "Thin"
+    with pytest.raises(
+        UnknownTypeError, match="thin_msgs that is installed for this Python does not have it"
+    ):
+        message_class("thin_msgs/msg/Thick")
+
+
+def test_a_package_that_does_not_load_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    package = tmp_path / "broken_msgs" / "msg"
+    package.mkdir(parents=True)
+    (package / "__init__.py").write_text("raise ImportError('libbroken.so:\\n cannot open')\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(UnknownTypeError, match=r"does not load \(libbroken.so: cannot open\)"):
+        message_class("broken_msgs/msg/Broken")
