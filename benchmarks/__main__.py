@@ -1,6 +1,6 @@
 """Runs every benchmark and prints a table: what we reach, what was asked, and the bare relay of the same run.
 
-python -m benchmarks [throughput|round-trip|footprint|crowd|frames|codec|cycles|sizes ...]
+python -m benchmarks [throughput|round-trip|footprint|crowd|frames|codec|cdr|cycles|sizes ...]
 """
 
 from __future__ import annotations
@@ -13,7 +13,17 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks import crowd, cycles, footprint, rosserial_frames, round_trip, serde_codec, sizes, throughput
+from benchmarks import (
+    cdr_conversion,
+    crowd,
+    cycles,
+    footprint,
+    rosserial_frames,
+    round_trip,
+    serde_codec,
+    sizes,
+    throughput,
+)
 
 
 def throughput_table() -> Table:
@@ -118,8 +128,19 @@ def frames_table() -> Table:
 
 def codec_table() -> Table:
     """Measure values to bytes and back, beside rosbags."""
-    table = Table("codec", "ours ns", "rosbags ns", "ratio", title="Codec")
-    for row in serde_codec.compare():
+    return _beside_rosbags("Codec", serde_codec.compare())
+
+
+def cdr_table() -> Table:
+    """Measure ROS 1 serialization to CDR and back, beside rosbags."""
+    table = _beside_rosbags("CDR", cdr_conversion.compare())
+    table.caption = "wanted: a String at most 1,500 ns, an Imu at most 3,000 ns"
+    return table
+
+
+def _beside_rosbags(title: str, rows: list[serde_codec.Row]) -> Table:
+    table = Table("operation", "ours ns", "rosbags ns", "ratio", title=title)
+    for row in rows:
         theirs = "" if row.theirs_ns is None else f"{row.theirs_ns:,.0f}"
         ratio = "" if row.theirs_ns is None else f"{row.theirs_ns / row.ours_ns:.1f}"
         table.add_row(row.operation, f"{row.ours_ns:,.0f}", theirs, ratio)
@@ -162,6 +183,7 @@ TABLES = {
     "crowd": crowd_table,
     "frames": frames_table,
     "codec": codec_table,
+    "cdr": cdr_table,
     "cycles": cycles_table,
     "sizes": sizes_table,
 }

@@ -80,15 +80,15 @@ def _compare_type(codec: Codec, fields: dict[str, Any], theirs: Any) -> list[Row
     return [
         Row(
             f"{name} encode",
-            _best_ns(lambda: codec.encode(message)),
-            _best_ns(lambda: theirs.serialize_ros1(their_message, their_name)),
+            best_ns(lambda: codec.encode(message)),
+            best_ns(lambda: theirs.serialize_ros1(their_message, their_name)),
         ),
         Row(
             f"{name} decode",
-            _best_ns(lambda: codec.decode(payload)),
-            _best_ns(lambda: theirs.deserialize_ros1(payload, their_name)),
+            best_ns(lambda: codec.decode(payload)),
+            best_ns(lambda: theirs.deserialize_ros1(payload, their_name)),
         ),
-        Row(f"{name} check", _best_ns(lambda: codec.layout.accepts_all(batch)) / BATCH, None),
+        Row(f"{name} check", best_ns(lambda: codec.layout.accepts_all(batch)) / BATCH, None),
     ]
 
 
@@ -97,7 +97,7 @@ def starts() -> list[Start]:
     return [_start(library, code) for library, code in DECODE_ONE_STRING.items()]
 
 
-def _best_ns(call: Callable[[], object]) -> float:
+def best_ns(call: Callable[[], object]) -> float:
     """Return the time of one call in the best of some rounds: the others were disturbed."""
     call()
     best_s = float("inf")
