@@ -6,7 +6,7 @@ import click
 
 from rostether.cli.completions import complete_nodes
 from rostether.cli.options import master_option
-from rostether.cli.output import json_option, warn, write_json, write_line
+from rostether.cli.output import json_option, one_line, warn, write_json, write_line
 from rostether.cli.running import run
 from rostether.cli.verbs import LazyGroup, Verb, VerbEntry
 
@@ -48,9 +48,9 @@ def list_nodes(namespace: str, uris_only: bool, with_uris: bool, as_json: bool, 
         if as_json:
             write_json({"node": name, "uri": uri or None})
         elif with_uris:
-            write_line(f"{uri or 'unknown address'} \t{name}")
+            write_line(f"{one_line(uri) or 'unknown address'} \t{one_line(name)}")
         else:
-            write_line(uri or "unknown address" if uris_only else name)
+            write_line(one_line(uri or "unknown address" if uris_only else name))
 
 
 async def _list(namespace: str, master: str | None, *, with_uris: bool) -> list[tuple[str, str]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import json
 import os
+import re
 import sys
 from collections.abc import Callable, Mapping
 from typing import Any, TextIO
@@ -12,6 +13,13 @@ from typing import Any, TextIO
 import click
 
 from rostether.cli.failures import EXIT_DONE
+
+# Controls but line ends and tabs, and what turns the direction of a text around or hides in it.
+_STEERING = re.compile(
+    "[\\x00-\\x08\\x0b-\\x1f\\x7f-\\x9f\\u200b-\\u200f\\u2028-\\u202e\\u2060-\\u206f\\ufeff]"
+)
+    "[\\x00-\\x08\\x0b-\\x1f\\x7f-\\x9f\\u200b-\\u200f\\u2028-\\u202e\\u2060-\\u206f\\ufeff]"
+)
 
 json_option: Callable[[Any], Any] = click.option(
     "--json", "as_json", is_flag=True, help="Print one JSON object a line."
@@ -21,14 +29,25 @@ json_option: Callable[[Any], Any] = click.option(
 def write_line(text: str = "") -> None:
     """Write a line to stdout and flush it: a pipe's reader wants it now.
 
-    When the reader has had enough (`| head`), the command is done: it ends here, with exit code 0.
+    What cannot be printed is escaped: names, values and errors of peers must not steer the terminal. When the
+    reader has had enough (`| head`), the command is done: it ends here, with exit code 0.
     """
     try:
-        sys.stdout.write(text + "\n")
+        sys.stdout.write(printable(text) + "\n")
         sys.stdout.flush()
     except BrokenPipeError:
         forget(sys.stdout)
         raise click.exceptions.Exit(EXIT_DONE) from None
+
+
+def printable(text: str) -> str:
+    """Return a text whose lines and tabs stay, while what could steer a terminal is escaped as in JSON."""
+    return _STEERING.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
+
+
+def one_line(text: str) -> str:
+    """Return a peer's word as one line, with escapes for what cannot be printed."""
+    return printable(text).replace("\n", "\\n").replace("\t", "\\t")
 
 
 def forget(stream: TextIO) -> None:
@@ -41,7 +60,7 @@ def forget(stream: TextIO) -> None:
 def warn(text: str) -> None:
     """Write a line to stderr."""
     sys.stdout.flush()
-    sys.stderr.write(text + "\n")
+    sys.stderr.write(printable(text) + "\n")
     sys.stderr.flush()
 
 

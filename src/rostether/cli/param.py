@@ -9,7 +9,7 @@ import click
 
 from rostether.cli.completions import complete_params
 from rostether.cli.options import master_option
-from rostether.cli.output import json_option, write_json, write_line
+from rostether.cli.output import json_option, one_line, write_json, write_line
 from rostether.cli.running import run
 from rostether.cli.verbs import LazyGroup, Verb, VerbEntry
 from rostether.errors import UnknownNameError
@@ -50,7 +50,7 @@ def list_params(namespace: str, as_json: bool, master: str | None) -> None:
         if as_json:
             write_json({"name": name})
         else:
-            write_line(name)
+            write_line(one_line(name))
 
 
 async def _names_below(namespace: str, master: str | None) -> list[str]:

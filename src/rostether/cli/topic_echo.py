@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import sys
 from collections.abc import Callable
 from contextlib import aclosing
 from dataclasses import dataclass
@@ -190,7 +191,9 @@ class _Printer:
             if self._path is None
             else format_value(value, self._path.type, style)
         )
-        write_line(f"{CLEAR_SCREEN if self._options.clear else ''}{text}\n---")
+        if self._options.clear:
+            sys.stdout.write(CLEAR_SCREEN)
+        write_line(f"{text}\n---")
 
     def _now_if_offset(self) -> Time | None:
         return self._graph.now() if self._options.offset else None

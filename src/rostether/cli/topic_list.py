@@ -11,7 +11,7 @@ import click
 
 from rostether.cli.completions import complete_message_types, complete_topics
 from rostether.cli.options import master_option, msg_path_option
-from rostether.cli.output import json_option, write_json, write_line
+from rostether.cli.output import json_option, one_line, write_json, write_line
 from rostether.cli.running import run
 from rostether.cli.verbs import Verb
 from rostether.errors import UnknownNameError
@@ -156,7 +156,7 @@ def info(topic: str, as_json: bool, master: str | None) -> None:
     for title, nodes in (("Publishers", view.publishers), ("Subscribers", view.subscribers)):
         write_line(f"{title}: " if nodes else f"{title}: None")
         for node in nodes:
-            write_line(f" * {node} ({uris[node] or f'unknown address {node}'})")
+            write_line(one_line(f" * {node} ({uris[node] or f'unknown address {node}'})"))
         write_line()
     # rostopic ends with one line more.
     write_line()

@@ -43,6 +43,9 @@ def _text(label: str, value: XmlRpcValue) -> str:
         raise BadArgumentError(f"ERROR: parameter [{label}] must be a non-empty string")
     if len(value) > MAX_NAME_LENGTH:
         raise BadArgumentError(f"ERROR: parameter [{label}] is longer than {MAX_NAME_LENGTH} characters")
+    if not value.isprintable():
+        # Such a name steers the terminals and fakes lines in the logs of all who list it.
+        raise BadArgumentError(f"ERROR: parameter [{label}] contains illegal chars")
     return value
 
 
@@ -66,6 +69,8 @@ def param_key(value: XmlRpcValue, _caller_id: str) -> str:
         raise BadArgumentError(
             f"ERROR: parameter [key] must be a string of at most {MAX_NAME_LENGTH} characters"
         )
+    if not value.isprintable():
+        raise BadArgumentError("ERROR: parameter [key] contains illegal chars")
     return value
 
 
@@ -107,7 +112,7 @@ def api_of(label: str) -> Check:
     def check(value: XmlRpcValue, _caller_id: str) -> str:
         if not isinstance(value, str) or not value or len(value) > MAX_NAME_LENGTH:
             raise BadArgumentError(f"ERROR: parameter [{label}] is not an XMLRPC URI")
-        if not value.startswith(("http://", "rosrpc://")):
+        if not value.startswith(("http://", "rosrpc://")) or not value.isprintable():
             raise BadArgumentError(f"ERROR: parameter [{label}] is not an RPC URI")
         return value
 

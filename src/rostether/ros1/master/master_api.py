@@ -15,6 +15,7 @@ from typing import Any, NamedTuple, Protocol, TypeAlias
 from rostether.errors import GraphError, UnknownNameError
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.ros1.master.argument_checks import (
+    MAX_NAME_LENGTH,
     BadArgumentError,
     Check,
     any_value,
@@ -117,6 +118,8 @@ class MasterApi:
         caller_id = args[0]
         if not isinstance(caller_id, str):
             return -1, "caller_id must be a string", method.error_value
+        if len(caller_id) > MAX_NAME_LENGTH or not caller_id.isprintable():
+            return -1, "caller_id contains illegal chars", method.error_value
         try:
             checked = [check(value, caller_id) for check, value in zip(method.checks, args[1:], strict=True)]
             return method.function(caller_id, *checked)
