@@ -20,7 +20,7 @@ from rostether.cli.device_options import config_option, read_devices
 from rostether.cli.graph_access import read_environment
 from rostether.cli.output import write_line
 from rostether.cli.running import run
-from rostether.cli.serving import bridge
+from rostether.cli.serving import bridge, joining_ros1
 from rostether.cli.verbs import Verb
 from rostether.cli.which_master import used_master
 from rostether.devices.device_book import DeviceBook
@@ -77,7 +77,7 @@ async def _demo(environment: RosEnvironment, seconds: float | None, devices: Dev
         board_name = await _free_name(used.environment)
         address = parse_address(f"tcp://127.0.0.1:0?name={board_name}")
         supervisor = await stack.enter_async_context(
-            bridge(used.environment, [address], reporter, devices=devices)
+            bridge(joining_ros1(used.environment), [address], reporter, devices=devices)
         )
         view = DemoView(
             supervisor.boards, asyncio.get_running_loop().time, recent, used.environment.master_uri

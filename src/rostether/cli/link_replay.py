@@ -15,7 +15,7 @@ from rostether.cli.graph_access import read_environment
 from rostether.cli.options import master_option, msg_path_option
 from rostether.cli.output import write_line
 from rostether.cli.running import run
-from rostether.cli.serving import bridge
+from rostether.cli.serving import bridge, joining_ros1
 from rostether.cli.verbs import Verb
 from rostether.cli.which_master import used_master
 from rostether.errors import ConfigError
@@ -111,7 +111,12 @@ async def _replay(
         # The address only carries the name.
         addresses = [TcpAddress("capture", 0, name=name)]
         async with bridge(
-            used.environment, addresses, reporter, msg_paths=msg_paths, diagnostics=True, listen=listen
+            joining_ros1(used.environment),
+            addresses,
+            reporter,
+            msg_paths=msg_paths,
+            diagnostics=True,
+            listen=listen,
         ) as supervisor:
             settling.append(_Settling(supervisor))
             (listener,) = listeners

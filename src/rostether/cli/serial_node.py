@@ -18,7 +18,7 @@ from rostether.cli.bridge_lines import ConsoleReporter
 from rostether.cli.device_options import config_option, read_devices
 from rostether.cli.options import allow_option, listen_option
 from rostether.cli.running import run
-from rostether.cli.serving import bridge, loopback_lines, read_links
+from rostether.cli.serving import bridge, joining_ros1, loopback_lines, read_links
 from rostether.cli.verbs import Verb
 from rostether.cli.which_master import used_master
 from rostether.devices.device_book import DeviceBook
@@ -100,7 +100,7 @@ async def _serve(
         if isinstance(links[0], TcpAddress):
             reporter.line(Level.INFO, f"Waiting for socket connections on port {links[0].port}")
         async with bridge(
-            used.environment,
+            joining_ros1(used.environment),
             links,
             reporter,
             keeps_node=True,

@@ -17,11 +17,13 @@ from rostether.cli.graph_access import read_environment
 from rostether.cli.limit_options import BRIDGE_LIMITS, GRAPH_LIMITS, limit_option, read_limits
 from rostether.cli.options import allow_option, listen_option, msg_path_option
 from rostether.cli.recording import record_limit_option, recorded
+from rostether.cli.ros2_options import Ros2Options, read_ros2_options, ros2_options
+from rostether.cli.ros_choice import Middleware, chosen_ros1, chosen_ros2
 from rostether.cli.running import run
+from rostether.cli.served_graphs import served_graphs
 from rostether.cli.serving import bridge, loopback_lines, read_links
 from rostether.cli.simulated_links import simulated
 from rostether.cli.verbs import Verb
-from rostether.cli.which_master import used_master
 from rostether.devices.config_paths import known_boards_path
 from rostether.devices.device_book import DeviceBook
 from rostether.devices.known_boards import KnownBoards
@@ -46,6 +48,8 @@ if TYPE_CHECKING:
     rostether serve pty:/tmp/board                    for a simulator
     rostether serve "sim:blink.ino?board=uno"         a simulated board of ours
     rostether serve /dev/ttyACM0 /dev/ttyACM1 --ns-per-board
+    rostether serve /dev/ttyACM0 --ros2 zenoh         a ROS 2 node
+    rostether serve /dev/ttyACM0 --ros1 --ros2 rclpy  in both graphs
     """,
 )
 @click.argument("addresses", nargs=-1, metavar="[ADDRESS...]")
@@ -56,6 +60,7 @@ if TYPE_CHECKING:
     metavar="PORT",
     help="The port where we are the master when there is none (11311).",
 )
+@ros2_options
 @listen_option
 @allow_option
 @msg_path_option
@@ -140,6 +145,9 @@ def serve(
             record=record,
             record_limit_mb=record_limit_mb,
             settings=settings,
+            ros1=chosen_ros1(),
+            ros2=chosen_ros2(),
+            options=read_ros2_options(),
         ),
         is_service=True,
         uvloop=uvloop,
@@ -163,21 +171,31 @@ async def _serve(
     record: Path | None,
     record_limit_mb: float,
     settings: BridgeSettings,
+    ros1: bool,
+    ros2: Middleware | None,
+    options: Ros2Options,
 ) -> None:
     listen_bounded = partial(
         listen_for_links,
         connections=settings.connections,
         connections_per_host=settings.connections_per_host,
     )
-    async with used_master(environment, is_chosen=is_chosen, port=master_port) as used:
-        reporter.line(Level.INFO, used.line)
-        for line in loopback_lines(used.environment, links):
+    async with served_graphs(
+        environment,
+        ros1=ros1,
+        ros2=ros2,
+        options=options,
+        is_chosen=is_chosen,
+        master_port=master_port,
+        msg_paths=msg_paths,
+    ) as graphs:
+        for line in (*graphs.lines, *loopback_lines(graphs.ros1, links)):
             reporter.line(Level.INFO, line)
         async with (
             recorded(record, record_limit_mb, reporter) as tap,
             simulated(links, reporter, msg_paths) as opened,
             bridge(
-                used.environment,
+                graphs.join,
                 opened,
                 reporter,
                 msg_paths=msg_paths,

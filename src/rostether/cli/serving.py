@@ -1,4 +1,4 @@
-"""Serving boards on a ROS 1 graph: what `serve`, `serial-node` and `demo` have in common."""
+"""Serving boards on a ROS graph: what `serve`, `serial-node` and `demo` have in common."""
 
 from __future__ import annotations
 
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from rostether.bridge.supervisor import Listen, Supervisor
     from rostether.devices.device_book import DeviceBook
     from rostether.graph.ports import JoinGraph
-    from rostether.msgdef.registry import Registry
     from rostether.transports.transport import Transport
 
 
@@ -41,8 +40,11 @@ def read_links(text: str, hosts: Sequence[str] = (LOOPBACK,), allowed: tuple[str
     return [link]
 
 
-def loopback_lines(environment: RosEnvironment, links: Sequence[Address]) -> list[str]:
-    """Return a line for each listener that others would need and that is on loopback only."""
+def loopback_lines(environment: RosEnvironment | None, links: Sequence[Address]) -> list[str]:
+    """Return a line for each listener that others would need and that is on loopback only.
+
+    `environment` is that of ROS 1, None where there is none.
+    """
     listeners = [link for link in links if isinstance(link, TcpAddress | UdpAddress) and link.listens]
     wide = {(type(link), link.port) for link in listeners if not is_loopback(link.host)}
     lines = [
@@ -50,7 +52,11 @@ def loopback_lines(environment: RosEnvironment, links: Sequence[Address]) -> lis
         for link in listeners
         if (type(link), link.port) not in wide
     ]
-    if environment.listens_on_loopback_only and not environment.master.is_loopback:
+    if (
+        environment is not None
+        and environment.listens_on_loopback_only
+        and not environment.master.is_loopback
+    ):
         lines.append(
             "the master is on another machine, whose nodes cannot reach us; "
             "--listen 0.0.0.0, or ROS_IP with our address, lets them"
@@ -67,7 +73,7 @@ def joining_ros1(environment: RosEnvironment) -> JoinGraph:
 
 @asynccontextmanager
 async def bridge(
-    environment: RosEnvironment,
+    join: JoinGraph,
     addresses: Sequence[Address],
     reporter: Reporter,
     *,
@@ -80,16 +86,12 @@ async def bridge(
     tap: Callable[[Transport], Transport] | None = None,
     listen: Listen = listen,
     settings: BridgeSettings | None = None,
-    join: JoinGraph | None = None,
-    registry: Registry | None = None,
 ) -> AsyncIterator[Supervisor]:
-    """Serve boards as long as the block lasts; its end tells them to stop and leaves the graph.
+    """Serve boards as nodes that `join` makes; the block's end tells them to stop and leaves the graph.
 
     With `keeps_node` the one link's node is there from the start, and its end ends `wait_done`. With
     `diagnostics` each board's node publishes /diagnostics. `tap` may put a recorder around each link;
-    `listen` is how links are listened for; `settings` are the limits; `join` makes the boards' nodes,
-    without it ROS 1 nodes under `environment`; `registry` has the definitions, without it those of
-    `msg_paths` and ROS_PACKAGE_PATH.
+    `listen` is how links are listened for; `settings` are the limits.
     Raises TransportOpenError for an address that cannot be listened on, InvalidNameError.
     """
     from rostether.bridge.settings import DEFAULT_SETTINGS
@@ -99,8 +101,8 @@ async def bridge(
 
     show_library_logs(reporter.line)
     supervisor = Supervisor(
-        join or joining_ros1(environment),
-        TypeStore(registry or Registry.from_environment(msg_paths)),
+        join,
+        TypeStore(Registry.from_environment(msg_paths)),
         reporter=reporter,
         ns_per_board=ns_per_board,
         keeps_node=keeps_node,

@@ -1,0 +1,77 @@
+"""The graphs that boards are bridged into: ROS 1, with its master found or made, ROS 2, or both at once."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Mapping, Sequence
+from contextlib import AsyncExitStack, asynccontextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from rostether.cli.ros2_graph import ros2_access
+from rostether.cli.ros2_options import Ros2Options
+from rostether.cli.ros_choice import Middleware
+from rostether.cli.serving import joining_ros1
+from rostether.cli.which_master import used_master
+from rostether.graph.ports import Graph, JoinGraph
+from rostether.ros1.environment import RosEnvironment
+
+
+@dataclass(frozen=True, slots=True)
+class ServedGraphs:
+    """What makes the boards' nodes, the ROS 1 environment (None without ROS 1), and lines for people."""
+
+    join: JoinGraph
+    ros1: RosEnvironment | None
+    lines: tuple[str, ...]
+
+
+@asynccontextmanager
+async def served_graphs(
+    environment: RosEnvironment,
+    *,
+    ros1: bool = True,
+    ros2: Middleware | None = None,
+    options: Ros2Options | None = None,
+    is_chosen: bool = False,
+    master_port: int | None = None,
+    msg_paths: Sequence[Path] = (),
+) -> AsyncIterator[ServedGraphs]:
+    """Be on the graphs as long as the block lasts. Raises GraphError, ConfigError."""
+    options = options or Ros2Options()
+    joins: list[JoinGraph] = []
+    lines: list[str] = []
+    used_environment = None
+    async with AsyncExitStack() as stack:
+        if ros1:
+            used = await stack.enter_async_context(
+                used_master(environment, is_chosen=is_chosen, port=master_port)
+            )
+            used_environment = used.environment
+            joins.append(joining_ros1(used_environment))
+            lines.append(used.line)
+        if ros2 is not None:
+            access = await stack.enter_async_context(
+                ros2_access(ros2, msg_paths, reach=options.reach, params_files=options.params_files)
+            )
+            joins.append(access.join)
+            lines.append(access.line)
+        join = joins[0] if len(joins) == 1 else _joining_all(joins)
+        yield ServedGraphs(join, used_environment, tuple(lines))
+
+
+def _joining_all(joins: Sequence[JoinGraph]) -> JoinGraph:
+    from rostether.graph.joint_graph import JointGraph
+
+    async def join(
+        node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
+    ) -> Graph:
+        async with AsyncExitStack() as joined:
+            graphs: list[Graph] = []
+            for each in joins:
+                graph = await each(node_name, namespace=namespace, remappings=remappings)
+                joined.push_async_callback(graph.close)
+                graphs.append(graph)
+            joined.pop_all()
+        return JointGraph(graphs)
+
+    return join
