@@ -20,8 +20,7 @@ def merge_snapshots(snapshots: Iterable[Snapshot]) -> Snapshot:
         for name, topic in snapshot.topics.items():
             topics[name] = _merge_topics(topics[name], topic) if name in topics else topic
         for name, service in snapshot.services.items():
-            before = services[name].providers if name in services else ()
-            services[name] = ServiceInfo(name, _merge_names(before, service.providers))
+            services[name] = _merge_services(services[name], service) if name in services else service
     return Snapshot(tuple(sorted(nodes)), dict(sorted(topics.items())), dict(sorted(services.items())))
 
 
@@ -82,6 +81,14 @@ def _merge_topics(one: TopicInfo, other: TopicInfo) -> TopicInfo:
         other.type if one.type == ANY_TYPE else one.type,
         _merge_names(one.publishers, other.publishers),
         _merge_names(one.subscribers, other.subscribers),
+    )
+
+
+def _merge_services(one: ServiceInfo, other: ServiceInfo) -> ServiceInfo:
+    return ServiceInfo(
+        one.name,
+        _merge_names(one.providers, other.providers),
+        other.type if one.type == ANY_TYPE else one.type,
     )
 
 

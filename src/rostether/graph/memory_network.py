@@ -104,7 +104,7 @@ class MemoryNetwork:
             nodes=tuple(sorted(self.nodes)),
             topics={name: self._topic_info(name) for name in sorted(names)},
             services={
-                name: ServiceInfo(name, (server.node_name,))
+                name: ServiceInfo(name, (server.node_name,), server.type.name)
                 for name, server in sorted(self._services.items())
             },
         )

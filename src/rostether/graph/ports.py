@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Protocol, TypeAlias
 
-from rostether.msgdef.interface import MessageType, ServiceType
+from rostether.msgdef.interface import ANY_TYPE, MessageType, ServiceType
 from rostether.rostime import Time
 
 ParamValue: TypeAlias = bool | int | float | str | bytes | list["ParamValue"] | dict[str, "ParamValue"] | None
@@ -45,10 +45,14 @@ class TopicInfo:
 
 @dataclass(frozen=True, slots=True)
 class ServiceInfo:
-    """One service in a snapshot, with the nodes that provide it."""
+    """One service in a snapshot, with the nodes that provide it.
+
+    `type` is `*` where the graph does not tell it: a ROS 1 master does not know.
+    """
 
     name: str
     providers: tuple[str, ...]
+    type: str = ANY_TYPE
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,42 @@
+"""One service of one graph, offered in the other."""
+
+from __future__ import annotations
+
+from rostether.graph.ports import ServiceServer
+from rostether.msgdef.interface import ServiceType
+from rostether.relay.side import Side
+
+
+class ServiceRelay:
+    """Hands calls on until it is closed."""
+
+    def __init__(self, service: str, source: Side, target: Side, chosen_type: str) -> None:
+        self.service = service
+        self.source = source
+        self.target = target
+        self.type: ServiceType | None = None
+        self.call_count = 0
+        self._chosen_type = chosen_type
+        self._server: ServiceServer | None = None
+        self._is_closed = False
+
+    async def open(self) -> None:
+        """Offer it. Raises RostetherError."""
+        self.type = service_type = await self.source.find_service_type(self.service, self._chosen_type)
+
+        async def call(request: bytes) -> bytes:
+            self.call_count += 1
+            return await self.source.graph.call_service(self.service, service_type, request)
+
+        server = await self.target.graph.advertise_service(self.service, service_type, call)
+        if self._is_closed:
+            await server.close()
+            return
+        self._server = server
+
+    async def close(self) -> None:
+        """Take it back. Idempotent. Raises GraphError."""
+        self._is_closed = True
+        server, self._server = self._server, None
+        if server is not None:
+            await server.close()

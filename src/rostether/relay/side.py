@@ -1,0 +1,31 @@
+"""One of the two graphs of a relay."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+
+from rostether.errors import DefinitionError
+from rostether.graph.ports import Graph
+from rostether.msgdef.interface import ANY_TYPE, ServiceType
+
+FindServiceType = Callable[[str, str], Awaitable[ServiceType]]
+"""Takes a service and the name of its type, `*` where that is not known. Raises RostetherError."""
+
+
+@dataclass(frozen=True, slots=True)
+class Side:
+    """A graph with the name that people know it by, and how to learn the type of a service in it."""
+
+    name: str
+    graph: Graph
+    service_type: FindServiceType
+
+    async def find_service_type(self, service: str, chosen: str) -> ServiceType:
+        """Return a service's type: the chosen one, else what the graph tells. Raises RostetherError."""
+        listed = (await self.graph.snapshot()).services.get(service)
+        type_name = chosen or (listed.type if listed is not None else ANY_TYPE)
+        try:
+            return await self.service_type(service, type_name)
+        except DefinitionError as error:
+            raise DefinitionError(f"{error}; or give it as {service}=package/Type") from None

@@ -1,0 +1,265 @@
+"""A relay between two graphs: what is carried, from when to when, and that nothing comes back."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+
+import pytest
+import pytest_asyncio
+
+from contract.graphs import (
+    ADD_DIAGNOSTICS,
+    EMPTY,
+    SET_BOOL,
+    STRING,
+    TRUE,
+    Inbox,
+    agreeing,
+    answer,
+    string,
+    until,
+)
+from rostether.errors import GraphError, ServiceUnavailableError, UnknownTypeError
+from rostether.graph.memory_graph import MemoryGraph
+from rostether.graph.memory_network import MemoryNetwork
+from rostether.graph.ports import Level
+from rostether.msgdef.interface import ServiceType
+from rostether.relay import relay as relay_module
+from rostether.relay.choice import Choice, Direction, Services, Topics
+from rostether.relay.relay import Relay
+from rostether.relay.side import Side
+
+SERVICE_TYPES = {each.name: each for each in (SET_BOOL, ADD_DIAGNOSTICS, EMPTY)}
+
+
+async def service_type(service: str, name: str) -> ServiceType:
+    if name not in SERVICE_TYPES:
+        raise UnknownTypeError(f"nobody knows {name}, the type of {service}")
+    return SERVICE_TYPES[name]
+
+
+class World:
+    """Two graphs with a node in each, and what the relay between them says."""
+
+    def __init__(self) -> None:
+        self.networks = MemoryNetwork(), MemoryNetwork()
+        self.lines: list[str] = []
+        self.relay: Relay | None = None
+
+    async def join(self) -> None:
+        self.one, self.two = [await network.join("/node") for network in self.networks]
+        self.relays = [await network.join("/relay") for network in self.networks]
+
+    def carries(self, name: str, graph: int) -> bool:
+        topic = self.networks[graph].snapshot().topics.get(name)
+        return topic is not None and "/relay" in topic.publishers
+
+    @asynccontextmanager
+    async def relaying(self, *topics: Topics, services: tuple[Services, ...] = ()) -> AsyncIterator[Relay]:
+        sides = [
+            Side(name, graph, service_type) for name, graph in zip(("one", "two"), self.relays, strict=True)
+        ]
+
+        def report(_: Level, line: str) -> None:
+            self.lines.append(line)
+
+        relay = Relay(sides[0], sides[1], Choice(topics, services), report)
+        running = asyncio.ensure_future(relay.run())
+        try:
+            yield relay
+        finally:
+            running.cancel()
+            await asyncio.gather(running, return_exceptions=True)
+            assert not relay.relays
+
+
+@pytest_asyncio.fixture
+async def world() -> AsyncIterator[World]:
+    world = World()
+    await world.join()
+    yield world
+    for network in world.networks:
+        for graph in list(network.nodes.values()):
+            await graph.close()
+
+
+async def test_topics_go_both_ways_and_nothing_comes_back(world: World) -> None:
+    inboxes = Inbox(), Inbox()
+    talkers = [await graph.advertise("/chat", STRING) for graph in (world.one, world.two)]
+    for graph, inbox in zip((world.one, world.two), inboxes, strict=True):
+        await graph.subscribe("/chat", STRING, inbox.take)
+    async with world.relaying(Topics("/chat")) as relay:
+        await until(lambda: world.carries("/chat", 0) and world.carries("/chat", 1))
+        await until(lambda: all(talker.subscriber_count == 2 for talker in talkers))
+        for number in range(3):
+            talkers[0].publish_raw([string(f"one {number}")])
+            talkers[1].publish_raw([string(f"two {number}")])
+        expected = sorted(string(f"{name} {number}") for name in ("one", "two") for number in range(3))
+        await until(lambda: all(sorted(inbox.payloads) == expected for inbox in inboxes))
+        await asyncio.sleep(0.02)
+        assert all(sorted(inbox.payloads) == expected for inbox in inboxes)
+        assert "relaying /chat from one to two (std_msgs/String)" in world.lines
+        assert "relaying /chat from two to one (std_msgs/String)" in world.lines
+        assert sum(each.message_count for each in relay.relays if hasattr(each, "message_count")) == 6
+    assert not world.carries("/chat", 0)
+    assert not world.carries("/chat", 1)
+    assert "no longer relaying /chat from one to two" in world.lines
+
+
+async def test_only_what_is_chosen_is_carried(world: World) -> None:
+    for graph in (world.one, world.two):
+        for topic in ("/forth/a", "/back/a", "/other", "/clock"):
+            await graph.advertise(topic, STRING)
+    chosen = (Topics("/forth/*", Direction.FORTH), Topics("/back/*", Direction.BACK), Topics("/ro*"))
+    async with world.relaying(*chosen):
+        await until(lambda: world.carries("/forth/a", 1) and world.carries("/back/a", 0))
+        await asyncio.sleep(0.01)
+        assert not world.carries("/forth/a", 0)
+        assert not world.carries("/back/a", 1)
+        for number in (0, 1):
+            assert not world.carries("/other", number)
+            assert not world.carries("/clock", number)
+        assert not any("/rosout" in line for line in world.lines)
+
+
+async def test_a_topic_is_carried_as_long_as_it_is_published(world: World) -> None:
+    inbox = Inbox()
+    await world.two.subscribe("/chat", STRING, inbox.take)
+    async with world.relaying(Topics("/chat")):
+        for number in range(3):
+            talker = await world.one.advertise("/chat", STRING)
+            await until(lambda: world.carries("/chat", 1) and talker.subscriber_count)  # noqa: B023
+            talker.publish_raw([string(f"{number}")])
+            await until(lambda: len(inbox.payloads) == number + 1)  # noqa: B023
+            await talker.close()
+            await until(lambda: not world.carries("/chat", 1))
+    assert inbox.payloads == [string("0"), string("1"), string("2")]
+
+
+async def test_latched_topics_stay_latched(world: World) -> None:
+    talker = await world.one.advertise("/map", STRING, latch=True)
+    talker.publish_raw([string("the map")])
+    async with world.relaying(Topics("/map")):
+        await until(lambda: world.carries("/map", 1))
+        for _ in range(2):
+            inbox = Inbox()
+            await world.two.subscribe("/map", STRING, inbox.take, on_connection=inbox.take_header)
+            await until(lambda: inbox.payloads)  # noqa: B023 - awaited at once
+            assert inbox.payloads == [string("the map")]
+            assert inbox.headers[0]["latching"] == "1"
+
+
+async def test_a_slow_reader_on_one_side_is_felt_on_the_other(world: World) -> None:
+    talker = await world.one.advertise("/chat", STRING)
+    inbox = Inbox()
+    slow = await world.two.subscribe("/chat", STRING, inbox.take)
+    async with world.relaying(Topics("/chat", Direction.FORTH)):
+        await until(lambda: talker.subscriber_count and slow.publisher_count)
+        slow.pause()
+        sent = 0
+        while talker.publish_raw([string("x" * 10000)]):
+            sent += 1
+            await asyncio.sleep(0)
+            assert sent < 10000
+        slow.resume()
+        await talker.drained(10.0)
+        await until(lambda: len(inbox.payloads) == sent + 1)
+        assert talker.dropped_count == 0
+
+
+async def test_services_are_offered_where_they_are_missing(world: World) -> None:
+    handle = await world.one.advertise_service("/switch", SET_BOOL, agreeing)
+    await world.one.advertise_service("/shared", SET_BOOL, agreeing)
+    await world.two.advertise_service("/shared", SET_BOOL, agreeing)
+    await world.one.advertise_service("/node/list_parameters", EMPTY, agreeing)
+
+    async def refuse(_: bytes) -> bytes:
+        raise GraphError("not today")
+
+    await world.two.advertise_service("/refuse", SET_BOOL, refuse)
+    async with world.relaying(services=(Services("/*"),)) as relay:
+        await until(lambda: len(relay.relays) == 2 and all(each.type for each in relay.relays))
+        assert await world.two.call_service("/switch", SET_BOOL, TRUE) == answer("as you say")
+        with pytest.raises(GraphError, match="not today"):
+            await world.one.call_service("/refuse", SET_BOOL, TRUE)
+        assert {each.service for each in relay.relays if hasattr(each, "service")} == {"/switch", "/refuse"}
+        await handle.close()
+        await until(lambda: len(relay.relays) == 1)
+        with pytest.raises(ServiceUnavailableError):
+            await world.two.call_service("/switch", SET_BOOL, TRUE)
+        # Two servers: the relay takes its own one back.
+        await world.one.advertise_service("/refuse", SET_BOOL, agreeing)
+        await until(lambda: not relay.relays)
+        assert await world.one.call_service("/refuse", SET_BOOL, TRUE) == answer("as you say")
+
+
+async def test_a_type_that_nobody_knows_is_told_once_and_can_be_given(
+    world: World, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(relay_module, "RETRY_S", 0.001)
+    odd = ServiceType("own/Odd", SET_BOOL.md5sum, SET_BOOL.request, SET_BOOL.response)
+    await world.one.advertise_service("/odd", odd, agreeing)
+    trouble = "cannot relay service /odd from one to two: nobody knows own/Odd, the type of /odd; "
+    async with world.relaying(services=(Services("/odd"),)):
+        await until(lambda: world.lines)
+        await asyncio.sleep(0.02)
+        assert world.lines == [f"{trouble}or give it as /odd=package/Type"]
+    async with world.relaying(services=(Services("/odd", "std_srvs/SetBool"),)) as relay:
+        await until(lambda: any(each.type for each in relay.relays))
+        assert await world.two.call_service("/odd", SET_BOOL, TRUE) == answer("as you say")
+
+
+async def test_what_a_graph_refuses_is_tried_again(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(relay_module, "RETRY_S", 0.001)
+    taken = True
+    advertise: Callable[..., object] = MemoryGraph.advertise
+
+    async def refuse(self: MemoryGraph, topic: str, *args: object, **kwargs: object) -> object:
+        if taken and topic == "/chat":
+            raise GraphError("no room")
+        return await advertise(self, topic, *args, **kwargs)  # type: ignore[misc]
+
+    await world.one.advertise("/chat", STRING)
+    monkeypatch.setattr(MemoryGraph, "advertise", refuse)
+    async with world.relaying(Topics("/chat")):
+        await until(lambda: "cannot relay /chat from one to two: no room" in world.lines)
+        await asyncio.sleep(0.01)
+        assert len(world.lines) == 1
+        taken = False
+        await until(lambda: world.carries("/chat", 1))
+
+
+async def test_a_node_that_is_told_to_leave_ends_the_relay(world: World) -> None:
+    sides = [Side(str(number), graph, service_type) for number, graph in enumerate(world.relays)]
+    relay = Relay(sides[0], sides[1], Choice(), lambda _level, _text: None)
+    running = asyncio.ensure_future(relay.run())
+    await asyncio.sleep(0)
+    await world.networks[1].join("/relay")
+    with pytest.raises(GraphError, match="the relay's node has left 1: new node registered"):
+        await asyncio.wait_for(running, 5.0)
+
+
+@pytest.mark.parametrize(
+    ("topics", "name", "direction", "carried"),
+    [
+        (Topics("/a"), "/a", Direction.FORTH, True),
+        (Topics("/a"), "/a/b", Direction.FORTH, False),
+        (Topics("/a/*"), "/a/b/c", Direction.BACK, True),
+        (Topics("/a", Direction.FORTH), "/a", Direction.BACK, False),
+        (Topics("*"), "/rosout", Direction.FORTH, False),
+        (Topics("*"), "/parameter_events", Direction.FORTH, False),
+        (Topics("/clock"), "/clock", Direction.FORTH, True),
+    ],
+)
+def test_choosing_topics(topics: Topics, name: str, direction: Direction, *, carried: bool) -> None:
+    assert Choice((topics,)).carries_topic(name, direction) is carried
+
+
+def test_choosing_services() -> None:
+    choice = Choice(services=(Services("/lab/*", "a/B"), Services("/node/get_loggers")))
+    assert choice.service("/lab/switch") == Services("/lab/*", "a/B")
+    assert choice.service("/lab/node/set_parameters") is None
+    assert choice.service("/node/get_loggers") == Services("/node/get_loggers")
+    assert choice.service("/other") is None
