@@ -1,0 +1,146 @@
+"""Where ROS 2 .msg and .srv texts are: installed packages, the user's folders, and those we bring along.
+
+An installed package PKG keeps them in `PREFIX/share/PKG/msg` and `.../srv`. The bundled ones are those of one
+distribution, with a folder for every other one that holds what differs there.
+"""
+
+from __future__ import annotations
+
+import functools
+import os
+from collections.abc import Iterable, Mapping
+from enum import Enum, auto
+from pathlib import Path
+
+from rostether.errors import ConfigError
+from rostether.msgdef.definition_files import Kind
+from rostether.packages.package_xml import MAX_PACKAGE_XML_BYTES, parse_package_xml
+
+BUNDLED_FOLDER = Path(__file__).with_name("share")
+BUNDLED_DISTRO = "jazzy"
+# Distribution -> folders to look in before the bundled distribution's own, first wins.
+_OVERLAYS: Mapping[str, tuple[str, ...]] = {
+    "humble": ("humble", "iron"),
+    "iron": ("iron",),
+    "jazzy": (),
+    "kilted": (),
+    "lyrical": ("lyrical",),
+    "rolling": ("lyrical",),
+}
+_ROS2_BUILD_TOOLS = frozenset(
+    {"ament_cmake", "ament_cmake_auto", "ament_python", "rosidl_default_generators"}
+)
+_PREFIX_VARIABLES = ("AMENT_PREFIX_PATH", "COLCON_PREFIX_PATH")
+
+
+class Declared(Enum):
+    """What a package.xml says its definitions are."""
+
+    ROS1 = auto()
+    ROS2 = auto()
+    UNSAID = auto()
+
+
+def install_prefixes(environ: Mapping[str, str]) -> list[Path]:
+    """Return the folders that AMENT_PREFIX_PATH and COLCON_PREFIX_PATH name, in order, each once."""
+    parts = [part for name in _PREFIX_VARIABLES for part in environ.get(name, "").split(os.pathsep) if part]
+    return [Path(part) for part in dict.fromkeys(parts)]
+
+
+class InstalledPackages:
+    """The definitions below some install prefixes; folders are listed when first asked for."""
+
+    def __init__(self, prefixes: Iterable[Path]) -> None:
+        self._prefixes = list(prefixes)
+        self._roots: dict[str, list[Path]] | None = None
+        self._listings: dict[tuple[str, Kind], dict[str, Path]] = {}
+
+    def packages(self) -> list[str]:
+        """Return all packages that have definitions."""
+        return [
+            name for name in self._all_roots() if self.of(name, Kind.MESSAGE) or self.of(name, Kind.SERVICE)
+        ]
+
+    def of(self, package: str, kind: Kind) -> Mapping[str, Path]:
+        """Return a package's files of one kind by type name; earlier prefixes win."""
+        listing = self._listings.get((package, kind))
+        if listing is None:
+            listing = self._listings[package, kind] = {}
+            for root in self._all_roots().get(package, ()):
+                for name, file in _listing(root / kind, kind).items():
+                    listing.setdefault(name, file)
+        return listing
+
+    def has_only_idl(self, package: str, kind: Kind, name: str) -> bool:
+        """Tell whether the package was written in IDL, which leaves no .msg text."""
+        return any((root / kind / f"{name}.idl").is_file() for root in self._all_roots().get(package, ()))
+
+    def _all_roots(self) -> dict[str, list[Path]]:
+        if self._roots is None:
+            self._roots = {}
+            for prefix in self._prefixes:
+                # colcon's own prefix holds one further prefix a package, unless it installs them merged.
+                for share in (prefix / "share", *sorted(prefix.glob("*/share"))):
+                    for name in _subfolders(share):
+                        self._roots.setdefault(name, []).append(share / name)
+        return self._roots
+
+
+def declared_by(file: Path) -> Declared:
+    """Tell what the package.xml beside or above a definition's folder says."""
+    for folder in (file.parent, file.parent.parent):
+        try:
+            with (folder / "package.xml").open("rb") as stream:
+                package = parse_package_xml(stream.read(MAX_PACKAGE_XML_BYTES + 1))
+        except OSError:
+            continue
+        except ConfigError:
+            return Declared.UNSAID
+        ros1 = "catkin" in package.dependencies or package.build_type == "catkin"
+        ros2 = package.build_type.startswith("ament") or not _ROS2_BUILD_TOOLS.isdisjoint(
+            package.dependencies
+        )
+        if ros1 == ros2:
+            return Declared.UNSAID
+        return Declared.ROS1 if ros1 else Declared.ROS2
+    return Declared.UNSAID
+
+
+@functools.cache
+def bundled_names(distro: str, package: str, kind: Kind) -> Mapping[str, Path]:
+    """Return the files of one kind that we bring along for a package by type name.
+
+    For a distribution that we do not know, the newest's.
+    """
+    files: dict[str, Path] = {}
+    for folder in (*_OVERLAYS.get(distro, _OVERLAYS["rolling"]), BUNDLED_DISTRO):
+        if package in _bundled_packages_of(folder):
+            for name, file in _listing(BUNDLED_FOLDER / folder / package / kind, kind).items():
+                files.setdefault(name, file)
+    return files
+
+
+def bundled_packages() -> frozenset[str]:
+    """Return the names of the packages whose definitions we bring along."""
+    return _bundled_packages_of(BUNDLED_DISTRO)
+
+
+@functools.cache
+def _bundled_packages_of(folder: str) -> frozenset[str]:
+    return frozenset(_subfolders(BUNDLED_FOLDER / folder))
+
+
+def _listing(folder: Path, kind: Kind) -> dict[str, Path]:
+    suffix = f".{kind}"
+    try:
+        names = sorted(entry.name for entry in folder.iterdir())
+    except OSError:
+        return {}
+    return {name.removesuffix(suffix): folder / name for name in names if name.endswith(suffix)}
+
+
+def _subfolders(folder: Path) -> list[str]:
+    try:
+        return sorted(entry.name for entry in folder.iterdir() if entry.is_dir())
+    except OSError:
+        return []

@@ -1,0 +1,212 @@
+"""Every ROS 2 message and service by name: from the user's folders, installed packages, and those we bring."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from rostether.errors import ConfigError, DefinitionError, UnknownTypeError
+from rostether.msgdef.definition_files import Kind, PackageFiles, find_definitions, read_definition
+from rostether.msgdef.ros2.definition_files import (
+    BUNDLED_DISTRO,
+    Declared,
+    InstalledPackages,
+    bundled_names,
+    bundled_packages,
+    declared_by,
+    install_prefixes,
+)
+from rostether.msgdef.ros2.parse import (
+    REQUEST_SUFFIX,
+    RESPONSE_SUFFIX,
+    parse_message,
+    parse_service,
+)
+from rostether.msgdef.ros2.spec import Ros2Message, Ros2Service
+from rostether.msgdef.ros2.unknown_type import explain_only_idl, explain_unknown, split_name
+
+_KINDS = (Kind.MESSAGE, Kind.SERVICE)
+
+
+class Ros2Definitions:
+    """Finds, parses and caches ROS 2 definitions; nothing is read before it is asked for.
+
+    `paths` are folders of packages or of plain definitions (--msg-path), of which those that are ROS 2 texts
+    count; `prefixes` are install prefixes as AMENT_PREFIX_PATH names them. Both win over the bundled
+    definitions of `distro`, type by type, in the order given.
+    """
+
+    def __init__(
+        self,
+        paths: Iterable[Path | str] = (),
+        *,
+        prefixes: Iterable[Path | str] = (),
+        distro: str = BUNDLED_DISTRO,
+        bundled: bool = True,
+    ) -> None:
+        self.distro = distro
+        self._paths = [Path(path) for path in paths]
+        self._installed = InstalledPackages(Path(prefix) for prefix in prefixes)
+        self._bundled = bundled
+        self._found: dict[str, PackageFiles] | None = None
+        self._messages: dict[str, Ros2Message] = {}
+        self._services: dict[str, Ros2Service] = {}
+        # Files of the user's folders that turned out to be ROS 1 texts.
+        self._ros1_files: set[Path] = set()
+
+    @classmethod
+    def from_environment(
+        cls, msg_paths: Iterable[Path | str] = (), environ: Mapping[str, str] | None = None
+    ) -> Ros2Definitions:
+        """Use --msg-path folders, AMENT_PREFIX_PATH, COLCON_PREFIX_PATH and ROS_DISTRO.
+
+        Raises ConfigError for a missing folder.
+        """
+        environ = os.environ if environ is None else environ
+        paths = [Path(path).expanduser() for path in msg_paths]
+        for path in paths:
+            if not path.is_dir():
+                raise ConfigError(
+                    f"--msg-path {path}: no such folder; give a folder of packages or of .msg files"
+                )
+        # A shell that has sourced ROS 1 says noetic: that names no ROS 2.
+        distro = environ.get("ROS_DISTRO", "") if environ.get("ROS_VERSION", "2") == "2" else ""
+        if distro in ("noetic", "melodic", "kinetic", ""):
+            distro = BUNDLED_DISTRO
+        return cls(paths, prefixes=install_prefixes(environ), distro=distro)
+
+    def message(self, name: str) -> Ros2Message:
+        """Return a message by `package/msg/Name`, or half a service by `package/srv/Name_Request`.
+
+        Raises UnknownTypeError, or DefinitionError if its own text is broken.
+        """
+        found = self._messages.get(name)
+        if found is None:
+            found = self._messages[name] = self._load_message(name)
+        return found
+
+    def service(self, name: str) -> Ros2Service:
+        """Return a service by `package/srv/Name`. Raises UnknownTypeError, DefinitionError."""
+        found = self._services.get(name)
+        if found is None:
+            package, kind, short_name = split_name(name, Kind.SERVICE)
+            if kind is not Kind.SERVICE:
+                raise UnknownTypeError(f"{name} is a message, not a service")
+            found = self._load(Kind.SERVICE, package, short_name)
+            assert isinstance(found, Ros2Service)
+            self._services[name] = found
+        return found
+
+    def has(self, name: str) -> bool:
+        """Tell whether a message, service or half a service is known; reads only the user's own texts."""
+        try:
+            package, kind, short_name = split_name(name)
+        except UnknownTypeError:
+            return False
+        names = [short_name]
+        if kind is Kind.SERVICE:
+            names += [short_name.removesuffix(suffix) for suffix in (REQUEST_SUFFIX, RESPONSE_SUFFIX)]
+        return any(self._file(kind, package, each) is not None for each in names)
+
+    def packages(self) -> list[str]:
+        """Return the names of all packages that have definitions, sorted."""
+        names = set(self._installed.packages())
+        names.update(
+            package for package in self._on_path() if any(self._own(package, kind) for kind in _KINDS)
+        )
+        if self._bundled:
+            names.update(bundled_packages())
+        return sorted(names)
+
+    def messages(self, package: str | None = None) -> list[str]:
+        """Return the full names of all messages, or of one package's, sorted, without service halves."""
+        return self._names(Kind.MESSAGE, package)
+
+    def services(self, package: str | None = None) -> list[str]:
+        """Return the full names of all services, or of one package's, sorted."""
+        return self._names(Kind.SERVICE, package)
+
+    def _load_message(self, name: str) -> Ros2Message:
+        package, kind, short_name = split_name(name)
+        if kind is Kind.MESSAGE:
+            found = self._load(Kind.MESSAGE, package, short_name)
+            assert isinstance(found, Ros2Message)
+            return found
+        if short_name.endswith(REQUEST_SUFFIX):
+            return self.service(f"{package}/srv/{short_name.removesuffix(REQUEST_SUFFIX)}").request
+        if short_name.endswith(RESPONSE_SUFFIX):
+            return self.service(f"{package}/srv/{short_name.removesuffix(RESPONSE_SUFFIX)}").response
+        raise UnknownTypeError(f"{name} is a service, not a message")
+
+    def _load(self, kind: Kind, package: str, name: str) -> Ros2Message | Ros2Service:
+        file = self._file(kind, package, name)
+        if file is not None:
+            return _parse(kind, file, package, name)
+        if self._installed.has_only_idl(package, kind, name):
+            raise UnknownTypeError(explain_only_idl(package, kind, name))
+        raise UnknownTypeError(explain_unknown(self, kind, package, name))
+
+    def _file(self, kind: Kind, package: str, name: str) -> Path | None:
+        on_path = self._on_path().get(package)
+        if (
+            on_path is not None
+            and (file := on_path.of(kind).get(name))
+            and self._is_ros2(file, kind, package)
+        ):
+            return file
+        if file := self._installed.of(package, kind).get(name):
+            return file
+        return bundled_names(self.distro, package, kind).get(name) if self._bundled else None
+
+    def _is_ros2(self, file: Path, kind: Kind, package: str) -> bool:
+        """Tell whether a text of the user's folders is one of ROS 2: its package says so, or it reads as one."""
+        if file in self._ros1_files:
+            return False
+        declared = declared_by(file)
+        if declared is Declared.ROS2:
+            return True
+        if declared is Declared.UNSAID and self._reads_as_ros2(file, kind, package):
+            return True
+        self._ros1_files.add(file)
+        return False
+
+    def _reads_as_ros2(self, file: Path, kind: Kind, package: str) -> bool:
+        try:
+            found = _parse(kind, file, package, file.stem)
+        except DefinitionError:
+            return False
+        halves = [found] if isinstance(found, Ros2Message) else [found.request, found.response]
+        # A plain `Header` is std_msgs' in ROS 1 and the package's own in ROS 2.
+        header = f"{package}/msg/Header"
+        return package == "std_msgs" or not any(
+            field.type.base == header and "Header" not in self._own(package, Kind.MESSAGE)
+            for half in halves
+            for field in half.fields
+        )
+
+    def _on_path(self) -> dict[str, PackageFiles]:
+        if self._found is None:
+            self._found = find_definitions(self._paths, ())
+        return self._found
+
+    def _own(self, package: str, kind: Kind) -> Mapping[str, Path]:
+        files = self._on_path().get(package)
+        return files.of(kind) if files is not None else {}
+
+    def _names(self, kind: Kind, package: str | None) -> list[str]:
+        names: set[str] = set()
+        for each in self.packages() if package is None else [package]:
+            found = {name for name, file in self._own(each, kind).items() if self._is_ros2(file, kind, each)}
+            found.update(self._installed.of(each, kind))
+            if self._bundled:
+                found.update(bundled_names(self.distro, each, kind))
+            names.update(f"{each}/{kind}/{name}" for name in found)
+        return sorted(names)
+
+
+def _parse(kind: Kind, file: Path, package: str, name: str) -> Ros2Message | Ros2Service:
+    text = read_definition(file)
+    if kind is Kind.SERVICE:
+        return parse_service(text, package=package, name=name, file=str(file))
+    return parse_message(text, package=package, name=name, file=str(file))

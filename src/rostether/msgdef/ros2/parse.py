@@ -1,0 +1,229 @@
+"""Reading a ROS 2 .msg or .srv text: `type name [default]` or `type NAME=value` a line, comments after `#`.
+
+Accepts and refuses what rosidl does, with one exception: indented declarations are read.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import NoReturn
+
+from rostether.errors import DefinitionError
+from rostether.msgdef.parse_msg import MAX_ARRAY_LENGTH, MAX_FIELDS, MAX_TEXT_CHARACTERS
+from rostether.msgdef.ros2.literals import quote, read_default, read_literal
+from rostether.msgdef.ros2.primitives import PRIMITIVE_TYPES, STRING_TYPES
+from rostether.msgdef.ros2.spec import (
+    ConstantValue,
+    DefaultValue,
+    Ros2Constant,
+    Ros2Field,
+    Ros2Message,
+    Ros2Service,
+    Ros2Type,
+)
+
+SECTION_MARK = "---"
+REQUEST_SUFFIX = "_Request"
+RESPONSE_SUFFIX = "_Response"
+
+_LOWER_NAME = re.compile(r"(?!.*__)(?!.*_$)[a-z][a-z0-9_]*")
+_TYPE_NAME = re.compile(r"[A-Z][A-Za-z0-9]*")
+# As rosidl's [A-Z]([A-Z0-9_]?[A-Z0-9]+)*, in a form that takes linear time.
+_CONSTANT_NAME = re.compile(r"(?!.*__)(?!.*_$)[A-Z][A-Z0-9_]*")
+_TYPE = re.compile(r"([A-Za-z][\w/]*)(?:<=([0-9]+))?(\[(?:(<=)?([0-9]+))?\])?", re.ASCII)
+_MAX_COUNT_DIGITS = 19  # any longer number is too large, and need not be read
+_ROS1_TYPES = {"time": "builtin_interfaces/Time", "duration": "builtin_interfaces/Duration"}
+
+
+def is_package_name(name: str) -> bool:
+    """Tell whether a ROS 2 package may be called so; fields follow the same rule."""
+    return _LOWER_NAME.fullmatch(name) is not None
+
+
+def is_field_name(name: str) -> bool:
+    """Tell whether a field may be called so."""
+    return _LOWER_NAME.fullmatch(name) is not None
+
+
+def is_type_name(name: str) -> bool:
+    """Tell whether a message or service may be called so, without its package."""
+    return _TYPE_NAME.fullmatch(name) is not None
+
+
+def is_constant_name(name: str) -> bool:
+    """Tell whether a constant may be called so."""
+    return _CONSTANT_NAME.fullmatch(name) is not None
+
+
+def parse_message(
+    text: str, *, package: str, name: str, kind: str = "msg", file: str = "", first_line: int = 1
+) -> Ros2Message:
+    """Parse a definition. Raises DefinitionError with file, line and column of the first mistake.
+
+    Types without a package are taken from `package`. `first_line` is the number of the text's first line in
+    its file.
+    """
+    file = file or f"{package}/{kind}/{name}"
+    if len(text) > MAX_TEXT_CHARACTERS:
+        raise DefinitionError(f"the definition is longer than {MAX_TEXT_CHARACTERS} characters", file=file)
+    fields: list[Ros2Field] = []
+    constants: list[Ros2Constant] = []
+    names: set[str] = set()
+    for number, line in enumerate(text.split("\n"), first_line):
+        declaration = line.partition("#")[0].replace("\t", " ").rstrip()
+        if not declaration.strip():
+            continue
+        source = _Line(file, number, declaration)
+        type_text, _, rest = declaration.strip().partition(" ")
+        rest = rest.lstrip()
+        if not rest:
+            source.fail(f"{quote(type_text)} is not 'type name' or 'type NAME=value'")
+        if "=" in rest:
+            constants.append(_parse_constant(source, type_text, rest))
+            continue
+        field = _parse_field(source, type_text, rest, package)
+        if field.name in names:
+            source.fail(f"the field {field.name!r} is declared twice", field.name)
+        if len(fields) == MAX_FIELDS:
+            source.fail(f"more than {MAX_FIELDS} fields")
+        names.add(field.name)
+        fields.append(field)
+    return Ros2Message(package, kind, name, tuple(fields), tuple(constants))
+
+
+def parse_service(text: str, *, package: str, name: str, file: str = "") -> Ros2Service:
+    """Parse a definition: the request, one line `---`, the response.
+
+    Raises DefinitionError with file, line and column of the first mistake.
+    """
+    file = file or f"{package}/srv/{name}"
+    lines = text.split("\n")
+    marks = [index for index, line in enumerate(lines) if line.rstrip() == SECTION_MARK]
+    if len(marks) != 1:
+        line = marks[1] + 1 if marks else 0
+        found = "more than one line" if marks else "no line"
+        raise DefinitionError(
+            f"{found} {SECTION_MARK!r} between request and response",
+            file=file,
+            line=line,
+            column=1 if marks else 0,
+        )
+    mark = marks[0]
+    request = parse_message(
+        "\n".join(lines[:mark]), package=package, name=name + REQUEST_SUFFIX, kind="srv", file=file
+    )
+    response = parse_message(
+        "\n".join(lines[mark + 1 :]),
+        package=package,
+        name=name + RESPONSE_SUFFIX,
+        kind="srv",
+        file=file,
+        first_line=mark + 2,
+    )
+    return Ros2Service(package, name, request, response)
+
+
+class _Line:
+    """One line with its place, to say where a mistake is."""
+
+    __slots__ = ("declaration", "file", "number")
+
+    def __init__(self, file: str, number: int, declaration: str) -> None:
+        self.file = file
+        self.number = number
+        self.declaration = declaration
+
+    def fail(self, message: str, token: str = "") -> NoReturn:
+        """Raise for the token, or for the whole line; the last occurrence of a repeated token is meant."""
+        position = self.declaration.rfind(token) if token else -1
+        if position < 0:
+            position = len(self.declaration) - len(self.declaration.lstrip())
+        raise DefinitionError(message, file=self.file, line=self.number, column=position + 1)
+
+
+def _parse_field(line: _Line, type_text: str, rest: str, package: str) -> Ros2Field:
+    field_type = _parse_type(line, type_text, package)
+    name, _, default_text = rest.partition(" ")
+    if not is_field_name(name):
+        line.fail(
+            f"{quote(name)} is not a field name: a small letter, then small letters, digits and single '_'",
+            name,
+        )
+    default_text = default_text.strip()
+    if not default_text:
+        return Ros2Field(field_type, name)
+    if field_type.base not in PRIMITIVE_TYPES:
+        line.fail(f"{name}: only fields of built-in types can have a default", default_text)
+    default: DefaultValue
+    try:
+        default = read_default(field_type, default_text)
+    except ValueError as error:
+        line.fail(f"{name}: {error}", default_text)
+    return Ros2Field(field_type, name, default)
+
+
+def _parse_type(line: _Line, text: str, package: str) -> Ros2Type:
+    found = _TYPE.fullmatch(text)
+    if found is None:
+        line.fail(
+            f"{quote(text)} is not a type, like uint8, string<=10, float32[3], int8[<=5] or package/Name",
+            text,
+        )
+    base, string_bound, brackets, at_most, count_text = found.groups()
+    if string_bound is not None and base not in STRING_TYPES:
+        line.fail(f"{quote(text)}: only string and wstring can have a bound", text)
+    if base not in PRIMITIVE_TYPES:
+        base = _full_name(line, base, package)
+    count = _count(line, count_text, text)
+    return Ros2Type(
+        base,
+        is_array=brackets is not None,
+        length=None if at_most else count,
+        bound=count if at_most else None,
+        string_bound=_count(line, string_bound, text),
+    )
+
+
+def _full_name(line: _Line, text: str, package: str) -> str:
+    if text in _ROS1_TYPES:
+        line.fail(f"{text!r} is a type of ROS 1; ROS 2 has {_ROS1_TYPES[text]}", text)
+    owner, slash, name = text.rpartition("/")
+    if slash and not is_package_name(owner):
+        line.fail(
+            f"{quote(text)} is not 'package/Name'; packages are small letters, digits and single '_'", text
+        )
+    if not is_type_name(name):
+        line.fail(
+            f"{quote(name)} is neither a built-in type nor a message's name (a capital, then letters and digits)",
+            text,
+        )
+    return f"{owner or package}/msg/{name}"
+
+
+def _count(line: _Line, digits: str | None, type_text: str) -> int | None:
+    if digits is None:
+        return None
+    count = int(digits) if len(digits) <= _MAX_COUNT_DIGITS else MAX_ARRAY_LENGTH + 1
+    if count == 0:
+        line.fail(f"{quote(type_text)}: a length or bound is 1 or more", type_text)
+    if count > MAX_ARRAY_LENGTH:
+        line.fail(f"{quote(type_text)}: a length or bound of more than {MAX_ARRAY_LENGTH}", type_text)
+    return count
+
+
+def _parse_constant(line: _Line, type_text: str, rest: str) -> Ros2Constant:
+    if type_text not in PRIMITIVE_TYPES:
+        line.fail(f"{quote(type_text)} cannot be the type of a constant", type_text)
+    name, _, value_text = rest.partition("=")
+    name, value_text = name.rstrip(), value_text.strip()
+    if not is_constant_name(name):
+        line.fail(
+            f"{quote(name)} is not a constant's name: a capital, then capitals, digits and single '_'",
+            name or "=",
+        )
+    value: ConstantValue
+    try:
+        value = read_literal(type_text, value_text)
+    except ValueError as error:
+        line.fail(f"{name}: {error}", value_text)
+    return Ros2Constant(type_text, name, value)

@@ -1,0 +1,53 @@
+"""The one line for a ROS 2 type that nobody knows: which package is missing, or which name was meant."""
+
+from __future__ import annotations
+
+import difflib
+import re
+
+from rostether.errors import UnknownTypeError
+from rostether.msgdef.definition_files import Kind
+from rostether.msgdef.registry import MAX_NAME_CHARACTERS
+from rostether.msgdef.unknown_type import KnownNames
+
+HOW_TO_GIVE = "source the ROS 2 workspace that has it, or give its folder with --msg-path DIR"
+
+_NAME = re.compile(r"([A-Za-z][A-Za-z0-9_]*)/(msg|srv)/([A-Za-z][A-Za-z0-9_]*)")
+
+
+def split_name(name: str, kind: Kind = Kind.MESSAGE) -> tuple[str, Kind, str]:
+    """Split `package/msg/Name` or `package/srv/Name`. Raises UnknownTypeError; `kind` is for its example."""
+    found = _NAME.fullmatch(name) if len(name) <= MAX_NAME_CHARACTERS else None
+    if found is None:
+        example = "std_srvs/srv/SetBool" if kind is Kind.SERVICE else "std_msgs/msg/String"
+        raise UnknownTypeError(
+            f"{name[:80]!r} is not a ROS 2 type name; write package/{kind}/Name, as {example}"
+        )
+    return found[1], Kind(found[2]), found[3]
+
+
+def explain_unknown(known: KnownNames, kind: Kind, package: str, short_name: str) -> str:
+    """Say why `package/kind/short_name` is unknown and what to do."""
+    wanted = f"{package}/{kind}/{short_name}"
+    packages = known.packages()
+    if package not in packages:
+        meant = _did_you_mean(package, packages)
+        return f"no ROS 2 package {package!r} is known for {wanted}; {meant}{HOW_TO_GIVE}"
+    names = known.services(package) if kind is Kind.SERVICE else known.messages(package)
+    noun = "service" if kind is Kind.SERVICE else "message"
+    short_names = [each.rpartition("/")[2] for each in names]
+    meant = _did_you_mean(short_name, short_names, prefix=f"{package}/{kind}/")
+    return f"the ROS 2 package {package!r} has no {noun} {short_name!r}; {meant}{HOW_TO_GIVE}"
+
+
+def explain_only_idl(package: str, kind: Kind, short_name: str) -> str:
+    """Say that a type is there, but not in a form that we read."""
+    return (
+        f"{package}/{kind}/{short_name} is installed as .idl only, which rostether does not read;"
+        f" write it as {short_name}.{kind} and give its folder with --msg-path DIR"
+    )
+
+
+def _did_you_mean(name: str, candidates: list[str], *, prefix: str = "") -> str:
+    close = difflib.get_close_matches(name, candidates, n=1)
+    return f"did you mean {prefix}{close[0]}? Otherwise, " if close else ""
