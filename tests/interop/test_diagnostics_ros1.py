@@ -1,0 +1,116 @@
+"""/diagnostics of `rostether serve`, as Debian's tools read it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from interop.ros1_peers import Ros1Peers
+from rostether import Device
+from unit.cli.serving_process import started
+
+OK, WARN, ERROR = 0, 1, 2
+
+# What rqt_runtime_monitor and diagnostic_aggregator stand on: one name and hardware_id each, no key twice.
+MONITOR = """
+import sys, rospy
+from diagnostic_msgs.msg import DiagnosticArray
+rospy.init_node("py_monitor")
+def take(array):
+    for status in array.status:
+        assert array.header.stamp.to_sec() > 0
+        assert all(each.key and isinstance(each.value, str) for each in status.values)
+        assert len({each.key for each in status.values}) == len(status.values)
+        print(status.name, "|", status.hardware_id, "|", status.level, "|", status.message, flush=True)
+rospy.Subscriber("/diagnostics", DiagnosticArray, take)
+rospy.spin()
+"""
+
+DEAF_SKETCH = """
+#include <ros.h>
+#include <std_msgs/String.h>
+ros::NodeHandle nh;
+void take(const std_msgs::String&) {}
+ros::Subscriber<std_msgs::String> subscriber("words", &take);
+void setup() {
+  nh.getHardware()->setBaud(9600);
+  nh.initNode();
+  nh.subscribe(subscriber);
+}
+void loop() { nh.spinOnce(); }
+"""
+
+
+async def echoed(roscore: Ros1Peers) -> dict[str, Any]:
+    """What `rostopic echo -n1 /diagnostics` prints."""
+    text = await roscore.run("rostopic", "echo", "-n1", "/diagnostics")
+    documents = [each for each in yaml.safe_load_all(text) if each]
+    (array,) = documents
+    (status,) = array["status"]
+    assert array["header"]["stamp"]["secs"] > 0
+    return dict(status)
+
+
+def values(status: dict[str, Any]) -> dict[str, str]:
+    return {each["key"]: each["value"] for each in status["values"]}
+
+
+async def test_rostopic_echo_of_a_board_that_is_well(roscore: Ros1Peers, tmp_path: Path) -> None:
+    port = tmp_path / "ttyACM0"
+    async with Device(f"pty:{port}") as device:
+        device.publisher("chatter", "std_msgs/String")
+        async with started("serve", f"{port}?name=arm", ROS_MASTER_URI=roscore.master_uri) as serve:
+            await serve.wait_for("Setup publisher on chatter")
+            status = await echoed(roscore)
+            listed = await roscore.run("rostopic", "info", "/diagnostics")
+    assert "Type: diagnostic_msgs/DiagnosticArray" in listed
+    assert "* /arm (" in listed
+    assert (status["name"], status["level"], status["message"]) == ("arm: rosserial", OK, "all is well")
+    assert status["hardware_id"] == str(port)
+    found = values(status)
+    assert found["state"] == "connected"
+    assert found["publisher chatter type"] == "std_msgs/String"
+    for key in ("frames", "checksum errors", "reconnects", "resets", "received [bytes]"):
+        assert found[key].isdigit(), key
+
+
+async def test_several_boards_as_monitors_tell_them_apart(roscore: Ros1Peers, tmp_path: Path) -> None:
+    arm, base = tmp_path / "ttyACM0", tmp_path / "ttyACM1"
+    monitor = await roscore.rospy(MONITOR)
+    async with Device(f"pty:{base}") as there:
+        there.publisher("odom", "nav_msgs/Odometry")
+        async with Device(f"pty:{arm}") as leaving:
+            leaving.publisher("chatter", "std_msgs/String")
+            links = (f"{arm}?name=arm", f"{base}?name=base")
+            serving = started("serve", *links, ROS_MASTER_URI=roscore.master_uri)
+            serve = await serving.__aenter__()
+            try:
+                await monitor.wait_for(f"arm: rosserial | {arm} | {OK} | all is well")
+                await monitor.wait_for(f"base: rosserial | {base} | {OK} | all is well")
+                await leaving.close()
+                await monitor.wait_for(f"arm: rosserial | {arm} | {ERROR} | not connected")
+                seen = len(monitor.lines)
+                await monitor.wait_for(lambda lines: any("base: rosserial" in each for each in lines[seen:]))
+            finally:
+                await serving.__aexit__(None, None, None)
+    assert "Traceback" not in monitor.text + serve.text
+
+
+@pytest.mark.simavr
+async def test_a_topic_that_brings_more_than_the_line_takes(roscore: Ros1Peers, tmp_path: Path) -> None:
+    sketch = tmp_path / "deaf" / "deaf.ino"
+    sketch.parent.mkdir()
+    sketch.write_text(DEAF_SKETCH)
+    async with started("serve", f"sim:{sketch}?name=deaf", ROS_MASTER_URI=roscore.master_uri) as serve:
+        await serve.wait_for("Setup subscriber on words")
+        await roscore.start("rostopic", "pub", "-r", "400", "/words", "std_msgs/String", "x" * 200)
+        await serve.wait_for("lost", timeout_s=40.0)
+        status = await echoed(roscore)
+    assert status["level"] == WARN
+    finding = values(status)["finding messages-lost"]
+    assert "words brings more than the board takes" in finding
+    assert int(values(status)["subscriber words dropped"]) > 0
+    assert "publish it less often" in finding
