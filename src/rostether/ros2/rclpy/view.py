@@ -27,6 +27,7 @@ def take_snapshot(node: Any) -> Snapshot:
     publishers: dict[str, set[str]] = {}
     subscribers: dict[str, set[str]] = {}
     providers: dict[str, set[str]] = {}
+    service_types: dict[str, set[str]] = {}
     for namespace, name in names:
         full_name = f"{namespace.rstrip('/')}/{name}"
         for table, ask in (
@@ -36,8 +37,9 @@ def take_snapshot(node: Any) -> Snapshot:
             for topic, type_names in _ask(ask, name, namespace):
                 table.setdefault(topic, set()).add(full_name)
                 types.setdefault(topic, set()).update(type_names)
-        for service, _ in _ask(node.get_service_names_and_types_by_node, name, namespace):
+        for service, type_names in _ask(node.get_service_names_and_types_by_node, name, namespace):
             providers.setdefault(service, set()).add(full_name)
+            service_types.setdefault(service, set()).update(type_names)
     return Snapshot(
         nodes=tuple(sorted({f"{namespace.rstrip('/')}/{name}" for namespace, name in names})),
         topics={
@@ -50,7 +52,7 @@ def take_snapshot(node: Any) -> Snapshot:
             for topic in sorted(types)
         },
         services={
-            service: ServiceInfo(service, tuple(sorted(nodes)))
+            service: ServiceInfo(service, tuple(sorted(nodes)), " ".join(sorted(service_types[service])))
             for service, nodes in sorted(providers.items())
         },
     )

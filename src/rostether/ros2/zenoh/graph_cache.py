@@ -119,21 +119,27 @@ class GraphCache:
         return Snapshot(
             nodes=tuple(sorted(nodes)),
             topics={name: self._topic_info(name) for name in topics},
-            services={name: ServiceInfo(name, self._nodes(Kind.SERVER, name)) for name in services},
+            services={
+                name: ServiceInfo(name, self._nodes(Kind.SERVER, name), self._types((Kind.SERVER,), name))
+                for name in services
+            },
         )
 
     def _topic_info(self, name: str) -> TopicInfo:
-        types = {
-            type_of_dds_name(token.type) or token.type
-            for kind in _TOPICS
-            for token in self._endpoints.get((kind, name), {}).values()
-        }
         return TopicInfo(
             name,
-            " ".join(sorted(types)) or ANY_TYPE,
+            self._types(_TOPICS, name),
             self._nodes(Kind.PUBLISHER, name),
             self._nodes(Kind.SUBSCRIBER, name),
         )
+
+    def _types(self, kinds: Sequence[Kind], name: str) -> str:
+        types = {
+            type_of_dds_name(token.type) or token.type
+            for kind in kinds
+            for token in self._endpoints.get((kind, name), {}).values()
+        }
+        return " ".join(sorted(types)) or ANY_TYPE
 
     def _nodes(self, kind: Kind, name: str) -> tuple[str, ...]:
         return tuple(sorted({token.node_name for token in self._endpoints.get((kind, name), {}).values()}))
