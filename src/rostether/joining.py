@@ -24,14 +24,16 @@ async def join(
     remappings: Mapping[str, str] | None = None,
     msg_paths: Iterable[Path | str] = (),
     environ: Mapping[str, str] | None = None,
+    allow: Iterable[str] = (),
 ) -> AsyncIterator[TypedGraph]:
     """Be a node of a ROS graph as long as the block lasts.
 
     Without a name the node gets one that nobody else has. `master` and `namespace` win over ROS_MASTER_URI
-    and ROS_NAMESPACE; `msg_paths` are folders with message definitions of your own.
+    and ROS_NAMESPACE; `msg_paths` are folders with message definitions of your own. With `allow` only
+    machines in these networks (`192.168.1.0/24`) may connect to the node, and this one.
     Raises MasterUnreachableError, InvalidNameError, ConfigError.
     """
-    environment = RosEnvironment.read(environ)
+    environment = RosEnvironment.read(environ).allowing(allow)
     if master is not None:
         environment = environment.with_master(master)
     store = TypeStore(Registry.from_environment(msg_paths, environ))

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from rostether.cli.options import ALLOWED
 from rostether.errors import MasterUnreachableError
 from rostether.names.resolve import resolve_name
 from rostether.ros1.environment import RosEnvironment
@@ -45,6 +46,8 @@ def read_environment(master: str | None = None) -> RosEnvironment:
         {_ENVIRONMENT_OF_SPECIAL[key]: specials[key] for key in specials.keys() & _ENVIRONMENT_OF_SPECIAL}
     )
     environment = RosEnvironment.read(variables)
+    context = click.get_current_context(silent=True)
+    environment = environment.allowing(context.meta.get(ALLOWED, ()) if context is not None else ())
     return environment if master is None else environment.with_master(master)
 
 

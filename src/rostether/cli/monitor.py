@@ -18,7 +18,7 @@ from rostether.cli.board_status import BoardStatus, read_statuses
 from rostether.cli.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.graph_access import joined, read_environment
 from rostether.cli.monitor_table import table
-from rostether.cli.options import master_option
+from rostether.cli.options import master_option, tool_allow_option
 from rostether.cli.output import json_option, warn, write_json, write_line
 from rostether.cli.running import run
 from rostether.cli.verbs import Verb
@@ -94,6 +94,7 @@ class BoardsSeen:
 @click.option("--once", is_flag=True, help="Print one table and end; so it is without a terminal, too.")
 @json_option
 @master_option
+@tool_allow_option
 def monitor(once: bool, as_json: bool, master: str | None) -> int:
     """Watch all boards of all bridges on the graph, with their topics and what is wrong with them.
 

@@ -44,6 +44,23 @@ allow_option = click.option(
     help="Who may connect to what listens beyond loopback, such as 192.168.1.0/24; may be repeated.",
 )
 
+ALLOWED = "rostether.allowed"
+"""Where the context of a command keeps what its `--allow` said; `read_environment` heeds it."""
+
+
+def _remember_allowed(context: click.Context, _parameter: click.Parameter, networks: tuple[str, ...]) -> None:
+    context.meta[ALLOWED] = networks
+
+
+tool_allow_option = click.option(
+    "--allow",
+    multiple=True,
+    metavar="CIDR",
+    expose_value=False,
+    callback=_remember_allowed,
+    help="Which machines may connect to this node (where ROS_IP lets others in); may be repeated.",
+)
+
 listen_option = click.option(
     "--listen",
     metavar="ADDRESS",

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.completions import complete_services
-from rostether.cli.options import master_option, msg_path_option
+from rostether.cli.options import master_option, msg_path_option, tool_allow_option
 from rostether.cli.output import json_option, write_json, write_line
 from rostether.cli.running import run
 from rostether.cli.verbs import Verb
@@ -49,6 +49,7 @@ WAIT_POLL_S = 0.2
 @json_option
 @msg_path_option
 @master_option
+@tool_allow_option
 def call(
     service: str,
     arguments: tuple[str, ...],

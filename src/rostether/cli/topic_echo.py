@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rostether.cli.completions import complete_topics
-from rostether.cli.options import master_option, msg_path_option
+from rostether.cli.options import master_option, msg_path_option, tool_allow_option
 from rostether.cli.output import json_option, warn, write_json, write_line
 from rostether.cli.running import run
 from rostether.cli.verbs import Verb
@@ -74,6 +74,7 @@ class _Options:
 )
 @msg_path_option
 @master_option
+@tool_allow_option
 def echo(
     topic: str,
     count: int | None,

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rostether.cli.completions import complete_message_types, complete_topics
-from rostether.cli.options import master_option, msg_path_option
+from rostether.cli.options import master_option, msg_path_option, tool_allow_option
 from rostether.cli.output import write_line
 from rostether.cli.running import run
 from rostether.cli.verbs import Verb
@@ -73,6 +73,7 @@ class _Options:
 @click.option("-v", "verbose", is_flag=True, help="Show what is published.")
 @msg_path_option
 @master_option
+@tool_allow_option
 def pub(
     topic: str,
     type_name: str,

@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 from rostether.cli.completions import complete_topics
-from rostether.cli.options import master_option, msg_path_option, window_option
+from rostether.cli.options import master_option, msg_path_option, tool_allow_option, window_option
 from rostether.cli.output import json_option, write_json, write_line
 from rostether.cli.rates import (
     DEFAULT_BANDWIDTH_WINDOW,
@@ -54,6 +54,7 @@ _nodelay_option = click.option("--tcpnodelay", is_flag=True, help="For habit: it
 @json_option
 @msg_path_option
 @master_option
+@tool_allow_option
 def hz(
     topics: tuple[str, ...],
     window: int | None,
@@ -133,6 +134,7 @@ def _report_rates(windows: dict[str, IntervalWindow], as_json: bool) -> None:
 @_count_option
 @json_option
 @master_option
+@tool_allow_option
 def bw(topic: str, window: int, count: int | None, as_json: bool, master: str | None) -> None:
     """Measure how many bytes a second a topic takes, and print it every second."""
     from rostether.cli.topic_meter import meter
@@ -166,6 +168,7 @@ def bw(topic: str, window: int, count: int | None, as_json: bool, master: str | 
 @json_option
 @msg_path_option
 @master_option
+@tool_allow_option
 def delay(
     topic: str,
     window: int | None,

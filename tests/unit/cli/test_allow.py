@@ -22,7 +22,18 @@ def test_listeners_take_it_unless_they_have_their_own() -> None:
 
 
 @pytest.mark.parametrize(
-    "command", [("serve", "tcp://:0"), ("core", "--port", "0"), ("serial-node", "tcp", "0")]
+    "command",
+    [
+        ("serve", "tcp://:0"),
+        ("core", "--port", "0"),
+        ("serial-node", "tcp", "0"),
+        ("topic", "echo", "/a"),
+        ("topic", "pub", "/a", "std_msgs/Empty"),
+        ("topic", "hz", "/a"),
+        ("service", "call", "/a"),
+        ("monitor",),
+    ],
+    ids=" ".join,
 )
 async def test_no_network_is_one_line(command: tuple[str, ...]) -> None:
     async with started(*command, "--allow", "10.0.0.0/8", "--allow", "lab") as process:
