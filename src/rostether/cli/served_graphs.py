@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Mapping, Sequence
+from collections.abc import AsyncIterator, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +12,8 @@ from rostether.cli.ros2_options import Ros2Options
 from rostether.cli.ros_choice import Middleware
 from rostether.cli.serving import joining_ros1
 from rostether.cli.which_master import used_master
-from rostether.graph.ports import Graph, JoinGraph
+from rostether.graph.joint_join import JointJoin
+from rostether.graph.ports import JoinGraph
 from rostether.ros1.environment import RosEnvironment
 
 
@@ -55,23 +56,5 @@ async def served_graphs(
             )
             joins.append(access.join)
             lines.append(access.line)
-        join = joins[0] if len(joins) == 1 else _joining_all(joins)
+        join = joins[0] if len(joins) == 1 else JointJoin(joins)
         yield ServedGraphs(join, used_environment, tuple(lines))
-
-
-def _joining_all(joins: Sequence[JoinGraph]) -> JoinGraph:
-    from rostether.graph.joint_graph import JointGraph
-
-    async def join(
-        node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
-    ) -> Graph:
-        async with AsyncExitStack() as joined:
-            graphs: list[Graph] = []
-            for each in joins:
-                graph = await each(node_name, namespace=namespace, remappings=remappings)
-                joined.push_async_callback(graph.close)
-                graphs.append(graph)
-            joined.pop_all()
-        return JointGraph(graphs)
-
-    return join
