@@ -14,22 +14,33 @@ if TYPE_CHECKING:
     from rostether.boards.qemu import QemuBoard
 
 
+MACHINES = ("lm3s6965evb",)
+"""Boards with a Cortex-M, which qemu simulates."""
+
+
+async def start_in_qemu(
+    program: Path, machine: str, link_path: Path | None = None, *, has_words: bool
+) -> QemuBoard:
+    """Start an ELF file. Raises ConfigError for other files and for words of other boards, BoardError."""
+    from rostether.boards.qemu import QemuBoard
+
+    if has_words:
+        raise ConfigError(
+            f"{machine} is simulated without pins and devices: it takes no words and options of other boards"
+        )
+    if program.suffix.lower() != ".elf":
+        raise ConfigError(f"{machine} runs ELF files: compile {program} with arm-none-eabi-g++ first")
+    return await QemuBoard.start(program, machine=machine, link_path=link_path)
+
+
 async def run_in_qemu(
     program: Path, machine: str, link_path: Path | None, *, has_words: bool, as_json: bool
 ) -> None:
     """Run an ELF file until it is ended; of the words of other boards it knows `reset`, on standard input.
 
-    Raises ConfigError for what is no ELF file and for other words, BoardError.
+    Raises as `start_in_qemu`.
     """
-    from rostether.boards.qemu import QemuBoard
-
-    if has_words:
-        raise ConfigError(
-            f"{machine} is simulated without pins and devices: of the options it takes --link and --json"
-        )
-    if program.suffix.lower() != ".elf":
-        raise ConfigError(f"{machine} runs ELF files: compile {program} with arm-none-eabi-g++ first")
-    async with await QemuBoard.start(program, machine=machine, link_path=link_path) as board:
+    async with await start_in_qemu(program, machine, link_path, has_words=has_words) as board:
         if as_json:
             write_json({"event": "ready", "board": machine, "link": board.address})
         else:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
+from rostether.cli.board_qemu import MACHINES, run_in_qemu
 from rostether.cli.input_lines import input_lines
 from rostether.cli.options import msg_path_option
 from rostether.cli.output import json_option, warn, write_json, write_line
@@ -20,10 +21,6 @@ from rostether.errors import BoardError
 if TYPE_CHECKING:
     from rostether.boards.simavr.board_events import BoardEvent
     from rostether.boards.simavr.simulated_board import SimulatedBoard
-
-
-_QEMU_MACHINES = ("lm3s6965evb",)
-"""Boards with a Cortex-M, which qemu simulates."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,9 +119,7 @@ async def _run(program: Path, start: _Start, msg_paths: Sequence[Path], as_json:
     from rostether.boards.simavr.simulated_board import SimulatedBoard
     from rostether.cli.board_program import find_program
 
-    if start.board in _QEMU_MACHINES:
-        from rostether.cli.board_qemu import run_in_qemu
-
+    if start.board in MACHINES:
         others = (start.words, start.duration, start.uart, start.tcp_port, start.is_fast, start.seed)
         await run_in_qemu(program, start.board, start.link_path, has_words=any(others), as_json=as_json)
         return

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import re
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator, Coroutine, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rostether.cli.board_qemu import MACHINES, start_in_qemu
 from rostether.graph.ports import Level
 from rostether.transports.address import Address, SerialAddress, SimAddress
 
@@ -50,27 +51,52 @@ async def simulated(
                 continue
             name = link.name or _name(Path(link.program), names)
             names.append(name)
-            board = await stack.enter_async_context(await _start(link, msg_paths))
-            reporter.line(
-                Level.INFO, f"simulated {board.kind} runs {link.program} at {board.address}{_note(board)}"
-            )
-            reports.append(asyncio.get_running_loop().create_task(_report(board, str(link), reporter)))
-            opened.append(SerialAddress(board.address, name=name, ns=link.ns))
+            if link.board in MACHINES:
+                place, report = await _start_qemu(link, reporter, stack)
+            else:
+                place, report = await _start_avr(link, reporter, stack, msg_paths)
+            reports.append(asyncio.get_running_loop().create_task(report))
+            opened.append(SerialAddress(place, name=name, ns=link.ns))
         # Ended first: a board that we end has nothing more to report.
         stack.push_async_callback(_end, reports)
         yield opened
 
 
-async def _start(link: SimAddress, msg_paths: Sequence[Path]) -> SimulatedBoard:
+async def _start_avr(
+    link: SimAddress, reporter: Reporter, stack: AsyncExitStack, msg_paths: Sequence[Path]
+) -> tuple[str, Coroutine[None, None, None]]:
+    """Start a board that ends with the stack; return its serial port, and what reports of it."""
     from rostether.boards.simavr.kinds import kind_of
     from rostether.boards.simavr.simulated_board import SimulatedBoard
     from rostether.cli.board_program import find_program
 
     kind_of(link.board)
     program = await find_program(Path(link.program), link.board, msg_paths)
-    return await SimulatedBoard.start(
-        program, board=link.board, words=link.words, uart=link.uart, seed=link.seed
+    board = await stack.enter_async_context(
+        await SimulatedBoard.start(
+            program, board=link.board, words=link.words, uart=link.uart, seed=link.seed
+        )
     )
+    reporter.line(Level.INFO, f"simulated {board.kind} runs {link.program} at {board.address}{_note(board)}")
+    return board.address, _report(board, str(link), reporter)
+
+
+async def _start_qemu(
+    link: SimAddress, reporter: Reporter, stack: AsyncExitStack
+) -> tuple[str, Coroutine[None, None, None]]:
+    """As `_start_avr`, for a program of a Cortex-M."""
+    has_words = bool(link.words or link.uart is not None or link.seed)
+    board = await stack.enter_async_context(
+        await start_in_qemu(Path(link.program), link.board, has_words=has_words)
+    )
+    reporter.line(Level.INFO, f"simulated {link.board} runs {link.program} at {board.address}")
+
+    async def report() -> None:
+        await board.wait_end()
+        said = f": {board.last_words}" if board.last_words else ""
+        reporter.line(Level.ERROR, f"{link}: the simulated board has ended{said}")
+
+    return board.address, report()
 
 
 def _note(board: SimulatedBoard) -> str:

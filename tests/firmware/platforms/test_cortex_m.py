@@ -9,6 +9,8 @@ import pytest
 
 from firmware.platforms.meeting import meeting
 from rostether.boards.qemu import QemuBoard
+from rostether.cli.simulated_links import simulated
+from rostether.transports.address import parse_address
 
 pytestmark = [pytest.mark.arm, pytest.mark.qemu]
 
@@ -20,6 +22,14 @@ async def test_converses_over_its_uart(cortex_m_program: Path) -> None:
         met.bridge(board.address),
     ):
         await met.converse()
+
+
+async def test_is_served_by_its_link_address(cortex_m_program: Path) -> None:
+    link = parse_address(f"sim:{cortex_m_program}?board=lm3s6965evb&name=tiva")
+    async with meeting() as met, simulated([link], met.reporter) as (served,):
+        assert served.name == "tiva"
+        async with met.bridge(f"{served}?name=tiva"):
+            await met.converse()
 
 
 async def test_comes_back_within_two_seconds_of_a_reset(cortex_m_program: Path) -> None:

@@ -8,6 +8,11 @@ from pathlib import Path
 
 import pytest
 
+from rostether.bridge.reporter import SilentReporter
+from rostether.cli.simulated_links import simulated
+from rostether.errors import ConfigError
+from rostether.transports.address import parse_address
+
 COMMAND = (sys.executable, "-m", "rostether", "board", "run", "--board", "lm3s6965evb")
 
 
@@ -15,6 +20,20 @@ def run_to_end(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [*COMMAND, *arguments], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=30
     )
+
+
+@pytest.mark.parametrize("options", ["&watch=D13", "&uart=1", "&seed=2"])
+async def test_serve_refuses_options_of_other_boards(options: str) -> None:
+    link = parse_address(f"sim:x.elf?board=lm3s6965evb{options}")
+    with pytest.raises(ConfigError, match="simulated without pins"):
+        async with simulated([link], SilentReporter()):
+            pass
+
+
+async def test_serve_refuses_what_is_no_elf() -> None:
+    with pytest.raises(ConfigError, match="runs ELF files"):
+        async with simulated([parse_address("sim:blink.ino?board=lm3s6965evb")], SilentReporter()):
+            pass
 
 
 def test_what_is_no_elf_is_refused_with_what_to_do() -> None:
