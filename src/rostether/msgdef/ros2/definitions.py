@@ -1,4 +1,4 @@
-"""Every ROS 2 message and service by name: from the user's folders, installed packages, and those we bring."""
+"""ROS 2 messages and services by name: from the user's folders, installed packages, and those we bring."""
 
 from __future__ import annotations
 
@@ -93,9 +93,9 @@ class Ros2Definitions:
             package, kind, short_name = split_name(name, Kind.SERVICE)
             if kind is not Kind.SERVICE:
                 raise UnknownTypeError(f"{name} is a message, not a service")
-            found = self._load(Kind.SERVICE, package, short_name)
-            assert isinstance(found, Ros2Service)
-            self._services[name] = found
+            loaded = self._load(Kind.SERVICE, package, short_name)
+            assert isinstance(loaded, Ros2Service)
+            found = self._services[name] = loaded
         return found
 
     def has(self, name: str) -> bool:
@@ -160,7 +160,7 @@ class Ros2Definitions:
         return bundled_names(self.distro, package, kind).get(name) if self._bundled else None
 
     def _is_ros2(self, file: Path, kind: Kind, package: str) -> bool:
-        """Tell whether a text of the user's folders is one of ROS 2: its package says so, or it reads as one."""
+        """Tell whether a text of the user's folders is ROS 2's: its package says so, or it reads as one."""
         if file in self._ros1_files:
             return False
         declared = declared_by(file)

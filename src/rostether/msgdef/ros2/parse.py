@@ -194,7 +194,7 @@ def _full_name(line: _Line, text: str, package: str) -> str:
         )
     if not is_type_name(name):
         line.fail(
-            f"{quote(name)} is neither a built-in type nor a message's name (a capital, then letters and digits)",
+            f"{quote(name)} is no built-in type and no message's name: a capital, then letters and digits",
             text,
         )
     return f"{owner or package}/msg/{name}"

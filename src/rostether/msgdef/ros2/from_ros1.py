@@ -1,0 +1,106 @@
+"""The ROS 2 form of a type that exists only as ROS 1 text, as a person would port it.
+
+`time` and `duration` become builtin_interfaces' messages, `std_msgs/Header` loses its seq by being ROS 2's,
+field names get small letters (`frameId` -> `frame_id`). The type keeps its name; everything else stays.
+"""
+
+from __future__ import annotations
+
+import re
+
+from rostether.errors import DefinitionError
+from rostether.msgdef import primitives
+from rostether.msgdef.registry import Registry
+from rostether.msgdef.resolve_types import dependencies
+from rostether.msgdef.ros2.parse import (
+    REQUEST_SUFFIX,
+    RESPONSE_SUFFIX,
+    is_constant_name,
+    is_field_name,
+)
+from rostether.msgdef.ros2.primitives import INTEGER_RANGES
+from rostether.msgdef.ros2.spec import Ros2Constant, Ros2Field, Ros2Message, Ros2Service, Ros2Type
+from rostether.msgdef.spec import Constant, Field, MessageSpec, ServiceSpec
+
+_TIME = "builtin_interfaces/msg/Time"
+_DURATION = "builtin_interfaces/msg/Duration"
+# Messages that ROS 2 has under another name; std_msgs/Time and Duration went, their one field stayed.
+_RENAMED = {
+    "time": _TIME,
+    "duration": _DURATION,
+    "std_msgs/Time": _TIME,
+    "std_msgs/Duration": _DURATION,
+    "roslib/Header": "std_msgs/msg/Header",
+    "rosgraph_msgs/Log": "rcl_interfaces/msg/Log",
+    "tf/tfMessage": "tf2_msgs/msg/TFMessage",
+}
+_BEFORE_CAPITALS = re.compile(r"(?<=[a-z0-9])(?=[A-Z])")
+
+
+def derive(spec: MessageSpec, registry: Registry) -> Ros2Message:
+    """Return the ROS 2 form of a ROS 1 message; messages below are named, not included.
+
+    Raises UnknownTypeError if a type below is missing, DefinitionError for what ROS 2 cannot say.
+    """
+    dependencies(spec, registry.message)
+    return _derived(spec, "msg", spec.name)
+
+
+def derive_service(spec: ServiceSpec, registry: Registry) -> Ros2Service:
+    """Return the ROS 2 form of a ROS 1 service. Raises as `derive`."""
+    for half in (spec.request, spec.response):
+        dependencies(half, registry.message)
+    return Ros2Service(
+        spec.package,
+        spec.name,
+        _derived(spec.request, "srv", spec.name + REQUEST_SUFFIX),
+        _derived(spec.response, "srv", spec.name + RESPONSE_SUFFIX),
+    )
+
+
+def ros2_field_name(name: str) -> str:
+    """Return how ROS 2 spells a field of ROS 1: `D` -> `d`, `frameId` -> `frame_id`; legal names stay."""
+    if is_field_name(name):
+        return name
+    words = _BEFORE_CAPITALS.sub("_", name).lower().split("_")
+    return "_".join(word for word in words if word)
+
+
+def _derived(spec: MessageSpec, kind: str, name: str) -> Ros2Message:
+    fields = tuple(_field(spec, field) for field in spec.fields)
+    first_of: dict[str, str] = {}
+    for old, new in zip(spec.fields, fields, strict=True):
+        if (other := first_of.setdefault(new.name, old.name)) != old.name:
+            raise DefinitionError(
+                f"the fields {other!r} and {old.name!r} would both be {new.name!r} in ROS 2;"
+                " write the type as a ROS 2 text and give its folder with --msg-path DIR",
+                file=spec.full_name,
+            )
+    constants = tuple(each for constant in spec.constants if (each := _constant(constant)) is not None)
+    return Ros2Message(spec.package, kind, name, fields, constants)
+
+
+def _field(spec: MessageSpec, field: Field) -> Ros2Field:
+    old = field.type
+    if old.is_array and old.length == 0:
+        raise DefinitionError(
+            f"ROS 2 has no array of no elements, which the field {field.name!r} is", file=spec.full_name
+        )
+    base = _RENAMED.get(old.base, old.base)
+    if base == old.base and base not in primitives.PRIMITIVE_TYPES:
+        package, _, name = base.partition("/")
+        base = f"{package}/msg/{name}"
+    return Ros2Field(Ros2Type(base, is_array=old.is_array, length=old.length), ros2_field_name(field.name))
+
+
+def _constant(constant: Constant) -> Ros2Constant | None:
+    """Return the constant in ROS 2's spelling, or None where ROS 2 has no way to say it."""
+    name = "_".join(word for word in constant.name.upper().split("_") if word)
+    if not is_constant_name(name):
+        return None
+    low, high = INTEGER_RANGES.get(constant.type, (None, None))
+    value = constant.value
+    if isinstance(value, int) and low is not None and high is not None and not low <= value <= high:
+        # byte is signed in ROS 1 only.
+        return Ros2Constant("int8", name, value)
+    return Ros2Constant(constant.type, name, value)

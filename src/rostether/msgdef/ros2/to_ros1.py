@@ -1,0 +1,76 @@
+"""A ROS 2 definition in ROS 1's words: the same fields, so that ROS 1's codec can hold any ROS 2 message.
+
+`package/msg/Name` is called `package/Name`, and `package/srv/Name_Request` `package/NameRequest`. byte and
+char are uint8, as ROS 2 means them; bounds and defaults are left out. builtin_interfaces' Time and Duration
+are messages of two numbers, and std_msgs/Header has no seq.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from rostether.errors import DefinitionError
+from rostether.msgdef.ros2.primitives import PRIMITIVE_TYPES
+from rostether.msgdef.ros2.resolve_types import dependencies
+from rostether.msgdef.ros2.spec import Ros2Constant, Ros2Field, Ros2Message
+from rostether.msgdef.spec import Constant, Field, FieldType, MessageSpec
+
+_BASES = {"byte": "uint8", "char": "uint8"}
+
+
+class MessageSource(Protocol):
+    """What finds the messages below a type, as `Ros2Definitions` does."""
+
+    def message(self, name: str) -> Ros2Message:
+        """Return a message by `package/msg/Name`."""
+
+
+def express(message: Ros2Message, definitions: MessageSource) -> list[MessageSpec]:
+    """Return the message in ROS 1's words, then all messages below it in the order of first use.
+
+    Raises UnknownTypeError, and DefinitionError for wstring, which ROS 1 has nothing for.
+    """
+    return [_expressed(each) for each in (message, *dependencies(message, definitions.message))]
+
+
+def ros1_name(name: str) -> str:
+    """Return what a ROS 2 message is called here: `sensor_msgs/msg/Imu` -> `sensor_msgs/Imu`."""
+    package, _, short_name = name.partition("/")
+    kind, _, short_name = short_name.partition("/")
+    return f"{package}/{short_name.replace('_', '') if kind == 'srv' else short_name}"
+
+
+def _expressed(message: Ros2Message) -> MessageSpec:
+    fields = tuple(_field(message, field) for field in message.fields)
+    constants = tuple(_constant(message, constant) for constant in message.constants)
+    lines = [f"{constant.type} {constant.name}={constant.text}" for constant in constants]
+    lines += [f"{field.type} {field.name}" for field in fields]
+    package, _, name = ros1_name(message.full_name).partition("/")
+    return MessageSpec(package, name, fields, constants, "".join(f"{line}\n" for line in lines))
+
+
+def _field(message: Ros2Message, field: Ros2Field) -> Field:
+    old = field.type
+    base = _base(message, old.base, field.name) if old.base in PRIMITIVE_TYPES else ros1_name(old.base)
+    length_text = "" if old.length is None else str(old.length)
+    return Field(FieldType(base, old.is_array, old.length, length_text), field.name)
+
+
+def _constant(message: Ros2Message, constant: Ros2Constant) -> Constant:
+    base = _base(message, constant.type, constant.name)
+    value = constant.value
+    # A constant of ROS 1 ends with its line, and without the blanks around it.
+    text = " ".join(value.split()) if isinstance(value, str) else _text(value)
+    return Constant(base, constant.name, text if isinstance(value, str) else value, text)
+
+
+def _text(value: float) -> str:
+    return str(int(value)) if isinstance(value, bool) else repr(value)
+
+
+def _base(message: Ros2Message, base: str, name: str) -> str:
+    if base == "wstring":
+        raise DefinitionError(
+            f"{name!r} is a wstring, which has no counterpart in ROS 1; use string", file=message.full_name
+        )
+    return _BASES.get(base, base)
