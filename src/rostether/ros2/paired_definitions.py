@@ -27,6 +27,11 @@ class PairedDefinitions:
         self._definitions = definitions
         self._derived: dict[str, Ros2Message] = {}
 
+    @property
+    def distro(self) -> str:
+        """The distribution of ROS 2 that the definitions are of."""
+        return self._definitions.distro
+
     def message(self, name: str) -> Ros2Message:
         """Return a message by `package/msg/Name`. Raises UnknownTypeError, DefinitionError."""
         if self._definitions.has(name):
