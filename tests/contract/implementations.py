@@ -63,6 +63,14 @@ async def _open_zenoh_across() -> AsyncIterator[JoinGraph]:
         yield join
 
 
+@asynccontextmanager
+async def _open_rclpy() -> AsyncIterator[JoinGraph]:
+    from contract.rclpy_graph import open_rclpy
+
+    async with open_rclpy() as join:
+        yield join
+
+
 IMPLEMENTATIONS: dict[str, Implementation] = {
     "memory": Implementation(ROS1, _open_memory),
     "memory-owned-parameters": Implementation(
@@ -72,4 +80,5 @@ IMPLEMENTATIONS: dict[str, Implementation] = {
     "ros1": Implementation(ROS1, _open_ros1),
     "zenoh": Implementation(ROS2, _open_zenoh),
     "zenoh-across": Implementation(ROS2, _open_zenoh_across),
+    "rclpy": Implementation(replace(ROS2, service_errors_travel=False, types_may_differ=False), _open_rclpy),
 }

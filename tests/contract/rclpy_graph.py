@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import dataclasses
 import importlib.util
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
 import pytest
 
-from contract.capabilities import ROS2
 from ros2_domains import own_domain
 from rostether.graph.ports import JoinGraph
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.ros2.rclpy.context import RclpyContext
 from rostether.ros2.type_support import Ros2Types
-
-RCLPY = dataclasses.replace(ROS2, service_errors_travel=False, types_may_differ=False)
 
 
 @asynccontextmanager

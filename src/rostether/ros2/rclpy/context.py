@@ -1,4 +1,8 @@
-"""One rclpy context for all nodes of a process: one participant, one executor, one thread."""
+"""One rclpy context for all nodes of a process: one participant on the network, and a thread for each node.
+
+rclpy looks at everything that a thread waits for whenever one thing happens: with a thread for each node,
+a board's latency does not grow with the number of boards.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +10,7 @@ import asyncio
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from rostether.errors import GraphError
 from rostether.names.graph_name import join, validate_name
 from rostether.ros2.rclpy.executor_thread import ExecutorThread
 from rostether.ros2.rclpy.failures import attempt
@@ -22,14 +27,13 @@ class RclpyContext:
     ROS_AUTOMATIC_DISCOVERY_RANGE, ROS_STATIC_PEERS and its own.
     """
 
-    def __init__(
-        self, context: Any, thread: ExecutorThread, types: Ros2Types, arguments: Sequence[str]
-    ) -> None:
+    def __init__(self, context: Any, types: Ros2Types, arguments: Sequence[str]) -> None:
         self._context = context
-        self._thread = thread
         self.types = types
         self._arguments = arguments
         self._graphs: set[RclpyGraph] = set()
+        # Nodes are made one after the other: rcl's tables of a context are not made for more at once.
+        self._lock = asyncio.Lock()
         self._is_closed = False
 
     @classmethod
@@ -44,22 +48,30 @@ class RclpyContext:
         rclpy = await asyncio.to_thread(load_rclpy)
         context = rclpy.context.Context()
         attempt("start rclpy", lambda: context.init(args=[], domain_id=domain_id))
-        return cls(context, ExecutorThread(context), types, list(arguments))
+        return cls(context, types, list(arguments))
 
     async def join(
         self, node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
     ) -> RclpyGraph:
         """Join as `node_name`; another node of that name stays. Raises InvalidNameError, GraphError."""
         full_name = join(namespace, validate_name(node_name))
-        own = await self._thread.run(
-            lambda: OwnNode(
-                full_name,
-                context=self._context,
-                thread=self._thread,
-                types=self.types,
-                arguments=self._arguments,
-            )
-        )
+        if self._is_closed:
+            raise GraphError("rclpy has been shut down: open it again")
+        thread = ExecutorThread(self._context)
+        try:
+            async with self._lock:
+                own = await thread.run(
+                    lambda: OwnNode(
+                        full_name,
+                        context=self._context,
+                        thread=thread,
+                        types=self.types,
+                        arguments=self._arguments,
+                    )
+                )
+        except BaseException:
+            await thread.stop()
+            raise
         graph = RclpyGraph(own, namespace, remappings or {}, on_close=self._graphs.discard)
         self._graphs.add(graph)
         return graph
@@ -70,7 +82,6 @@ class RclpyContext:
             return
         self._is_closed = True
         await asyncio.gather(*(graph.close() for graph in list(self._graphs)))
-        await self._thread.stop()
         await asyncio.to_thread(self._end)
 
     def _end(self) -> None:

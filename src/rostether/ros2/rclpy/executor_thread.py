@@ -28,7 +28,7 @@ class NoAnswerError(Exception):
 
 
 class ExecutorThread:
-    """Spins one rclpy context. Made in the event loop that it hands over to."""
+    """Spins one node of a context. Made in the event loop that it hands over to."""
 
     def __init__(self, context: Any) -> None:
         self._loop = asyncio.get_running_loop()

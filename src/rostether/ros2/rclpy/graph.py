@@ -157,6 +157,7 @@ class RclpyGraph:
             await self._endpoints.close()
             await self._own.thread.run(self._own.destroy)
         finally:
+            await self._own.thread.stop()
             self._on_close(self)
             self._closed.set()
 

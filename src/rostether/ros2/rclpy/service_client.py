@@ -11,12 +11,13 @@ from rostether.errors import (
     ServiceUnavailableError,
     TypeMismatchError,
 )
+from rostether.ros2.rclpy.failures import attempt
 from rostether.ros2.rclpy.installation import load_rclpy, service_class
 from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.type_support import ServiceSupport
 
 DISCOVERY_S = 3.5
-"""How long a service may take to be found: DDS tells of it at once, and where that is lost again after 3 s."""
+"""How long a service may take to be found: DDS tells of it at once, and again after 3 s if that is lost."""
 
 LOOK_INTERVAL_S = 0.01
 """How often to look for a server that is being discovered."""
@@ -69,7 +70,7 @@ class RclpyServiceClient:
     async def _find_server(self, limit_s: float) -> None:
         loop = asyncio.get_running_loop()
         deadline_s = loop.time() + limit_s
-        while not await self._own.thread.run(self._is_ready):
+        while not self._is_ready():
             if loop.time() >= deadline_s:
                 raise await self._own.thread.run(self._explain_absence)
             await asyncio.sleep(LOOK_INTERVAL_S)
@@ -77,7 +78,7 @@ class RclpyServiceClient:
     def _is_ready(self) -> bool:
         if self._client is None:
             raise ServiceCallError(f"the node left before {self.service} was called")
-        return bool(self._client.service_is_ready())
+        return attempt(f"call {self.service}", lambda: bool(self._client.service_is_ready()))
 
     def _explain_absence(self) -> TypeMismatchError | ServiceUnavailableError:
         types = set(self._own.service_types(self.service)) - {self._support.name}
@@ -106,7 +107,7 @@ class RclpyServiceClient:
     async def _wait(self, answer: asyncio.Future[bytes]) -> bytes:
         while not answer.done():
             await asyncio.wait((answer,), timeout=SERVER_CHECK_INTERVAL_S)
-            if not answer.done() and not await self._own.thread.run(self._is_ready):
+            if not answer.done() and not self._is_ready():
                 raise ServiceCallError(f"the server of {self.service} left before it answered")
         return answer.result()
 

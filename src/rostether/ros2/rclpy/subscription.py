@@ -119,7 +119,7 @@ class RclpySubscriber:
 
     def _adapt(self, publishers: Sequence[Any]) -> None:
         if self._support is None and publishers:
-            self._learn_type(publishers[0].topic_type)
+            self._own.thread.call_in_loop(self._learn_type, publishers[0].topic_type)
         if self._support is None:
             return
         of_type = [each for each in publishers if each.topic_type == self._support.name]
@@ -129,11 +129,16 @@ class RclpySubscriber:
         self._meet(of_type)
 
     def _learn_type(self, name: str) -> None:
+        # In the event loop, as all that compiles types.
+        if self._support is not None or self._is_closed:
+            return
         try:
             message_class(name)
             self._support = self._own.types.by_name(name)
         except RostetherError as error:
             self._complain(f"cannot subscribe to {self.topic}: {error}")
+        else:
+            self._own.thread.submit(self.look)
 
     def _subscribe(self, wish: Wish) -> None:
         support = self._support
