@@ -25,6 +25,7 @@ VERBS = {
     "monitor": VerbEntry("rostether.cli.monitor:monitor", "Watch all boards and their topics, live."),
     "link": VerbEntry("rostether.cli.link:link", "Record a board's line, show it, play it again."),
     "ports": VerbEntry("rostether.cli.ports:ports", "List serial ports with what they are."),
+    "relay": VerbEntry("rostether.cli.relay:relay", "Carry topics and services between ROS 1 and ROS 2."),
     "core": VerbEntry("rostether.cli.core:core", "Run the ROS master alone, like roscore."),
     "topic": VerbEntry("rostether.cli.topic:topic", "List, show, publish and measure topics."),
     "node": VerbEntry("rostether.cli.node:node", "List, show, ping and stop nodes."),
