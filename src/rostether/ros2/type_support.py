@@ -6,12 +6,15 @@ from dataclasses import dataclass
 
 from rostether.errors import DefinitionError, TypeMismatchError
 from rostether.msgdef.interface import MessageType, ServiceType
+from rostether.msgdef.md5sum import digest
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.ros2.paired_definitions import NativeView, PairedDefinitions, native_service_type
 from rostether.ros2.type_hash import message_hash, service_hash
 from rostether.serde.cdr.converter import CdrConverter
 from rostether.serde.cdr.renamed_types import ros1_message_name, ros1_service_name
+
+_MD5SUM_OF_NOTHING = digest("")  # of messages without fields, whose text may well be empty
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,13 +156,13 @@ class Ros2Types:
 
     def _source(self, message_type: MessageType) -> Registry:
         """Return where the type's own definition is: here, or in the text that came with it."""
-        if not message_type.definition:
-            return self.registry
         try:
             if self.registry.message_type(message_type.name).md5sum == message_type.md5sum:
                 return self.registry
         except DefinitionError:
             pass
+        if not message_type.definition and message_type.md5sum != _MD5SUM_OF_NOTHING:
+            return self.registry
         learned = Registry(bundled=False)
         learned.add_full_text(message_type.name, message_type.definition)
         return learned

@@ -55,7 +55,7 @@ class CdrConverter:
             walk.over(self._tree)
         except Misfit as reason:
             raise SerializationError(
-                f"the payload of {len(payload)} bytes {reason} of {self.ros1_name}"
+                f"{self.ros1_name}: the payload of {len(payload)} bytes {reason}"
             ) from None
         raise SerializationError(f"the payload has {len(payload) - walk.at} bytes more than {self.ros1_name}")
 
@@ -75,9 +75,9 @@ class CdrConverter:
             if self._has_fields:
                 walk.over(self._tree)
         except (Misfit, *ERRORS) as reason:
-            raise SerializationError(f"the CDR of {len(cdr)} bytes {reason} of {self.ros2_name}") from None
+            raise SerializationError(f"{self.ros2_name}: the CDR of {len(cdr)} bytes {reason}") from None
         if not turned:
-            raise SerializationError(f"the CDR of {len(cdr)} bytes does not fit {self.ros2_name}")
+            raise SerializationError(f"{self.ros2_name}: the CDR of {len(cdr)} bytes does not fit")
         return self.from_cdr(LITTLE_ENDIAN + bytes(walk.payload[len(LITTLE_ENDIAN) :]))
 
     @property
