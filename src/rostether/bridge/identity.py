@@ -13,6 +13,7 @@ from rostether.devices.board_identity import BoardIdentity
 from rostether.devices.settings import NO_SETTINGS, DeviceSettings
 from rostether.names.graph_name import join as join_names
 from rostether.transports.address import Address, PtyAddress, SerialAddress
+from rostether.transports.board_keys import NO_PROOF, Proof
 
 _ILLEGAL = re.compile(r"[^A-Za-z0-9_]+")
 # What people type stays readable in every tool; a peer's text is never longer.
@@ -47,9 +48,9 @@ def node_base_name(
     return _legal(f"{kind}_{network_address(peer) or place}")
 
 
-def identify_peer(peer: str) -> BoardIdentity:
+def identify_peer(peer: str, proof: Proof = NO_PROOF) -> BoardIdentity:
     """Return what can be known of a board that is no serial port."""
-    return BoardIdentity(address=network_address(peer))
+    return BoardIdentity(address=network_address(peer), psk=proof.psk, certificate=proof.certificate)
 
 
 def network_address(peer: str) -> str | None:

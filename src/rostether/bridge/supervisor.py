@@ -33,6 +33,7 @@ from rostether.names.graph_name import validate_name
 from rostether.serde.store import TypeStore
 from rostether.transports.address import Address, SerialAddress, TcpAddress, UdpAddress, XbeeAddress
 from rostether.transports.backoff import Backoff
+from rostether.transports.board_keys import NO_PROOF
 from rostether.transports.opening import listen, open_transport
 from rostether.transports.transport import Listener, Transport
 
@@ -187,7 +188,9 @@ class Supervisor:
 
     async def _serve_peer(self, address: Address, transport: Transport) -> None:
         self._door.line(Level.INFO, f"Connection from {transport.peer}")
-        error = await self._serve(address, transport, identify_peer(transport.peer))
+        # Only connections of TCP can prove anything.
+        proof = getattr(transport, "proof", NO_PROOF)
+        error = await self._serve(address, transport, identify_peer(transport.peer, proof))
         self._door.line(Level.INFO, str(error) if error is not None else f"{transport.peer} is closed")
 
     async def _serve(

@@ -35,6 +35,7 @@ from rostether.transports.opening import listen as listen_for_links
 
 if TYPE_CHECKING:
     from rostether.bridge.settings import BridgeSettings
+    from rostether.transports.board_keys import BoardKeys
 
 
 @click.command(
@@ -145,6 +146,7 @@ def serve(
             record=record,
             record_limit_mb=record_limit_mb,
             settings=settings,
+            board_keys=devices.board_keys(),
             ros1=chosen_ros1(),
             ros2=chosen_ros2(),
             options=read_ros2_options(),
@@ -171,6 +173,7 @@ async def _serve(
     record: Path | None,
     record_limit_mb: float,
     settings: BridgeSettings,
+    board_keys: BoardKeys,
     ros1: bool,
     ros2: Middleware | None,
     options: Ros2Options,
@@ -179,6 +182,7 @@ async def _serve(
         listen_for_links,
         connections=settings.connections,
         connections_per_host=settings.connections_per_host,
+        board_keys=board_keys,
     )
     async with served_graphs(
         environment,

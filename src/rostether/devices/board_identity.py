@@ -13,7 +13,8 @@ class BoardIdentity:
     """A board's marks; those that its kind of link does not have are None.
 
     `port` is the serial port's path, `usb_location` the socket it is plugged into, `usb_interface` the number
-    of its interface where one device has several ports, `address` a network address without the port.
+    of its interface where one device has several ports, `address` a network address without the port,
+    `psk` and `certificate` the files of the key and the certificate that it has proven to have.
     """
 
     usb_id: str | None = None
@@ -22,6 +23,8 @@ class BoardIdentity:
     usb_interface: int | None = None
     port: str | None = None
     address: str | None = None
+    psk: str | None = None
+    certificate: str | None = None
 
     @property
     def own_serial_number(self) -> str | None:

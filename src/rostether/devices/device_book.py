@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from rostether.devices.board_identity import BoardIdentity
 from rostether.devices.port_pattern import fits_port
 from rostether.devices.settings import NO_SETTINGS, DeviceMatch, DeviceSettings, DiscoverySettings
+from rostether.transports.board_keys import NO_KEYS, BoardKeys, read_board_keys
 
 
 class DeviceBook:
@@ -22,6 +23,15 @@ class DeviceBook:
         self.devices = tuple(devices)
         self.defaults = defaults
         self.discovery = discovery if discovery is not None else DiscoverySettings()
+
+    def board_keys(self) -> BoardKeys:
+        """Read the keys and certificates of single boards from their files. Raises ConfigError."""
+        matches = [device.match for device in self.devices if device.match is not None]
+        keys = [match.psk for match in matches if match.psk is not None]
+        certificates = [match.certificate for match in matches if match.certificate is not None]
+        if not keys and not certificates:
+            return NO_KEYS
+        return read_board_keys(keys, certificates)
 
     def settings_of(self, identity: BoardIdentity) -> DeviceSettings:
         """Return the settings of the first device in the file that fits, else the defaults."""
@@ -51,6 +61,8 @@ def fits(match: DeviceMatch, identity: BoardIdentity) -> bool:
         (match.usb_id, identity.usb_id),
         (match.usb_location, identity.usb_location),
         (match.address, identity.address),
+        (match.psk, identity.psk),
+        (match.certificate, identity.certificate),
     )
     if any(wanted is not None and wanted != found for wanted, found in pairs):
         return False

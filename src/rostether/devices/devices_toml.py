@@ -31,7 +31,7 @@ MAX_QUEUE_DEPTH = 100_000
 MAX_GRACE_S = 86_400.0
 
 DISCOVERY_KEYS = ("probe", "ignore")
-MATCH_KEYS = ("serial_number", "usb_id", "usb_location", "port", "address")
+MATCH_KEYS = ("serial_number", "usb_id", "usb_location", "port", "address", "psk", "certificate")
 SETTING_KEYS = (
     "baud",
     "reset",
@@ -100,6 +100,8 @@ def _match(table: TomlTable) -> DeviceMatch:
         usb_location=table.text("usb_location"),
         port=table.text("port", is_port_pattern, 'a path or pattern, such as "/dev/ttyUSB*"'),
         address=_canonical(table.text("address", _is_address, 'a numeric address, such as "192.168.1.20"')),
+        psk=table.text("psk", bool, "the file of its key"),
+        certificate=table.text("certificate", bool, "the file of its certificate"),
     )
     if match == DeviceMatch():
         raise table.error(f"says nothing to recognise the board by; write one of {', '.join(MATCH_KEYS)}")

@@ -64,7 +64,7 @@ class DeviceMatch:
 
     `serial_number` and `usb_id` (`2341:0043`) are the USB device's, `usb_location` is the socket it is
     plugged into (`1-1.2:1.0`), `port` a port's path, link or pattern (`/dev/ttyUSB*`), `address` a network
-    address.
+    address, `psk` and `certificate` the files of its own key and certificate.
     """
 
     serial_number: str | None = None
@@ -72,6 +72,8 @@ class DeviceMatch:
     usb_location: str | None = None
     port: str | None = None
     address: str | None = None
+    psk: str | None = None
+    certificate: str | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,7 +5,14 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
-from rostether.errors import RostetherError, TransportClosedError, TransportError, TransportTimeoutError
+from rostether.errors import (
+    ConfigError,
+    RostetherError,
+    TransportClosedError,
+    TransportError,
+    TransportTimeoutError,
+)
+from rostether.transports.board_keys import NO_KEYS, NO_PROOF, BoardKeys, Proof
 from rostether.transports.psk_hello import PSK_LIMIT_S, ConnectorHello, ListenerHello, read_key
 from rostether.transports.sockets import explain_reason
 from rostether.transports.stream import StreamTransport
@@ -14,20 +21,45 @@ from rostether.transports.tls import TlsFiles, connector_context, listener_conte
 if TYPE_CHECKING:
     import ssl
 
+DEVICES_PSK = "devices"
+"""`psk=devices`: only the keys that devices.toml has for single boards."""
+
 
 class Greeting:
-    """One side's part, for many connections; made from files that are read at once. Raises ConfigError."""
+    """One side's part, for many connections; made from files that are read at once. Raises ConfigError.
 
-    def __init__(self, psk: str | None, tls: TlsFiles | None, *, listens: bool, host: str = "") -> None:
-        self._key = None if psk is None else read_key(psk)
+    A listener takes the keys and certificates of `boards` too, and with `psk=devices` no other key.
+    """
+
+    def __init__(
+        self,
+        psk: str | None,
+        tls: TlsFiles | None,
+        *,
+        listens: bool,
+        host: str = "",
+        boards: BoardKeys = NO_KEYS,
+    ) -> None:
+        self._keys: dict[str | None, bytes] = {}
+        if psk is not None and listens:
+            self._keys.update(boards.keys)
+        if psk == DEVICES_PSK and listens:
+            if not self._keys:
+                raise ConfigError(
+                    "psk=devices: no board has a key in devices.toml; give one psk = FILE there, "
+                    "or write psk=FILE"
+                )
+        elif psk is not None:
+            self._keys[None] = read_key(psk)
+        self._certificates = {der: path for path, der in boards.certificates.items()}
         self._listens = listens
         self._host = host
         self._context: ssl.SSLContext | None = None
         if tls is not None:
-            self._context = listener_context(tls) if listens else connector_context(tls)
+            self._context = listener_context(tls, self._certificates) if listens else connector_context(tls)
 
-    async def exchange(self, transport: StreamTransport) -> None:
-        """Greet over a fresh transport, which afterwards is as fresh as before.
+    async def exchange(self, transport: StreamTransport) -> Proof:
+        """Greet over a fresh transport, which afterwards is as fresh as before; return what the peer has.
 
         Raises TransportError or RemoteProtocolError, whose text says what the peer did.
         """
@@ -39,9 +71,15 @@ class Greeting:
                 raise TransportClosedError(
                     f"no TLS connection: {reason or explain_reason(error)}; check the certificates"
                 ) from None
-        if self._key is not None:
-            hello = ListenerHello(self._key) if self._listens else ConnectorHello(self._key)
-            await _Hello(transport, hello).finish()
+        certificate = self._certificates.get(transport.peer_certificate() or b"")
+        if not self._keys:
+            return Proof(None, certificate)
+        if not self._listens:
+            await _Hello(transport, ConnectorHello(self._keys[None])).finish()
+            return NO_PROOF
+        hello = ListenerHello(self._keys)
+        await _Hello(transport, hello).finish()
+        return Proof(hello.proven, certificate)
 
 
 class _Hello:

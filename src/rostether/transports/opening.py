@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from rostether.errors import ConfigError
 from rostether.transports.address import (
@@ -17,6 +18,9 @@ from rostether.transports.address import (
 )
 from rostether.transports.serial_port import SerialPort
 from rostether.transports.transport import Listener, Transport
+
+if TYPE_CHECKING:
+    from rostether.transports.board_keys import BoardKeys
 
 
 def list_serial_ports() -> list[SerialPort]:
@@ -63,16 +67,18 @@ async def listen(
     *,
     connections: int | None = None,
     connections_per_host: int | None = None,
+    board_keys: BoardKeys | None = None,
 ) -> Listener:
     """Listen where `address.listens`, calling back with each new link. Raises as `open_transport`.
 
     At most `connections` at a time, and of one address at most `connections_per_host` (None: the default of
-    the kind of link; what needs no connection counts all alike).
+    the kind of link; what needs no connection counts all alike). `board_keys` are those of single boards.
     """
     if isinstance(address, str):
         address = parse_address(address)
     match address:
         case TcpAddress(connect=False):
+            from rostether.transports.board_keys import NO_KEYS
             from rostether.transports.tcp import MAX_CONNECTIONS, MAX_CONNECTIONS_PER_HOST, TcpListener
 
             return await TcpListener.start(
@@ -80,6 +86,7 @@ async def listen(
                 on_transport,
                 max_connections=connections or MAX_CONNECTIONS,
                 max_connections_per_host=connections_per_host or MAX_CONNECTIONS_PER_HOST,
+                board_keys=board_keys or NO_KEYS,
             )
         case UdpAddress(connect=False):
             from rostether.transports.peers import MAX_PEERS

@@ -17,6 +17,7 @@ from __future__ import annotations
 import hmac
 import os
 import re
+from collections.abc import Mapping
 from pathlib import Path
 
 from rostether.errors import ConfigError, RemoteProtocolError
@@ -55,10 +56,14 @@ def read_key(path: str) -> bytes:
 
 
 class ListenerHello:
-    """The half of who was connected to: `greeting`, then `receive` until it returns."""
+    """The half of who was connected to: `greeting`, then `receive` until it returns.
 
-    def __init__(self, key: bytes, nonce: bytes | None = None) -> None:
-        self._key = key
+    `keys` are those that peers may have, by whatever name; `proven` is then the name of the peer's.
+    """
+
+    def __init__(self, keys: Mapping[str | None, bytes], nonce: bytes | None = None) -> None:
+        self._keys = keys
+        self.proven: str | None = None
         self._nonce = (os.urandom(16) if nonce is None else nonce).hex()
         self._lines = _Lines()
 
@@ -80,9 +85,11 @@ class ListenerHello:
         if match is None:
             raise RemoteProtocolError("it said no pre-shared-key hello; give it the key, see psk=")
         theirs, proof = match[1].decode(), match[2].decode()
-        if not hmac.compare_digest(proof, _proof(self._key, "connector", self._nonce, theirs)):
-            raise RemoteProtocolError("it has another pre-shared key; give it ours, see psk=")
-        return f"{_WORD} {_proof(self._key, 'listener', self._nonce, theirs)}\n".encode(), rest
+        for name, key in self._keys.items():
+            if hmac.compare_digest(proof, _proof(key, "connector", self._nonce, theirs)):
+                self.proven = name
+                return f"{_WORD} {_proof(key, 'listener', self._nonce, theirs)}\n".encode(), rest
+        raise RemoteProtocolError("it has another pre-shared key; give it ours, see psk=")
 
 
 class ConnectorHello:

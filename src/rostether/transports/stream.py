@@ -37,6 +37,11 @@ class StreamTransport(asyncio.BaseProtocol):
         self._flush_limit: asyncio.TimerHandle | None = None
         self._ended = asyncio.get_running_loop().create_future()
 
+    def peer_certificate(self) -> bytes | None:
+        """Return the certificate that the peer has proven to be its own, in DER form."""
+        tls = None if self._wire is None else self._wire.get_extra_info("ssl_object")
+        return None if tls is None else tls.getpeercert(binary_form=True)
+
     @property
     def peer(self) -> str:
         """Who is on the other side, for people."""

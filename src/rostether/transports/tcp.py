@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from rostether.errors import RostetherError, TransportOpenError, TransportTimeoutError
 from rostether.transports.address import TcpAddress, show_endpoint
 from rostether.transports.allow_list import AllowList
+from rostether.transports.board_keys import NO_KEYS, NO_PROOF, BoardKeys
 from rostether.transports.refusals import RefusalLog
 from rostether.transports.sockets import explain_bind_error, explain_connect_error, tune_stream
 from rostether.transports.stream import READ_CHUNK_BYTES, StreamTransport
@@ -51,6 +52,7 @@ class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
         self._buffer = self._whole_buffer
         self._on_lost = on_lost
         self._socket: socket.socket | None = None
+        self.proof = NO_PROOF
         self.host = ""
         self.own_host = ""
 
@@ -133,6 +135,7 @@ class TcpListener:
         *,
         max_connections: int = MAX_CONNECTIONS,
         max_connections_per_host: int = MAX_CONNECTIONS_PER_HOST,
+        board_keys: BoardKeys = NO_KEYS,
     ) -> TcpListener:
         """Listen.
 
@@ -140,7 +143,7 @@ class TcpListener:
         certificate that cannot be read.
         """
         allow = AllowList(address.allow)
-        greeting = make_greeting(address)
+        greeting = make_greeting(address, board_keys)
         listener = cls(on_transport, allow, max_connections, max_connections_per_host, greeting)
         loop = asyncio.get_running_loop()
         try:
@@ -204,7 +207,7 @@ class TcpListener:
 
     async def _greet(self, transport: TcpTransport, greeting: Greeting) -> None:
         try:
-            await greeting.exchange(transport)
+            transport.proof = await greeting.exchange(transport)
         except RostetherError as error:
             self._refusals.refuse(transport.peer, str(error))
             transport.abort()
@@ -267,10 +270,10 @@ async def connect_tcp(address: TcpAddress, *, limit_s: float = CONNECT_LIMIT_S) 
     return transport
 
 
-def make_greeting(address: TcpAddress) -> Greeting | None:
+def make_greeting(address: TcpAddress, board_keys: BoardKeys = NO_KEYS) -> Greeting | None:
     """Return what an address asks for before a board's first byte. Raises ConfigError."""
     if address.psk is None and address.tls is None:
         return None
     from rostether.transports.greeting import Greeting  # only who has secrets pays for the import
 
-    return Greeting(address.psk, address.tls, listens=address.listens, host=address.host)
+    return Greeting(address.psk, address.tls, listens=address.listens, host=address.host, boards=board_keys)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -27,8 +28,11 @@ class TlsFiles:
     ca: str | None = None
 
 
-def listener_context(files: TlsFiles) -> ssl.SSLContext:
-    """Return the context of a listener. Raises ConfigError."""
+def listener_context(files: TlsFiles, certificates: Iterable[bytes] = ()) -> ssl.SSLContext:
+    """Return the context of a listener, which asks for `certificates` of single boards (DER) too.
+
+    Raises ConfigError.
+    """
     import ssl  # only who uses TLS pays for the import
 
     if files.cert is None:
@@ -36,6 +40,11 @@ def listener_context(files: TlsFiles) -> ssl.SSLContext:
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     context.minimum_version = ssl.TLSVersion.TLSv1_2
     _load(context, files)
+    for certificate in certificates:
+        # Whoever has signed it: it is that board's.
+        context.verify_flags |= ssl.VERIFY_X509_PARTIAL_CHAIN
+        context.verify_mode = ssl.CERT_OPTIONAL
+        context.load_verify_locations(cadata=certificate)
     if files.ca is not None:
         context.verify_mode = ssl.CERT_REQUIRED
     return context

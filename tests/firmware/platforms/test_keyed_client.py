@@ -50,7 +50,7 @@ def test_digests_are_those_of_python(program: Path) -> None:
 def test_our_listener_takes_its_proof(program: Path) -> None:
     refusal, _, said = hear(program, GREETING)
     assert refusal == NO_ANSWER
-    listener = ListenerHello(KEY.encode(), NONCE)
+    listener = ListenerHello({None: KEY.encode()}, NONCE)
     assert listener.greeting == GREETING
     assert listener.receive(said + b"\xff\xfe") is not None
     others = {hear(program, f"RSPSK1 {bytes([first] * 16).hex()}\n".encode())[2] for first in range(4)}

@@ -12,7 +12,7 @@ NONCES = (bytes(16), bytes(range(16)))
 
 
 def test_both_prove_the_key_and_what_follows_is_kept() -> None:
-    listener, connector = ListenerHello(KEY), ConnectorHello(KEY)
+    listener, connector = ListenerHello({None: KEY}), ConnectorHello(KEY)
     assert connector.receive(listener.greeting) is None
     passed = listener.receive(connector.take_answer() + b"\xff\xfe")
     assert passed is not None
@@ -22,7 +22,7 @@ def test_both_prove_the_key_and_what_follows_is_kept() -> None:
 
 
 def test_the_lines_are_those_of_the_documentation() -> None:
-    listener, connector = ListenerHello(KEY, NONCES[0]), ConnectorHello(KEY, NONCES[1])
+    listener, connector = ListenerHello({None: KEY}, NONCES[0]), ConnectorHello(KEY, NONCES[1])
     assert listener.greeting == b"RSPSK1 " + b"0" * 32 + b"\n"
     connector.receive(listener.greeting)
     answer = connector.take_answer()
@@ -37,7 +37,7 @@ def test_the_lines_are_those_of_the_documentation() -> None:
 
 
 def test_cut_anywhere() -> None:
-    listener, connector = ListenerHello(KEY), ConnectorHello(KEY)
+    listener, connector = ListenerHello({None: KEY}), ConnectorHello(KEY)
     for byte in listener.greeting:
         assert connector.receive(bytes([byte])) is None
     answer, passed = connector.take_answer(), None
@@ -50,7 +50,7 @@ def test_cut_anywhere() -> None:
 
 def test_both_lines_at_once_from_a_listener() -> None:
     connector = ConnectorHello(KEY, NONCES[1])
-    listener = ListenerHello(KEY, NONCES[0])
+    listener = ListenerHello({None: KEY}, NONCES[0])
     other = ConnectorHello(KEY, NONCES[1])
     other.receive(listener.greeting)
     passed = listener.receive(other.take_answer())
@@ -59,7 +59,7 @@ def test_both_lines_at_once_from_a_listener() -> None:
 
 
 def test_another_key_is_refused_by_either_side() -> None:
-    listener, connector = ListenerHello(KEY), ConnectorHello(b"another key of 17")
+    listener, connector = ListenerHello({None: KEY}), ConnectorHello(b"another key of 17")
     connector.receive(listener.greeting)
     with pytest.raises(RemoteProtocolError, match="another pre-shared key"):
         listener.receive(connector.take_answer())
@@ -68,18 +68,18 @@ def test_another_key_is_refused_by_either_side() -> None:
 
 
 def test_an_answer_to_an_earlier_hello_is_refused() -> None:
-    earlier, connector = ListenerHello(KEY), ConnectorHello(KEY)
+    earlier, connector = ListenerHello({None: KEY}), ConnectorHello(KEY)
     connector.receive(earlier.greeting)
     answer = connector.take_answer()
     assert earlier.receive(answer) is not None
     with pytest.raises(RemoteProtocolError):
-        ListenerHello(KEY).receive(answer)
+        ListenerHello({None: KEY}).receive(answer)
 
 
 def test_an_echo_of_our_own_proof_is_refused() -> None:
     """The role is in the proof: a reflected challenge helps nobody."""
-    listener = ListenerHello(KEY, NONCES[0])
-    mirrored = ListenerHello(KEY, NONCES[0])
+    listener = ListenerHello({None: KEY}, NONCES[0])
+    mirrored = ListenerHello({None: KEY}, NONCES[0])
     connector = ConnectorHello(KEY, NONCES[0])
     connector.receive(listener.greeting)
     passed = mirrored.receive(connector.take_answer())
@@ -92,7 +92,7 @@ def test_an_echo_of_our_own_proof_is_refused() -> None:
 @pytest.mark.parametrize("data", [b"\xff\xfe\x08\x00\xf7\n", b"RSPSK1 zz zz\n", b"x" * 1000, b"\n"])
 def test_what_is_no_hello_is_refused(data: bytes) -> None:
     with pytest.raises(RemoteProtocolError, match="said no pre-shared-key hello"):
-        ListenerHello(KEY).receive(data)
+        ListenerHello({None: KEY}).receive(data)
     with pytest.raises(RemoteProtocolError):
         ConnectorHello(KEY).receive(data)
 

@@ -1,0 +1,59 @@
+"""Keys and certificates that single boards have, and what a board has proven to have."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+from rostether.errors import ConfigError
+
+MAX_CERTIFICATE_BYTES = 64 * 1024
+"""A certificate has some 2 KB; more is another file, given by mistake."""
+
+_NONE: Mapping[str, bytes] = MappingProxyType({})
+
+
+@dataclass(frozen=True, slots=True)
+class BoardKeys:
+    """By the file that they stand in: pre-shared keys, and certificates in DER form."""
+
+    keys: Mapping[str, bytes] = field(default_factory=lambda: _NONE)
+    certificates: Mapping[str, bytes] = field(default_factory=lambda: _NONE)
+
+
+@dataclass(frozen=True, slots=True)
+class Proof:
+    """The files of the key and the certificate that a peer has proven to have, of those of single boards."""
+
+    psk: str | None = None
+    certificate: str | None = None
+
+
+NO_KEYS = BoardKeys()
+NO_PROOF = Proof()
+
+
+def read_board_keys(keys: Iterable[str], certificates: Iterable[str]) -> BoardKeys:
+    """Read the files. Raises ConfigError."""
+    from rostether.transports.psk_hello import read_key  # only who has keys pays for the import
+
+    return BoardKeys(
+        {path: read_key(path) for path in keys}, {path: _read_certificate(path) for path in certificates}
+    )
+
+
+def _read_certificate(path: str) -> bytes:
+    import ssl  # only who uses certificates pays for these imports
+    from pathlib import Path
+
+    try:
+        with Path(path).expanduser().open("rb") as file:
+            text = file.read(MAX_CERTIFICATE_BYTES + 1).decode("ascii", "replace")
+        begin, end = text.index("-----BEGIN CERTIFICATE-----"), text.index("-----END CERTIFICATE-----")
+        return ssl.PEM_cert_to_DER_cert(text[begin:end] + "-----END CERTIFICATE-----\n")
+    except OSError as error:
+        reason = error.strerror or str(error)
+    except ValueError:
+        reason = "there is no certificate in PEM form in it"
+    raise ConfigError(f"certificate={path}: cannot be read: {reason}")
