@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import AsyncIterator, Iterator, Mapping
+from collections.abc import AsyncIterator, Iterator
 
 import pytest
 import pytest_asyncio
 
 from interop_ros2.rclpy_peer import RclpyPeer, rclpy_peer
 from ros2_domains import own_domain
-from rostether.graph.ports import Graph, JoinGraph
+from rostether.graph.ports import JoinGraph
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.ros2.rclpy.context import RclpyContext
@@ -41,17 +41,10 @@ async def context(store: TypeStore) -> AsyncIterator[RclpyContext]:
     await context.close()
 
 
-@pytest_asyncio.fixture(loop_scope="module")
-async def join(context: RclpyContext) -> AsyncIterator[JoinGraph]:
-    """Join as a node that leaves at the end of the test."""
-    graphs = []
+@pytest.fixture
+def join(context: RclpyContext) -> JoinGraph:
+    """Join as a node that stays until the end of the file.
 
-    async def join(
-        node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
-    ) -> Graph:
-        graphs.append(await context.join(node_name, namespace=namespace, remappings=remappings))
-        return graphs[-1]
-
-    yield join
-    for graph in graphs:
-        await graph.close()
+    After a node has left, Fast DDS may take three seconds to tell of the next endpoint.
+    """
+    return context.join

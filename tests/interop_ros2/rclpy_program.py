@@ -128,7 +128,7 @@ class Peer:
         request: dict[str, Any],
         timeout_s: float = PATIENCE_S,
     ) -> Any:
-        client = self.node.create_client(find(type), service)
+        client: Any = self.node.create_client(find(type), service)
         try:
             if not client.wait_for_service(PATIENCE_S):
                 raise TimeoutError(f"nobody offers {service}")

@@ -115,33 +115,33 @@ PARAMETERS: dict[str, ParamValue] = {
 
 
 async def test_rclpy_sets_and_reads_our_parameters(join: JoinGraph, peer: RclpyPeer) -> None:
-    node = await join("/board")
+    node = await join("/tuned")
     seen: list[ParamValue] = []
     await node.watch_param("~arm/gain", seen.append)
     await peer.ask(
         "parameters",
-        node="/board",
+        node="/tuned",
         method="set_parameters",
         arguments=[(f"arm.{name}", value) for name, value in PARAMETERS.items()],
     )
     assert await node.get_param("~arm") == PARAMETERS
-    assert await node.get_param("/board/arm/gain") == 0.5
+    assert await node.get_param("/tuned/arm/gain") == 0.5
     await until(lambda: seen[-1] == 0.5)
     await node.set_param("~arm/gain", 0.75)
-    reply = await peer.ask("parameters", node="/board", method="get_parameters", arguments=["arm.gain"])
+    reply = await peer.ask("parameters", node="/tuned", method="get_parameters", arguments=["arm.gain"])
     assert reply["values"][0]["double_value"] == 0.75
 
 
 async def test_what_a_board_asks_for_is_listed(join: JoinGraph, peer: RclpyPeer) -> None:
-    node = await join("/board")
+    node = await join("/asking")
     assert not await node.has_param("~baud")
     with pytest.raises(LookupError):
         await node.get_param("~baud")
-    reply = await peer.ask("parameters", node="/board", method="list_parameters", arguments=[])
+    reply = await peer.ask("parameters", node="/asking", method="list_parameters", arguments=[])
     while "baud" not in reply["result"]["names"]:
-        reply = await peer.ask("parameters", node="/board", method="list_parameters", arguments=[])
+        reply = await peer.ask("parameters", node="/asking", method="list_parameters", arguments=[])
     assert not await node.has_param("~baud")
-    await peer.ask("parameters", node="/board", method="set_parameters", arguments=[("baud", 57600)])
+    await peer.ask("parameters", node="/asking", method="set_parameters", arguments=[("baud", 57600)])
     assert await node.get_param("~baud") == 57600
 
 

@@ -178,11 +178,12 @@ async def test_the_type_hash_is_the_official_one(
         message_type = store.registry.message_type(name)
         topic = f"/hash/{name.replace('/', '_')}"
         await node.advertise(topic, message_type)
-        while not (endpoints := await peer.ask("endpoints", topic=topic)):
+        # The names of nodes travel on their own, a little later.
+        while not (endpoints := await peer.ask("endpoints", topic=topic)) or endpoints[0]["node"] != "board":
             await asyncio.sleep(0.01)
         (endpoint,) = endpoints
-        assert endpoint["hash"].removeprefix("RIHS01_") in context.types.message(message_type).type_hash
-        assert (endpoint["namespace"], endpoint["node"]) == ("/", "board")
+        assert endpoint["namespace"] == "/"
+        assert endpoint["hash"] == context.types.message(message_type).type_hash
         assert endpoint["type"] == ros2_name(name)
 
 

@@ -13,6 +13,7 @@ from rostether.ros2.rclpy.executor_thread import ExecutorThread
 from rostether.ros2.rclpy.failures import attempt, first_lines
 from rostether.ros2.rclpy.installation import load_rclpy, message_class
 from rostether.ros2.rclpy.quality import rosout_profile
+from rostether.ros2.rclpy.view import offered_types
 from rostether.ros2.type_support import Ros2Types
 
 _Result = TypeVar("_Result")
@@ -117,7 +118,7 @@ class OwnNode:
 
     def service_types(self, service: str) -> list[str]:
         """Return the types that a service is offered as, in the executor's thread."""
-        return list(dict(self.node.get_service_names_and_types()).get(service, ()))
+        return offered_types(self.node, service)
 
     def destroy(self) -> None:
         """Leave the graph; call it in the executor's thread."""

@@ -71,8 +71,10 @@ class RclpyServiceClient:
         loop = asyncio.get_running_loop()
         deadline_s = loop.time() + limit_s
         while not self._is_ready():
-            if loop.time() >= deadline_s:
-                raise await self._own.thread.run(self._explain_absence)
+            absence = await self._own.thread.run(self._explain_absence)
+            # That it has another type is certain at once.
+            if isinstance(absence, TypeMismatchError) or loop.time() >= deadline_s:
+                raise absence
             await asyncio.sleep(LOOK_INTERVAL_S)
 
     def _is_ready(self) -> bool:
@@ -81,11 +83,10 @@ class RclpyServiceClient:
         return attempt(f"call {self.service}", lambda: bool(self._client.service_is_ready()))
 
     def _explain_absence(self) -> TypeMismatchError | ServiceUnavailableError:
-        types = set(self._own.service_types(self.service)) - {self._support.name}
-        if types:
+        types = self._own.service_types(self.service)
+        if types and self._support.name not in types:
             return TypeMismatchError(
-                f"{self.service} is {' and '.join(sorted(types))}, not {self._support.name}: "
-                "call it with its type"
+                f"{self.service} is {' and '.join(types)}, not {self._support.name}: call it with its type"
             )
         return ServiceUnavailableError(f"nobody offers the service {self.service}: start the node that does")
 

@@ -23,6 +23,7 @@ from rostether.ros2.rclpy.installation import load_rclpy, message_class
 from rostether.ros2.rclpy.mailbox import Mailbox
 from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.quality import Wish, is_latching, name_policy, subscriber_profile, subscriber_wish
+from rostether.ros2.rclpy.view import UNKNOWN_NODE
 from rostether.ros2.type_support import MessageSupport
 
 MAX_BATCH = 1000
@@ -229,7 +230,11 @@ class RclpySubscriber:
             self._seen.pop(gid, None)
         for gid in gids.keys() - self._known.keys():
             publisher = gids[gid]
-            node_name = f"{publisher.node_namespace.rstrip('/')}/{publisher.node_name}"
+            node_name = (
+                ""  # Endpoints may be known before the names of their nodes.
+                if publisher.node_name == UNKNOWN_NODE
+                else f"{publisher.node_namespace.rstrip('/')}/{publisher.node_name}"
+            )
             self._known[gid] = node_name == self._own.name
             if self._on_connection is not None:
                 message_type = self._support.ros1_type

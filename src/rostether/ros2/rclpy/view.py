@@ -58,6 +58,17 @@ def take_snapshot(node: Any) -> Snapshot:
     )
 
 
+def offered_types(node: Any, service: str) -> list[str]:
+    """Return the types that servers offer a service as, in the executor's thread.
+
+    What rclpy says of a service without naming a node counts clients too.
+    """
+    types: set[str] = set()
+    for name, namespace in node.get_node_names_and_namespaces():
+        types.update(dict(_ask(node.get_service_names_and_types_by_node, name, namespace)).get(service, ()))
+    return sorted(types)
+
+
 async def watch_changes(
     take: Callable[[], Awaitable[Snapshot]], closed: asyncio.Event, interval_s: float = POLL_INTERVAL_S
 ) -> AsyncIterator[Snapshot]:

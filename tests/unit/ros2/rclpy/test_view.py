@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 
 from rostether.graph.ports import Snapshot
-from rostether.ros2.rclpy.view import take_snapshot, watch_changes
+from rostether.ros2.rclpy.view import offered_types, take_snapshot, watch_changes
 
 Endpoints = list[tuple[str, list[str]]]
 
@@ -45,6 +45,11 @@ def test_a_snapshot() -> None:
     assert (chat.type, chat.publishers, chat.subscribers) == ("p/msg/A p/msg/B", ("/a", "/ns/b"), ())
     assert snapshot.topics["/able"].subscribers == ("/ns/b",)
     assert snapshot.services["/do"].providers == ("/a",)
+
+
+def test_the_types_of_a_service() -> None:
+    assert offered_types(FakeNode(), "/do") == ["p/srv/A"]
+    assert offered_types(FakeNode(), "/undo") == []
 
 
 async def test_only_changes_are_told() -> None:
