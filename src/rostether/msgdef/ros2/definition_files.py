@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import functools
 import os
+import sys
 from collections.abc import Iterable, Mapping
 from enum import Enum, auto
 from pathlib import Path
@@ -20,6 +21,8 @@ BUNDLED_FOLDER = Path(__file__).with_name("share")
 BUNDLED_DISTRO = "jazzy"
 # Distribution -> folders to look in before the bundled distribution's own, first wins.
 _OVERLAYS: Mapping[str, tuple[str, ...]] = {
+    "foxy": ("humble", "iron"),
+    "galactic": ("humble", "iron"),
     "humble": ("humble", "iron"),
     "iron": ("iron",),
     "jazzy": (),
@@ -45,6 +48,12 @@ def install_prefixes(environ: Mapping[str, str]) -> list[Path]:
     """Return the folders that AMENT_PREFIX_PATH and COLCON_PREFIX_PATH name, in order, each once."""
     parts = [part for name in _PREFIX_VARIABLES for part in environ.get(name, "").split(os.pathsep) if part]
     return [Path(part) for part in dict.fromkeys(parts)]
+
+
+def python_prefixes() -> list[Path]:
+    """Return where pip puts the definitions of packages from PyPI, if any are there."""
+    prefix = Path(sys.prefix)
+    return [prefix] if (prefix / "share" / "ament_index").is_dir() else []
 
 
 class InstalledPackages:

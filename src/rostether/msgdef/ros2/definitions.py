@@ -16,6 +16,7 @@ from rostether.msgdef.ros2.definition_files import (
     bundled_packages,
     declared_by,
     install_prefixes,
+    python_prefixes,
 )
 from rostether.msgdef.ros2.parse import (
     REQUEST_SUFFIX,
@@ -34,7 +35,7 @@ class Ros2Definitions:
 
     `paths` are folders of packages or of plain definitions (--msg-path), of which those that are ROS 2 texts
     count; `prefixes` are install prefixes as AMENT_PREFIX_PATH names them. Both win over the bundled
-    definitions of `distro`, type by type, in the order given.
+    definitions of `distro`, type by type, in the order given; `last_prefixes` are asked after those.
     """
 
     def __init__(
@@ -42,24 +43,26 @@ class Ros2Definitions:
         paths: Iterable[Path | str] = (),
         *,
         prefixes: Iterable[Path | str] = (),
+        last_prefixes: Iterable[Path | str] = (),
         distro: str = BUNDLED_DISTRO,
         bundled: bool = True,
     ) -> None:
         self.distro = distro
         self._paths = [Path(path) for path in paths]
         self._installed = InstalledPackages(Path(prefix) for prefix in prefixes)
+        self._installed_last = InstalledPackages(Path(prefix) for prefix in last_prefixes)
         self._bundled = bundled
         self._found: dict[str, PackageFiles] | None = None
         self._messages: dict[str, Ros2Message] = {}
         self._services: dict[str, Ros2Service] = {}
-        # Files of the user's folders that turned out to be ROS 1 texts.
-        self._ros1_files: set[Path] = set()
+        # Of the user's folders: whether it is a ROS 2 text.
+        self._is_ros2_file: dict[Path, bool] = {}
 
     @classmethod
     def from_environment(
         cls, msg_paths: Iterable[Path | str] = (), environ: Mapping[str, str] | None = None
     ) -> Ros2Definitions:
-        """Use --msg-path folders, AMENT_PREFIX_PATH, COLCON_PREFIX_PATH and ROS_DISTRO.
+        """Use --msg-path folders, AMENT_PREFIX_PATH, COLCON_PREFIX_PATH, ROS_DISTRO and what pip installed.
 
         Raises ConfigError for a missing folder.
         """
@@ -74,7 +77,8 @@ class Ros2Definitions:
         distro = environ.get("ROS_DISTRO", "") if environ.get("ROS_VERSION", "2") == "2" else ""
         if distro in ("noetic", "melodic", "kinetic", ""):
             distro = BUNDLED_DISTRO
-        return cls(paths, prefixes=install_prefixes(environ), distro=distro)
+        # What pip installed is of a distribution of its own: it only adds types.
+        return cls(paths, prefixes=install_prefixes(environ), last_prefixes=python_prefixes(), distro=distro)
 
     def message(self, name: str) -> Ros2Message:
         """Return a message by `package/msg/Name`, or half a service by `package/srv/Name_Request`.
@@ -111,7 +115,7 @@ class Ros2Definitions:
 
     def packages(self) -> list[str]:
         """Return the names of all packages that have definitions, sorted."""
-        names = set(self._installed.packages())
+        names = {*self._installed.packages(), *self._installed_last.packages()}
         names.update(
             package for package in self._on_path() if any(self._own(package, kind) for kind in _KINDS)
         )
@@ -143,7 +147,7 @@ class Ros2Definitions:
         file = self._file(kind, package, name)
         if file is not None:
             return _parse(kind, file, package, name)
-        if self._installed.has_only_idl(package, kind, name):
+        if any(each.has_only_idl(package, kind, name) for each in (self._installed, self._installed_last)):
             raise UnknownTypeError(explain_only_idl(package, kind, name))
         raise UnknownTypeError(explain_unknown(self, kind, package, name))
 
@@ -157,19 +161,20 @@ class Ros2Definitions:
             return file
         if file := self._installed.of(package, kind).get(name):
             return file
-        return bundled_names(self.distro, package, kind).get(name) if self._bundled else None
+        if self._bundled and (file := bundled_names(self.distro, package, kind).get(name)):
+            return file
+        return self._installed_last.of(package, kind).get(name)
 
     def _is_ros2(self, file: Path, kind: Kind, package: str) -> bool:
         """Tell whether a text of the user's folders is ROS 2's: its package says so, or it reads as one."""
-        if file in self._ros1_files:
-            return False
-        declared = declared_by(file)
-        if declared is Declared.ROS2:
-            return True
-        if declared is Declared.UNSAID and self._reads_as_ros2(file, kind, package):
-            return True
-        self._ros1_files.add(file)
-        return False
+        known = self._is_ros2_file.get(file)
+        if known is None:
+            declared = declared_by(file)
+            known = declared is Declared.ROS2 or (
+                declared is Declared.UNSAID and self._reads_as_ros2(file, kind, package)
+            )
+            self._is_ros2_file[file] = known
+        return known
 
     def _reads_as_ros2(self, file: Path, kind: Kind, package: str) -> bool:
         try:
@@ -198,7 +203,7 @@ class Ros2Definitions:
         names: set[str] = set()
         for each in self.packages() if package is None else [package]:
             found = {name for name, file in self._own(each, kind).items() if self._is_ros2(file, kind, each)}
-            found.update(self._installed.of(each, kind))
+            found.update(self._installed.of(each, kind), self._installed_last.of(each, kind))
             if self._bundled:
                 found.update(bundled_names(self.distro, each, kind))
             names.update(f"{each}/{kind}/{name}" for name in found)

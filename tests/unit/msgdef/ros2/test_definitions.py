@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import pytest
@@ -132,8 +133,20 @@ def test_reads_installed_packages(tmp_path: Path) -> None:
     assert definitions.services("my_msgs") == ["my_msgs/srv/Set"]
     assert "your_msgs" in definitions.packages()
     assert "rviz" not in definitions.packages()
-    with pytest.raises(UnknownTypeError, match="installed as [.]idl only"):
+    with pytest.raises(UnknownTypeError, match=r"installed as \.idl only"):
         definitions.message("my_msgs/msg/Only")
+
+
+def test_what_pip_installed_only_adds_types(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    package(tmp_path / "share/std_msgs", String="string<=5 data\n")
+    package(tmp_path / "share/pip_msgs", Foo="int8 a\n")
+    (tmp_path / "share/ament_index").mkdir()
+    monkeypatch.setattr(sys, "prefix", str(tmp_path))
+    definitions = Ros2Definitions.from_environment(environ={})
+    assert definitions.message("std_msgs/msg/String").fields[0].type.string_bound is None
+    assert definitions.messages("pip_msgs") == ["pip_msgs/msg/Foo"]
+    assert "pip_msgs" in definitions.packages()
+    assert names(definitions, "pip_msgs/msg/Foo") == ["a"]
 
 
 def test_reads_the_distribution() -> None:
