@@ -14,7 +14,10 @@ from rostether.ros2.rclpy.failures import attempt, first_lines
 from rostether.ros2.rclpy.installation import load_rclpy, message_class
 from rostether.ros2.rclpy.quality import rosout_profile
 from rostether.ros2.rclpy.view import offered_types
-from rostether.ros2.type_support import Ros2Types
+from rostether.ros2.type_support import MessageSupport, Ros2Types
+
+_HASH_PREFIX = "RIHS01_"
+_SHOWN_HASH = len(_HASH_PREFIX) + 8
 
 _Result = TypeVar("_Result")
 _log = logging.getLogger("rostether.ros2")
@@ -124,6 +127,27 @@ class OwnNode:
         """Leave the graph; call it in the executor's thread."""
         self.thread.executor.remove_node(self.node)
         self.node.destroy_node()
+
+    def check_definition(self, endpoints: Sequence[Any], support: MessageSupport) -> None:
+        """Compare the hash of a type that is installed with ours, by this node's own endpoint of a topic.
+
+        Raises TypeMismatchError where they differ: the bytes would too. Humble has no hashes.
+        """
+        for endpoint in endpoints:
+            name = f"{endpoint.node_namespace.rstrip('/')}/{endpoint.node_name}"
+            installed = str(getattr(endpoint, "topic_type_hash", ""))
+            if (
+                name == self.name
+                and endpoint.topic_type == support.name
+                and installed.startswith(_HASH_PREFIX)
+                and support.type_hash.startswith(_HASH_PREFIX)
+                and installed != support.type_hash
+            ):
+                raise TypeMismatchError(
+                    f"the definition of {support.name} that is installed for rclpy is another one than ours "
+                    f"({installed[:_SHOWN_HASH]}..., not {support.type_hash[:_SHOWN_HASH]}...): give its "
+                    "folder with --msg-path, or set ROS_DISTRO to the distribution that is installed"
+                )
 
     def _create(
         self,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable, Sequence
 from typing import Any
 
-from rostether.errors import SerializationError
+from rostether.errors import SerializationError, TypeMismatchError
 from rostether.graph.ports import Level
 from rostether.msgdef.interface import MessageType
 from rostether.ros2.rclpy.failures import first_lines
@@ -48,6 +48,11 @@ class Publication:
                 event_callbacks=events,
             ),
         )
+        try:
+            self._own.check_definition(self._own.node.get_publishers_info_by_topic(self.topic), self.support)
+        except TypeMismatchError:
+            self.close()
+            raise
 
     @property
     def subscriber_count(self) -> int:

@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable, Mapping, Sequence
 from typing import Any
 
-from rostether.errors import RostetherError, SerializationError
+from rostether.errors import RostetherError, SerializationError, TypeMismatchError
 from rostether.graph.callbacks import call_contained
 from rostether.graph.ports import Level, OnMessages
 from rostether.msgdef.interface import ANY_TYPE, MessageType
@@ -168,6 +168,11 @@ class RclpySubscriber:
             ),
         )
         self._wish = wish
+        try:
+            self._own.check_definition(self._own.node.get_subscriptions_info_by_topic(self.topic), support)
+        except TypeMismatchError:
+            self.end()
+            raise
 
     def _event_callbacks(self) -> Any:
         make = load_rclpy().events.SubscriptionEventCallbacks
