@@ -1,0 +1,214 @@
+"""Generated code that converts values: what both sides have alike is one slice, all else a few lines."""
+
+from __future__ import annotations
+
+from rostether.serde.cdr.pair_tree import Array, Node, Plain, Record, Side, Slot, Text
+from rostether.serde.cdr.pieces import Pieces
+from rostether.serde.cdr.place import Place
+from rostether.serde.cdr.reading_body import MAX_LINES, Functions, ReadingBody
+
+
+class ConvertingBody(ReadingBody):
+    """The body of one function: lines that find out lengths, and the pieces that they delimit.
+
+    `side` is the one read, of which `source_place` is; `target_place` is where the output has got to.
+    """
+
+    def __init__(self, functions: Functions, side: Side, source_place: Place, target_place: Place) -> None:
+        super().__init__(functions, side, source_place)
+        self.pieces = Pieces()
+        self.uses_out = False
+        self.target_place = target_place
+
+    def convert(self, node: Node) -> None:
+        """Convert one value, by a function of its own if this one has become long."""
+        if node.block is None and len(self.lines) + self.functions.line_count(node) > MAX_LINES:
+            self._call_converter(self.functions.converter(node))
+        else:
+            self.convert_inline(node)
+
+    def convert_inline(self, node: Node) -> None:
+        """Convert one value here."""
+        if node.block is not None:
+            self._copy(node.block.size_bytes, node.block.alignment)
+        elif isinstance(node, Plain):
+            self._translate(node, node.size_bytes)
+        elif isinstance(node, Text):
+            self._convert_text(node)
+        elif isinstance(node, Array):
+            self._convert_array(node)
+        else:
+            self._convert_record(node)
+
+    def flush(self) -> None:
+        """Put the pieces so far to the output of loops and functions."""
+        self.uses_out = True
+        if self.pieces:
+            self.lines.append(f"out += ({row(self.pieces.take())})")
+
+    def _convert_record(self, record: Record) -> None:
+        to = Side.ROS2 if self.to_cdr else Side.ROS1
+        if record.is_ordered:
+            self._convert_in_step(record, to)
+            return
+        places: dict[int, Place] = {}
+        for slot in record.slots(self.side):
+            self.source_place.move(self.line("o", self.source_place.text()), 8)
+            places[id(slot)] = self.source_place.copy()
+            self.skip(slot.node)
+        end = self.source_place.copy()
+        for slot in record.slots(to):
+            if slot.side is Side.BOTH:
+                self.source_place = places[id(slot)]
+                self.convert(slot.node)
+            else:
+                self._add_default(slot)
+        self.source_place = end
+
+    def _convert_in_step(self, record: Record, to: Side) -> None:
+        waiting = list(record.slots(to))
+        for slot in record.slots(self.side):
+            while waiting and waiting[0].side is to:
+                self._add_default(waiting.pop(0))
+            if slot.side is Side.BOTH:
+                waiting.pop(0)
+                self.convert(slot.node)
+            else:
+                self.skip(slot.node)
+        for slot in waiting:
+            self._add_default(slot)
+
+    def _add_default(self, slot: Slot) -> None:
+        if not self.to_cdr:
+            self.pieces.add_constant(_zero(slot.node))
+            return
+        for alignment, value in slot.default:
+            self._align_target(alignment)
+            self.pieces.add_constant(value)
+            self.target_place.advance(len(value))
+
+    def _copy(self, size: int, alignment: int) -> None:
+        self.align_source(alignment)
+        self._align_target(alignment)
+        start = self.source_place.text()
+        self.source_place.advance(size)
+        self.target_place.advance(size)
+        self.pieces.add_slice(start, self.source_place.text())
+
+    def _translate(self, node: Plain, size: int) -> None:
+        assert node.translation is not None
+        table = self.functions.table(node.translation)
+        self.pieces.add_expression(
+            f"b[{self.source_place.text()}:{self.source_place.text(size)}].translate({table})"
+        )
+        self.source_place.advance(size)
+        self.target_place.advance(size)
+
+    def _convert_text(self, text: Text) -> None:
+        self._align_target(4)
+        place, target = self.source_place, self.target_place
+        count = self.read_count(text.bound if self.to_cdr else None)
+        start = place.text()
+        end = self.line("o", f"{start} + {count}")
+        if self.to_cdr:
+            self.pieces.add_expression(f"pack({count} + 1)")
+            self.pieces.add_slice(start, end)
+            self.pieces.add_constant(b"\0")
+            target.move(f"{target.text(5)} + {count}")
+        else:
+            stop = self.line("o", f"{end} - 1 if {count} and not b[{end} - 1] else {end}")
+            length = f"{stop} - {place.text()}" if not place.start else f"{stop} - ({place.text()})"
+            self.pieces.add_expression(f"pack({length})")
+            self.pieces.add_slice(start, stop)
+        place.move(end)
+
+    def _convert_array(self, array: Array) -> None:
+        element = array.element
+        if array.length is not None:
+            if array.length and isinstance(element, Plain):
+                self._translate(element, array.length)
+            elif array.length:
+                self._loop(element, str(array.length))
+            return
+        self.align_source(4)
+        self._align_target(4)
+        start = self.source_place.text()
+        count = self.read_count(array.bound if self.to_cdr else None)
+        self.pieces.add_slice(start, self.source_place.text())
+        self.target_place.advance(4)
+        block = element.block
+        if block is not None:
+            self._copy_elements(count, block.size_bytes, block.alignment)
+        elif isinstance(element, Plain):
+            assert element.translation is not None
+            start = self.source_place.text()
+            end = self.line("o", f"{start} + {count}")
+            self.pieces.add_expression(
+                f"b[{start}:{end}].translate({self.functions.table(element.translation)})"
+            )
+            self.source_place.move(end)
+            self.target_place.move(f"{self.target_place.text()} + {count}")
+        else:
+            self.limit(element, count)
+            self._loop(element, count)
+
+    def _copy_elements(self, count: str, size: int, alignment: int) -> None:
+        """Copy a sequence of blocks: before the first there is padding, but not if there is none."""
+        self.align_if(self.source_place, count, alignment)
+        if self.target_place.padding(alignment) != 0:
+            before = self.line("c", self.target_place.text())
+            self.target_place.move(before, 8)
+            self.pieces.add_expression(f"pad{alignment}[{before} & {alignment - 1}] if {count} else b''")
+            self.align_if(self.target_place, count, alignment)
+        length = f"{count} * {size}" if size > 1 else count
+        start = self.source_place.text()
+        end = self.line("o", f"{start} + {length}")
+        self.source_place.move(end, size)
+        self.pieces.add_slice(start, end)
+        self.target_place.move(f"{self.target_place.text()} + {length}", size)
+
+    def _loop(self, element: Node, count: str) -> None:
+        name = self.functions.converter(element)
+        self.flush()
+        before, after = self.variable("o"), self.variable("c")
+        target = self.target_place.text() if self.to_cdr else "0"
+        self.lines.append(f"{before} = {self.source_place.text()}")
+        self.lines.append(f"{after} = {target}")
+        self.lines.append(f"for _ in range({count}): {before}, {after} = {name}(b, {before}, {after}, out)")
+        self.source_place.move(before)
+        self.target_place.move(after)
+
+    def _call_converter(self, name: str) -> None:
+        self.flush()
+        end, target_end = self.variable("o"), self.variable("c")
+        target = self.target_place.text() if self.to_cdr else "0"
+        self.lines.append(f"{end}, {target_end} = {name}(b, {self.source_place.text()}, {target}, out)")
+        self.source_place.move(end)
+        self.target_place.move(target_end)
+
+    def _align_target(self, alignment: int) -> None:
+        place = self.target_place
+        padding = place.padding(alignment)
+        if padding is not None:
+            self.pieces.add_constant(bytes(padding))
+            place.advance(padding)
+            return
+        pads = "nul" if self.pieces.take_final_nul() else "pad"
+        self.pieces.add_expression(f"{pads}{alignment}[{place.text()} & {alignment - 1}]")
+        self.lines.append(place.align(self.variable("c"), alignment))
+
+
+def row(pieces: list[str]) -> str:
+    """Return the inside of a tuple of expressions."""
+    return "".join(f"{piece}, " for piece in pieces)
+
+
+def _zero(node: Node) -> bytes:
+    """Return the ROS 1 bytes of a field that only ROS 1 has."""
+    if isinstance(node, Plain):
+        return bytes(node.size_bytes)
+    if isinstance(node, Text):
+        return bytes(4)
+    if isinstance(node, Array):
+        return bytes(4) if node.length is None else node.length * _zero(node.element)
+    return b"".join(_zero(slot.node) for slot in node.ros1_slots)

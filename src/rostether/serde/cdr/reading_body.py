@@ -1,0 +1,138 @@
+"""Generated code that reads over values of one side: lengths, alignment, fields that the other lacks."""
+
+from __future__ import annotations
+
+from typing import Final, Protocol
+
+from rostether.serde.cdr.pair_tree import Array, Node, Plain, Record, Side, Text, Translation
+from rostether.serde.cdr.place import Place
+from rostether.serde.type_tree import MAX_EMPTY_ELEMENTS
+
+MAX_LINES: Final = 256
+"""How many lines a function grows to by nested records inline; further ones become functions of their own, so
+that a type holding a type twice, which holds one twice ..., does not double the source at each level."""
+
+
+class Functions(Protocol):
+    """The functions and names beside a body."""
+
+    def converter(self, node: Node) -> str:
+        """Return the name of `convert_n(b, o, c, out) -> (o, c)`, the ends of what it read and wrote."""
+
+    def walker(self, node: Node) -> str:
+        """Return the name of `walk_n(b, o) -> o`, which reads over a value."""
+
+    def table(self, translation: Translation) -> str:
+        """Return the name of a translation's table."""
+
+    def line_count(self, node: Node) -> int:
+        """Return about how many lines converting a value inline takes."""
+
+
+class ReadingBody:
+    """The body of one function: lines that find out lengths of the payload `b`, from a place on."""
+
+    def __init__(self, functions: Functions, side: Side, source_place: Place) -> None:
+        self.functions = functions
+        self.side = side
+        self.to_cdr = side is Side.ROS1
+        self.lines: list[str] = []
+        self.source_place = source_place
+        self._count = 0
+
+    def skip(self, node: Node) -> None:
+        """Read over one value, by a function of its own if this one has become long."""
+        if isinstance(node, Record) and len(self.lines) + self.functions.line_count(node) > MAX_LINES:
+            place = self.source_place
+            place.move(self.line("o", f"{self.functions.walker(node)}(b, {place.text()})"))
+        else:
+            self.skip_inline(node)
+
+    def skip_inline(self, node: Node) -> None:
+        """Read over one value here."""
+        place = self.source_place
+        size = node.ros1_size_bytes if self.to_cdr else None
+        if size is not None:
+            place.advance(size)
+        elif node.block is not None or isinstance(node, Plain):
+            block = node.block
+            self.align_source(block.alignment if block else 1)
+            place.advance(block.size_bytes if block else 1)
+        elif isinstance(node, Text):
+            count = self.read_count(None)
+            place.move(self.line("o", f"{place.text()} + {count}"))
+        elif isinstance(node, Array):
+            self._skip_array(node)
+        else:
+            for slot in node.slots(self.side):
+                self.skip(slot.node)
+
+    def limit(self, element: Node, count: str) -> None:
+        """Refuse counts of elements that there are no bytes for."""
+        least = element.least_bytes(self.side)
+        if element.least_bytes(Side.ROS1) == 0:
+            self.lines.append(f"if {count} > {MAX_EMPTY_ELEMENTS}: raise overrun")
+        if least:
+            self.lines.append(f"if {count} * {least} > len(b) - ({self.source_place.text()}): raise overrun")
+
+    def _skip_array(self, array: Array) -> None:
+        element, place = array.element, self.source_place
+        count = str(array.length)
+        if array.length is None:
+            count = self.read_count(None)
+            size = element.ros1_size_bytes if self.to_cdr else None
+            if size is not None:
+                place.move(self.line("o", f"{place.text()} + {count} * {size}"))
+                return
+            block = element.block or (Plain(1, 1).block if isinstance(element, Plain) else None)
+            if block is not None:
+                self.align_if(place, count, block.alignment)
+                place.move(self.line("o", f"{place.text()} + {count} * {block.size_bytes}"), block.size_bytes)
+                return
+            self.limit(element, count)
+        elif isinstance(element, Plain):
+            place.advance(array.length)
+            return
+        name = self.functions.walker(element)
+        variable = self.line("o", place.text())
+        self.lines.append(f"for _ in range({count}): {variable} = {name}(b, {variable})")
+        place.move(variable)
+
+    def read_count(self, bound: int | None) -> str:
+        """Read a length, and refuse one over its bound."""
+        self.align_source(4)
+        count = self.variable("n")
+        self.lines.append(f"{count}, = u32(b, {self.source_place.text()})")
+        if bound is not None:
+            self.lines.append(f"if {count} > {bound}: raise overrun")
+        self.source_place.advance(4)
+        return count
+
+    def align_source(self, alignment: int) -> None:
+        """Go to the next aligned place."""
+        padding = self.source_place.padding(alignment)
+        if padding is not None:
+            self.source_place.advance(padding)
+        else:
+            self.lines.append(self.source_place.align(self.variable("o"), alignment))
+
+    def align_if(self, place: Place, count: str, alignment: int) -> None:
+        """Go to where the first of `count` values begins: no padding is before none."""
+        if place.padding(alignment) == 0:
+            return
+        # Behind the count the place is a multiple of four; only values of eight bytes get here.
+        before = place.text()
+        variable = self.variable("o")
+        self.lines.append(f"{place.align(variable, alignment)} if {count} else {before}")
+        place.modulus = min(alignment, 4)
+
+    def line(self, prefix: str, expression: str) -> str:
+        """Add a line that keeps an expression; returns its variable."""
+        variable = self.variable(prefix)
+        self.lines.append(f"{variable} = {expression}")
+        return variable
+
+    def variable(self, prefix: str) -> str:
+        """Return a new variable."""
+        self._count += 1
+        return f"{prefix}{self._count - 1}"
