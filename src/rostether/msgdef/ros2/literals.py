@@ -98,6 +98,7 @@ def _split_strings(text: str) -> list[str]:
             start = index + 1
     if mark:
         raise ValueError(f"{quote(text[start:].strip())} has no closing {mark}")
-    if text:
-        parts.append(text[start:].strip())
+    # rosidl takes a comma behind the last string.
+    if last := text[start:].strip():
+        parts.append(last)
     return parts

@@ -1,6 +1,7 @@
 """Reading a ROS 2 .msg or .srv text: `type name [default]` or `type NAME=value` a line, comments after `#`.
 
-Accepts and refuses what rosidl does, with one exception: indented declarations are read.
+Accepts and refuses what rosidl does, with two exceptions: indented declarations are read, and types that its
+code generators would refuse (`time`, half a service as a field) are refused here.
 """
 
 from __future__ import annotations

@@ -50,6 +50,8 @@ def test_reads_types(text: str, expected: Ros2Type) -> None:
         ("float64[2] a [1, .5]", (1.0, 0.5)),
         ("string[] a ['a, b', \"c\", d]", ("a, b", "c", "d")),
         ("string[<=2] a ['', ' ']", ("", " ")),
+        ("string[] a ['x',]", ("x",)),
+        ("string[] a []", ()),
     ],
 )
 def test_reads_defaults(text: str, default: object) -> None:
