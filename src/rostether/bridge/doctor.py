@@ -227,6 +227,8 @@ def _judge_search(address: SerialAddress, watched: Watched, found: NoBoard) -> F
             next_step="check that the sketch runs rosserial on this port (nh.initNode() in setup(), "
             "nh.spinOnce() in loop()), press the board's reset button, and check that the cable carries data",
         )
+    if first.code is Code.PROTOCOL_VERSION:
+        return first
     return replace(
         first,
         code=Code.NOISE_RECEIVED,

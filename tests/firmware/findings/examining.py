@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Awaitable, Callable, Coroutine, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Literal, TypeVar
 
 from rostether.boards.simavr.simulated_board import SimulatedBoard
 from rostether.bridge.doctor import Diagnosis, Doctor
+from rostether.bridge.findings.finding import Code
 from rostether.firmware.build import BuildOptions, build_sketch, find_board
 from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore
@@ -20,6 +22,9 @@ from unit.bridge.uart_port import UartPort
 
 STORE = TypeStore(Registry())
 PORT = "/dev/ttyACM0"
+# A tenth of a second makes a board seem slow.
+MAX_STALL_S = 0.03
+OF_TIME = frozenset({Code.SLOW_LOOP, Code.CLOCK_DRIFT})
 Happening = Callable[[SimulatedBoard], Awaitable[None]]
 
 
@@ -39,39 +44,73 @@ class Case:
     sent_as: Mapping[str, str] | None = None
     known: Mapping[str, str] | None = None
     """Definitions that the doctor has."""
+    is_about_time: bool = False
+    """Whether late requests or drift are the fault; else they are this machine's when it was too slow."""
 
 
 async def examine_all(cases: Mapping[str, Case], folder: Path) -> dict[str, Diagnosis]:
-    """Examine all boards at once."""
-    tasks = {name: asyncio.create_task(_examine(case, folder / name)) for name, case in cases.items()}
+    """Build all sketches, then examine all boards at once."""
+    programs = await _all({name: _build(case, folder / name) for name, case in cases.items()})
+    stalls = Stalls()
+    watching = asyncio.create_task(stalls.watch())
     try:
-        return {name: await task for name, task in tasks.items()}
+        return await _all(
+            {name: _examine(case, programs[name], folder / name, stalls) for name, case in cases.items()}
+        )
     finally:
-        for task in tasks.values():
-            task.cancel()
-        await asyncio.gather(*tasks.values(), return_exceptions=True)
+        watching.cancel()
+        await asyncio.gather(watching, return_exceptions=True)
 
 
-async def _examine(case: Case, folder: Path) -> Diagnosis:
+class Stalls:
+    """How long this process was kept from looking at its lines: what came then seems late."""
+
+    def __init__(self) -> None:
+        self.longest_s = 0.0
+
+    async def watch(self) -> None:
+        """Measure until cancelled."""
+        clock = asyncio.get_running_loop().time
+        while True:
+            began_s = clock()
+            await asyncio.sleep(0.01)
+            self.longest_s = max(self.longest_s, clock() - began_s - 0.01)
+
+
+T = TypeVar("T")
+
+
+async def _all(work: Mapping[str, Coroutine[None, None, T]]) -> dict[str, T]:
+    async with asyncio.TaskGroup() as group:
+        tasks = {name: group.create_task(each) for name, each in work.items()}
+    return {name: task.result() for name, task in tasks.items()}
+
+
+async def _build(case: Case, folder: Path) -> Path:
     sketch = folder / "faulty" / "faulty.ino"
     sketch.parent.mkdir(parents=True)
     sketch.write_text(case.sketch)
     paths = (_packages(folder / "sent", case.sent_as),) if case.sent_as else ()
-    built = await build_sketch(sketch, find_board("uno"), BuildOptions(msg_paths=paths))
+    return (await build_sketch(sketch, find_board("uno"), BuildOptions(msg_paths=paths))).elf
+
+
+async def _examine(case: Case, program: Path, folder: Path, stalls: Stalls) -> Diagnosis:
     store = STORE
     if case.known:
         store = TypeStore(Registry(paths=(_packages(folder / "known", case.known),)))
-    board = await SimulatedBoard.start(
-        built.elf, words=case.words, link="pty" if case.baud is None else "tcp"
-    )
-    async with board:
+    link: Literal["pty", "tcp"] = "pty" if case.baud is None else "tcp"
+    async with await SimulatedBoard.start(program, words=case.words, link=link) as board:
         happening = asyncio.ensure_future(case.happening(board)) if case.happening is not None else None
         try:
-            return await _diagnose(case, board, store)
+            diagnosis = await _diagnose(case, board, store)
         finally:
             if happening is not None:
                 happening.cancel()
                 await asyncio.gather(happening, return_exceptions=True)
+        was_slow = stalls.longest_s > MAX_STALL_S or any(each.name == "behind" for each in board.recent)
+    if case.is_about_time or not was_slow:
+        return diagnosis
+    return replace(diagnosis, findings=tuple(each for each in diagnosis.findings if each.code not in OF_TIME))
 
 
 async def _diagnose(case: Case, board: SimulatedBoard, store: TypeStore) -> Diagnosis:

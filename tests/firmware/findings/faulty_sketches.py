@@ -228,64 +228,106 @@ void loop() {
 WRITES_TOO_FEW_BYTES = _BY_HAND.replace("SIZE", "3")
 WRITES_TOO_MANY_BYTES = _BY_HAND.replace("SIZE", "12")
 
-# It announces 64 bytes, and its messages have 100: made by hand, without the library.
-SENDS_MORE_THAN_IT_ANNOUNCED = """
+_WITHOUT_THE_LIBRARY = """
+uint8_t buffer[160];
+
 void frame(uint16_t id, const uint8_t* data, uint16_t size) {
   uint8_t sum = (id & 0xff) + (id >> 8);
-  const uint8_t head[] = {0xff, 0xfe, (uint8_t)size, (uint8_t)(size >> 8),
-                          (uint8_t)(255 - ((size & 0xff) + (size >> 8))), (uint8_t)id, (uint8_t)(id >> 8)};
-  Serial.write(head, sizeof head);
+  Serial.write((uint8_t)0xff);
+  Serial.write((uint8_t)VERSION);
+  if (VERSION == 0xff) {
+    Serial.write(id & 0xff);
+    Serial.write(id >> 8);
+    sum += (size & 0xff) + (size >> 8);
+  }
+  Serial.write(size & 0xff);
+  Serial.write(size >> 8);
+  if (VERSION != 0xff) {
+    Serial.write((uint8_t)(255 - ((size & 0xff) + (size >> 8))));
+    Serial.write(id & 0xff);
+    Serial.write(id >> 8);
+  }
   for (uint16_t i = 0; i < size; i++) sum += data[i];
   Serial.write(data, size);
   Serial.write((uint8_t)(255 - sum));
 }
 
-uint8_t buffer[160];
-
 uint16_t text(uint16_t place, const char* value) {
   uint16_t size = strlen(value);
+  memset(buffer + place, 0, 4);
   buffer[place] = size;
-  buffer[place + 1] = buffer[place + 2] = buffer[place + 3] = 0;
   memcpy(buffer + place + 4, value, size);
   return place + 4 + size;
 }
 
 void announce() {
-  uint16_t place = 2;
   buffer[0] = 125;
   buffer[1] = 0;
-  place = text(place, "chatter");
-  place = text(place, "std_msgs/String");
-  place = text(place, "992ce8a1687cec8c8bd883ec73ca41d1");
-  buffer[place] = 64;
-  buffer[place + 1] = buffer[place + 2] = buffer[place + 3] = 0;
+  uint16_t place = text(text(text(2, "chatter"), TYPE), MD5SUM);
+  memset(buffer + place, 0, 4);
+  buffer[place] = BUFFER;
   frame(0, buffer, place + 4);
+}
+
+void askTime() {
+  memset(buffer, 0, 8);
+  frame(10, buffer, 8);
 }
 
 void setup() { Serial.begin(57600); }
 
 void loop() {
   static unsigned long asked, sent;
+  static uint32_t last;
   while (Serial.available()) {
-    // The end of a request for topics.
-    static uint32_t last;
     last = last << 8 | Serial.read();
-    if (last == 0xff0000ff) announce();
+    // The end of a request for topics.
+    if (last == (VERSION == 0xff ? 0x000000ff : 0xff0000ff)) {
+      askTime();
+      announce();
+    }
   }
-  if (millis() - asked >= 2500 || !asked) {
-    asked = millis() | 1;
-    memset(buffer, 0, 8);
-    frame(10, buffer, 8);
+  if (millis() - asked >= 2500) {
+    asked = millis();
+    askTime();
   }
   if (millis() - sent >= 300) {
     sent = millis();
-    memset(buffer, 'x', 100);
-    text(0, "");
-    buffer[0] = 96;
-    frame(125, buffer, 100);
+    memset(buffer, 'x', SIZE);
+    memset(buffer, 0, 4);
+    buffer[0] = SIZE - 4;
+    frame(ID, buffer, SIZE);
   }
 }
 """
+
+
+def _by_hand(
+    *,
+    version: int = 0xFE,
+    type_name: str = "std_msgs/String",
+    md5sum: str = "992ce8a1687cec8c8bd883ec73ca41d1",
+    buffer: int = 64,
+    topic_id: int = 125,
+    size: int = 20,
+) -> str:
+    """Return a sketch that speaks the protocol without a library, and has a mistake in it."""
+    constants = {
+        "VERSION": version,
+        "TYPE": f'"{type_name}"',
+        "MD5SUM": f'"{md5sum}"',
+        "BUFFER": buffer,
+        "ID": topic_id,
+        "SIZE": size,
+    }
+    return "".join(f"#define {name} {value}\n" for name, value in constants.items()) + _WITHOUT_THE_LIBRARY
+
+
+OF_GROOVY = _by_hand(version=0xFF)
+OF_THE_FUTURE = _by_hand(version=0xFC)
+SENDS_MORE_THAN_IT_ANNOUNCED = _by_hand(size=100)
+SENDS_WHAT_IT_NEVER_ANNOUNCED = _by_hand(topic_id=140)
+HAS_A_SMALL_OUTPUT_BUFFER = _by_hand(type_name="sensor_msgs/Imu", md5sum="6a62c6daae103f4ff57a132d6f95cec2")
 
 ARM = """
 #include <ros.h>

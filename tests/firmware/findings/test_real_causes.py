@@ -54,6 +54,8 @@ async def test_boards_that_do_not_speak_rosserial(tmp_path: Path) -> None:
             "prints": Case(sketches.PRINTS),
             "noise": Case(sketches.SENDS_NOISE),
             "unplugged": Case(sketches.WELL, happening=unplug),
+            "old": Case(sketches.OF_GROOVY),
+            "new": Case(sketches.OF_THE_FUTURE),
         },
         tmp_path,
     )
@@ -64,8 +66,12 @@ async def test_boards_that_do_not_speak_rosserial(tmp_path: Path) -> None:
         "prints": [Code.TEXT_RECEIVED],
         "noise": [Code.NOISE_RECEIVED],
         "unplugged": [Code.CONNECTION_LOST],
+        "old": [Code.PROTOCOL_VERSION],
+        "new": [Code.PROTOCOL_VERSION],
     }
     assert "'Temperature: " in only(found["prints"]).seen
+    assert "version 1" in only(found["old"]).seen
+    assert "version byte 0xfc" in only(found["new"]).seen
 
 
 async def test_sketches_with_another_baud_rate(tmp_path: Path) -> None:
@@ -91,6 +97,7 @@ async def test_sketches_with_faults(tmp_path: Path) -> None:
             "overrun": Case(sketches.OVERRUNS_AN_ARRAY),
             "space": Case(sketches.NAMES_A_TOPIC_WITH_A_SPACE),
             "small": Case(sketches.HAS_A_SMALL_INPUT_BUFFER),
+            "tiny": Case(sketches.HAS_A_SMALL_OUTPUT_BUFFER),
             "few": Case(sketches.WRITES_TOO_FEW_BYTES),
             "many": Case(sketches.WRITES_TOO_MANY_BYTES),
             "more": Case(sketches.SENDS_MORE_THAN_IT_ANNOUNCED),
@@ -104,6 +111,7 @@ async def test_sketches_with_faults(tmp_path: Path) -> None:
         "overrun": [Code.RAM_OVERFLOW],
         "space": [Code.NOT_BRIDGED],
         "small": [Code.BUFFER_TOO_SMALL],
+        "tiny": [Code.BUFFER_TOO_SMALL, Code.MESSAGES_MISFIT],
         "few": [Code.MESSAGES_MISFIT],
         "many": [Code.MESSAGES_TOO_LONG],
         "more": [Code.MESSAGES_TOO_LONG],
@@ -123,11 +131,12 @@ async def test_sketches_with_faults(tmp_path: Path) -> None:
 async def test_boards_that_work_badly(tmp_path: Path) -> None:
     found = await examine_all(
         {
-            "waits": Case(sketches.WAITS_IN_ITS_LOOP, watch_s=8.0),
+            "waits": Case(sketches.WAITS_IN_ITS_LOOP, watch_s=8.0, is_about_time=True),
             "hangs": Case(sketches.HANGS_AFTER_SECONDS, watch_s=10.0),
             "bitten": Case(sketches.IS_BITTEN_BY_ITS_WATCHDOG, watch_s=8.0),
             "sags": Case(sketches.WELL, happening=sag, watch_s=8.0),
-            "drifts": Case(sketches.STOPS_ITS_CLOCK_FOR_A_LED_STRIP, watch_s=14.0),
+            "drifts": Case(sketches.STOPS_ITS_CLOCK_FOR_A_LED_STRIP, watch_s=14.0, is_about_time=True),
+            "stray": Case(sketches.SENDS_WHAT_IT_NEVER_ANNOUNCED, watch_s=14.0),
             "damaged": Case(sketches.WELL, words=["fault from:flip=0.004,seed=3"], watch_s=10.0),
         },
         tmp_path,
@@ -138,7 +147,9 @@ async def test_boards_that_work_badly(tmp_path: Path) -> None:
         "bitten": [Code.RESET_LOOP],
         "sags": [Code.RESET_LOOP],
         "drifts": [Code.CLOCK_DRIFT],
+        "stray": [Code.UNANNOUNCED_MESSAGES],
         "damaged": [Code.FRAMES_DAMAGED],
     }
     assert "too slow" in only(found["drifts"]).seen
+    assert "topic id 140" in only(found["stray"]).seen
     assert " % of the frames come damaged" in only(found["damaged"]).seen

@@ -11,6 +11,7 @@ WINDOW_S = 30.0
 """Long enough for a percentage on a board that sends once a second, short enough to follow a cable."""
 
 MIN_DAMAGED = 3
+RESET_DAMAGES = 2
 """A reset in the middle of a frame, and what the boot loader prints, damage two."""
 
 MIN_SHARE = 0.002
@@ -37,15 +38,15 @@ class Damage:
             self._count += 1
             self._last_s = now_s
 
-    def find(self, frame_count: int, now_s: float) -> Finding | None:
-        """Judge; `frame_count` is how many sound ones have come so far. Called about once a second."""
+    def find(self, frame_count: int, now_s: float, reset_count: int = 0) -> Finding | None:
+        """Judge, about once a second; `frame_count` sound ones have come so far, `reset_count` is of late."""
         looks = self._looks
         looks.append((now_s, self._count, frame_count))
         while len(looks) > 2 and now_s - looks[0][0] > WINDOW_S:
             looks.popleft()
         _, damaged_before, sound_before = looks[0]
         damaged, sound = self._count - damaged_before, frame_count - sound_before
-        if damaged < MIN_DAMAGED or damaged < MIN_SHARE * (damaged + sound):
+        if damaged < MIN_DAMAGED + RESET_DAMAGES * reset_count or damaged < MIN_SHARE * (damaged + sound):
             return None
         percent = 100 * damaged / (damaged + sound)
         return warning(

@@ -118,7 +118,9 @@ class LineWatch:
 
     def find(self, now_s: float) -> list[Finding]:
         """Return what is wrong now, the worst first. Called about once a second."""
-        damage = self._damage.find(self._statistics.frames_received, now_s) if self.was_alive else None
+        damage = None
+        if self.was_alive:
+            damage = self._damage.find(self._statistics.frames_received, now_s, self._resets.count(now_s))
         resets = self._find_resets(now_s, damage)
         # A board that starts again begins to count anew: its requests are late for that.
         slow = None if resets else self.loop_speed.find(is_listener=self._is_listener)

@@ -56,3 +56,12 @@ def test_what_was_repaired_is_over_after_a_while() -> None:
     for second in range(2, int(3 * WINDOW_S)):
         finding = damage.find(100 * second, float(second))
     assert finding is None
+
+
+def test_what_resets_cut_in_two_is_not_the_lines_fault() -> None:
+    damage = Damage()
+    damage.find(0, 0.0)
+    for number in range(6):
+        damage.take(CHECKSUM, number / 10)
+    assert damage.find(100, 1.0, 3) is None
+    assert damage.find(100, 1.0, 1) is not None
