@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import pytest
 
@@ -29,9 +29,13 @@ class Capabilities:
     lists_untyped_subscribers: bool = True
     # Nodes of one process may use different types on one topic, and do not meet.
     types_may_differ: bool = True
+    # /clock is the time where the parameter use_sim_time says so.
+    simulates_time: bool = True
     # How the graph itself writes std_msgs/String, a logger's name, and the level of a warning.
     string_type: str = "std_msgs/String"
     logger_of_node: str = "/node"
+    # What it tells of the type of a std_srvs/SetBool.
+    service_type: str = "*"
 
     def require(self, capability: str) -> None:
         """Skip a test that is about something this implementation does not have."""
@@ -40,6 +44,8 @@ class Capabilities:
 
 
 ROS1 = Capabilities()
+
+MEMORY = replace(ROS1, simulates_time=False, service_type="std_srvs/SetBool")
 
 ROS2 = Capabilities(
     global_parameters=False,
@@ -51,4 +57,5 @@ ROS2 = Capabilities(
     lists_untyped_subscribers=False,
     string_type="std_msgs/msg/String",
     logger_of_node="node",
+    service_type="std_srvs/srv/SetBool",
 )

@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from contract.broken_graph import HalfBrokenNetwork
-from contract.capabilities import ROS1, ROS2, Capabilities
+from contract.capabilities import MEMORY, ROS1, ROS2, Capabilities
 from contract.owned_parameters import OwnedParametersNetwork
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import JoinGraph
@@ -72,11 +72,11 @@ async def _open_rclpy() -> AsyncIterator[JoinGraph]:
 
 
 IMPLEMENTATIONS: dict[str, Implementation] = {
-    "memory": Implementation(ROS1, _open_memory),
+    "memory": Implementation(MEMORY, _open_memory),
     "memory-owned-parameters": Implementation(
-        replace(ROS1, global_parameters=False, mixed_lists=False), _open_memory_with_owned_parameters
+        replace(MEMORY, global_parameters=False, mixed_lists=False), _open_memory_with_owned_parameters
     ),
-    "joint, one graph broken": Implementation(ROS1, _open_joint),
+    "joint, one graph broken": Implementation(MEMORY, _open_joint),
     "ros1": Implementation(ROS1, _open_ros1),
     "zenoh": Implementation(ROS2, _open_zenoh),
     "zenoh-across": Implementation(ROS2, _open_zenoh_across),

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import asyncio
+import struct
 import time
 
 from contract.capabilities import Capabilities
 from contract.graphs import SET_BOOL, STRING, Inbox, answer, snapshot_when, string, until
 from rostether.graph.log_message import LOG_TYPE, ROSOUT
 from rostether.graph.ports import JoinGraph, Level, Snapshot
-from rostether.msgdef.interface import ANY_MESSAGE
+from rostether.msgdef.interface import ANY_MESSAGE, MessageType
+from rostether.rostime import Time
+
+CLOCK_TYPE = MessageType("rosgraph_msgs/Clock", "a9c97c1d230cfc112e270351a944ee47", "time clock\n")
 
 
 async def no_answer(_: bytes) -> bytes:
@@ -41,6 +45,7 @@ async def test_a_snapshot_holds_everything(join: JoinGraph, can: Capabilities) -
         assert snapshot.topics["/unknown"].type == "*"
         assert snapshot.topics["/unknown"].publishers == ()
     assert snapshot.services["/switch"].providers == ("/talker",)
+    assert snapshot.services["/switch"].type == can.service_type
     assert set(snapshot.topics[ROSOUT].publishers) >= {"/talker", "/listener"}
     assert list(snapshot.topics) == sorted(snapshot.topics)
 
@@ -83,6 +88,27 @@ async def test_logs_are_published_under_the_nodes_name(join: JoinGraph, can: Cap
 async def test_time_is_the_wall_clock(join: JoinGraph) -> None:
     node = await join("/node")
     assert abs(node.now().to_s() - time.time()) < 1.0
+
+
+async def test_time_is_that_of_clock_where_it_is_simulated(join: JoinGraph, can: Capabilities) -> None:
+    can.require("simulates_time")
+    simulator = await join("/simulator")
+    publisher = await simulator.advertise("/clock", CLOCK_TYPE)
+    if can.global_parameters:
+        await simulator.set_param("/use_sim_time", True)
+        node = await join("/node")
+    else:
+        node = await join("/node")
+        await node.set_param("~use_sim_time", True)
+    await until(lambda: node.now() == Time())
+    await until(lambda: publisher.subscriber_count)
+
+    def tick() -> bool:
+        # Some simulators tell the time without waiting for listeners, and some listeners take what they get.
+        publisher.publish_raw([struct.pack("<II", 12, 7)])
+        return node.now() == Time(12, 7)
+
+    await until(tick)
 
 
 async def test_a_node_that_leaves_takes_everything_with_it(join: JoinGraph) -> None:
