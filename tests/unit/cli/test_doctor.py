@@ -167,6 +167,7 @@ def test_no_such_port_with_near_names(shell: Shell, tmp_path: Path) -> None:
     (tmp_path / "ttyACM0").touch()
     code = shell("doctor", str(tmp_path / "ttyACM1"))
     assert code.code == 1
+    assert "error no-port" in code.out
     assert f"did you mean {tmp_path}/ttyACM0?" in code.out
 
 

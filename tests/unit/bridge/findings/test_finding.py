@@ -2,8 +2,27 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from rostether.bridge.findings.finding import Code, Severity, error, warning
 
+TESTS = Path(__file__).parents[3]
+# Where each finding is brought about by what brings it about in the field, and what is looked for there.
+FIRMWARE = TESTS / "firmware" / "findings" / "test_real_causes.py"
+PROCESS = TESTS / "unit" / "cli" / "test_doctor.py"
+ELSEWHERE = {
+    Code.NO_PORT: (PROCESS, "error no-port"),
+    Code.NOT_A_PORT: (PROCESS, "error not-a-port"),
+    Code.NO_PERMISSION: (PROCESS, "error no-permission"),
+    Code.BUSY: (PROCESS, "error busy"),
+    Code.CANNOT_OPEN: (PROCESS, "error cannot-open"),
+    Code.NOBODY_CONNECTED: (PROCESS, "error nobody-connected"),
+    Code.MESSAGES_LOST: (TESTS / "interop" / "test_diagnostics_ros1.py", "finding messages-lost"),
+    Code.MISSING_TOPIC: (
+        TESTS / "unit" / "cli" / "test_serial_node.py",
+        "does not announce imu, which devices.toml requires",
+    ),
+}
 PAGE = Path(__file__).parents[4] / "docs" / "how-to" / "when-a-board-does-not-connect.md"
 
 
@@ -19,6 +38,12 @@ def test_a_finding_stays_the_same_while_its_figures_change() -> None:
     second = warning(Code.FRAMES_DAMAGED, "2 % of the frames", "check the cable")
     assert first.key == second.key
     assert first.key != warning(Code.BUFFER_TOO_SMALL, "", "", "chatter").key
+
+
+@pytest.mark.parametrize("code", Code)
+def test_every_finding_has_a_test_with_its_real_cause(code: Code) -> None:
+    file, sign = ELSEWHERE.get(code, (FIRMWARE, f"[Code.{code.name}"))
+    assert sign in file.read_text()
 
 
 def test_every_finding_stands_in_the_documentation() -> None:
