@@ -18,6 +18,7 @@ NAMES = (
     "xmlrpc",
     "http",
     "definitions",
+    "cdr",
     "yaml_form",
     "devices_toml",
     "address",
