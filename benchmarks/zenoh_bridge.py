@@ -23,9 +23,7 @@ from rostether.transports.address import parse_address
 async def serve(device_port: str, zenoh_port: str, name: str) -> None:
     """Serve until nobody holds our stdin any more."""
     registry = Registry()
-    environment = Ros2Environment(
-        zenoh_overrides=(("listen/endpoints", f'["tcp/127.0.0.1:{zenoh_port}"]'),)
-    )
+    environment = Ros2Environment(zenoh_overrides=(("listen/endpoints", f'["tcp/127.0.0.1:{zenoh_port}"]'),))
     types = Ros2Types(registry, Ros2Definitions())
     session = await ZenohSession.open(environment, types, reach=Reach(RouterChoice.ALWAYS))
     supervisor = Supervisor(session.join, TypeStore(registry))

@@ -7,8 +7,8 @@ import struct
 import subprocess
 import threading
 import time
-from contextlib import ExitStack, contextmanager
 from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 
 import zenoh
 
@@ -18,8 +18,8 @@ from benchmarks.round_trip import FRAME_BYTES, PAYLOAD, RoundTrips
 from benchmarks.throughput import Flood
 from benchmarks.zenoh_listener import open_session, wait_for
 from interop.ros1_peers import free_port
-from rostether.rosserial.frame import encode_frame
 from rostether.ros2.zenoh.attachment import Attachment
+from rostether.rosserial.frame import encode_frame
 
 TYPE = "std_msgs/String"
 LOST_S = 2.0
@@ -68,7 +68,7 @@ class _Peers:
         self._publisher = session.declare_publisher(wait_for(session, "MS", "in"))
         session.declare_subscriber(
             wait_for(session, "MP", "out"),
-            zenoh.handlers.Callback(lambda _: self._came.set(), indirect=False),
+            zenoh.handlers.Callback(self._take, indirect=False),
         )
         self._sequence = 0
         time.sleep(1.0)
@@ -81,6 +81,9 @@ class _Peers:
         started = time.perf_counter()
         self._publisher.put(_CDR, attachment=attachment)
         return time.perf_counter() - started if self._came.wait(LOST_S) else None
+
+    def _take(self, _: zenoh.Sample) -> None:
+        self._came.set()
 
     def _echo(self) -> None:
         while True:

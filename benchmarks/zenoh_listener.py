@@ -1,4 +1,4 @@
-"""A subscriber over zenoh that knows nothing of ours: it counts what comes by rmw_zenoh's conventions.
+"""A plain subscriber over zenoh: it counts what comes by rmw_zenoh's conventions.
 
 zenoh_listener.py ZENOH_PORT TOPIC COUNT   prints a line when a publisher is there, then "count seconds"
 
@@ -12,6 +12,8 @@ import threading
 import time
 
 import zenoh
+
+from rostether.ros2.zenoh.foreign_threads import stay_known
 
 ATTACHMENT_BYTES = 33
 IDLE_S = 3.0
@@ -50,6 +52,7 @@ def main(zenoh_port: str, topic: str, count: str) -> None:
 
     def take(sample: zenoh.Sample) -> None:
         nonlocal total, first_s, last_s
+        stay_known()
         attachment = sample.attachment
         if attachment is None or len(attachment) != ATTACHMENT_BYTES or not sample.payload.to_bytes():
             return

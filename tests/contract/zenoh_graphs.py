@@ -28,7 +28,7 @@ async def open_session(
     """Open a session that meets others at a port of loopback, and nowhere else."""
     endpoint = f'["tcp/127.0.0.1:{port}"]'
     if is_router:
-        overrides = (("listen/endpoints", endpoint),)
+        overrides: tuple[tuple[str, str], ...] = (("listen/endpoints", endpoint),)
     else:
         overrides = (("listen/endpoints", '["tcp/127.0.0.1:0"]'), ("connect/endpoints", endpoint))
     choice = RouterChoice.ALWAYS if is_router else RouterChoice.NEVER

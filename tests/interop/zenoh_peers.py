@@ -28,12 +28,12 @@ class SdkPeer:
         self._answers: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
         self._reading = asyncio.ensure_future(self._read())
 
-    async def do(self, what: str, name: str = "", timeout_s: float = 20.0, **order: Any) -> dict[str, Any]:
+    async def do(self, what: str, name: str = "", **order: Any) -> dict[str, Any]:
         """Give an order, and wait until it is done."""
         assert self._process.stdin is not None
         line = json.dumps({"do": what, "name": name, **order})
         self._process.stdin.write(line.encode() + b"\n")
-        return await self.answer(what, timeout_s)
+        return await self.answer(what)
 
     async def answer(self, what: str, timeout_s: float = 20.0) -> dict[str, Any]:
         """Wait for the answer to an order."""

@@ -24,6 +24,10 @@ _ALL_ADDRESSES = ("/0.0.0.0:", "/[::]:")
 PROBE_TIMEOUT_S = 1.0
 """A router on this machine accepts within a millisecond; one on a machine that swaps, within this."""
 
+WAIT_BEFORE_DROP_US = 5_000
+"""How long a full link may hold up the loop: less than people feel, five times what a link of 1 Gbit/s needs
+to send a batch. Zenoh does not wait for a link again before that one has sent something."""
+
 _SHARED = {
     "scouting/multicast/enabled": "false",
     "scouting/gossip/enabled": "true",
@@ -34,6 +38,8 @@ _SHARED = {
     "queries_default_timeout": "600000",
     # A burst of one chunk of a board never meets a full queue: 16 batches of 64 KiB for each link.
     "transport/link/tx/queue/size/data": "16",
+    # A put that meets one waits for room first; meanwhile no more is put, see publication.py.
+    "transport/link/tx/queue/congestion_control/drop/wait_before_drop": str(WAIT_BEFORE_DROP_US),
 }
 _PEER = {
     "mode": '"peer"',

@@ -21,7 +21,7 @@ from rostether.ros2.zenoh.subscription import Subscription, Taker
 from rostether.ros2.zenoh.tokens import Kind, Token, parse_token, tokens_of
 
 SERVICE_LOOK_TIMEOUT_S = 1.0
-"""How long the network is asked for a service that our own view does not have; who is there answers at once."""
+"""How long the network is asked for a service that our own view lacks; who is there answers at once."""
 
 MAX_CLIENTS = 256
 """Services that one node calls before it forgets the first ones; a board's sketch holds a handful."""
@@ -58,13 +58,21 @@ class Endpoints:
         if self._rosout is not None:
             self._rosout.publish([message])
 
-    def advertise(self, topic: str, message_type: MessageType, *, latch: bool) -> Publisher:
+    def advertise(
+        self, topic: str, message_type: MessageType, *, latch: bool, queue_bytes: int | None
+    ) -> Publisher:
         """Publish a topic. Raises TypeMismatchError, UnknownTypeError."""
         publication = self._publications.get(topic)
         if publication is None:
             support = self._node.session.types.message(message_type)
             publication = Publication(
-                topic, message_type, support, node=self._node, report=self._report, latch=latch
+                topic,
+                message_type,
+                support,
+                node=self._node,
+                report=self._report,
+                latch=latch,
+                queue_bytes=queue_bytes,
             )
             self._publications[topic] = publication
         else:

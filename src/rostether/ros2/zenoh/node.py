@@ -12,6 +12,7 @@ from rostether.graph.ports import Level, OnMessages, ParamValue, ServiceHandler,
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.names.resolve import resolve_name, resolve_remappings
 from rostether.ros2.clock import NodeClock
+from rostether.ros2.naming import validate_topic_name
 from rostether.ros2.parameters.graph_parameters import GraphParameters
 from rostether.ros2.parameters.services import ParameterServices
 from rostether.ros2.parameters.store import ParameterStore
@@ -70,12 +71,14 @@ class ZenohGraph:
     async def advertise(
         self, topic: str, message_type: MessageType, *, latch: bool = False, queue_bytes: int | None = None
     ) -> Publisher:
-        """Advertise a topic. What waits for slow subscribers is zenoh's; `queue_bytes` says nothing to it.
+        """Advertise a topic. `queue_bytes` bounds what waits while a link is full; zenoh itself queues 1 MiB.
 
         Raises TypeMismatchError, UnknownTypeError, InvalidNameError.
         """
         self._check_open()
-        return self._endpoints.advertise(self.resolve(topic), message_type, latch=latch)
+        return self._endpoints.advertise(
+            self._resolve_ros2(topic), message_type, latch=latch, queue_bytes=queue_bytes
+        )
 
     async def subscribe(
         self,
@@ -90,7 +93,11 @@ class ZenohGraph:
         """Subscribe. `ANY_MESSAGE` takes every type; `on_connection` hears of each publisher."""
         self._check_open()
         return self._endpoints.subscribe(
-            self.resolve(topic), message_type, on_messages, on_connection=on_connection, skip_own=skip_own
+            self._resolve_ros2(topic),
+            message_type,
+            on_messages,
+            on_connection=on_connection,
+            skip_own=skip_own,
         )
 
     async def advertise_service(
@@ -98,7 +105,7 @@ class ZenohGraph:
     ) -> ServiceServer:
         """Offer a service. A handler that raises RostetherError fails the call with that error's text."""
         self._check_open()
-        return self._endpoints.advertise_service(self.resolve(service), service_type, handler)
+        return self._endpoints.advertise_service(self._resolve_ros2(service), service_type, handler)
 
     async def call_service(
         self, service: str, service_type: ServiceType, request: bytes, *, timeout_s: float | None = None
@@ -109,7 +116,7 @@ class ZenohGraph:
         """
         self._check_open()
         return await self._endpoints.call_service(
-            self.resolve(service), service_type, request, timeout_s=timeout_s
+            self._resolve_ros2(service), service_type, request, timeout_s=timeout_s
         )
 
     async def get_param(self, name: str) -> ParamValue:
@@ -186,6 +193,9 @@ class ZenohGraph:
         finally:
             self._session.leave(self)
             self._closed.set()
+
+    def _resolve_ros2(self, name: str) -> str:
+        return validate_topic_name(self.resolve(name))
 
     def _report(self, level: Level, text: str) -> None:
         _log.log(_LOGGING_LEVELS[level], "%s: %s", self.node_name, text)

@@ -23,7 +23,7 @@ def format_qos(qos: Qos) -> str:
 
 def parse_qos(text: str) -> Qos:
     """Read the text of a peer; what is missing, unknown or 0 (system default) counts as the default."""
-    reliability, durability, history = (text.split(":") + ["", "", ""])[:3]
+    reliability, durability, history = [*text.split(":"), "", "", ""][:3]
     kind, _, depth = history.partition(",")
     return Qos(
         Reliability.BEST_EFFORT if reliability == "2" else Reliability.RELIABLE,

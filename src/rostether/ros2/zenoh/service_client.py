@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import time
+from typing import cast
 
 import zenoh
 
@@ -17,6 +18,9 @@ from rostether.ros2.zenoh.tokens import Kind, data_key
 
 ENDLESS_S = 7 * 24 * 3600.0
 """A query must have a time limit; a call without one ends when its server does, long before this."""
+
+REACH_S = 2.0
+"""How long after its token a server's queryable may become known; on one machine it is a millisecond."""
 
 MAX_ERROR_CHARACTERS = 2000
 """What a server says of its failure is a line for people."""
@@ -33,12 +37,26 @@ class ServiceClient:
         self._key = data_key(node.session.domain_id, service, type_name, support.type_hash)
         self._token = node.declare(Kind.CLIENT, service, type_name, support.type_hash, SERVICES_QOS)
         self._gid = gid_of(self._token.text)
+        self._loop = asyncio.get_running_loop()
+        self._reachable = asyncio.Event()
+        self._querier = node.session.zenoh.declare_querier(
+            self._key,
+            target=zenoh.QueryTarget.ALL_COMPLETE,
+            consolidation=zenoh.ConsolidationMode.NONE,
+            timeout=ENDLESS_S,
+        )
+        self._matching = self._querier.declare_matching_listener(
+            zenoh.handlers.Callback(self._match, indirect=False)
+        )
+        # The stubs call it a bool.
+        self._set_reachable(cast(zenoh.MatchingStatus, self._querier.matching_status).matching)
         self._sequence = 0
 
     async def call(self, request: bytes, timeout_s: float | None) -> bytes:
         """Call. Raises ServiceTimeoutError, ServiceUnavailableError, ServiceCallError, SerializationError."""
         cdr = self.support.request.to_cdr(request)
-        loop = asyncio.get_running_loop()
+        await self._reach(timeout_s)
+        loop = self._loop
         answer: asyncio.Future[zenoh.Reply | None] = loop.create_future()
 
         def settle(reply: zenoh.Reply | None) -> None:
@@ -56,12 +74,8 @@ class ServiceClient:
 
         self._sequence += 1
         cancellation = zenoh.CancellationToken()
-        self._node.session.zenoh.get(
-            self._key,
+        self._querier.get(
             zenoh.handlers.Callback(hand_over, lambda: hand_over(None), indirect=False),
-            target=zenoh.QueryTarget.ALL_COMPLETE,
-            consolidation=zenoh.ConsolidationMode.NONE,
-            timeout=ENDLESS_S if timeout_s is None else timeout_s + 1.0,
             payload=cdr,
             attachment=Attachment(self._sequence, time.time_ns(), self._gid).encode(),
             cancellation_token=cancellation,
@@ -88,7 +102,33 @@ class ServiceClient:
     def close(self) -> None:
         """Withdraw the client's token."""
         self._token.withdraw()
+        self._matching.undeclare()
+        self._querier.undeclare()
+
+    async def _reach(self, timeout_s: float | None) -> None:
+        """Wait until zenoh has a way to the server: its token may come before it."""
+        limit_s = REACH_S if timeout_s is None else min(timeout_s, REACH_S)
+        try:
+            async with asyncio.timeout(limit_s):
+                await self._reachable.wait()
+        except TimeoutError:
+            raise ServiceUnavailableError(
+                f"service {self.service} is listed, but zenoh finds no way to it: is its node still running?"
+            ) from None
+
+    def _match(self, status: zenoh.MatchingStatus) -> None:
+        # In a thread of zenoh's; the loop may have ended by then.
+        if not self._loop.is_closed():
+            self._loop.call_soon_threadsafe(self._set_reachable, status.matching)
+
+    def _set_reachable(self, is_reachable: bool) -> None:
+        if is_reachable:
+            self._reachable.set()
+        else:
+            self._reachable.clear()
 
 
 def _one_line(data: bytes) -> str:
-    return " ".join(data[: 4 * MAX_ERROR_CHARACTERS].decode("utf-8", "replace").split())[:MAX_ERROR_CHARACTERS]
+    return " ".join(data[: 4 * MAX_ERROR_CHARACTERS].decode("utf-8", "replace").split())[
+        :MAX_ERROR_CHARACTERS
+    ]

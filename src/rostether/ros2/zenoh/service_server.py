@@ -16,11 +16,12 @@ from rostether.ros2.qos import SERVICES_QOS
 from rostether.ros2.type_support import ServiceSupport
 from rostether.ros2.zenoh.attachment import Attachment, parse_attachment
 from rostether.ros2.zenoh.entities import NodeEntities
+from rostether.ros2.zenoh.foreign_threads import stay_known
 from rostether.ros2.zenoh.handover import Handover
 from rostether.ros2.zenoh.tokens import Kind, data_key
 
 MAX_CALLS = 1000
-"""Calls of one service at a time; a board answers one after the other, and nobody waits for the thousandth."""
+"""Calls of one service at a time; a board answers one by one, and nobody waits for the thousandth."""
 
 
 class ServiceServer:
@@ -45,7 +46,7 @@ class ServiceServer:
         self._key = data_key(node.session.domain_id, service, type_name, support.type_hash)
         self._queue: Handover[zenoh.Query] = Handover(self._take, limit=MAX_CALLS)
         self._queryable = node.session.zenoh.declare_queryable(
-            self._key, zenoh.handlers.Callback(self._queue.put, indirect=False), complete=True
+            self._key, zenoh.handlers.Callback(self._put, indirect=False), complete=True
         )
         self._token = node.declare(Kind.SERVER, service, type_name, support.type_hash, SERVICES_QOS)
 
@@ -61,6 +62,10 @@ class ServiceServer:
             task.cancel()
         await asyncio.gather(*self._calls, return_exceptions=True)
         self._on_close(self)
+
+    def _put(self, query: zenoh.Query) -> None:
+        stay_known()
+        self._queue.put(query)
 
     def _take(self, queries: list[zenoh.Query]) -> None:
         for query in queries:

@@ -27,6 +27,7 @@ from rostether.ros2.zenoh.configuration import (
     peer_configuration,
     router_configuration,
 )
+from rostether.ros2.zenoh.foreign_threads import stay_known
 from rostether.ros2.zenoh.graph_cache import GraphCache
 from rostether.ros2.zenoh.handover import Handover
 from rostether.ros2.zenoh.tokens import Token, all_tokens
@@ -92,7 +93,7 @@ class ZenohSession:
         parameters: Mapping[str, ParamValue] | None = None,
     ) -> ZenohGraph:
         """Join as `node_name`, with initial values of its parameters. Raises InvalidNameError, GraphError."""
-        from rostether.ros2.zenoh.node import ZenohGraph  # noqa: PLC0415 - it needs this module's types
+        from rostether.ros2.zenoh.node import ZenohGraph
 
         if self._is_closed:
             raise MasterUnreachableError("this zenoh session is closed: open another one")
@@ -164,6 +165,7 @@ class ZenohSession:
         return self
 
     def _take_token(self, sample: zenoh.Sample) -> None:
+        stay_known()
         self._news.put((str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT))
 
 

@@ -17,6 +17,7 @@ from rostether.ros2.naming import dds_name, type_of_dds_name
 from rostether.ros2.type_support import MessageSupport
 from rostether.ros2.zenoh.attachment import parse_attachment
 from rostether.ros2.zenoh.entities import NodeEntities
+from rostether.ros2.zenoh.foreign_threads import stay_known
 from rostether.ros2.zenoh.handover import Handover
 from rostether.ros2.zenoh.mismatches import Mismatches
 from rostether.ros2.zenoh.session import LiveToken
@@ -123,10 +124,12 @@ class Subscription:
 
     def _put(self, sample: zenoh.Sample) -> None:
         # In a thread of zenoh's, or in ours while we publish.
+        stay_known()
         data = sample.payload.to_bytes()
         self._queue.put(("", data), len(data))
 
     def _put_of_any(self, sample: zenoh.Sample) -> None:
+        stay_known()
         if self._own_gids is not None and sample.attachment is not None:
             attachment = parse_attachment(sample.attachment.to_bytes())
             if attachment is not None and attachment.gid in self._own_gids():

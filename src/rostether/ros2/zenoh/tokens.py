@@ -101,7 +101,12 @@ def parse_token(text: str) -> Token | None:
         return None
     name = demangle(parts[9])
     return Token(
-        *node, name if name.startswith("/") else f"/{name}", parts[10], parts[11], parse_qos(parts[12]), enclave
+        *node,
+        name if name.startswith("/") else f"/{name}",
+        parts[10],
+        parts[11],
+        parse_qos(parts[12]),
+        enclave,
     )
 
 

@@ -62,7 +62,10 @@ def test_a_file_stands_for_everything(tmp_path: Path) -> None:
     path = tmp_path / "zenoh.json5"
     path.write_text('{mode: "client", connect: {endpoints: ["tcp/10.0.0.9:7447"]}}')
     environment = Ros2Environment(zenoh_session_config=path, zenoh_router_config=path)
-    for configuration in (peer_configuration(environment, Reach()), router_configuration(environment, Reach())):
+    for configuration in (
+        peer_configuration(environment, Reach()),
+        router_configuration(environment, Reach()),
+    ):
         assert configuration.get_json("mode") == '"client"'
         assert endpoints(configuration, "connect/endpoints") == ["tcp/10.0.0.9:7447"]
 

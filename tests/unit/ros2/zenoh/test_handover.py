@@ -10,7 +10,12 @@ from rostether.ros2.zenoh.handover import Handover
 async def test_items_of_a_thread_arrive_in_order_and_in_batches() -> None:
     batches: list[list[int]] = []
     handover: Handover[int] = Handover(batches.append, limit=10_000)
-    thread = threading.Thread(target=lambda: [handover.put(number) for number in range(1000)])
+
+    def run() -> None:
+        for number in range(1000):
+            handover.put(number)
+
+    thread = threading.Thread(target=run)
     thread.start()
     thread.join()  # The loop does not turn meanwhile, so there is one batch.
     assert batches == []

@@ -2,7 +2,15 @@ from __future__ import annotations
 
 import pytest
 
-from rostether.ros2.qos import DEFAULT_QOS, LATCHED_QOS, SENSOR_DATA_QOS, Durability, History, Qos, Reliability
+from rostether.ros2.qos import (
+    DEFAULT_QOS,
+    LATCHED_QOS,
+    SENSOR_DATA_QOS,
+    Durability,
+    History,
+    Qos,
+    Reliability,
+)
 from rostether.ros2.zenoh.qos_text import format_qos, parse_qos
 
 TEXTS = [
@@ -26,7 +34,10 @@ def test_what_is_default_is_left_empty(qos: Qos, text: str) -> None:
         ("", Qos(depth=42)),
         ("1:2:1,7:1,5:2,0:1,9,9", Qos(depth=7)),
         ("0:0:0,0", Qos(depth=0)),
-        ("2:1:2,:,:,:,,:more", Qos(Reliability.BEST_EFFORT, Durability.TRANSIENT_LOCAL, History.KEEP_ALL, 42)),
+        (
+            "2:1:2,:,:,:,,:more",
+            Qos(Reliability.BEST_EFFORT, Durability.TRANSIENT_LOCAL, History.KEEP_ALL, 42),
+        ),
         ("x:y:z,w", Qos(depth=42)),
         ("::,²:", Qos(depth=42)),
         ("::,-3:", Qos(depth=42)),
