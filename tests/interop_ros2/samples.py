@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from rostether.rostime import Time
+
 HEADER = {"stamp": {"sec": 1700000000, "nanosec": 5}, "frame_id": "bäse_link"}
 COVARIANCE9 = [number / 8 for number in range(9)]
 COVARIANCE36 = [number / 4 for number in range(36)]
@@ -80,13 +82,13 @@ def ros2_name(name: str, kind: str = "msg") -> str:
     return f"{package}/{kind}/{short}"
 
 
-def ros1_values(values: Any) -> Any:
-    """Return the same message as ROS 1 has it: times with other words."""
+def with_times(values: Any) -> Any:
+    """Return the same message with our own times, as a codec takes it."""
     if isinstance(values, dict):
         if values.keys() == {"sec", "nanosec"}:
-            return {"secs": values["sec"], "nsecs": values["nanosec"]}
-        return {name: ros1_values(value) for name, value in values.items()}
-    return [ros1_values(value) for value in values] if isinstance(values, list) else values
+            return Time(values["sec"], values["nanosec"])
+        return {name: with_times(value) for name, value in values.items()}
+    return [with_times(value) for value in values] if isinstance(values, list) else values
 
 
 def without_seq(plain: Any) -> Any:

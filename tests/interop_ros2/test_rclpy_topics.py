@@ -9,12 +9,11 @@ import pytest
 
 from contract.graphs import Inbox, string, until
 from interop_ros2.rclpy_peer import PEER_NAME, RclpyPeer
-from interop_ros2.samples import ADDED, MESSAGES, ros1_values, ros2_name, without_seq
+from interop_ros2.samples import ADDED, MESSAGES, ros2_name, with_times, without_seq
 from rostether.errors import UnknownTypeError
 from rostether.graph.ports import JoinGraph, Level
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
 from rostether.ros2.rclpy.context import RclpyContext
-from rostether.rostime import Time
 from rostether.serde.plain_form import to_plain
 from rostether.serde.store import TypeStore
 
@@ -22,15 +21,7 @@ pytestmark = pytest.mark.asyncio(loop_scope="module")
 
 
 def encode(store: TypeStore, name: str, values: Any) -> bytes:
-    return store.codec(name).encode(_with_times(ros1_values(values)))
-
-
-def _with_times(values: Any) -> Any:
-    if isinstance(values, dict):
-        if values.keys() == {"secs", "nsecs"}:
-            return Time(**values)
-        return {name: _with_times(value) for name, value in values.items()}
-    return [_with_times(value) for value in values] if isinstance(values, list) else values
+    return store.codec(name).encode(with_times(values))
 
 
 def decode(store: TypeStore, name: str, payload: bytes) -> Any:
