@@ -25,6 +25,11 @@ from rostether.rosserial.frame import FORMS, SYNC, read_header
 MAX_STRETCHES = 64
 """Stretches reported apart between two good frames; in worse noise the rest joins the last one."""
 
+MIN_TAIL_BYTES = 256
+MAX_TAIL_BYTES = 1024
+TAIL_SHARE = 64
+"""Of a buffer too hostile to look at all of it, the end is: what the device says when the noise is over."""
+
 MAX_KNOWN_HEADERS = 1024
 """A few dozen topics times the lengths their strings take; beyond it the memory starts anew."""
 
@@ -58,7 +63,8 @@ class _Known(NamedTuple):
 class Scan:
     """What one buffer held; from `rest` on an unfinished frame, which takes `needed_bytes` in all.
 
-    The last `tail_frames` frames stand one behind the other, with nothing between them.
+    The last `tail_frames` frames stand one behind the other, with nothing between them. `vain_looks`: at how
+    many places a frame might have begun and did not.
     """
 
     groups: dict[int, list[bytes]] = field(default_factory=dict)
@@ -66,6 +72,7 @@ class Scan:
     rest: int = 0
     needed_bytes: int = 0
     tail_frames: int = 0
+    vain_looks: int = 0
 
 
 class FrameScanner:
@@ -102,8 +109,13 @@ class FrameScanner:
             return None
         return known.topic_id, payload
 
-    def scan(self, buffer: bytes, patience: Patience = Patience.WAIT) -> Scan:
-        """Cut a buffer that begins where a frame may begin."""
+    def scan(
+        self, buffer: bytes, patience: Patience = Patience.WAIT, max_vain_looks: int | None = None
+    ) -> Scan:
+        """Cut a buffer that begins where a frame may begin.
+
+        After more than `max_vain_looks` (None: any number) only its end is looked at, the rest is noise.
+        """
         result = Scan()
         groups = result.groups
         known_headers = self._known
@@ -111,6 +123,8 @@ class FrameScanner:
         tail_frames = 0
         view = memoryview(buffer)
         total = len(buffer)
+        most_looks = total if max_vain_looks is None else max_vain_looks
+        looks = 0
         position = 0
         waste = _Waste()
         sums: RunningSums | None = None
@@ -124,6 +138,9 @@ class FrameScanner:
                 if isinstance(verdict, DiscardReason):
                     waste.begin(position, verdict)
                     wanted = self._start if verdict is DiscardReason.VERSION else _SYNC
+                    looks += 1
+                    if looks > most_looks:
+                        position, most_looks = waste.skip(position, total), total
                     position = _find(buffer, wanted, position + 1)
                     header = buffer[position : position + header_bytes]
                     continue
@@ -135,6 +152,9 @@ class FrameScanner:
                 if patience is Patience.WAIT:
                     break
                 waste.begin(position, DiscardReason.UNFINISHED)
+                looks += 1
+                if looks > most_looks:
+                    position, most_looks = waste.skip(position, total), total
                 position = _find(buffer, _SYNC, position + 1)
                 header = buffer[position : position + header_bytes]
                 continue
@@ -168,6 +188,9 @@ class FrameScanner:
                 header = following
                 continue
             waste.begin(position, DiscardReason.PAYLOAD_CHECKSUM)
+            looks += 1
+            if looks > most_looks:
+                position, most_looks = waste.skip(position, total), total
             summed_in_vain += stride
             if summed_in_vain > 2 * total and sums is None:
                 sums = RunningSums(buffer)
@@ -176,6 +199,7 @@ class FrameScanner:
         waste.end(total)
         result.rest = total
         result.tail_frames = tail_frames
+        result.vain_looks = looks
         if unfinished is not None and patience is not Patience.NONE:
             result.rest, result.needed_bytes = unfinished
             waste.take_back(result.rest)
@@ -192,17 +216,18 @@ class FrameScanner:
         if self._version == 2 and size >= 5:  # the length check stands before the topic id
             if (header[2] + header[3] + header[4]) & 0xFF != 0xFF:
                 return DiscardReason.LENGTH_CHECKSUM
-            if header[2] | header[3] << 8 > self._max_payload_bytes:
+            length = header[2] | header[3] << 8
+            if length > self._max_payload_bytes:
+                return DiscardReason.TOO_LONG
+            # The rest of this is for sound headers; noise is refused at half its price.
+            if size >= 7 and length > self._most(header[5] | header[6] << 8):
                 return DiscardReason.TOO_LONG
         if size < self._header_bytes:
             return _Known(-1, size + 1, _NOTHING, adler32, 0)
         fields = read_header(self._version, header)
         if fields is None:
             return DiscardReason.LENGTH_CHECKSUM
-        most = self._refused_above.get(fields.topic_id)
-        if most is None:
-            most = self._refused_above.get(None, self._max_payload_bytes)
-        if fields.size > min(most, self._max_payload_bytes):
+        if fields.size > min(self._most(fields.topic_id), self._max_payload_bytes):
             return DiscardReason.TOO_LONG
         if len(self._known) >= MAX_KNOWN_HEADERS:
             self._known.clear()
@@ -214,6 +239,11 @@ class FrameScanner:
             -fields.base & 0xFF,
         )
         return known
+
+    def _most(self, topic_id: int) -> int:
+        """Return the longest payload that a frame on this id may have."""
+        most = self._refused_above.get(topic_id)
+        return self._refused_above.get(None, self._max_payload_bytes) if most is None else most
 
 
 class _Waste:
@@ -235,6 +265,11 @@ class _Waste:
         self.is_open = True
         self._start = position
         self._reason = reason
+
+    def skip(self, position: int, total: int) -> int:
+        """Take all but the end of a buffer into this stretch, and return where the end begins."""
+        self._count = MAX_STRETCHES
+        return max(position, total - max(MIN_TAIL_BYTES, min(total // TAIL_SHARE, MAX_TAIL_BYTES)))
 
     def end(self, position: int) -> None:
         """A frame begins here, or nothing more."""

@@ -26,8 +26,10 @@ MAX_CONNECTIONS = 256
 MAX_CONNECTIONS_PER_HOST = 128
 # Connects that the kernel holds while we are busy: all boards of a machine come at once after a restart.
 _BACKLOG = 64
+# What a connection that was quiet is read at first; doubled up to READ_CHUNK_BYTES while that is cheap.
+FIRST_READ_BYTES = 8 * 1024
 # What one connection may use at a time: with a hundred others a message still takes less than 10 ms.
-TURN_S = 0.003
+TURN_S = 0.002
 # Hostile bytes cost 0.5 µs each at the worst, and less than this is not worth the wake-up.
 MIN_READ_BYTES = 4 * 1024
 # A board on Wi-Fi answers within a second or is not there.
@@ -49,7 +51,7 @@ class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
     def __init__(self, peer: str = "", *, on_lost: Callable[[TcpTransport], None] | None = None) -> None:
         super().__init__(peer, can_pause=True)
         self._whole_buffer = memoryview(bytearray(READ_CHUNK_BYTES))
-        self._buffer = self._whole_buffer
+        self._first_buffer = self._buffer = self._whole_buffer[:FIRST_READ_BYTES]
         self._on_lost = on_lost
         self._socket: socket.socket | None = None
         self.proof = NO_PROOF
@@ -93,6 +95,7 @@ class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
         """Deliver what was read."""
         if nbytes < MIN_READ_BYTES:
             self._deliver(bytes(self._buffer[:nbytes]))
+            self._buffer = self._first_buffer
             return
         began_s = thread_time()
         self._deliver(bytes(self._buffer[:nbytes]))
