@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+from math import gcd
+from typing import Final
+
 from rostether.serde.cdr.pair_tree import Array, Node, Plain, Record, Side, Slot, Text
 from rostether.serde.cdr.pieces import Pieces
 from rostether.serde.cdr.place import Place
 from rostether.serde.cdr.reading_body import MAX_LINES, Functions, ReadingBody
+from rostether.serde.generated_source import indented
+
+_MAX_LOOPS: Final = 2
+"""How many loops stand in each other; the elements of further ones have functions of their own."""
 
 
 class ConvertingBody(ReadingBody):
@@ -14,8 +21,11 @@ class ConvertingBody(ReadingBody):
     `side` is the one read, of which `source_place` is; `target_place` is where the output has got to.
     """
 
-    def __init__(self, functions: Functions, side: Side, source_place: Place, target_place: Place) -> None:
+    def __init__(
+        self, functions: Functions, side: Side, source_place: Place, target_place: Place, *, loops: int = 0
+    ) -> None:
         super().__init__(functions, side, source_place)
+        self._loops = loops
         self.pieces = Pieces()
         self.uses_out = False
         self.target_place = target_place
@@ -168,15 +178,60 @@ class ConvertingBody(ReadingBody):
         self.target_place.move(f"{self.target_place.text()} + {length}", size)
 
     def _loop(self, element: Node, count: str) -> None:
-        name = self.functions.converter(element)
         self.flush()
         before, after = self.variable("o"), self.variable("c")
-        target = self.target_place.text() if self.to_cdr else "0"
         self.lines.append(f"{before} = {self.source_place.text()}")
-        self.lines.append(f"{after} = {target}")
-        self.lines.append(f"for _ in range({count}): {before}, {after} = {name}(b, {before}, {after}, out)")
-        self.source_place.move(before)
-        self.target_place.move(after)
+        if self.to_cdr:
+            self.lines.append(f"{after} = {self.target_place.text()}")
+        if self._loops >= _MAX_LOOPS or len(self.lines) + self.functions.line_count(element) > MAX_LINES:
+            if not self.to_cdr:
+                self.lines.append(f"{after} = 0")
+            name = self.functions.converter(element)
+            self.lines.append(
+                f"for _ in range({count}): {before}, {after} = {name}(b, {before}, {after}, out)"
+            )
+            self.source_place.move(before)
+            self.target_place.move(after)
+            return
+        body, modulus, residue = self._loop_body(element, before, after)
+        body.flush()
+        body.lines.append(f"{before} = {body.source_place.text()}")
+        if self.to_cdr:
+            body.lines.append(f"{after} = {body.target_place.text()}")
+        self.lines += [f"for _ in range({count}):", *indented(body.lines, 4)]
+        self.continue_count(body)
+        self.source_place = self._place(before, modulus, residue, aligned=not self.to_cdr)
+        self.target_place = self._place(after, modulus, residue, aligned=self.to_cdr)
+
+    def _loop_body(self, element: Node, before: str, after: str) -> tuple[ConvertingBody, int, int]:
+        """Return what converts one element, and what is known of where each of them begins in CDR.
+
+        That is what the first element's place and the end of every element have in common; the more of it is
+        known the more is known of the ends, so that it is tried again.
+        """
+        start = self.target_place if self.to_cdr else self.source_place
+        modulus, residue = 1, 0
+        while True:
+            body = ConvertingBody(
+                self.functions,
+                self.side,
+                self._place(before, modulus, residue, aligned=not self.to_cdr),
+                self._place(after, modulus, residue, aligned=self.to_cdr),
+                loops=self._loops + 1,
+            )
+            body.continue_count(self)
+            body.convert_inline(element)
+            end = body.target_place if self.to_cdr else body.source_place
+            shared = gcd(start.modulus, end.modulus)
+            while (start.residue - end.residue) % shared:
+                shared //= 2
+            if shared <= modulus:
+                return body, modulus, residue
+            modulus, residue = shared, start.residue % shared
+
+    @staticmethod
+    def _place(start: str, modulus: int, residue: int, *, aligned: bool) -> Place:
+        return Place(start, 0, aligned=aligned, modulus=modulus, residue=residue)
 
     def _call_converter(self, name: str) -> None:
         self.flush()

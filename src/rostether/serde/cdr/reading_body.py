@@ -132,6 +132,10 @@ class ReadingBody:
         self.lines.append(f"{variable} = {expression}")
         return variable
 
+    def continue_count(self, other: ReadingBody) -> None:
+        """Go on naming variables where another body of the same function stopped."""
+        self._count = other._count
+
     def variable(self, prefix: str) -> str:
         """Return a new variable."""
         self._count += 1
