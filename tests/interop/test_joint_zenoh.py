@@ -1,0 +1,118 @@
+"""One node in a ROS 1 master's graph and in one over zenoh at once, as a board under serve --ros1 --ros2."""
+
+from __future__ import annotations
+
+import asyncio
+import functools
+from collections.abc import AsyncIterator
+from contextlib import AsyncExitStack
+
+import pytest_asyncio
+
+from contract.graphs import (
+    SET_BOOL,
+    STRING,
+    TRUE,
+    Inbox,
+    acquainted,
+    agreeing,
+    answer,
+    served,
+    snapshot_when,
+    string,
+    until,
+)
+from contract.zenoh_graphs import open_session
+from interop.ros1_peers import free_port
+from rostether.graph.joint_graph import JointGraph
+from rostether.graph.joint_join import JointJoin
+from rostether.graph.ports import Graph, ParamValue
+from rostether.ros1.environment import RosEnvironment
+from rostether.ros1.master.server import MasterServer
+from rostether.ros1.node.node import join_ros1
+
+
+class World:
+    """A board in both graphs, and a node in each."""
+
+    def __init__(self, board: JointGraph, ros1: Graph, ros2: Graph, master: MasterServer) -> None:
+        self.board = board
+        self.ros1 = ros1
+        self.ros2 = ros2
+        self.master = master
+
+
+@pytest_asyncio.fixture
+async def world() -> AsyncIterator[World]:
+    async with AsyncExitStack() as stack:
+        master = await MasterServer.start(port=0)
+        stack.push_async_callback(master.close)
+        join = functools.partial(join_ros1, environment=RosEnvironment.read({}).with_master(master.uri))
+        port = free_port()
+        sessions = [await open_session(port, is_router=is_first) for is_first in (True, False)]
+        for session in sessions:
+            stack.push_async_callback(session.close)
+        board = await JointJoin([join, sessions[0].join])("/board")
+        stack.push_async_callback(board.close)
+        ros1, ros2 = await join("/peer"), await sessions[1].join("/peer")
+        stack.push_async_callback(ros1.close)
+        stack.push_async_callback(ros2.close)
+        await acquainted(board.graphs[1], ros2)
+        yield World(board, ros1, ros2, master)
+
+
+async def test_topics_both_ways_and_its_own_once(world: World) -> None:
+    inboxes, mine = {"1": Inbox(), "2": Inbox()}, Inbox()
+    publisher = await world.board.advertise("/chat", STRING, latch=True)
+    await world.board.subscribe("/chat", STRING, mine.take)
+    await world.ros1.subscribe("/chat", STRING, inboxes["1"].take)
+    await world.ros2.subscribe("/chat", STRING, inboxes["2"].take)
+    await until(lambda: publisher.subscriber_count >= 3)
+    publisher.publish_raw([string("hello")])
+    await until(lambda: all(inbox.payloads == [string("hello")] for inbox in inboxes.values()))
+    talkers = [await graph.advertise("/chat", STRING) for graph in (world.ros1, world.ros2)]
+    await until(lambda: all(talker.subscriber_count >= 2 for talker in talkers))
+    for number, talker in enumerate(talkers):
+        talker.publish_raw([string(f"from {number}")])
+    expected = sorted([string("hello"), string("from 0"), string("from 1")])
+    await until(lambda: sorted(mine.payloads) == expected)
+    # Whatever else came would be its own message a second time.
+    await asyncio.sleep(0.05)
+    assert sorted(mine.payloads) == expected
+
+
+async def test_services_both_ways(world: World) -> None:
+    await world.board.advertise_service("/switch", SET_BOOL, agreeing)
+    for peer in (world.ros1, world.ros2):
+        await served(peer, "/switch")
+        assert await peer.call_service("/switch", SET_BOOL, TRUE, timeout_s=10.0) == answer("as you say")
+    for number, peer in enumerate((world.ros1, world.ros2)):
+        await peer.advertise_service(f"/peer{number}", SET_BOOL, agreeing)
+        await served(world.board, f"/peer{number}")
+        called = await world.board.call_service(f"/peer{number}", SET_BOOL, TRUE, timeout_s=10.0)
+        assert called == answer("as you say")
+
+
+async def test_parameters_of_either_graph(world: World) -> None:
+    seen: list[ParamValue] = []
+    await world.board.watch_param("~gain", seen.append)
+    await world.ros2.set_param("/board/gain", 2.5)
+    await until(lambda: seen == [None, 2.5])
+    assert await world.board.get_param("~gain") == 2.5
+    await world.ros1.set_param("/board/gain", 1.5)
+    await until(lambda: seen == [None, 2.5, 1.5])
+    assert await world.board.get_param("~gain") == 1.5
+    assert "/board/gain" in await world.board.list_params()
+
+
+async def test_a_master_that_dies_does_not_disturb_ros2(world: World) -> None:
+    inbox = Inbox()
+    publisher = await world.board.advertise("/before", STRING)
+    await world.master.close()
+    late = await asyncio.wait_for(world.board.advertise("/after", STRING), 20.0)
+    for topic, talker in (("/before", publisher), ("/after", late)):
+        await world.ros2.subscribe(topic, STRING, inbox.take)
+        await until(lambda: talker.subscriber_count)  # noqa: B023 - awaited at once
+        talker.publish_raw([string(topic)])
+    await until(lambda: inbox.payloads == [string("/before"), string("/after")])
+    await snapshot_when(world.board, lambda snapshot: "/after" in snapshot.topics)
