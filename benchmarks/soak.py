@@ -1,9 +1,9 @@
-"""A bridge on TCP links that lose, damage and end all the time; at the end the counters must be equal.
+"""A bridge on a TCP link and a pseudo-terminal that damage and end all the time; the counters must be equal.
 
 python -m benchmarks.soak [MINUTES]
 
-Each device numbers its messages. The line to the bridge damages one chunk in a hundred, puts garbage before
-one in fifty, and hangs up every few seconds. What the device wrote whole on a line that the bridge had
+Each device numbers its messages. Its line to the bridge damages one in a hundred, puts garbage before one in
+fifty, and is hung up every few seconds. What the device wrote whole on a line that the bridge had
 settled on must be heard, nothing else may be, and memory must not grow. Exits with 1 if that does not hold.
 """
 
@@ -12,13 +12,15 @@ from __future__ import annotations
 import asyncio
 import random
 import sys
+import tempfile
 import time
+from dataclasses import dataclass
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
 
 from benchmarks.processes import resident_mb
-from unit.bridge.tcp_boards import Bridge, TcpBoard, numbered
+from unit.bridge.line_boards import Board, line, numbered
 
 PERIOD_S = 0.005
 DAMAGED, GARBAGE = 0.01, 0.02
@@ -28,15 +30,34 @@ MAX_GROWTH_MB = 8.0
 
 
 class Count:
-    """What was sent whole, and what was damaged."""
+    """What one device sent whole, and what was damaged; summed up at the end of each connection."""
 
     def __init__(self) -> None:
         self.whole: set[int] = set()
         self.damaged: set[int] = set()
-        self.reconnects = 0
+        self.sent = self.reconnects = self.lost = self.strangers = 0
+
+    def take(self, heard: set[int]) -> None:
+        """Compare with what was heard, and begin anew."""
+        self.sent += len(self.whole)
+        self.lost += len(self.whole - heard)
+        self.strangers += len(self.damaged & heard)
+        self.whole.clear()
+        self.damaged.clear()
 
 
-async def one_line(board: TcpBoard, heard: list[int], count: Count, number: int, rng: random.Random) -> int:
+@dataclass(frozen=True, slots=True)
+class Soaked:
+    """What both devices saw together; `strangers` are damaged messages that were delivered."""
+
+    sent: int
+    reconnects: int
+    lost: int
+    strangers: int
+    grown_mb: float
+
+
+async def one_line(board: Board, heard: list[int], count: Count, number: int, rng: random.Random) -> int:
     """Connect, settle, send with faults for some seconds, hang up; returns the next number."""
     await board.connect(rng.randbytes(rng.randrange(2000)))
     await board.settle(heard, number)
@@ -59,36 +80,51 @@ async def one_line(board: TcpBoard, heard: list[int], count: Count, number: int,
     return number
 
 
-async def soak(minutes: float) -> bool:
-    """Run; returns whether all held."""
-    rng = random.Random(1)
-    count = Count()
-    end_s = time.monotonic() + 60 * minutes
-    warm_s = min(time.monotonic() + WARM_UP_S, end_s)
-    warm_mb = 0.0
-    async with Bridge() as bridge:
+async def one_device(kind: str, folder: Path, end_s: float, count: Count, rng: random.Random) -> None:
+    """Serve one link with its device until then."""
+    async with line(kind, folder) as (bridge, board):
         heard = await bridge.listen("/count")
-        board = TcpBoard(bridge.port)
         number = 1
-        lost = strangers = 0
         while time.monotonic() < end_s:
             number = await one_line(board, heard, count, number, rng)
             bridge.reporter.lines.clear()
             bridge.network.logs.clear()
-            lost += len(count.whole - set(heard))
-            strangers += len(count.damaged & set(heard))
+            count.take(set(heard))
             heard.clear()
-            count.whole.clear()
-            count.damaged.clear()
-            if not warm_mb and time.monotonic() >= warm_s:
-                warm_mb = resident_mb("self")
-    grown_mb = resident_mb("self") - (warm_mb or resident_mb("self"))
-    print(
-        f"{number:,} messages, {count.reconnects} reconnects: {lost} whole ones lost, "
-        f"{strangers} damaged ones delivered, memory grew by {grown_mb:.1f} MB"
+
+
+async def soak(seconds: float, *, warm_up_s: float = WARM_UP_S) -> Soaked:
+    """Run both devices; memory is compared with what it was after the warm-up."""
+    began_s = time.monotonic()
+    counts = {kind: Count() for kind in ("tcp", "pty")}
+    with tempfile.TemporaryDirectory() as folder:
+        devices = asyncio.gather(
+            *(
+                one_device(kind, Path(folder), began_s + seconds, count, random.Random(kind))
+                for kind, count in counts.items()
+            )
+        )
+        await asyncio.sleep(min(warm_up_s, seconds))
+        warm_mb = resident_mb("self")
+        await devices
+    return Soaked(
+        sum(count.sent for count in counts.values()),
+        sum(count.reconnects for count in counts.values()),
+        sum(count.lost for count in counts.values()),
+        sum(count.strangers for count in counts.values()),
+        resident_mb("self") - warm_mb,
     )
-    return not lost and not strangers and grown_mb <= MAX_GROWTH_MB
+
+
+def main(minutes: float) -> int:
+    """Soak, print what was seen, return the exit code."""
+    soaked = asyncio.run(soak(60 * minutes))
+    print(
+        f"{soaked.sent:,} messages, {soaked.reconnects} reconnects: {soaked.lost} whole ones lost, "
+        f"{soaked.strangers} damaged ones delivered, memory grew by {soaked.grown_mb:.1f} MB"
+    )
+    return 1 if soaked.lost or soaked.strangers or soaked.grown_mb > MAX_GROWTH_MB else 0
 
 
 if __name__ == "__main__":
-    sys.exit(0 if asyncio.run(soak(float(sys.argv[1]) if len(sys.argv) > 1 else 10.0)) else 1)
+    sys.exit(main(float(sys.argv[1]) if len(sys.argv) > 1 else 10.0))
