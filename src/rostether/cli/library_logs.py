@@ -19,14 +19,32 @@ _LEVELS = {
 }
 _ROOMS = logging.getLogger("rostether")
 _ASYNCIO = logging.getLogger("asyncio")
+REPEAT_S = 10.0
+"""asyncio says the same of each connection that it cannot take."""
+# What tells messages apart: asyncio's have their particulars at the end.
+_KIND_CHARACTERS = 40
+_MAX_KINDS = 64
 
 
 class _Lines(logging.Handler):
     def __init__(self, show: Callable[[Level, str], None]) -> None:
         super().__init__()
         self.show = show
+        self._said_s: dict[str, float] = {}
+
+    def _is_repeated(self, record: logging.LogRecord) -> bool:
+        """Tell whether a line of this kind was shown just now: some come thousands of times a second."""
+        kind = str(record.msg)[:_KIND_CHARACTERS]
+        if record.created - self._said_s.get(kind, float("-inf")) < REPEAT_S:
+            return True
+        if len(self._said_s) >= _MAX_KINDS:
+            self._said_s.clear()
+        self._said_s[kind] = record.created
+        return False
 
     def emit(self, record: logging.LogRecord) -> None:
+        if record.name == _ASYNCIO.name and self._is_repeated(record):
+            return
         text = " ".join(record.getMessage().split())
         if not text.isprintable():
             # A peer's words may stand in it, and must not steer the terminal.

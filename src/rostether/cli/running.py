@@ -19,6 +19,7 @@ import click
 from rostether.cli.failures import EXIT_DONE, EXIT_INTERRUPTED
 from rostether.cli.library_logs import show_library_logs
 from rostether.errors import ConfigError
+from rostether.transports.descriptors import allow_many_descriptors
 
 T = TypeVar("T")
 
@@ -32,6 +33,8 @@ def run(main: Coroutine[Any, Any, T], *, is_service: bool = False, uvloop: bool 
     `uvloop`: True demands it, None takes it when it is installed.
     """
     show_library_logs()
+    if is_service:
+        allow_many_descriptors()
     try:
         with asyncio.Runner(loop_factory=_loop_factory(uvloop)) as runner:
             return runner.run(_until_terminated(main, EXIT_DONE if is_service else EXIT_TERMINATED))

@@ -79,12 +79,13 @@ async def listen(
     match address:
         case TcpAddress(connect=False):
             from rostether.transports.board_keys import NO_KEYS
+            from rostether.transports.descriptors import boards_that_fit
             from rostether.transports.tcp import MAX_CONNECTIONS, MAX_CONNECTIONS_PER_HOST, TcpListener
 
             return await TcpListener.start(
                 address,
                 on_transport,
-                max_connections=connections or MAX_CONNECTIONS,
+                max_connections=connections or boards_that_fit(MAX_CONNECTIONS),
                 max_connections_per_host=connections_per_host or MAX_CONNECTIONS_PER_HOST,
                 board_keys=board_keys or NO_KEYS,
             )

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
+from rostether.cli import library_logs as module
 from rostether.cli.library_logs import show_library_logs
 from rostether.graph.ports import Level
 
@@ -70,3 +71,16 @@ def test_traceback_on_request(monkeypatch: pytest.MonkeyPatch) -> None:
     except ValueError:
         ASYNCIO.exception("failed")
     assert "Traceback" in shown[0]
+
+
+def test_asyncio_does_not_fill_the_log(monkeypatch: pytest.MonkeyPatch) -> None:
+    shown: list[str] = []
+    show_library_logs(lambda _level, text: shown.append(text))
+    for number in range(1000):
+        ASYNCIO.error("socket.accept() out of system resource\nsocket: %s", number)
+        ROOM.warning("node %s is gone", number)
+    assert len([text for text in shown if "accept" in text]) == 1
+    assert len(shown) == 1001
+    monkeypatch.setattr(module, "REPEAT_S", 0.0)
+    ASYNCIO.error("socket.accept() out of system resource\nsocket: %s", 1000)
+    assert shown[-1] == "socket.accept() out of system resource socket: 1000"

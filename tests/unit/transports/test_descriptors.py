@@ -1,0 +1,34 @@
+"""Room for boards within the limit of open files."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+CODE = """
+import resource
+from rostether.transports.descriptors import allow_many_descriptors, boards_that_fit
+fitting = boards_that_fit(256)
+allow_many_descriptors()
+print(fitting, boards_that_fit(256), *resource.getrlimit(resource.RLIMIT_NOFILE))
+"""
+
+
+@pytest.mark.parametrize(
+    ("limits", "printed"),
+    [
+        ("ulimit -Sn 512; ulimit -Hn 4096", "38 256 4096 4096"),
+        ("ulimit -Sn 1024; ulimit -Hn 1024", "89 89 1024 1024"),
+        ("ulimit -Sn 64; ulimit -Hn 64", "1 1 64 64"),
+    ],
+)
+def test_the_soft_limit_is_raised_and_the_hard_one_kept(limits: str, printed: str) -> None:
+    done = subprocess.run(
+        ["bash", "-c", f'{limits}; exec "$0" -c "$1"', sys.executable, CODE],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.split() == printed.split()
