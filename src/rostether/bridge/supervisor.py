@@ -39,6 +39,8 @@ from rostether.transports.transport import Listener, Transport
 
 # A master that is away is asked this seldom at most; people start it and expect the boards within seconds.
 MAX_JOIN_WAIT_S = 2.0
+# A board that connects speaks within 2 s; who never does holds a place that another board may need.
+SPEECHLESS_S = 60.0
 # Telling the boards to stop: what a hung board has not taken by then stays unsaid.
 STOP_LIMIT_S = 0.8
 
@@ -206,6 +208,7 @@ class Supervisor:
             transport.close()
             raise
         session: Session | None = None
+        timer: asyncio.TimerHandle | None = None
         try:
             node = board.node or await self._give_node(address, board, device)
             node.hardware_id = _hardware_id(identity, transport.peer)
@@ -214,11 +217,15 @@ class Supervisor:
                 transport = self._tap(transport)
             session = board.session = Session(transport, node, baud=baud)
             session.start()
+            if isinstance(address, TcpAddress) and address.listens:
+                timer = asyncio.get_running_loop().call_later(SPEECHLESS_S, _end_if_speechless, session)
             error = await session.wait_ended()
             if board.leaving is not None:
                 raise SessionError(f"node {board.name} was shut down from outside")
             return error
         finally:
+            if timer is not None:
+                timer.cancel()
             transport.close()
             self._boards.lose(board, session)
 
@@ -301,6 +308,11 @@ def _hardware_id(identity: BoardIdentity, peer: str) -> str:
     kind, _, place = peer.partition(" ")
     peer = f"{kind} {place.rpartition(':')[0]}" if kind in ("tcp", "udp") else peer
     return identity.own_serial_number or identity.usb_location or peer
+
+
+def _end_if_speechless(session: Session) -> None:
+    if not session.link.statistics.frames_received:
+        session.transport.close()
 
 
 def _is_loopback(peer: str) -> bool:

@@ -371,3 +371,17 @@ async def test_a_view_tells_how_a_board_is_doing(site: Site) -> None:
     site.boards[0].transport.close()
     await until(lambda: not site.connected(), "the loss")
     assert site.supervisor.boards()[0].peer == ""
+
+
+async def test_who_connects_and_never_speaks_gives_the_place_back(
+    site: Site, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rostether.bridge.supervisor.SPEECHLESS_S", 0.3)
+    await site.start("tcp://:11411")
+    site.connect("tcp 192.168.1.7:40000")
+    silent, theirs = memory_pair()
+    site.listeners[0].on_transport(silent)
+    await asyncio.wait_for(theirs.wait_closed(), 10)
+    await asyncio.wait_for(silent.wait_closed(), 10)
+    await site.serving("/tcp_192_168_1_7")
+    assert "/tcp_192_168_1_7" in site.connected(), "who speaks stays"
