@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 from collections.abc import AsyncIterator, Iterator
 
 import pytest
@@ -27,8 +26,6 @@ def store() -> TypeStore:
 @pytest.fixture(scope="module")
 def peer() -> Iterator[RclpyPeer]:
     """Another process with rclpy, one for all tests of a file: names tell the tests apart."""
-    if importlib.util.find_spec("rclpy") is None:
-        pytest.skip('rclpy is not installed (pip install "rostether[rclpy]")')
     with rclpy_peer() as peer:
         yield peer
 

@@ -21,7 +21,7 @@ from rostether.serde.store import TypeStore
 from rostether.transports.address import parse_address
 from unit.bridge.doubles import RecordingReporter, until
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = [pytest.mark.rclpy, pytest.mark.asyncio(loop_scope="module")]
 
 
 class Boards:

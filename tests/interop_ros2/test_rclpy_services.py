@@ -13,7 +13,7 @@ from rostether.graph.ports import JoinGraph, ParamValue
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.serde.store import TypeStore
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = [pytest.mark.rclpy, pytest.mark.asyncio(loop_scope="module")]
 
 SERVICES = {
     "std_srvs/SetBool": ({"data": True}, {"success": True, "message": "äh"}),

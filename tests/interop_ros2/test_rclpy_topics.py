@@ -17,7 +17,7 @@ from rostether.ros2.rclpy.context import RclpyContext
 from rostether.serde.plain_form import to_plain
 from rostether.serde.store import TypeStore
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = [pytest.mark.rclpy, pytest.mark.asyncio(loop_scope="module")]
 
 
 def encode(store: TypeStore, name: str, values: Any) -> bytes:

@@ -17,7 +17,7 @@ from rostether.ros2.type_support import Ros2Types
 from rostether.rostime import Time
 from rostether.serde.store import TypeStore
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = [pytest.mark.rclpy, pytest.mark.asyncio(loop_scope="module")]
 
 
 async def test_rclpy_sees_our_nodes_with_what_they_do(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import importlib.util
 import logging
 from collections.abc import AsyncIterator
 
@@ -19,7 +18,7 @@ from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.ros2.rclpy.context import RclpyContext
 from rostether.ros2.type_support import MessageSupport, Ros2Types
 
-pytestmark = pytest.mark.skipif(importlib.util.find_spec("rclpy") is None, reason="rclpy is not installed")
+pytestmark = pytest.mark.rclpy
 
 
 class OddTypes(Ros2Types):
