@@ -84,7 +84,8 @@ class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
         """
         super().write(data)
         if self._socket is not None and _QUICKACK is not None:
-            with contextlib.suppress(OSError):
+            # uvloop's stand-in for a socket that is closed raises ValueError.
+            with contextlib.suppress(OSError, ValueError):
                 self._socket.setsockopt(socket.IPPROTO_TCP, _QUICKACK, 1)
 
     def get_buffer(self, sizehint: int) -> memoryview:
