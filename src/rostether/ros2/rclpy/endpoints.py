@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Container, Mapping
 
 from rostether.errors import GraphError, ServiceUnavailableError, TypeMismatchError
 from rostether.graph.ports import OnMessages, ServiceHandler
@@ -61,6 +61,7 @@ class Endpoints:
         *,
         on_connection: Callable[[Mapping[str, str]], None] | None,
         skip_own: bool,
+        skip_nodes: Container[str],
     ) -> RclpySubscriber:
         """Subscribe."""
         subscriber = RclpySubscriber(
@@ -71,6 +72,7 @@ class Endpoints:
             on_connection=on_connection,
             on_close=self._end_subscriber,
             skip_own=skip_own,
+            skip_nodes=skip_nodes,
         )
         await self._own.thread.run(subscriber.open)
         self._subscribers.add(subscriber)

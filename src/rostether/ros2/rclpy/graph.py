@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Callable, Mapping
+from collections.abc import AsyncIterator, Callable, Container, Mapping
 
 from rostether.errors import GraphError
 from rostether.graph.ports import Level, OnMessages, ParamValue, ServiceHandler, Snapshot
@@ -68,6 +68,7 @@ class RclpyGraph:
         on_connection: Callable[[Mapping[str, str]], None] | None = None,
         tcp_nodelay: bool = True,
         skip_own: bool = False,
+        skip_nodes: Container[str] = (),
     ) -> RclpySubscriber:
         """Subscribe. `ANY_MESSAGE` takes the type that the first publisher has, once there is one.
 
@@ -75,7 +76,12 @@ class RclpyGraph:
         """
         self._check_open()
         return await self._endpoints.subscribe(
-            self.resolve(topic), message_type, on_messages, on_connection=on_connection, skip_own=skip_own
+            self.resolve(topic),
+            message_type,
+            on_messages,
+            on_connection=on_connection,
+            skip_own=skip_own,
+            skip_nodes=skip_nodes,
         )
 
     async def advertise_service(

@@ -11,7 +11,7 @@ What is asked for cannot be changed, so another subscription takes the place of 
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Container, Mapping, Sequence
 from typing import Any
 
 from rostether.errors import RostetherError, SerializationError, TypeMismatchError
@@ -29,6 +29,9 @@ from rostether.ros2.type_support import MessageSupport
 MAX_BATCH = 1000
 """Messages taken in one go before the executor looks at the other subscriptions again: a few milliseconds."""
 
+MAX_COMPLAINTS = 16
+"""Different things that are said of one subscription; whoever sends nonsense does not fill the log."""
+
 _GID_BYTES = 16
 
 
@@ -45,6 +48,7 @@ class RclpySubscriber:
         on_connection: Callable[[Mapping[str, str]], None] | None,
         on_close: Callable[[RclpySubscriber], Awaitable[None]],
         skip_own: bool = False,
+        skip_nodes: Container[str] = (),
     ) -> None:
         self.topic = topic
         self._own = own
@@ -52,6 +56,7 @@ class RclpySubscriber:
         self._on_connection = on_connection
         self._on_close = on_close
         self._skip_own = skip_own
+        self._skip_nodes = skip_nodes
         self._is_of_any_type = message_type.name == ANY_TYPE
         self._support: MessageSupport | None = None
         if not self._is_of_any_type:
@@ -220,7 +225,7 @@ class RclpySubscriber:
         if self._seen and stamp <= self._seen.get(gid, -1):
             return False
         self._latest[gid] = stamp
-        if not self._skip_own:
+        if not self._skip_own and self._skip_nodes == ():
             return True
         if gid not in self._known:
             self.look()
@@ -229,10 +234,9 @@ class RclpySubscriber:
     def _meet(self, publishers: Sequence[Any]) -> None:
         assert self._support is not None
         gids = {bytes(each.endpoint_gid[:_GID_BYTES]): each for each in publishers}
-        for gid in self._known.keys() - gids.keys():
-            del self._known[gid]
-            self._latest.pop(gid, None)
-            self._seen.pop(gid, None)
+        for table in (self._known, self._latest, self._seen):
+            for gid in table.keys() - gids.keys():
+                del table[gid]
         for gid in gids.keys() - self._known.keys():
             publisher = gids[gid]
             node_name = (
@@ -240,7 +244,8 @@ class RclpySubscriber:
                 if publisher.node_name == UNKNOWN_NODE
                 else f"{publisher.node_namespace.rstrip('/')}/{publisher.node_name}"
             )
-            self._known[gid] = node_name == self._own.name
+            is_own = self._skip_own and node_name == self._own.name
+            self._known[gid] = is_own or node_name in self._skip_nodes
             if self._on_connection is not None:
                 message_type = self._support.ros1_type
                 fields = {
@@ -281,6 +286,6 @@ class RclpySubscriber:
 
     def _complain(self, text: str) -> None:
         # Each once: the next look or message would say the same.
-        if text not in self._complaints:
+        if text not in self._complaints and len(self._complaints) < MAX_COMPLAINTS:
             self._complaints.add(text)
             self._own.report_from_thread(Level.WARN, text)
