@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from contract.capabilities import Capabilities
-from contract.graphs import BOOL, STRING, Inbox, string, until
+from contract.graphs import BOOL, STRING, Inbox, acquainted, snapshot_when, string, until
 from rostether.errors import GraphError, TypeMismatchError
 from rostether.graph.ports import JoinGraph
 from rostether.msgdef.interface import ANY_MESSAGE
@@ -154,6 +154,30 @@ async def test_a_subscriber_may_leave_out_what_its_own_node_publishes(join: Join
         theirs.publish_raw([string(f"theirs {number}")])
     await until(lambda: len(witness.payloads) == 6 and len(inbox.payloads) >= 3)
     assert inbox.payloads == [string(f"theirs {number}") for number in range(3)]
+
+
+async def test_a_subscriber_may_leave_out_nodes(join: JoinGraph) -> None:
+    node, other, witness = await join("/node"), await join("/other"), Inbox()
+    names: set[str] = set()
+    inbox = Inbox()
+    await node.subscribe("/chat", STRING, inbox.take, skip_nodes=names)
+    await node.subscribe("/chat", STRING, witness.take)
+    # They are looked up when a publisher is met.
+    names.add("/left_out")
+    left_out = await join("/left_out")
+    publishers = [await graph.advertise("/chat", STRING) for graph in (node, other, left_out)]
+    await acquainted(node, other, left_out)
+    await until(lambda: all(publisher.subscriber_count >= 1 for publisher in publishers))
+    await snapshot_when(node, lambda snapshot: len(snapshot.topics["/chat"].publishers) == 3)
+
+    def say_more() -> bool:
+        for number, publisher in enumerate(publishers):
+            publisher.publish_raw([string(f"from {number}")])
+        return all(string(f"from {number}") in witness.payloads for number in range(3))
+
+    await until(say_more)
+    await until(lambda: {string("from 0"), string("from 1")} <= set(inbox.payloads))
+    assert string("from 2") not in inbox.payloads
 
 
 async def test_a_callback_that_fails_ends_nothing(join: JoinGraph, caplog: pytest.LogCaptureFixture) -> None:

@@ -7,7 +7,7 @@ parameters. A graph that fails does not disturb the others; one that comes later
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
+from collections.abc import AsyncIterator, Awaitable, Callable, Container, Mapping, Sequence
 from typing import TypeAlias, TypeVar
 
 from rostether.errors import (
@@ -31,12 +31,16 @@ ResultT = TypeVar("ResultT")
 
 
 class JointGraph:
-    """A `graph.ports.Graph` over others, the most important first; all are closed with it."""
+    """A `graph.ports.Graph` over others, the most important first; all are closed with it.
 
-    def __init__(self, graphs: Sequence[Graph]) -> None:
+    `joint_nodes` are the names of all nodes in the same graphs: they are heard through the first one.
+    """
+
+    def __init__(self, graphs: Sequence[Graph], joint_nodes: Container[str] = ()) -> None:
         self._graphs = list(graphs)
         self._first = self._graphs[0]
         self.node_name = self._first.node_name
+        self._joint_nodes = joint_nodes
         self._handles: list[_Handle] = []
         self._joined = asyncio.Event()
         self._closed = asyncio.Event()
@@ -83,6 +87,7 @@ class JointGraph:
         on_connection: Callable[[Mapping[str, str]], None] | None = None,
         tcp_nodelay: bool = True,
         skip_own: bool = False,
+        skip_nodes: Container[str] = (),
     ) -> JointSubscriber:
         """Subscribe in all graphs."""
         subscriber = JointSubscriber(
@@ -93,6 +98,8 @@ class JointGraph:
             on_connection=on_connection,
             tcp_nodelay=tcp_nodelay,
             skip_own=skip_own,
+            skip_nodes=skip_nodes,
+            joint_nodes=self._joint_nodes,
         )
         return await self._open(subscriber)
 

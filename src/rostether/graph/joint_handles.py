@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 
 from rostether.graph.callbacks import call_contained
 from rostether.graph.joint_parts import JointParts
@@ -72,7 +72,7 @@ class JointPublisher:
 class JointSubscriber:
     """A `graph.ports.Subscriber` in several graphs.
 
-    What its own node publishes comes through the first graph only: the node is in all of them.
+    What nodes that are in several graphs publish comes through the first graph only.
     """
 
     def __init__(
@@ -85,6 +85,8 @@ class JointSubscriber:
         on_connection: Callable[[Mapping[str, str]], None] | None,
         tcp_nodelay: bool,
         skip_own: bool,
+        skip_nodes: Container[str],
+        joint_nodes: Container[str],
     ) -> None:
         self.topic = topic
         self.parts: JointParts[Subscriber] = JointParts(topic, self._open)
@@ -94,6 +96,8 @@ class JointSubscriber:
         self._on_connection = on_connection
         self._tcp_nodelay = tcp_nodelay
         self._skip_own = skip_own
+        self._skip_nodes = skip_nodes
+        self._joint_nodes = joint_nodes
         self._is_paused = False
 
     @property
@@ -125,6 +129,7 @@ class JointSubscriber:
             on_connection=self._on_connection,
             tcp_nodelay=self._tcp_nodelay,
             skip_own=self._skip_own or graph is not self._first,
+            skip_nodes=self._skip_nodes if graph is self._first else self._joint_nodes,
         )
         if self._is_paused:
             subscriber.pause()

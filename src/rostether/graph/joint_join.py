@@ -19,6 +19,8 @@ class JointJoin:
 
     def __init__(self, joins: Sequence[JoinGraph]) -> None:
         self._joins = tuple(joins)
+        # Those that have left stay in it: they may come again, and the same names are theirs.
+        self._joint_nodes: set[str] = set()
 
     async def __call__(
         self, node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
@@ -38,7 +40,8 @@ class JointJoin:
         if serious or not graphs:
             await asyncio.gather(*(graph.close() for graph in graphs))
             raise (serious or wrong)[0]
-        joint = JointGraph(graphs)
+        joint = JointGraph(graphs, self._joint_nodes)
+        self._joint_nodes.add(joint.node_name)
         for position, result in enumerate(results):
             if isinstance(result, GraphError):
                 _log.warning("%s is not in every graph yet: %s", joint.node_name, result)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
+from collections.abc import AsyncIterator, Awaitable, Callable, Container, Mapping
 from typing import TYPE_CHECKING, Protocol
 
 from rostether.errors import GraphError, ServiceUnavailableError, TypeMismatchError, UnknownNameError
@@ -75,6 +75,7 @@ class MemoryGraph:
         on_connection: Callable[[Mapping[str, str]], None] | None = None,
         tcp_nodelay: bool = True,
         skip_own: bool = False,
+        skip_nodes: Container[str] = (),
     ) -> MemorySubscriber:
         """Subscribe to a topic."""
         self._check_open()
@@ -91,6 +92,7 @@ class MemoryGraph:
             on_connection=on_connection,
             on_close=ended,
             skip_own=skip_own,
+            skip_nodes=skip_nodes,
         )
         self._handles[subscriber] = None
         self._network.add_subscriber(subscriber)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 
 from rostether.graph.callbacks import call_contained
 from rostether.graph.flow_control import (
@@ -74,7 +74,8 @@ class MemoryPublisher:
 
     def connect(self, subscriber: MemorySubscriber) -> None:
         """Connect a subscriber if it wants this type; a mismatch is one line in the log."""
-        if subscriber.skip_own and subscriber.node_name == self.node_name:
+        is_own = subscriber.node_name == self.node_name
+        if (subscriber.skip_own and is_own) or self.node_name in subscriber.skip_nodes:
             return
         if not _agree(self.type.md5sum, subscriber.type.md5sum):
             _log.warning(
@@ -115,11 +116,13 @@ class MemorySubscriber:
         on_connection: Callable[[Mapping[str, str]], None] | None,
         on_close: Callable[[MemorySubscriber], None],
         skip_own: bool = False,
+        skip_nodes: Container[str] = (),
     ) -> None:
         self.topic = topic
         self.type = message_type
         self.node_name = node_name
         self.skip_own = skip_own
+        self.skip_nodes = skip_nodes
         self.links: list[_Link] = []
         self.is_paused = False
         self.is_closed = False

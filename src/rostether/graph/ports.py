@@ -10,7 +10,7 @@ is what makes a flood cheap.
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
+from collections.abc import AsyncIterator, Awaitable, Callable, Container, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Protocol, TypeAlias
@@ -164,10 +164,12 @@ class Graph(Protocol):
         on_connection: Callable[[Mapping[str, str]], None] | None = None,
         tcp_nodelay: bool = True,
         skip_own: bool = False,
+        skip_nodes: Container[str] = (),
     ) -> Subscriber:
         """Subscribe. `ANY_MESSAGE` takes every type; `on_connection` gets each publisher's header fields.
 
-        `skip_own` leaves out what this very node publishes on the topic.
+        `skip_own` leaves out what this very node publishes on the topic, `skip_nodes` what nodes of these
+        names do; they are looked up whenever a publisher is met.
         """
 
     async def advertise_service(

@@ -96,6 +96,24 @@ async def test_its_own_messages_come_once() -> None:
     await world.joint.close()
 
 
+async def test_nodes_that_are_in_the_same_graphs_hear_each_other_once() -> None:
+    networks = [MemoryNetwork(), MemoryNetwork()]
+    join = JointJoin([network.join for network in networks])
+    first = await join("/first")
+    inbox = Inbox()
+    await first.subscribe("/chat", STRING, inbox.take)
+    second = await join("/second")
+    publisher = await second.advertise("/chat", STRING)
+    other = await (await networks[1].join("/other")).advertise("/chat", STRING)
+    publisher.publish_raw([string("hello")])
+    other.publish_raw([string("me too")])
+    await until(lambda: len(inbox.payloads) == 2)
+    await asyncio.sleep(0.01)
+    assert sorted(inbox.payloads) == [string("hello"), string("me too")]
+    for graph in (first, second):
+        await graph.close()
+
+
 async def test_a_slow_subscriber_of_either_graph_is_felt() -> None:
     world = await make_world()
     publisher = await world.joint.advertise("/chat", STRING)

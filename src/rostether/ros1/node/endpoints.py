@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping
 
 from rostether.errors import GraphError
 from rostether.graph.ports import Level, OnMessages, ServiceHandler
@@ -142,6 +142,7 @@ class Endpoints:
         on_connection: Callable[[Mapping[str, str]], None] | None = None,
         tcp_nodelay: bool = True,
         skip_own: bool = False,
+        skip_nodes: Container[str] = (),
     ) -> Subscription:
         """Subscribe to a topic. Raises GraphError."""
         subscription = Subscription(
@@ -154,6 +155,7 @@ class Endpoints:
             on_close=self._release_subscription,
             tcp_nodelay=tcp_nodelay,
             skipped_uri=self.node_uri if skip_own else "",
+            skip_nodes=skip_nodes,
             limits=self._environment.limits,
         )
         together = self._subscriptions.setdefault(topic, [])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import AsyncIterator, Callable, Mapping
+from collections.abc import AsyncIterator, Callable, Container, Mapping
 
 from rostether.errors import GraphError, UnknownNameError
 from rostether.graph.ports import Level, OnMessages, ParamValue, ServiceHandler, Snapshot
@@ -125,6 +125,7 @@ class Ros1Graph:
         on_connection: Callable[[Mapping[str, str]], None] | None = None,
         tcp_nodelay: bool = True,
         skip_own: bool = False,
+        skip_nodes: Container[str] = (),
     ) -> Subscription:
         """Subscribe. `ANY_MESSAGE` takes every type; `on_connection` gets each publisher's header fields."""
         self._check_open()
@@ -135,6 +136,7 @@ class Ros1Graph:
             on_connection=on_connection,
             tcp_nodelay=tcp_nodelay,
             skip_own=skip_own,
+            skip_nodes=skip_nodes,
         )
 
     async def advertise_service(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Container, Mapping, Sequence
 
 from rostether.graph.callbacks import call_contained
 from rostether.graph.ports import Level, OnMessages
@@ -33,6 +33,7 @@ class Subscription:
         on_close: Callable[[Subscription], Awaitable[None]],
         tcp_nodelay: bool,
         skipped_uri: str = "",
+        skip_nodes: Container[str] = (),
         limits: GraphLimits = DEFAULT_GRAPH_LIMITS,
     ) -> None:
         self.topic = topic
@@ -44,6 +45,7 @@ class Subscription:
         self._on_close = on_close
         self._limits = limits
         self._skipped_uri = skipped_uri
+        self._skip_nodes = skip_nodes
         self._links: dict[str, PublisherLink] = {}
         self._closing_links: set[asyncio.Task[None]] = set()
         self._request = subscriber_fields(topic, message_type, caller_id=node_name, tcp_nodelay=tcp_nodelay)
@@ -110,7 +112,9 @@ class Subscription:
     def _accept(self, uri: str, fields: dict[str, str], transport: asyncio.Transport) -> PublisherConnection:
         check_publisher(fields, self.topic, self.type)
         record = ConnectionRecord(transport, peer=uri, topic=self.topic, direction="i")
-        connection = PublisherConnection(transport, record, self._take, self._limits.message_bytes)
+        # Who is to be left out stays connected: it would be asked again and again.
+        take = _leave_out if fields.get("callerid") in self._skip_nodes else self._take
+        connection = PublisherConnection(transport, record, take, self._limits.message_bytes)
         if self._is_paused:
             connection.pause()
         if self._on_connection is not None:
@@ -123,3 +127,7 @@ class Subscription:
 
     def _tell(self, trouble: str) -> None:
         self._report(Level.WARN, f"cannot subscribe to {self.topic}: {trouble}")
+
+
+def _leave_out(_: Sequence[bytes]) -> None:
+    """Take messages that nobody here wants."""

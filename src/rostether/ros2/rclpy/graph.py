@@ -9,8 +9,10 @@ from rostether.errors import GraphError
 from rostether.graph.ports import Level, OnMessages, ParamValue, ServiceHandler, Snapshot
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.names.resolve import resolve_name, resolve_remappings
+from rostether.ros2.endpoint_info import EndpointInfo
 from rostether.ros2.parameters.graph_parameters import GraphParameters
 from rostether.ros2.parameters.watches import ParameterWatch
+from rostether.ros2.rclpy.endpoint_list import list_endpoints
 from rostether.ros2.rclpy.endpoints import Endpoints
 from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.own_parameters import RclpyParameters
@@ -141,6 +143,10 @@ class RclpyGraph:
     async def snapshot(self) -> Snapshot:
         """Return the whole graph as this node knows it."""
         return await self._own.thread.run(lambda: take_snapshot(self._own.node))
+
+    async def endpoints(self) -> list[EndpointInfo]:
+        """Return every end of every topic and service that is known now."""
+        return await self._own.thread.run(lambda: list_endpoints(self._own.node))
 
     def changes(self) -> AsyncIterator[Snapshot]:
         """Yield a snapshot now and one after each change, within about half a second of it."""

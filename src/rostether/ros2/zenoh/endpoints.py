@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Container, Mapping
 
 from rostether.errors import GraphError, ServiceUnavailableError, TypeMismatchError
 from rostether.graph.log_message import LOG_TYPE, ROSOUT
@@ -87,6 +87,7 @@ class Endpoints:
         *,
         on_connection: Callable[[Mapping[str, str]], None] | None,
         skip_own: bool,
+        skip_nodes: Container[str],
     ) -> Subscription:
         """Subscribe to a topic. Raises TypeMismatchError, UnknownTypeError."""
         is_any = message_type.name == ANY_TYPE
@@ -96,6 +97,7 @@ class Endpoints:
             Taker(on_messages, on_connection, self._release_subscription, self._report),
             node=self._node,
             own_gids=(lambda: self._own_gids(topic)) if skip_own else None,
+            skip_nodes=skip_nodes,
         )
         self._subscriptions[subscription] = None
         return subscription

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import AsyncIterator, Callable, Mapping
+from collections.abc import AsyncIterator, Callable, Container, Mapping
 from contextlib import AsyncExitStack
 
 from rostether.errors import GraphError
@@ -12,12 +12,14 @@ from rostether.graph.ports import Level, OnMessages, ParamValue, ServiceHandler,
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.names.resolve import resolve_name, resolve_remappings
 from rostether.ros2.clock import NodeClock
+from rostether.ros2.endpoint_info import EndpointInfo
 from rostether.ros2.naming import validate_topic_name
 from rostether.ros2.parameters.graph_parameters import GraphParameters
 from rostether.ros2.parameters.services import ParameterServices
 from rostether.ros2.parameters.store import ParameterStore
 from rostether.ros2.parameters.watches import ParameterWatch
 from rostether.ros2.rosout import RosoutLog
+from rostether.ros2.zenoh.endpoint_list import list_endpoints
 from rostether.ros2.zenoh.endpoints import Endpoints
 from rostether.ros2.zenoh.entities import NodeEntities
 from rostether.ros2.zenoh.publication import Publisher
@@ -89,6 +91,7 @@ class ZenohGraph:
         on_connection: Callable[[Mapping[str, str]], None] | None = None,
         tcp_nodelay: bool = True,
         skip_own: bool = False,
+        skip_nodes: Container[str] = (),
     ) -> Subscription:
         """Subscribe. `ANY_MESSAGE` takes every type; `on_connection` hears of each publisher."""
         self._check_open()
@@ -98,6 +101,7 @@ class ZenohGraph:
             on_messages,
             on_connection=on_connection,
             skip_own=skip_own,
+            skip_nodes=skip_nodes,
         )
 
     async def advertise_service(
@@ -159,6 +163,10 @@ class ZenohGraph:
     async def snapshot(self) -> Snapshot:
         """Return the whole graph as it stands."""
         return self._session.graph.snapshot()
+
+    async def endpoints(self) -> list[EndpointInfo]:
+        """Return every end of every topic and service that is known now."""
+        return list_endpoints(self._session.graph.all_endpoints())
 
     def changes(self) -> AsyncIterator[Snapshot]:
         """Yield a snapshot now and one after each change."""

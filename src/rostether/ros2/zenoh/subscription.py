@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass
 
 import zenoh
@@ -15,7 +15,7 @@ from rostether.graph.ports import Level, OnMessages
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
 from rostether.ros2.naming import dds_name, type_of_dds_name
 from rostether.ros2.type_support import MessageSupport
-from rostether.ros2.zenoh.attachment import parse_attachment
+from rostether.ros2.zenoh.attachment import gid_of, parse_attachment
 from rostether.ros2.zenoh.entities import NodeEntities
 from rostether.ros2.zenoh.foreign_threads import stay_known
 from rostether.ros2.zenoh.handover import Handover
@@ -54,6 +54,7 @@ class Subscription:
         *,
         node: NodeEntities,
         own_gids: Callable[[], set[bytes]] | None = None,
+        skip_nodes: Container[str] = (),
         history_samples: int = LATCHED_SAMPLES,
     ) -> None:
         self.topic = topic
@@ -62,6 +63,8 @@ class Subscription:
         self._taker = taker
         self._node = node
         self._own_gids = own_gids
+        self._skip_nodes = skip_nodes
+        self._skipped_gids: set[bytes] = set()
         self._what = f"on_messages of {topic}"
         self._is_closed = False
         self._has_warned = False
@@ -82,7 +85,7 @@ class Subscription:
             node.session.zenoh,
             self._key,
             zenoh.handlers.Callback(
-                self._put_of_any if support is None or own_gids is not None else self._put, indirect=False
+                self._put if support is not None and self._takes_all else self._put_of_any, indirect=False
             ),
             history=ext.HistoryConfig(detect_late_publishers=True, max_samples=history_samples),
         )
@@ -130,9 +133,9 @@ class Subscription:
 
     def _put_of_any(self, sample: zenoh.Sample) -> None:
         stay_known()
-        if self._own_gids is not None and sample.attachment is not None:
+        if not self._takes_all and sample.attachment is not None:
             attachment = parse_attachment(sample.attachment.to_bytes())
-            if attachment is not None and attachment.gid in self._own_gids():
+            if attachment is not None and self._is_skipped(attachment.gid):
                 return
         data = sample.payload.to_bytes()
         self._queue.put(("" if self._support else str(sample.key_expr), data), len(data))
@@ -152,8 +155,16 @@ class Subscription:
         if payloads and not self._is_closed:
             call_contained(self._what, self._taker.on_messages, payloads)
 
+    @property
+    def _takes_all(self) -> bool:
+        return self._own_gids is None and self._skip_nodes == ()
+
+    def _is_skipped(self, gid: bytes) -> bool:
+        return gid in self._skipped_gids or (self._own_gids is not None and gid in self._own_gids())
+
     def _look(self) -> None:
         ends = self._node.session.graph.endpoints(Kind.PUBLISHER, self.topic)
+        self._skipped_gids = {gid_of(end.format()) for end in ends if end.node_name in self._skip_nodes}
         if self._mismatches is not None:
             self._mismatches.tell(ends)
         found = {end for end in ends if self._of_token(end) is not None}
