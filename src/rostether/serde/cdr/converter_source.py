@@ -23,6 +23,7 @@ import struct
 from collections.abc import Callable
 from typing import Any, Final
 
+from rostether.errors import DefinitionError
 from rostether.serde.cdr.converting_body import ConvertingBody, row
 from rostether.serde.cdr.pair_tree import (
     DUMMY_NAME,
@@ -53,13 +54,16 @@ _PADS: Final = {
 
 
 def compile_conversion(tree: Record, target: Side, refuse: Callable[[bytes], bytes]) -> Convert:
-    """Return a conversion of one payload to a side; what does not fit, or is other CDR, goes to `refuse`."""
+    """Return a conversion of one payload to a side; what does not fit, or is other CDR, goes to `refuse`.
+
+    Raises DefinitionError for a type of thousands of arrays.
+    """
     source = _Source(target)
     cdr = target is Side.ROS2
     body = source.body("", 0 if cdr else 4, "", 4, modulus=8)
     if cdr:
         body.pieces.add_constant(LITTLE_ENDIAN)
-    body.convert(tree)
+    body.convert_inline(tree)
     end = body.source_place.text()
     lines = [*body.lines, f"if {end} {'!=' if cdr else '>'} len(b): raise overrun"]
     if not cdr:
@@ -83,7 +87,11 @@ def compile_conversion(tree: Record, target: Side, refuse: Callable[[bytes], byt
         ]
     )
     names = source.names | {"refuse": refuse}
-    exec(compile(text, f"<{target.value} of {tree.name}>", "exec"), names)  # noqa: S102
+    try:
+        exec(compile(text, f"<{target.value} of {tree.name}>", "exec"), names)  # noqa: S102
+    except RecursionError:
+        # Python's compiler gives up at some thousands of branches in one function.
+        raise DefinitionError(f"{tree.name} has too many arrays to go to ROS 2; split it") from None
     return names["convert"]  # type: ignore[no-any-return]
 
 
@@ -104,7 +112,7 @@ class _Source:
         }
         self._named: dict[tuple[str, int], str] = {}
         self._alive: list[object] = []
-        self._lines: dict[int, int] = {}
+        self._parts: dict[int, int] = {}
 
     def table(self, translation: Translation) -> str:
         """Return the name of a translation's table."""
@@ -136,14 +144,14 @@ class _Source:
         self.functions += [f"def {name}(b, o):", *indented(lines, 4)]
         return name
 
-    def line_count(self, node: Node) -> int:
-        """Return about how many lines converting a value inline takes."""
-        if not isinstance(node, Record):
-            return int(node.block is None)
-        count = self._lines.get(id(node))
+    def part_count(self, node: Node) -> int:
+        """Return how many parts converting a value inline takes."""
+        if not isinstance(node, Record) or node.block is not None:
+            return 1
+        count = self._parts.get(id(node))
         if count is None:
-            count = sum(self.line_count(slot.node) for slot in {*node.ros1_slots, *node.ros2_slots})
-            self._lines[id(node)] = count
+            count = sum(self.part_count(slot.node) for slot in {*node.ros1_slots, *node.ros2_slots})
+            self._parts[id(node)] = count
         return count
 
     def body(

@@ -8,7 +8,7 @@ from typing import Final
 from rostether.serde.cdr.pair_tree import Array, Node, Plain, Record, Side, Slot, Text
 from rostether.serde.cdr.pieces import Pieces
 from rostether.serde.cdr.place import Place
-from rostether.serde.cdr.reading_body import MAX_LINES, Functions, ReadingBody
+from rostether.serde.cdr.reading_body import Functions, ReadingBody
 from rostether.serde.generated_source import indented
 
 _MAX_LOOPS: Final = 2
@@ -32,13 +32,14 @@ class ConvertingBody(ReadingBody):
 
     def convert(self, node: Node) -> None:
         """Convert one value, by a function of its own if this one has become long."""
-        if node.block is None and len(self.lines) + self.functions.line_count(node) > MAX_LINES:
+        if isinstance(node, Record) and node.block is None and self.is_long_with(node):
             self._call_converter(self.functions.converter(node))
         else:
             self.convert_inline(node)
 
     def convert_inline(self, node: Node) -> None:
         """Convert one value here."""
+        self.parts += node.block is not None or not isinstance(node, Record)
         if node.block is not None:
             self._copy(node.block.size_bytes, node.block.alignment)
         elif isinstance(node, Plain):
@@ -183,7 +184,7 @@ class ConvertingBody(ReadingBody):
         self.lines.append(f"{before} = {self.source_place.text()}")
         if self.to_cdr:
             self.lines.append(f"{after} = {self.target_place.text()}")
-        if self._loops >= _MAX_LOOPS or len(self.lines) + self.functions.line_count(element) > MAX_LINES:
+        if self._loops >= _MAX_LOOPS or self.is_long_with(element):
             if not self.to_cdr:
                 self.lines.append(f"{after} = 0")
             name = self.functions.converter(element)

@@ -8,9 +8,10 @@ from rostether.serde.cdr.pair_tree import Array, Node, Plain, Record, Side, Text
 from rostether.serde.cdr.place import Place
 from rostether.serde.type_tree import MAX_EMPTY_ELEMENTS
 
-MAX_LINES: Final = 256
-"""How many lines a function grows to by nested records inline; further ones become functions of their own, so
-that a type holding a type twice, which holds one twice ..., does not double the source at each level."""
+MAX_PARTS: Final = 256
+"""How many numbers, strings and arrays a function grows to by nested records inline; further ones become
+functions of their own, so that a type holding a type twice, which holds one twice ..., does not double the
+source at each level."""
 
 
 class Functions(Protocol):
@@ -25,8 +26,8 @@ class Functions(Protocol):
     def table(self, translation: Translation) -> str:
         """Return the name of a translation's table."""
 
-    def line_count(self, node: Node) -> int:
-        """Return about how many lines converting a value inline takes."""
+    def part_count(self, node: Node) -> int:
+        """Return how many parts converting a value inline takes."""
 
 
 class ReadingBody:
@@ -38,11 +39,12 @@ class ReadingBody:
         self.to_cdr = side is Side.ROS1
         self.lines: list[str] = []
         self.source_place = source_place
+        self.parts = 0
         self._count = 0
 
     def skip(self, node: Node) -> None:
         """Read over one value, by a function of its own if this one has become long."""
-        if isinstance(node, Record) and len(self.lines) + self.functions.line_count(node) > MAX_LINES:
+        if isinstance(node, Record) and self.is_long_with(node):
             place = self.source_place
             place.move(self.line("o", f"{self.functions.walker(node)}(b, {place.text()})"))
         else:
@@ -52,6 +54,7 @@ class ReadingBody:
         """Read over one value here."""
         place = self.source_place
         size = node.ros1_size_bytes if self.to_cdr else None
+        self.parts += not isinstance(node, Record)
         if size is not None:
             place.advance(size)
         elif node.block is not None or isinstance(node, Plain):
@@ -133,8 +136,13 @@ class ReadingBody:
         return variable
 
     def continue_count(self, other: ReadingBody) -> None:
-        """Go on naming variables where another body of the same function stopped."""
+        """Go on counting where another body of the same function stopped."""
+        self.parts = other.parts
         self._count = other._count
+
+    def is_long_with(self, node: Node) -> bool:
+        """Tell whether the function has become too long to take a value inline."""
+        return self.parts + self.functions.part_count(node) > MAX_PARTS
 
     def variable(self, prefix: str) -> str:
         """Return a new variable."""

@@ -6,7 +6,8 @@ import struct
 
 import pytest
 
-from rostether.errors import SerializationError
+from rostether.errors import DefinitionError, SerializationError
+from rostether.serde.cdr import converter_source
 from unit.serde.cdr.pairs import Pairs, pair
 
 HEAD = b"\0\1\0\0"
@@ -190,9 +191,28 @@ def test_batches() -> None:
     assert converter.to_cdr_all([]) == []
 
 
+def chain(link: str, length: int, last: str) -> Pairs:
+    """Return definitions L0, L1 ... of which each holds the next as `link` says."""
+    texts = {f"L{n}": link.replace("NEXT", f"L{n + 1}") for n in range(length)} | {f"L{length}": last}
+    return Pairs(texts, texts)
+
+
+@pytest.mark.timeout(20)
 def test_types_that_double_at_each_level_stay_small() -> None:
-    ros1 = {f"L{n}": f"L{n + 1} a\nL{n + 1} b" for n in range(12)} | {"L12": "string s\nuint64 n"}
-    pairs = Pairs(ros1, ros1)
-    converter = pairs.converter("L0", "L0")
+    converter = chain("NEXT a\nNEXT b", 12, "string s\nuint64 n").converter("L0", "L0")
     payload = 4096 * (text(b"abc") + b"12345678")
     assert converter.from_cdr(converter.to_cdr(payload)) == payload
+    converter = chain("NEXT a\nNEXT b", 14, "uint8 s\nuint64 n").converter("L0", "L0")
+    payload = (1 << 14) * (b"\7" + b"12345678")
+    assert converter.from_cdr(converter.to_cdr(payload)) == payload
+    converter = chain("NEXT[] a\nNEXT[] b", 30, "uint8 s\nuint64 n").converter("L0", "L0")
+    assert converter.from_cdr(converter.to_cdr(u32(1) + bytes(12))) == u32(1) + bytes(12)
+
+
+def test_what_python_cannot_compile_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    def gives_up(*_: object) -> None:
+        raise RecursionError("maximum recursion depth exceeded during compilation")
+
+    monkeypatch.setattr(converter_source, "compile", gives_up, raising=False)
+    with pytest.raises(DefinitionError, match="test/M has too many arrays"):
+        pair("float64[] a", "float64[] a")
