@@ -66,6 +66,8 @@ class RclpySubscriber:
         self._mailbox = Mailbox(lambda: own.thread.call_in_loop(self._deliver))
         # Publishers whose connection was told, and whether each is this node's own.
         self._known: dict[bytes, bool] = {}
+        # Those of them whose node has no name yet.
+        self._unnamed: set[bytes] = set()
         # When each publisher's latest message was sent; and what a new subscription may see again.
         self._latest: dict[bytes, int] = {}
         self._seen: dict[bytes, int] = {}
@@ -227,7 +229,7 @@ class RclpySubscriber:
         self._latest[gid] = stamp
         if not self._skip_own and self._skip_nodes == ():
             return True
-        if gid not in self._known:
+        if gid not in self._known or gid in self._unnamed:
             self.look()
         return not self._known.get(gid, False)
 
@@ -237,16 +239,22 @@ class RclpySubscriber:
         for table in (self._known, self._latest, self._seen):
             for gid in table.keys() - gids.keys():
                 del table[gid]
-        for gid in gids.keys() - self._known.keys():
+        self._unnamed &= gids.keys()
+        for gid in (gids.keys() - self._known.keys()) | self._unnamed:
             publisher = gids[gid]
+            is_new = gid not in self._known
             node_name = (
                 ""  # Endpoints may be known before the names of their nodes.
                 if publisher.node_name == UNKNOWN_NODE
                 else f"{publisher.node_namespace.rstrip('/')}/{publisher.node_name}"
             )
+            if node_name:
+                self._unnamed.discard(gid)
+            else:
+                self._unnamed.add(gid)
             is_own = self._skip_own and node_name == self._own.name
             self._known[gid] = is_own or node_name in self._skip_nodes
-            if self._on_connection is not None:
+            if is_new and self._on_connection is not None:
                 message_type = self._support.ros1_type
                 fields = {
                     "callerid": node_name,
