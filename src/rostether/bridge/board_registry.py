@@ -16,6 +16,8 @@ NODE_CLOSE_LIMIT_S = 0.8
 # A healthy board speaks every 2.5 s. A connection that was silent for longer, while the same host connects
 # anew, belongs to a board that was switched off without a word.
 HALF_OPEN_S = 3.0
+# A board that hangs up and connects again at once is the same one: news of both may come in one turn.
+FAREWELL_S = 0.02
 
 
 @dataclass(slots=True, eq=False)
@@ -58,6 +60,7 @@ class BoardRegistry:
         Raises SessionError for a name whose node was shut down from outside.
         """
         number = 1
+        has_waited = False
         while True:
             name = numbered(node_name, number)
             if name in self._dismissed:
@@ -78,6 +81,10 @@ class BoardRegistry:
             if replaces_silent and session is not None and self._clock() - session.heard_at_s > HALF_OPEN_S:
                 session.abandon()
                 return board
+            if not has_waited:
+                has_waited = True
+                await asyncio.sleep(FAREWELL_S)
+                continue
             number += 1
 
     def lose(self, board: Board, session: Session | None) -> None:

@@ -1,0 +1,99 @@
+"""A thousand reconnects at `rostether serve`: what Debian's master and the kernel still know of them."""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+import xmlrpc.client
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from interop.ros1_peers import Ros1Peers, free_port
+from unit.bridge.line_boards import TcpBoard, numbered
+from unit.cli.serving_process import started
+
+RECONNECTS = 1000
+# Until then caches fill and the allocator takes what it keeps.
+WARM_UP = 200
+MAX_GROWTH_KB = 2048
+IDLE_S = 5.0
+MAX_IDLE_CPU = 0.005
+
+
+class Process:
+    """What the kernel knows of a process."""
+
+    def __init__(self, pid: int) -> None:
+        self._folder = Path(f"/proc/{pid}")
+
+    @property
+    def descriptors(self) -> int:
+        return len(list((self._folder / "fd").iterdir()))
+
+    @property
+    def threads(self) -> int:
+        return len(list((self._folder / "task").iterdir()))
+
+    @property
+    def resident_kb(self) -> int:
+        for line in (self._folder / "status").read_text().splitlines():
+            if line.startswith("VmRSS:"):
+                return int(line.split()[1])
+        raise AssertionError("no VmRSS")
+
+    @property
+    def cpu_s(self) -> float:
+        return int((self._folder / "schedstat").read_text().split()[0]) / 1e9
+
+
+def registrations(master_uri: str) -> list[list[tuple[str, tuple[str, ...]]]]:
+    """Return the master's publishers, subscribers and services."""
+    master: Any = xmlrpc.client.ServerProxy(master_uri)
+    tables = master.getSystemState("/test")[2]
+    return [sorted((name, tuple(sorted(nodes))) for name, nodes in table) for table in tables]
+
+
+async def _come_and_go(board: TcpBoard, number: int) -> None:
+    requests = board.requests
+    await board.connect()
+    while board.requests == requests:
+        await asyncio.sleep(0.001)
+    await board.send(numbered(number))
+    await asyncio.sleep(0.002)
+    await board.hang_up()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
+async def test_a_thousand_reconnects_leave_the_master_and_the_process_as_they_were(
+    roscore: Ros1Peers,
+) -> None:
+    port = free_port()
+    async with started("serve", f"tcp://:{port}?name=arm", ROS_MASTER_URI=roscore.master_uri) as serve:
+        process = Process(serve.process.pid)
+        await serve.wait_for("Waiting for boards")
+        board = TcpBoard(port)
+        for number in range(WARM_UP):
+            await _come_and_go(board, number)
+        await serve.wait_for("Setup publisher on count")
+        await board.connect()
+        await asyncio.sleep(2.5)
+        known = await asyncio.to_thread(registrations, roscore.master_uri)
+        assert ("/count", ("/arm",)) in known[0]
+        before = process.descriptors, process.threads
+        resident_kb = process.resident_kb
+        await board.hang_up()
+        for number in range(RECONNECTS):
+            await _come_and_go(board, number)
+        await board.connect()
+        await asyncio.sleep(2.5)
+        assert await asyncio.to_thread(registrations, roscore.master_uri) == known
+        assert (process.descriptors, process.threads) == before
+        assert process.resident_kb - resident_kb < MAX_GROWTH_KB
+        used_s = process.cpu_s
+        await asyncio.sleep(IDLE_S)
+        # The board is there and says nothing; a machine that is busy makes each wake-up dearer.
+        idle = (process.cpu_s - used_s) / IDLE_S
+        assert idle < MAX_IDLE_CPU, f"{idle:.2%} of a CPU while nothing happens"
+        await board.hang_up()
