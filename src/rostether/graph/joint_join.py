@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import logging
+from collections import Counter
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 from rostether.errors import GraphError
 from rostether.graph.joint_graph import JointGraph
@@ -19,8 +21,8 @@ class JointJoin:
 
     def __init__(self, joins: Sequence[JoinGraph]) -> None:
         self._joins = tuple(joins)
-        # Those that have left stay in it: they may come again, and the same names are theirs.
-        self._joint_nodes: set[str] = set()
+        # By name, how many there are: one may come before its predecessor has left.
+        self._joint_nodes: Counter[str] = Counter()
 
     async def __call__(
         self, node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
@@ -41,12 +43,21 @@ class JointJoin:
             await asyncio.gather(*(graph.close() for graph in graphs))
             raise (serious or wrong)[0]
         joint = JointGraph(graphs, self._joint_nodes)
-        self._joint_nodes.add(joint.node_name)
+        joint.run_until_closed(partial(self._be_listed, joint.node_name))
         for position, result in enumerate(results):
             if isinstance(result, GraphError):
                 _log.warning("%s is not in every graph yet: %s", joint.node_name, result)
                 self._join_later(joint, position, node_name, namespace, remappings)
         return joint
+
+    async def _be_listed(self, node_name: str) -> None:
+        self._joint_nodes[node_name] += 1
+        try:
+            await asyncio.Event().wait()
+        finally:
+            self._joint_nodes[node_name] -= 1
+            if not self._joint_nodes[node_name]:
+                del self._joint_nodes[node_name]
 
     def _join_later(
         self,

@@ -112,6 +112,7 @@ async def test_nodes_that_are_in_the_same_graphs_hear_each_other_once() -> None:
     assert sorted(inbox.payloads) == [string("hello"), string("me too")]
     for graph in (first, second):
         await graph.close()
+    assert not join._joint_nodes
 
 
 async def test_a_slow_subscriber_of_either_graph_is_felt() -> None:
