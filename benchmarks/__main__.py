@@ -1,6 +1,6 @@
 """Runs every benchmark and prints a table: what we reach, what was asked, and the bare relay of the same run.
 
-python -m benchmarks [throughput|round-trip|footprint|crowd|frames|codec|cdr|cycles|sizes ...]
+python -m benchmarks [throughput|round-trip|footprint|crowd|frames|codec|cdr|cycles|sizes|zenoh ...]
 """
 
 from __future__ import annotations
@@ -176,6 +176,36 @@ def sizes_table() -> Table:
     return table
 
 
+def zenoh_table() -> Table:
+    """Measure the bridge into ROS 2 over zenoh: floods out of it, and round trips."""
+    from benchmarks import zenoh_flows  # The extra may be missing.
+
+    table = Table("ROS 2 over zenoh", "measured", "lost", "CPU s/100k", "wanted", title="ROS 2 over zenoh")
+    for type_name, count, wanted in (
+        ("std_msgs/String", 600_000, "80,000"),
+        ("sensor_msgs/Imu", 300_000, "40,000"),
+        ("sensor_msgs/CompressedImage", 60_000, ""),
+    ):
+        flood = zenoh_flows.device_to_ros2(type_name, count)
+        table.add_row(
+            f"device to zenoh subscriber, {throughput.SIZES[type_name]} B",
+            f"{flood.rate_hz:,.0f}/s",
+            f"{flood.sent - flood.received:,}",
+            f"{flood.cpu_per_100k_s:.2f}",
+            wanted and f"{wanted}/s",
+        )
+    for rate_hz in (100, 1000):
+        trips = zenoh_flows.round_trips(rate_hz, 5 * rate_hz)
+        table.add_row(
+            f"round trip zenoh, device, zenoh, {rate_hz} Hz",
+            f"p50 {trips.percentile_ms(50):.2f} ms, p99 {trips.percentile_ms(99):.2f} ms",
+            str(trips.sent - len(trips.times_s)),
+            "",
+            "p50 1 ms",
+        )
+    return table
+
+
 TABLES = {
     "throughput": throughput_table,
     "round-trip": round_trip_table,
@@ -186,6 +216,7 @@ TABLES = {
     "cdr": cdr_table,
     "cycles": cycles_table,
     "sizes": sizes_table,
+    "zenoh": zenoh_table,
 }
 
 

@@ -57,6 +57,10 @@ class GraphCache:
         """Return the tokens of a topic's or service's ends of one kind."""
         return list(self._endpoints.get((kind, name), {}).values())
 
+    def all_endpoints(self) -> list[tuple[str, Token]]:
+        """Return every end's token with its text."""
+        return [(text, token) for text, token in self._tokens.items() if token.kind is not Kind.NODE]
+
     def listen(self, kind: Kind, name: str, listener: Callable[[], None]) -> None:
         """Call back after each change of those ends, until `unlisten`."""
         self._listeners.setdefault((kind, name), []).append(listener)

@@ -120,7 +120,7 @@ class ZenohSession:
         return LiveToken(self, token)
 
     def tell_graph(self, text: str, *, is_there: bool) -> None:
-        """Let our own view know of a token of ours at once; zenoh's own word of it comes later."""
+        """Let our own view know of a token of ours, which zenoh's word is not taken for."""
         self.graph.take([(text, is_there)])
 
     async def look(self, key: str, timeout_s: float) -> list[str]:
@@ -166,7 +166,10 @@ class ZenohSession:
 
     def _take_token(self, sample: zenoh.Sample) -> None:
         stay_known()
-        self._news.put((str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT))
+        key = str(sample.key_expr)
+        # Of our own we know better: a client that loses its router is told that they are gone.
+        if f"/{self.session_id}/" not in key:
+            self._news.put((key, sample.kind == zenoh.SampleKind.PUT))
 
 
 class LiveToken:

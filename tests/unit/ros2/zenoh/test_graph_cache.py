@@ -1,0 +1,82 @@
+from __future__ import annotations
+
+import asyncio
+
+from rostether.graph.ports import ServiceInfo, TopicInfo
+from rostether.ros2.zenoh.graph_cache import GraphCache
+from rostether.ros2.zenoh.tokens import Kind, Token
+
+HASH = "RIHS01_" + "0" * 64
+
+
+def token(kind: Kind, node: str, name: str = "", type_name: str = "", entity_id: int = 0) -> str:
+    return Token(0, "abc", 0, entity_id, kind, "/", node, name, type_name, HASH).format()
+
+
+STRING = "std_msgs::msg::dds_::String_"
+TALKER = token(Kind.PUBLISHER, "talker", "/chat", STRING, 1)
+LISTENER = token(Kind.SUBSCRIBER, "listener", "/chat", STRING, 2)
+SERVER = token(Kind.SERVER, "server", "/switch", "std_srvs::srv::dds_::SetBool_", 3)
+CLIENT = token(Kind.CLIENT, "client", "/switch", "std_srvs::srv::dds_::SetBool_", 4)
+
+
+def test_a_snapshot_is_what_the_tokens_say() -> None:
+    graph = GraphCache()
+    graph.take([(each, True) for each in (TALKER, LISTENER, SERVER, CLIENT, token(Kind.NODE, "idle"))])
+    snapshot = graph.snapshot()
+    assert snapshot.nodes == ("/client", "/idle", "/listener", "/server", "/talker")
+    assert snapshot.topics == {
+        "/chat": TopicInfo("/chat", "std_msgs/msg/String", ("/talker",), ("/listener",))
+    }
+    # A client alone makes no service.
+    assert snapshot.services == {"/switch": ServiceInfo("/switch", ("/server",), "std_srvs/srv/SetBool")}
+    assert graph.snapshot() is snapshot
+
+
+def test_what_goes_is_gone() -> None:
+    graph = GraphCache()
+    graph.take([(TALKER, True), (SERVER, True)])
+    graph.take([(TALKER, True), (TALKER, False), (SERVER, False), (SERVER, False), (CLIENT, False)])
+    snapshot = graph.snapshot()
+    assert (snapshot.nodes, snapshot.topics, snapshot.services) == ((), {}, {})
+    assert graph.endpoints(Kind.PUBLISHER, "/chat") == []
+
+
+def test_what_is_no_token_is_passed_over() -> None:
+    graph = GraphCache()
+    graph.take([("", True), ("@ros2_lv/0/nonsense", True), ("x" * 100_000, True)])
+    assert graph.snapshot().nodes == ()
+
+
+def test_several_types_of_a_topic_are_all_told() -> None:
+    graph = GraphCache()
+    graph.take([(TALKER, True), (token(Kind.SUBSCRIBER, "odd", "/chat", "std_msgs::msg::dds_::Bool_"), True)])
+    assert graph.snapshot().topics["/chat"].type == "std_msgs/msg/Bool std_msgs/msg/String"
+
+
+def test_who_listens_hears_of_its_own_ends_once_a_batch() -> None:
+    graph = GraphCache()
+    heard: list[int] = []
+
+    def listen() -> None:
+        heard.append(len(graph.endpoints(Kind.PUBLISHER, "/chat")))
+
+    graph.listen(Kind.PUBLISHER, "/chat", listen)
+    graph.take([(TALKER, True), (token(Kind.PUBLISHER, "other", "/chat", STRING), True)])
+    graph.take([(LISTENER, True)])
+    graph.take([(TALKER, False)])
+    graph.unlisten(Kind.PUBLISHER, "/chat", listen)
+    graph.unlisten(Kind.PUBLISHER, "/chat", listen)
+    graph.take([(TALKER, True)])
+    assert heard == [2, 1]
+
+
+async def test_changes_end_when_the_node_does() -> None:
+    graph, closed = GraphCache(), asyncio.Event()
+    changes = graph.changes(closed)
+    assert (await anext(changes)).nodes == ()
+    graph.take([(TALKER, True)])
+    assert (await anext(changes)).nodes == ("/talker",)
+    waiting = asyncio.ensure_future(anext(changes, None))
+    closed.set()
+    assert await waiting is None

@@ -1,0 +1,170 @@
+"""Services beside peers that are not ours, and calls that end badly."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator
+
+import pytest
+import pytest_asyncio
+import zenoh
+
+from contract.graphs import SET_BOOL, string, until
+from contract.zenoh_graphs import open_session, ros2_types
+from interop.ros1_peers import free_port
+from rostether.errors import (
+    SerializationError,
+    ServiceCallError,
+    ServiceTimeoutError,
+    ServiceUnavailableError,
+    TypeMismatchError,
+)
+from rostether.ros2.zenoh.attachment import Attachment, parse_attachment
+from rostether.ros2.zenoh.session import ZenohSession
+from rostether.ros2.zenoh.tokens import data_key
+
+SUPPORT = ros2_types().service(SET_BOOL)
+KEY = data_key(0, "/switch", "std_srvs::srv::dds_::SetBool_", SUPPORT.type_hash)
+TRIGGER = ros2_types().registry.service_type("std_srvs/Trigger")
+REQUEST = SUPPORT.request.to_cdr(b"\x01")
+GID = bytes(range(16))
+
+
+@pytest_asyncio.fixture
+async def session() -> AsyncIterator[ZenohSession]:
+    session = await open_session(free_port(), is_router=True)
+    yield session
+    await session.close()
+
+
+async def agree(request: bytes) -> bytes:
+    return request + string("agreed")
+
+
+async def ask(session: ZenohSession, payload: bytes | None, attachment: bytes | None) -> list[zenoh.Reply]:
+    """Call as a peer that keeps to no convention."""
+    return await asyncio.to_thread(
+        lambda: list(session.zenoh.get(KEY, payload=payload, attachment=attachment, timeout=5.0))
+    )
+
+
+async def test_a_reply_echoes_sequence_and_gid(session: ZenohSession) -> None:
+    node = await session.join("server")
+    await node.advertise_service("/switch", SET_BOOL, agree)
+    (reply,) = await ask(session, REQUEST, Attachment(77, 5, GID).encode())
+    assert reply.ok is not None
+    assert reply.ok.attachment is not None
+    attachment = parse_attachment(reply.ok.attachment.to_bytes())
+    assert attachment is not None
+    assert (attachment.sequence, attachment.gid) == (77, GID)
+    assert attachment.stamp_ns > 1_600_000_000_000_000_000
+    assert SUPPORT.response.from_cdr(reply.ok.payload.to_bytes()) == b"\x01" + string("agreed")
+
+
+async def test_calls_that_make_no_sense_are_refused(session: ZenohSession) -> None:
+    node = await session.join("server")
+    await node.advertise_service("/switch", SET_BOOL, agree)
+    good = Attachment(1, 5, GID).encode()
+    for payload, attachment in (
+        (REQUEST, None),
+        (REQUEST, b"short"),
+        (None, good),
+        (b"", good),
+        (b"x", good),
+    ):
+        (reply,) = await ask(session, payload, attachment)
+        assert reply.ok is None
+    (reply,) = await ask(session, REQUEST, good)
+    assert reply.ok is not None
+
+
+async def test_a_server_that_ends_during_the_call(session: ZenohSession) -> None:
+    server, client = await session.join("server"), await session.join("client")
+    called = asyncio.Event()
+
+    async def hang(_: bytes) -> bytes:
+        called.set()
+        await asyncio.Event().wait()
+        raise AssertionError
+
+    handle = await server.advertise_service("/switch", SET_BOOL, hang)
+    call = asyncio.ensure_future(client.call_service("/switch", SET_BOOL, b"\x01"))
+    await called.wait()
+    await handle.close()
+    with pytest.raises(ServiceCallError, match="/switch ended during the call"):
+        await asyncio.wait_for(call, 10.0)
+
+
+async def test_a_server_whose_machine_is_gone(session: ZenohSession) -> None:
+    port = free_port()
+    near, far = await open_session(port, is_router=True), await open_session(port, is_router=False)
+    server, client = await far.join("server"), await near.join("client")
+    called = asyncio.Event()
+
+    async def hang(_: bytes) -> bytes:
+        called.set()
+        await asyncio.Event().wait()
+        raise AssertionError
+
+    await server.advertise_service("/switch", SET_BOOL, hang)
+    call = asyncio.ensure_future(client.call_service("/switch", SET_BOOL, b"\x01"))
+    await called.wait()
+    await asyncio.to_thread(far.zenoh.close)
+    with pytest.raises(ServiceCallError):
+        await asyncio.wait_for(call, 10.0)
+    await near.close()
+    await far.close()
+
+
+async def test_a_listed_service_without_a_way_to_it(
+    session: ZenohSession, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rostether.ros2.zenoh.service_client.REACH_S", 0.05)
+    client = await session.join("client")
+    token = (
+        "@ros2_lv/0/abc/0/1/SS/%/%/ghost/%switch/std_srvs::srv::dds_::SetBool_/"
+        f"{SUPPORT.type_hash}/::,10:,:,:,,"
+    )
+    declared = session.zenoh.liveliness().declare_token(token)
+    await until(lambda: "/switch" in session.graph.snapshot().services)
+    with pytest.raises(ServiceUnavailableError, match="finds no way to it"):
+        await client.call_service("/switch", SET_BOOL, b"\x01")
+    declared.undeclare()
+
+
+async def test_types_and_requests_that_do_not_fit(session: ZenohSession) -> None:
+    node = await session.join("node")
+    await node.advertise_service("/switch", SET_BOOL, agree)
+    with pytest.raises(TypeMismatchError, match="has type std_srvs/srv/SetBool, not std_srvs/srv/Trigger"):
+        await node.call_service("/switch", TRIGGER, b"")
+    with pytest.raises(SerializationError):
+        await node.call_service("/switch", SET_BOOL, b"too long")
+
+
+async def test_a_late_answer_disturbs_nobody(session: ZenohSession) -> None:
+    server, client = await session.join("server"), await session.join("client")
+    go_on = asyncio.Event()
+
+    async def slow(request: bytes) -> bytes:
+        await go_on.wait()
+        return request + string("late")
+
+    await server.advertise_service("/switch", SET_BOOL, slow)
+    calls = [client.call_service("/switch", SET_BOOL, b"\x01", timeout_s=0.05) for _ in range(20)]
+    for result in await asyncio.gather(*calls, return_exceptions=True):
+        assert isinstance(result, ServiceTimeoutError)
+    go_on.set()
+    assert await client.call_service("/switch", SET_BOOL, b"\x00", timeout_s=5.0) == b"\x00" + string("late")
+
+
+async def test_clients_are_listed_and_forgotten(
+    session: ZenohSession, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rostether.ros2.zenoh.endpoints.MAX_CLIENTS", 2)
+    node = await session.join("node")
+    for name in ("/a", "/b", "/c", "/a"):
+        if name not in session.graph.snapshot().services:
+            await node.advertise_service(name, SET_BOOL, agree)
+        assert await node.call_service(name, SET_BOOL, b"\x01", timeout_s=5.0)
+    found = await session.look("@ros2_lv/0/*/*/*/SC/**", 1.0)
+    assert sorted(text.split("/")[9] for text in found) == ["%a", "%c"]

@@ -1,0 +1,160 @@
+"""Sessions among themselves: routers that come, go and come back, domains, and processes of other ways."""
+
+from __future__ import annotations
+
+import pytest
+
+from contract.graphs import STRING, Inbox, string, until
+from contract.zenoh_graphs import open_session, ros2_types
+from interop.ros1_peers import free_port
+from rostether.errors import InvalidNameError, MasterUnreachableError
+from rostether.ros2.environment import Ros2Environment
+from rostether.ros2.zenoh import configuration
+from rostether.ros2.zenoh import session as session_module
+from rostether.ros2.zenoh.configuration import Reach, RouterChoice
+from rostether.ros2.zenoh.session import ZenohSession
+
+
+async def test_domains_do_not_meet() -> None:
+    port = free_port()
+    here = await open_session(port, is_router=True, domain_id=1)
+    there = await open_session(port, is_router=False, domain_id=2)
+    one, other, inbox = await here.join("one"), await there.join("other"), Inbox()
+    publisher = await one.advertise("/chat", STRING)
+    await other.subscribe("/chat", STRING, inbox.take)
+    same = Inbox()
+    await one.subscribe("/chat", STRING, same.take)
+    await until(lambda: publisher.subscriber_count == 1)
+    publisher.publish_raw([string("x")])
+    await until(lambda: same.payloads)
+    assert "/one" not in (await other.snapshot()).nodes
+    assert inbox.payloads == []
+    await there.close()
+    await here.close()
+
+
+async def test_a_routers_restart_heals_and_doubles_nothing() -> None:
+    port = free_port()
+    router = await open_session(port, is_router=True)
+    # Peers that do not listen can only meet through the router.
+    left, right = await _client(port), await _client(port)
+    talker, listener = await left.join("talker"), await right.join("listener")
+    inbox = Inbox()
+    publisher = await talker.advertise("/chat", STRING)
+    subscriber = await listener.subscribe("/chat", STRING, inbox.take, on_connection=inbox.take_header)
+
+    async def answer(request: bytes) -> bytes:
+        return request
+
+    echo = ros2_types().registry.service_type("std_srvs/Empty")
+    await talker.advertise_service("/echo", echo, answer)
+    await until(lambda: publisher.subscriber_count == 1 and subscriber.publisher_count == 1)
+    publisher.publish_raw([string("before")])
+    await until(lambda: inbox.payloads == [string("before")])
+
+    await router.close()
+    await until(lambda: publisher.subscriber_count == 0 and subscriber.publisher_count == 0)
+    assert "/talker" not in (await listener.snapshot()).nodes
+    assert "/talker" in (await talker.snapshot()).nodes
+    publisher.publish_raw([string("nobody hears it")])
+
+    router = await open_session(port, is_router=True)
+    await until(lambda: publisher.subscriber_count == 1 and subscriber.publisher_count == 1, 20.0)
+    publisher.publish_raw([string("after"), string("last")])
+    await until(lambda: len(inbox.payloads) >= 3)
+    assert await listener.call_service("/echo", echo, b"", timeout_s=10.0) == b""
+    assert inbox.payloads == [string("before"), string("after"), string("last")]
+    assert len(inbox.headers) == 2
+    assert (await _nodes(router)) == {"/talker", "/listener"}
+    for session in (left, right, router):
+        await session.close()
+
+
+async def test_a_routers_restart_brings_latched_messages_once() -> None:
+    port = free_port()
+    router = await open_session(port, is_router=True)
+    left, right = await _client(port), await _client(port)
+    talker, listener = await left.join("talker"), await right.join("listener")
+    inbox = Inbox()
+    publisher = await talker.advertise("/map", STRING, latch=True)
+    publisher.publish_raw([string("first")])
+    subscriber = await listener.subscribe("/map", STRING, inbox.take)
+    await until(lambda: inbox.payloads)
+    for text in ("second", "third"):
+        await router.close()
+        await until(lambda: subscriber.publisher_count == 0)
+        # Said while nobody can hear it: the latch keeps it.
+        publisher.publish_raw([string(text)])
+        router = await open_session(port, is_router=True)
+        await until(lambda: inbox.payloads[-1] == string(text), 20.0)  # noqa: B023 - awaited at once
+    await until(lambda: publisher.subscriber_count == 1)
+    publisher.publish_raw([string("last")])
+    await until(lambda: inbox.payloads[-1] == string("last"))
+    assert inbox.payloads == [string(text) for text in ("first", "second", "third", "last")]
+    for session in (left, right, router):
+        await session.close()
+
+
+async def test_who_starts_before_the_router_finds_it() -> None:
+    port = free_port()
+    early = await open_session(port, is_router=False)
+    talker, inbox = await early.join("talker"), Inbox()
+    publisher = await talker.advertise("/map", STRING, latch=True)
+    publisher.publish_raw([string("kept")])
+    router = await open_session(port, is_router=True)
+    listener = await router.join("listener")
+    await listener.subscribe("/map", STRING, inbox.take)
+    await until(lambda: inbox.payloads, 20.0)
+    assert inbox.payloads == [string("kept")]
+    await early.close()
+    await router.close()
+
+
+async def test_a_session_is_the_router_where_there_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    endpoint = f"tcp/127.0.0.1:{free_port()}"
+    monkeypatch.setattr(configuration, "ROUTER_ENDPOINT", endpoint)
+    monkeypatch.setattr(session_module, "ROUTER_ENDPOINT", endpoint)
+    first = await ZenohSession.open(Ros2Environment(), ros2_types())
+    second = await ZenohSession.open(Ros2Environment(), ros2_types())
+    assert (first.is_router, second.is_router) == (True, False)
+    node = await first.join("node")
+    await until(lambda: "/node" in second.graph.snapshot().nodes)
+    with pytest.raises(MasterUnreachableError, match="cannot listen"):
+        await ZenohSession.open(Ros2Environment(), ros2_types(), reach=Reach(RouterChoice.ALWAYS))
+    await first.close()
+    assert await node.wait_closed() == "the session ended"
+    await second.close()
+
+
+async def test_a_closed_session_takes_no_nodes() -> None:
+    session = await open_session(free_port(), is_router=True)
+    with pytest.raises(InvalidNameError):
+        await session.join("no-name")
+    await session.close()
+    await session.close()
+    with pytest.raises(MasterUnreachableError, match="closed"):
+        await session.join("node")
+
+
+async def test_initial_parameters_are_the_nodes() -> None:
+    session = await open_session(free_port(), is_router=True)
+    node = await session.join("board", parameters={"gain": 2.5})
+    assert await node.get_param("~gain") == 2.5
+    await session.close()
+
+
+async def _client(port: int) -> ZenohSession:
+    overrides = (("mode", '"client"'), ("connect/endpoints", f'["tcp/127.0.0.1:{port}"]'))
+    environment = Ros2Environment(
+        zenoh_overrides=(
+            *overrides,
+            ("listen/endpoints", "[]"),
+            ("connect/timeout_ms", "-1"),
+            ("connect/retry", "{period_init_ms: 100, period_max_ms: 200, period_increase_factor: 2}"),
+        )
+    )
+    return await ZenohSession.open(environment, ros2_types(), reach=Reach(RouterChoice.NEVER))
+
+
+async def _nodes(session: ZenohSession) -> set[str]:
+    return set(session.graph.snapshot().nodes)

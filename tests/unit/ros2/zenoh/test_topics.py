@@ -1,0 +1,206 @@
+"""Topics beside peers that are not ours: plain zenoh, other types, broken bytes."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import AsyncIterator
+
+import pytest
+import pytest_asyncio
+import zenoh
+
+from contract.graphs import BOOL, STRING, Inbox, string, until
+from contract.zenoh_graphs import open_session, ros2_types
+from interop.ros1_peers import free_port
+from rostether.msgdef.interface import ANY_MESSAGE, MessageType
+from rostether.ros2.zenoh.attachment import parse_attachment
+from rostether.ros2.zenoh.session import ZenohSession
+from rostether.ros2.zenoh.tokens import data_key
+
+IMU = ros2_types().registry.message_type("sensor_msgs/Imu")
+CDR_HELLO = b"\0\1\0\0\x06\0\0\0hello\0"
+
+
+@pytest_asyncio.fixture
+async def session() -> AsyncIterator[ZenohSession]:
+    session = await open_session(free_port(), is_router=True)
+    yield session
+    await session.close()
+
+
+def key_of(topic: str, message_type: MessageType = STRING, type_hash: str = "") -> str:
+    support = ros2_types().message(message_type)
+    package, _, name = support.name.split("/")
+    return data_key(0, topic, f"{package}::msg::dds_::{name}_", type_hash or support.type_hash)
+
+
+async def test_samples_carry_cdr_and_a_growing_sequence(session: ZenohSession) -> None:
+    samples: list[tuple[bytes, bytes]] = []
+
+    def take(sample: zenoh.Sample) -> None:
+        assert sample.attachment is not None
+        samples.append((sample.payload.to_bytes(), sample.attachment.to_bytes()))
+
+    session.zenoh.declare_subscriber(key_of("/chat"), take)
+    node = await session.join("talker")
+    publisher = await node.advertise("/chat", STRING)
+    # Nobody has a token, and zenoh alone knows of the subscriber.
+    publisher.publish_raw([string("hello"), string("hello")])
+    await until(lambda: len(samples) == 2)
+    assert [payload for payload, _ in samples] == [CDR_HELLO] * 2
+    attachments = [parse_attachment(data) for _, data in samples]
+    assert [each.sequence for each in attachments if each] == [1, 2]
+    assert len({each.gid for each in attachments if each}) == 1
+
+
+async def test_a_publisher_without_a_token_is_heard(session: ZenohSession) -> None:
+    node, typed, anything = await session.join("listener"), Inbox(), Inbox()
+    await node.subscribe("/chat", STRING, typed.take, on_connection=typed.take_header)
+    await node.subscribe("/chat", ANY_MESSAGE, anything.take, on_connection=anything.take_header)
+    session.zenoh.put(key_of("/chat"), CDR_HELLO)
+    await until(lambda: typed.payloads and anything.payloads)
+    assert typed.payloads == anything.payloads == [string("hello")]
+    # Who takes anything is told what it is.
+    assert typed.headers == []
+    assert anything.headers[0]["type"] == "std_msgs/String"
+
+
+async def test_bytes_that_fit_no_string_are_told_once(
+    session: ZenohSession, caplog: pytest.LogCaptureFixture
+) -> None:
+    node, inbox = await session.join("listener"), Inbox()
+    subscriber = await node.subscribe("/chat", STRING, inbox.take)
+    for payload in (b"", b"\0\1\0\0\xff\xff\xff\x7f", b"x" * 1000, CDR_HELLO):
+        session.zenoh.put(key_of("/chat"), payload)
+    session.zenoh.delete(key_of("/chat"))
+    session.zenoh.put(key_of("/chat"), CDR_HELLO)
+    await until(lambda: len(inbox.payloads) == 2)
+    assert inbox.payloads == [string("hello")] * 2
+    assert subscriber.dropped_count == 4
+    assert caplog.text.count("a message that does not fit its type") == 1
+
+
+async def test_payloads_that_do_not_fit_are_not_sent(
+    session: ZenohSession, caplog: pytest.LogCaptureFixture
+) -> None:
+    node, inbox = await session.join("node"), Inbox()
+    publisher = await node.advertise("/chat", STRING)
+    await node.subscribe("/chat", STRING, inbox.take)
+    await until(lambda: publisher.subscriber_count == 1)
+    assert publisher.publish_raw([b"\xff\xff\xff\xff", string("good"), b""])
+    await until(lambda: inbox.payloads)
+    assert inbox.payloads == [string("good")]
+    assert publisher.dropped_count == 2
+    assert caplog.text.count("cannot be put into ROS 2's form") == 1
+
+
+async def test_ends_of_different_types_are_told_of_each_other(
+    session: ZenohSession, caplog: pytest.LogCaptureFixture
+) -> None:
+    caplog.set_level(logging.WARNING)
+    talker, listener = await session.join("talker"), await session.join("listener")
+    await talker.advertise("/chat", STRING)
+    await listener.subscribe("/chat", BOOL, Inbox().take)
+    assert "/talker publishes /chat as std_msgs/msg/String, this node uses std_msgs/msg/Bool" in caplog.text
+    assert "/listener subscribes to /chat as std_msgs/msg/Bool" in caplog.text
+    await (await session.join("another")).advertise("/other", STRING)
+    assert caplog.text.count("they do not meet") == 2
+
+
+async def test_another_definition_of_a_type_is_told(
+    session: ZenohSession, caplog: pytest.LogCaptureFixture
+) -> None:
+    node, inbox = await session.join("listener"), Inbox()
+    await node.subscribe("/chat", STRING, inbox.take)
+    await node.subscribe("/chat", ANY_MESSAGE, inbox.take)
+    foreign = "RIHS01_" + "1" * 64
+    token = f"@ros2_lv/0/abc/0/1/MP/%/%/far/%chat/std_msgs::msg::dds_::String_/{foreign}/::,10:,:,:,,"
+    declared = session.zenoh.liveliness().declare_token(token)
+    await until(lambda: "another definition of std_msgs/msg/String" in caplog.text)
+    await until(lambda: "is not the one known here" in caplog.text)
+    session.zenoh.put(key_of("/chat", type_hash=foreign), CDR_HELLO)
+    session.zenoh.put(key_of("/chat"), CDR_HELLO)
+    await until(lambda: len(inbox.payloads) == 2)
+    declared.undeclare()
+
+
+async def test_a_type_nobody_knows_is_told_once(
+    session: ZenohSession, caplog: pytest.LogCaptureFixture
+) -> None:
+    node, inbox = await session.join("listener"), Inbox()
+    await node.subscribe("/chat", ANY_MESSAGE, inbox.take)
+    for name in ("nowhere_msgs::msg::dds_::Nothing_", "nowhere_msgs::msg::dds_::Nothing_", "nonsense"):
+        session.zenoh.put(data_key(0, "/chat", name, "RIHS01_00"), CDR_HELLO)
+    session.zenoh.put(key_of("/chat"), CDR_HELLO)
+    await until(lambda: inbox.payloads)
+    assert inbox.payloads == [string("hello")]
+    assert caplog.text.count("cannot take /chat") == 2
+
+
+async def test_skipping_ones_own(session: ZenohSession) -> None:
+    node, other, inbox = await session.join("node"), await session.join("other"), Inbox()
+    own, foreign = await node.advertise("/chat", STRING), await other.advertise("/chat", STRING)
+    await node.subscribe("/chat", STRING, inbox.take, skip_own=True)
+    await until(lambda: own.subscriber_count == foreign.subscriber_count == 1)
+    own.publish_raw([string("own")])
+    foreign.publish_raw([string("foreign")])
+    await until(lambda: inbox.payloads)
+    assert inbox.payloads == [string("foreign")]
+
+
+async def test_a_handle_that_latches_makes_its_topic_latch(session: ZenohSession) -> None:
+    talker, listener, inbox = await session.join("talker"), await session.join("listener"), Inbox()
+    plain = await talker.advertise("/map", STRING)
+    latching = await talker.advertise("/map", STRING, latch=True)
+    latching.publish_raw([string("kept")])
+    await listener.subscribe("/map", STRING, inbox.take, on_connection=inbox.take_header)
+    await until(lambda: inbox.payloads)
+    assert inbox.headers[0]["latching"] == "1"
+    assert plain.subscriber_count == 1
+
+
+async def test_a_header_loses_its_sequence_only(session: ZenohSession) -> None:
+    node, inbox = await session.join("node"), Inbox()
+    publisher = await node.advertise("/imu", IMU)
+    await node.subscribe("/imu", IMU, inbox.take)
+    await until(lambda: publisher.subscriber_count == 1)
+    payload = (7).to_bytes(4, "little") + bytes(range(12)) + bytes(296)
+    payload = payload[:12] + bytes(4) + payload[16:]  # An empty frame_id.
+    publisher.publish_raw([payload])
+    await until(lambda: inbox.payloads)
+    assert inbox.payloads == [bytes(4) + payload[4:]]
+
+
+async def test_nobody_pauses_for_a_link_that_is_free(session: ZenohSession) -> None:
+    node = await session.join("node")
+    publisher = await node.advertise("/chat", STRING)
+    assert publisher.publish_raw([string("nobody hears it")] * 10_000)
+    await publisher.drained(0.0)
+    assert publisher.dropped_count == 0
+
+
+async def test_a_link_that_is_full_pauses_and_then_drops(monkeypatch: pytest.MonkeyPatch) -> None:
+    port = free_port()
+    here, there = await open_session(port, is_router=True), await open_session(port, is_router=False)
+    talker, listener, inbox = await here.join("talker"), await there.join("listener"), Inbox()
+    publisher = await talker.advertise("/chat", STRING, queue_bytes=1 << 20)
+    await listener.subscribe("/chat", STRING, inbox.take)
+    await until(lambda: publisher.subscriber_count == 1)
+    # Every put counts as one that had to wait.
+    monkeypatch.setattr("rostether.ros2.zenoh.publication.STALL_NS", -1)
+    sent = [string(f"{number:04}".ljust(4000)) for number in range(100)]
+    assert not publisher.publish_raw(sent)
+    monkeypatch.undo()
+    await publisher.drained(10.0)
+    assert publisher.publish_raw([])
+    await until(lambda: len(inbox.payloads) == 100)
+    assert inbox.payloads == sent
+    monkeypatch.setattr("rostether.ros2.zenoh.publication.STALL_NS", -1)
+    publisher.publish_raw(sent * 10)
+    assert publisher.dropped_count > 700
+    monkeypatch.undo()
+    await publisher.close()
+    # Its last words go at its end.
+    await until(lambda: inbox.payloads[-1] == sent[-1] and len(inbox.payloads) > 300)
+    await there.close()
+    await here.close()
