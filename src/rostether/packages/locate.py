@@ -1,0 +1,101 @@
+"""Which package folders a command sees: ROS_PACKAGE_PATH, the workspace it stands in, what lies below.
+
+The order decides which of two packages of one name counts, as an overlay does with catkin:
+
+1. the folders of ROS_PACKAGE_PATH,
+2. `src` of the catkin workspace around the current folder, and `./src`,
+3. everything below the current folder,
+4. the package around the current folder and those beside it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from rostether.packages.search_path import (
+    PACKAGE_FILE,
+    ROSBUILD_FILE,
+    Folder,
+    find_packages,
+    package_name,
+    ros_package_path,
+)
+
+SOURCE_FOLDER = "src"
+_MAX_PARENTS = 64  # deeper than any real path; a bound for file systems that nest without end
+_MAX_NEIGHBOURS = 1_000  # folders beside a package; more is a download folder, no collection of packages
+_WORKSPACE_MARKS = (".catkin_workspace", ".catkin_tools", "devel/.catkin", "src/CMakeLists.txt")
+
+
+def package_folders(environ: Mapping[str, str], cwd: Path) -> dict[str, Path]:
+    """Map the names of all packages that a command started in `cwd` sees to their folders.
+
+    Nothing needs to be built. Folders that cannot be read and broken packages are passed over.
+    """
+    found = find_packages(package_roots(environ, cwd))
+    for folder in _around(cwd):
+        if name := package_name(folder):
+            found.setdefault(name, folder.path)
+    return found
+
+
+def package_roots(environ: Mapping[str, str], cwd: Path) -> list[Path]:
+    """Return the folders below which packages are looked for, in the order in which they count."""
+    roots = [cwd / each for each in ros_package_path(environ)]
+    workspace = workspace_of(cwd)
+    if workspace is not None:
+        roots.append(workspace / SOURCE_FOLDER)
+    roots += [cwd / SOURCE_FOLDER, cwd]
+    return list(dict.fromkeys(root for root in roots if root.is_dir()))
+
+
+def workspace_of(cwd: Path) -> Path | None:
+    """Return the catkin workspace around (or at) a folder: the nearest with a `src` that is marked as one.
+
+    Without marks, a folder around `cwd` is one if it holds the path in its `src`, outside of any package.
+    """
+    parents = _upward(cwd)
+    for folder in parents:
+        source = folder / SOURCE_FOLDER
+        if (
+            source.is_dir()
+            and not _is_package(folder)
+            and any((folder / m).exists() for m in _WORKSPACE_MARKS)
+        ):
+            return folder
+    package = package_around(cwd)
+    for folder in parents if package is None else _upward(package.parent):
+        if folder.name == SOURCE_FOLDER:
+            return folder.parent
+    return None
+
+
+def package_around(cwd: Path) -> Path | None:
+    """Return the root of the package that a folder is in (or is); None outside of packages."""
+    return next((folder for folder in _upward(cwd) if _is_package(folder)), None)
+
+
+def _upward(cwd: Path) -> list[Path]:
+    return [cwd, *cwd.parents][:_MAX_PARENTS]
+
+
+def _is_package(folder: Path) -> bool:
+    return (folder / PACKAGE_FILE).is_file() or (folder / ROSBUILD_FILE).is_file()
+
+
+def _around(cwd: Path) -> Iterator[Folder]:
+    package = package_around(cwd)
+    if package is None:
+        return
+    yield _as_folder(package)
+    try:
+        for _, neighbour in zip(range(_MAX_NEIGHBOURS), sorted(package.parent.iterdir()), strict=False):
+            if neighbour != package and _is_package(neighbour):
+                yield _as_folder(neighbour)
+    except OSError:
+        return
+
+
+def _as_folder(path: Path) -> Folder:
+    return Folder(path, frozenset(each for each in (PACKAGE_FILE, ROSBUILD_FILE) if (path / each).is_file()))
