@@ -56,6 +56,16 @@ async def test_a_lost_board_keeps_its_node_for_the_grace_period() -> None:
     assert node.is_closed
 
 
+async def test_a_board_that_comes_before_the_news_that_it_left_is_the_same() -> None:
+    boards = BoardRegistry(60.0, lambda: 0.0)
+    board, _ = await served(boards, "/arm")
+    coming = asyncio.create_task(boards.claim("/arm"))
+    await asyncio.sleep(0)
+    boards.lose(board, board.session)
+    assert await coming is board
+    await boards.close()
+
+
 async def test_after_the_grace_period_the_name_is_free() -> None:
     boards = BoardRegistry(0.01, lambda: 0.0)
     board, node = await served(boards, "/arm")

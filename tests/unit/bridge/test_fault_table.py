@@ -197,13 +197,20 @@ async def test_a_possible_length_that_never_comes_on_a_board_that_streams(
 
 
 @pytest.mark.timeout(120)
-@pytest.mark.parametrize("name", ["random", "headers"])
+@pytest.mark.parametrize("name", ["random", "headers", "lengths", "damaged"])
 async def test_seconds_of_garbage_at_ten_megabytes_a_second(name: str) -> None:
     noise = {
         "random": random.Random(9).randbytes(1 << 20),
         "headers": encode_frame(125, bytes(400))[:7] * 150_000,
+        "lengths": b"".join(
+            bytes((0xFF, 0xFE, low, high, 255 - (low + high) % 256))
+            for low in range(256)
+            for high in range(256)
+        )
+        * 3,
+        "damaged": (numbered(1)[:-1] + b"?") * 87_000,
     }
-    turns = 20 if name == "random" else 5
+    turns = 20
     quiet = (ids.PUBLISHER, topic_info("quiet", COUNT, topic_id=125, buffer_size=512))
     async with Bridge() as bridge, TcpBoard(bridge.port) as board, TcpBoard(bridge.port, quiet) as other:
         heard = await bridge.listen("/count")
@@ -217,10 +224,12 @@ async def test_seconds_of_garbage_at_ten_megabytes_a_second(name: str) -> None:
             await asyncio.sleep(max(0.0, began_s + (turn + 1) * 0.1 - time.monotonic()))
         await board.send(TIME_REQUEST)
         back_s = time.monotonic()
+        # Two seconds, and as much again for a busy machine: judged header by header it took eight.
+        assert back_s - began_s < 4.0
         board.count_from(1)
         await until(lambda: len(set(heard)) > 1, "messages after the garbage", limit_s=30.0)
-        if name == "random":
-            assert time.monotonic() - back_s < AT_ONCE_S
+        # The board and its line are not the only ones that a busy machine holds up here.
+        assert time.monotonic() - back_s < 3 * AT_ONCE_S
         await asyncio.sleep(0.2)
         assert sorted(set(others)) == list(range(max(others) + 1))
         assert max(others) > 20

@@ -63,18 +63,3 @@ async def test_a_thousand_reconnects_leave_nothing_behind() -> None:
         assert (_descriptors(), len(asyncio.all_tasks()), bridge.network.snapshot()) == before
         assert _resident_bytes() - resident < MAX_GROWTH_BYTES
         assert len(gc.get_objects()) - objects < RECONNECTS / 2
-
-
-async def test_a_board_that_comes_back_at_once_is_the_same_node() -> None:
-    async with Bridge() as bridge:
-        heard = await bridge.listen("/count")
-        board = TcpBoard(bridge.port)
-        for number in range(50):
-            await board.connect()
-            if number % 10 == 0:
-                await board.settle(heard, number)
-            await board.hang_up()
-        await board.connect()
-        await board.settle(heard, 50)
-        assert len(bridge.supervisor.boards()) == 1
-        await board.hang_up()
