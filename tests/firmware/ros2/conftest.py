@@ -1,0 +1,12 @@
+"""Fixtures of boards in ROS 2: the boards of a file are served by one process, and seen by one peer."""
+
+from __future__ import annotations
+
+import pytest
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Everything in this folder needs an AVR compiler and simulated boards."""
+    for item in items:
+        if item.path.parent.parts[-2:] == ("firmware", "ros2"):
+            item.add_marker("simavr")

@@ -1,0 +1,156 @@
+"""A Mega with a sketch of our library is a ROS 2 node: real rclpy, a process of its own, sees it over DDS."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
+from typing import Any
+
+import pytest
+import pytest_asyncio
+
+from firmware.ros2.mirrored import MIRROR, MIRRORED, NAMES
+from firmware.ros2.serving import serving, sim_address
+from interop.ros1_peers import Peer
+from interop_ros2.rclpy_peer import RclpyPeer, rclpy_peer
+from interop_ros2.samples import ADDED, ros2_name
+
+pytestmark = [pytest.mark.rclpy, pytest.mark.asyncio(loop_scope="module"), pytest.mark.timeout(120)]
+
+PATIENCE_S = 30.0
+WARN = 30
+
+
+@pytest.fixture(scope="module")
+def peer() -> Iterator[RclpyPeer]:
+    """A node that knows nothing of ours."""
+    with rclpy_peer() as peer:
+        yield peer
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module", autouse=True)
+async def bridge(peer: RclpyPeer) -> AsyncIterator[Peer]:
+    """The bridge with the board `/lab/arm`, one for all tests."""
+    address = await sim_address(MIRROR, "mega", "arm")
+    async with serving("--ros2", "rclpy", f"{address}&ns=lab") as bridge:
+        yield bridge
+
+
+async def eventually(ask: Callable[[], Awaitable[Any]], is_it: Callable[[Any], object]) -> Any:
+    """Ask until the answer is right; returns it."""
+    answer = None
+    deadline_s = asyncio.get_running_loop().time() + PATIENCE_S
+    while not is_it(answer := await ask()):
+        assert asyncio.get_running_loop().time() < deadline_s, f"the last answer was {answer}"
+        await asyncio.sleep(0.05)
+    return answer
+
+
+async def heard_of(peer: RclpyPeer, topic: str, said: Callable[[], Awaitable[Any]]) -> list[Any]:
+    """Say something until it is answered: there is no telling when the way back is open."""
+
+    async def ask() -> list[Any]:
+        heard: list[Any] = await peer.ask("receive", topic=topic, count=0)
+        if not heard:
+            await said()
+            await asyncio.sleep(0.2)
+        return heard
+
+    found: list[Any] = await eventually(ask, bool)
+    return found
+
+
+@pytest.mark.parametrize("name", NAMES)
+async def test_messages_go_to_the_board_and_come_from_it(peer: RclpyPeer, name: str) -> None:
+    short = name.partition("/")[2]
+    there, back = f"/lab/in_{short}", f"/lab/out_{short}"
+    await peer.ask("subscribe", topic=back, type=ros2_name(name))
+    await peer.ask("advertise", topic=there, type=ros2_name(name))
+
+    async def publish() -> None:
+        await peer.ask("publish", topic=there, messages=[MIRRORED[name]])
+
+    heard = await heard_of(peer, back, publish)
+    assert heard[0] == {**MIRRORED[name], **ADDED.get(name, {})}
+
+
+async def test_the_board_serves(peer: RclpyPeer) -> None:
+    for data, message in ((True, "on"), (False, "off")):
+        answered = await peer.ask(
+            "call", service="/lab/switch", type="std_srvs/srv/SetBool", request={"data": data}
+        )
+        assert answered == {"success": data, "message": message}
+    answered = await peer.ask("call", service="/lab/pull", type="std_srvs/srv/Trigger", request={})
+    assert answered == {"success": True, "message": "bang"}
+
+
+async def test_the_board_calls(peer: RclpyPeer) -> None:
+    closed = {"success": True, "message": "gripped"}
+    await peer.ask("serve", service="/lab/gripper", type="std_srvs/srv/SetBool", response=closed)
+    honked = {"success": True, "message": "honked"}
+    await peer.ask("serve", service="/lab/horn", type="std_srvs/srv/Trigger", response=honked)
+    await peer.ask("subscribe", topic="/lab/answers", type="std_msgs/msg/String")
+    await peer.ask("advertise", topic="/lab/call", type="std_msgs/msg/Empty")
+    await eventually(lambda: peer.ask("endpoints", topic="/lab/answers"), lambda found: len(found) == 2)
+    await peer.ask("publish", topic="/lab/call", messages=[{}])
+    answers = await peer.ask("receive", topic="/lab/answers", count=2)
+    assert answers == [{"data": "gripped"}, {"data": "honked"}]
+    assert await peer.ask("served", service="/lab/gripper") == [{"data": True}]
+
+
+async def test_the_board_reads_its_parameters_and_logs(peer: RclpyPeer) -> None:
+    await peer.ask("subscribe", topic="/rosout", type="rcl_interfaces/msg/Log", quality="rosout")
+    await peer.ask("subscribe", topic="/lab/parameters", type="sensor_msgs/msg/JointState")
+    await peer.ask("advertise", topic="/lab/read", type="std_msgs/msg/Empty")
+    await eventually(lambda: peer.ask("endpoints", topic="/lab/parameters"), lambda found: len(found) == 2)
+    set_ = await peer.ask(
+        "parameters",
+        node="/lab/arm",
+        method="set_parameters",
+        arguments=[("gains", [0.5, 0.25]), ("count", 42), ("side", "left")],
+    )
+    assert [each["successful"] for each in set_["results"]] == [True] * 3
+    await peer.ask("publish", topic="/lab/read", messages=[{}])
+    (read,) = await peer.ask("receive", topic="/lab/parameters", count=1)
+    assert (read["header"]["frame_id"], read["position"]) == ("left", [0.5, 0.25, 42.0])
+
+    def is_logged(logs: list[Any]) -> bool:
+        return ("parameters are read", WARN, "lab.arm") in [
+            (log["msg"], log["level"], log["name"]) for log in logs
+        ]
+
+    await eventually(lambda: peer.ask("receive", topic="/rosout", count=0), is_logged)
+
+
+async def test_the_board_is_a_node_with_its_endpoints(peer: RclpyPeer) -> None:
+    await eventually(lambda: peer.ask("nodes"), lambda nodes: ["arm", "/lab"] in nodes)
+    seen = await eventually(
+        lambda: peer.ask("of_node", name="arm", namespace="/lab"),
+        lambda seen: all(
+            [f"/lab/out_{name.partition('/')[2]}", [ros2_name(name)]] in seen["publishers"] for name in NAMES
+        ),
+    )
+    for name in NAMES:
+        assert [f"/lab/in_{name.partition('/')[2]}", [ros2_name(name)]] in seen["subscribers"]
+    for service, kind in (("switch", "SetBool"), ("pull", "Trigger")):
+        assert [f"/lab/{service}", [f"std_srvs/srv/{kind}"]] in seen["services"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+async def test_types_have_the_hashes_of_the_official_packages(peer: RclpyPeer, name: str) -> None:
+    await peer.ask("advertise", topic="/official", type=ros2_name(name))
+    try:
+        (official,) = await eventually(
+            lambda: peer.ask("endpoints", topic="/official"),
+            lambda found: [each["type"] for each in found] == [ros2_name(name)],
+        )
+        for direction in ("in", "out"):
+            topic = f"/lab/{direction}_{name.partition('/')[2]}"
+            found = await eventually(
+                lambda: peer.ask("endpoints", topic=topic),  # noqa: B023 - awaited at once
+                lambda found: "arm" in [each["node"] for each in found],
+            )
+            (ours,) = [each for each in found if each["node"] == "arm"]
+            assert (ours["type"], ours["hash"]) == (ros2_name(name), official["hash"])
+    finally:
+        await peer.ask("unadvertise", topic="/official")
