@@ -23,7 +23,7 @@ from rostether.ros1.node.publisher_connection import PublisherConnection
 from rostether.ros1.tcpros_connection import ConnectionRecord, HandshakeProtocol, connect
 from rostether.tcpros.handshake import subscriber_fields
 from rostether.tcpros.header import encode_header
-from rostether.tcpros.message_framing import encode_messages
+from rostether.tcpros.message_framing import MAX_MESSAGE_BYTES, encode_messages
 
 BATCH = 500
 PAYLOAD = bytes(64)
@@ -135,7 +135,7 @@ async def subscription(messages: int) -> Run:
 
     def accept(_: dict[str, str], transport: asyncio.Transport) -> PublisherConnection:
         record = ConnectionRecord(transport, peer="", topic="/chat", direction="i")
-        return PublisherConnection(transport, record, take)
+        return PublisherConnection(transport, record, take, MAX_MESSAGE_BYTES)
 
     wall_s, cpu_s = time.perf_counter(), time.process_time()
     connection = await connect("127.0.0.1", port, {"topic": "/chat", "md5sum": "*"}, accept)

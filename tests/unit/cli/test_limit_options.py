@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 
 from rostether.bridge.settings import DEFAULT_SETTINGS, BridgeSettings
-from rostether.cli.limit_options import BRIDGE_LIMITS, GRAPH_LIMITS, Limit, read_graph_limits, read_limits
+from rostether.cli.limit_options import BRIDGE_LIMITS, GRAPH_LIMITS, read_graph_limits, read_limits
+from rostether.devices.board_limits import Limit
 from rostether.errors import ConfigError
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 

@@ -10,7 +10,13 @@ import pytest
 
 from rostether.errors import TransportClosedError, TransportOpenError, TransportTimeoutError
 from rostether.transports.address import TcpAddress, parse_address
-from rostether.transports.tcp import TcpListener, TcpTransport, connect_tcp
+from rostether.transports.tcp import (
+    MAX_CONNECTIONS,
+    MAX_CONNECTIONS_PER_HOST,
+    TcpListener,
+    TcpTransport,
+    connect_tcp,
+)
 from unit.transports.recorder import Arrivals, Recorder, until
 from unit.transports.strangers import is_hung_up, stranger, trust_nobody
 
@@ -20,9 +26,16 @@ def port_of(listener: TcpListener) -> int:
 
 
 @asynccontextmanager
-async def listening(**limits: int) -> AsyncIterator[tuple[TcpListener, Arrivals]]:
+async def listening(
+    max_connections: int = MAX_CONNECTIONS, max_connections_per_host: int = MAX_CONNECTIONS_PER_HOST
+) -> AsyncIterator[tuple[TcpListener, Arrivals]]:
     arrivals = Arrivals()
-    listener = await TcpListener.start(TcpAddress("127.0.0.1", 0), arrivals, **limits)
+    listener = await TcpListener.start(
+        TcpAddress("127.0.0.1", 0),
+        arrivals,
+        max_connections=max_connections,
+        max_connections_per_host=max_connections_per_host,
+    )
     try:
         yield listener, arrivals
     finally:
