@@ -149,6 +149,7 @@ async def test_a_subscriber_may_leave_out_what_its_own_node_publishes(join: Join
     await other.subscribe("/chat", STRING, witness.take)
     await until(lambda: mine.subscriber_count >= 1 and theirs.subscriber_count == 2)
     await until(lambda: subscriber.publisher_count >= 1)
+    await snapshot_when(node, lambda snapshot: "/other" in snapshot.topics["/chat"].subscribers)
     for number in range(3):
         mine.publish_raw([string(f"mine {number}")])
         theirs.publish_raw([string(f"theirs {number}")])
