@@ -17,6 +17,7 @@ from rostether.ros2.zenoh.foreign_threads import stay_known
 
 ATTACHMENT_BYTES = 33
 IDLE_S = 3.0
+FOUND_S = 20.0
 
 
 def open_session(zenoh_port: str) -> zenoh.Session:
@@ -34,13 +35,15 @@ def open_session(zenoh_port: str) -> zenoh.Session:
 
 
 def wait_for(session: zenoh.Session, kind: str, topic: str) -> str:
-    """Wait until an end of a topic has its token; returns the key of its samples."""
-    while True:
+    """Wait until an end of a topic has its token; returns the key of its samples. Raises RuntimeError."""
+    ends_s = time.monotonic() + FOUND_S
+    while time.monotonic() < ends_s:
         for reply in session.liveliness().get(f"@ros2_lv/0/*/*/*/{kind}/*/*/*/%{topic}/**", timeout=1.0):
             if reply.ok is not None:
                 parts = str(reply.ok.key_expr).split("/")
                 return f"0/{topic}/{parts[10]}/{parts[11]}"
         time.sleep(0.05)
+    raise RuntimeError(f"nobody has a token for /{topic}")
 
 
 def main(zenoh_port: str, topic: str, count: str) -> None:
@@ -67,8 +70,10 @@ def main(zenoh_port: str, topic: str, count: str) -> None:
     session.declare_subscriber(key, zenoh.handlers.Callback(take, indirect=False))
     time.sleep(0.5)
     print("there", flush=True)
+    started_s = time.perf_counter()
     while not done.wait(0.1):
-        if first_s and time.perf_counter() - last_s > IDLE_S:
+        silent_s = time.perf_counter() - (last_s or started_s + FOUND_S)
+        if silent_s > IDLE_S:
             break
     print(f"{total} {last_s - first_s:.6f}", flush=True)
     session.close()
