@@ -43,14 +43,19 @@ async def ros2_access(
     *,
     reach: ZenohReach | None = None,
     params_files: Iterable[Path] = (),
+    types: Ros2Types | None = None,
 ) -> AsyncIterator[Ros2Access]:
-    """Be on the ROS 2 graph as long as the block lasts. Raises ConfigError naming what is not installed."""
+    """Be on the ROS 2 graph as long as the block lasts. Raises ConfigError naming what is not installed.
+
+    `types` are used in place of those that `msg_paths` and the environment give.
+    """
     from rostether.msgdef.registry import Registry
     from rostether.msgdef.ros2.definitions import Ros2Definitions
     from rostether.ros2.type_support import Ros2Types
 
     paths = tuple(msg_paths)
-    types = Ros2Types(Registry.from_environment(paths), Ros2Definitions.from_environment(paths))
+    if types is None:
+        types = Ros2Types(Registry.from_environment(paths), Ros2Definitions.from_environment(paths))
     environment = Ros2Environment.read()
     if middleware is Middleware.RCLPY:
         async with _over_rclpy(environment, types, tuple(params_files)) as access:

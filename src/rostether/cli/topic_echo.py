@@ -16,6 +16,8 @@ import click
 from rostether.cli.completions import complete_topics
 from rostether.cli.options import master_option, msg_path_option, tool_allow_option
 from rostether.cli.output import json_option, warn, write_json, write_line
+from rostether.cli.ros2.refusals import refuse_ros1_only, refuse_ros2_only
+from rostether.cli.ros_choice import chosen_ros2, ros1_option, ros2_option
 from rostether.cli.running import run
 from rostether.cli.verbs import Verb
 from rostether.errors import GraphError, SerializationError
@@ -58,12 +60,14 @@ class _Options:
     """,
 )
 @click.argument("topic", metavar="TOPIC[/FIELD]", shell_complete=complete_topics)
+@click.argument("type_name", metavar="[TYPE]", required=False)
 @click.option("-n", "count", type=click.IntRange(min=1), metavar="COUNT", help="End after COUNT messages.")
+@click.option("--once", is_flag=True, help="End after one message.")
 @click.option("-p", "plot", is_flag=True, help="Print comma-separated values, for plotting.")
 @json_option
 @click.option("-c", "--clear", is_flag=True, help="Clear the screen before each message.")
-@click.option("--noarr", is_flag=True, help="Leave arrays out.")
-@click.option("--nostr", is_flag=True, help="Leave strings out.")
+@click.option("--noarr", "--no-arr", is_flag=True, help="Leave arrays out.")
+@click.option("--nostr", "--no-str", is_flag=True, help="Leave strings out.")
 @click.option("-w", "number_width", type=click.IntRange(min=2), metavar="WIDTH", help="Columns of a number.")
 @click.option("--offset", is_flag=True, help="Print times relative to now, in seconds.")
 @click.option(
@@ -72,12 +76,34 @@ class _Options:
     metavar="EXPRESSION",
     help="Print only messages m for which the Python expression is true.",
 )
+@click.option("--field", default="", metavar="FIELD", help="With --ros2, print one field, as header.stamp.")
+@click.option("--csv", is_flag=True, help="With --ros2, print all values in a line, with commas between.")
+@click.option("-f", "--full-length", is_flag=True, help="With --ros2, cut nothing.")
+@click.option(
+    "-l",
+    "--truncate-length",
+    type=click.IntRange(min=0),
+    metavar="LENGTH",
+    help="With --ros2, cut arrays and texts after LENGTH (128).",
+)
+@click.option("--flow-style", is_flag=True, help="With --ros2, print each message on one line.")
+@click.option(
+    "--timeout",
+    "timeout_s",
+    type=click.FloatRange(min=0, min_open=True),
+    metavar="SECONDS",
+    help="With --ros2, give up after SECONDS.",
+)
 @msg_path_option
 @master_option
 @tool_allow_option
+@ros1_option
+@ros2_option
 def echo(
     topic: str,
+    type_name: str | None,
     count: int | None,
+    once: bool,
     plot: bool,
     as_json: bool,
     clear: bool,
@@ -86,19 +112,47 @@ def echo(
     number_width: int | None,
     offset: bool,
     expression: str | None,
+    field: str,
+    csv: bool,
+    full_length: bool,
+    truncate_length: int | None,
+    flow_style: bool,
+    timeout_s: float | None,
     msg_paths: tuple[Path, ...],
     master: str | None,
 ) -> None:
     """Print the messages of a topic, or a field of them.
 
     The types of messages are learned from their publisher, so even types that are not installed here can
-    be shown. A topic that is not there yet is waited for.
+    be shown. A topic that is not there yet is waited for, unless its TYPE is given.
     """
+    count = 1 if once else count
     test = None
     if expression is not None:
         from rostether.cli.expression import compile_filter
 
         test = compile_filter(expression)
+    if (middleware := chosen_ros2()) is not None:
+        from rostether.cli.ros2 import topic_echo as ros2
+        from rostether.cli.ros2.message_text import DEFAULT_TRUNCATE_LENGTH, TextStyle
+
+        refuse_ros1_only(plot=plot, number_width=number_width, offset=offset, master=master)
+        limit = DEFAULT_TRUNCATE_LENGTH if truncate_length is None else truncate_length
+        style = TextStyle(None if full_length else limit, noarr, nostr, flow_style)
+        options2 = ros2.EchoOptions(
+            type_name, field, csv, as_json, clear, count, timeout_s, test, style=style
+        )
+        ros2.echo(middleware, topic, options2, msg_paths)
+        return
+    refuse_ros2_only(
+        type_name=type_name,
+        field=field,
+        csv=csv,
+        full_length=full_length,
+        truncate_length=truncate_length,
+        flow_style=flow_style,
+        timeout_s=timeout_s,
+    )
     options = _Options(plot, as_json, clear, count, test, noarr, nostr, number_width, offset)
     run(_echo(topic, options, msg_paths, master))
 

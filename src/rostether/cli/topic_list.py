@@ -12,6 +12,8 @@ import click
 from rostether.cli.completions import complete_message_types, complete_topics
 from rostether.cli.options import master_option, msg_path_option
 from rostether.cli.output import json_option, one_line, write_json, write_line
+from rostether.cli.ros2.refusals import refuse_ros1_only, refuse_ros2_only
+from rostether.cli.ros_choice import chosen_ros2, ros1_option, ros2_option
 from rostether.cli.running import run
 from rostether.cli.verbs import Verb
 from rostether.errors import UnknownNameError
@@ -46,28 +48,57 @@ async def fetch_topics(master: str | None) -> list[TopicView]:
     ]
 
 
+hidden_topics_option = click.option(
+    "--include-hidden-topics", "with_hidden", is_flag=True, help="With --ros2, hidden topics (_name) too."
+)
+
+
 @click.command(
-    "list", cls=Verb, examples="rostether topic list\nrostether topic list -v\nrostether topic list --json"
+    "list",
+    cls=Verb,
+    examples="""
+    rostether topic list
+    rostether topic list -v
+    rostether topic list --json
+    rostether topic list -t --ros2
+    """,
 )
 @click.argument("namespace", required=False, shell_complete=complete_topics)
 @click.option("-v", "--verbose", is_flag=True, help="Show types and how many nodes publish and subscribe.")
 @click.option("-p", "publishers", is_flag=True, help="Only topics that are published.")
 @click.option("-s", "subscribers", is_flag=True, help="Only topics that are subscribed to.")
 @click.option("--host", "by_host", is_flag=True, help="Group by machine.")
+@click.option("-t", "--show-types", is_flag=True, help="Show types.")
+@click.option("-c", "--count-topics", is_flag=True, help="Only print how many there are.")
+@hidden_topics_option
 @json_option
 @master_option
+@ros1_option
+@ros2_option
 def list_topics(
     namespace: str | None,
     verbose: bool,
     publishers: bool,
     subscribers: bool,
     by_host: bool,
+    show_types: bool,
+    count_topics: bool,
+    with_hidden: bool,
     as_json: bool,
     master: str | None,
 ) -> None:
     """List the topics, of all or of a namespace."""
     if publishers and subscribers:
         raise click.UsageError("give one of -p and -s, not both")
+    if (middleware := chosen_ros2()) is not None:
+        from rostether.cli.ros2 import topic_list as ros2
+        from rostether.ros2.endpoint_info import EndpointKind
+
+        refuse_ros1_only(by_host=by_host, master=master)
+        wanted = EndpointKind.PUBLISHER if publishers else EndpointKind.SUBSCRIPTION if subscribers else None
+        listing = ros2.Listing(namespace, verbose, show_types, count_topics, with_hidden, as_json, wanted)
+        ros2.list_topics(middleware, listing)
+        return
     from rostether.cli.graph_access import in_namespace, read_environment, resolve
 
     topics = run(fetch_topics(master))
@@ -85,6 +116,11 @@ def list_topics(
                     "subscribers": topic.subscribers,
                 }
             )
+    elif count_topics:
+        write_line(str(len(topics)))
+    elif show_types and not verbose:
+        for topic in topics:
+            write_line(f"{topic.name} [{topic.type}]")
     elif by_host:
         for host, found in run(_by_host(topics, master)).items():
             write_line(f"Host [{host}]:")
@@ -135,12 +171,24 @@ async def _by_host(topics: list[TopicView], master: str | None) -> dict[str, lis
     return grouped
 
 
-@click.command("info", cls=Verb, examples="rostether topic info /ultrasound")
+@click.command(
+    "info", cls=Verb, examples="rostether topic info /ultrasound\nrostether topic info -v --ros2 /ultrasound"
+)
 @click.argument("topic", shell_complete=complete_topics)
+@click.option("-v", "--verbose", is_flag=True, help="With --ros2, show each end and its quality of service.")
 @json_option
 @master_option
-def info(topic: str, as_json: bool, master: str | None) -> None:
+@ros1_option
+@ros2_option
+def info(topic: str, verbose: bool, as_json: bool, master: str | None) -> None:
     """Show a topic's type, and the nodes that publish and subscribe to it."""
+    if (middleware := chosen_ros2()) is not None:
+        from rostether.cli.ros2 import topic_list as ros2
+
+        refuse_ros1_only(master=master)
+        ros2.info(middleware, topic, verbose=verbose, as_json=as_json)
+        return
+    refuse_ros2_only(verbose=verbose)
     view, uris = run(_fetch_one(topic, master))
     if as_json:
         write_json(
@@ -204,8 +252,16 @@ def unknown_topic(name: str) -> UnknownNameError:
 @click.argument("topic", metavar="TOPIC[/FIELD]", shell_complete=complete_topics)
 @msg_path_option
 @master_option
+@ros1_option
+@ros2_option
 def type_of(topic: str, msg_paths: tuple[Path, ...], master: str | None) -> None:
     """Print the type of a topic, or of a field: then the topic's type, the field, and the field's type."""
+    if (middleware := chosen_ros2()) is not None:
+        from rostether.cli.ros2 import topic_list as ros2
+
+        refuse_ros1_only(master=master)
+        ros2.type_of(middleware, topic)
+        return
     from rostether.cli.graph_access import read_environment
     from rostether.cli.topic_choice import choose_topic, resolve_with_field
     from rostether.msgdef.registry import Registry
@@ -226,10 +282,19 @@ def type_of(topic: str, msg_paths: tuple[Path, ...], master: str | None) -> None
 
 @click.command("find", cls=Verb, examples="rostether topic find sensor_msgs/Range")
 @click.argument("type_name", metavar="TYPE", shell_complete=complete_message_types)
+@hidden_topics_option
 @json_option
 @master_option
-def find(type_name: str, as_json: bool, master: str | None) -> None:
+@ros1_option
+@ros2_option
+def find(type_name: str, with_hidden: bool, as_json: bool, master: str | None) -> None:
     """List the topics of a type."""
+    if (middleware := chosen_ros2()) is not None:
+        from rostether.cli.ros2 import topic_list as ros2
+
+        refuse_ros1_only(master=master)
+        ros2.find(middleware, type_name, as_json=as_json, with_hidden=with_hidden)
+        return
     for topic in run(fetch_topics(master)):
         if topic.type == type_name:
             if as_json:

@@ -15,6 +15,8 @@ import click
 from rostether.cli.completions import complete_message_types, complete_topics
 from rostether.cli.options import master_option, msg_path_option, tool_allow_option
 from rostether.cli.output import write_line
+from rostether.cli.ros2.refusals import refuse_ros1_only, refuse_ros2_only
+from rostether.cli.ros_choice import chosen_ros2, ros1_option, ros2_option
 from rostether.cli.running import run
 from rostether.cli.verbs import Verb
 from rostether.errors import ConfigError, DefinitionError, TypeMismatchError
@@ -60,7 +62,7 @@ class _Options:
 @click.argument("topic", shell_complete=complete_topics)
 @click.argument("type_name", metavar="TYPE", shell_complete=complete_message_types)
 @click.argument("arguments", nargs=-1, metavar="[VALUES]...")
-@click.option("-1", "--once", is_flag=True, help="Publish one message, stay for 3 seconds and end.")
+@click.option("-1", "--once", is_flag=True, help="Publish one message, let it arrive and end.")
 @click.option("-r", "--rate", "rate_hz", type=click.FloatRange(min=0, min_open=True), metavar="HZ")
 @click.option(
     "-l", "--latch", is_flag=True, help="Latch with -r, -f and pipes too; a lone message always is."
@@ -71,9 +73,48 @@ class _Options:
 )
 @click.option("--use-rostime", is_flag=True, help="Stamp with ROS time, not with this machine's clock.")
 @click.option("-v", "verbose", is_flag=True, help="Show what is published.")
+@click.option(
+    "-t",
+    "--times",
+    type=click.IntRange(min=0),
+    default=0,
+    metavar="COUNT",
+    help="With --ros2, end after COUNT messages.",
+)
+@click.option(
+    "-w",
+    "--wait-matching-subscriptions",
+    "wait_for",
+    type=click.IntRange(min=0),
+    metavar="COUNT",
+    help="With --ros2, begin when COUNT subscribers are there (1 with -1 and -t, else 0).",
+)
+@click.option(
+    "--max-wait-time-secs",
+    "max_wait_s",
+    type=click.FloatRange(min=0, min_open=True),
+    metavar="SECONDS",
+    help="With --ros2, give up waiting for subscribers.",
+)
+@click.option(
+    "-p",
+    "--print",
+    "print_nth",
+    type=click.IntRange(min=0),
+    metavar="N",
+    help="With --ros2, show every N-th message only.",
+)
+@click.option(
+    "--qos-durability",
+    type=click.Choice(["volatile", "transient_local", "system_default"]),
+    metavar="DURABILITY",
+    help="With --ros2, transient_local is the same as -l.",
+)
 @msg_path_option
 @master_option
 @tool_allow_option
+@ros1_option
+@ros2_option
 def pub(
     topic: str,
     type_name: str,
@@ -85,6 +126,11 @@ def pub(
     substitute_keywords: bool,
     use_rostime: bool,
     verbose: bool,
+    times: int,
+    wait_for: int | None,
+    max_wait_s: float | None,
+    print_nth: int | None,
+    qos_durability: str | None,
     msg_paths: tuple[Path, ...],
     master: str | None,
 ) -> None:
@@ -94,16 +140,47 @@ def pub(
     order; write -- before a negative number. `now` is a time, `auto` a header that is stamped now. Without
     -1 and -r the message is latched until Ctrl-C. Without VALUES, messages come from a file (-f) or a pipe,
     in YAML documents separated by ---.
+
+    With --ros2 it is as `ros2 topic pub`: without -1 and -t it publishes again and again, once a second
+    unless -r says otherwise, and fields that are not given have their defaults.
     """
+    if (middleware := chosen_ros2()) is not None:
+        from rostether.cli.ros2 import topic_pub as ros2
+
+        refuse_ros1_only(substitute_keywords=substitute_keywords, use_rostime=use_rostime, master=master)
+        if once and times:
+            raise click.UsageError("give one of -1 and -t, not both")
+        options2 = ros2.PubOptions(
+            rate_hz or ros2.DEFAULT_RATE_HZ,
+            1 if once else times,
+            1 if print_nth is None else print_nth,
+            wait_for,
+            max_wait_s,
+            latch=latch or qos_durability == "transient_local",
+            documents=_read(file, arguments),
+        )
+        ros2.pub(middleware, topic, type_name, arguments, options2, msg_paths)
+        return
+    refuse_ros2_only(
+        times=times,
+        wait_for=wait_for is not None,
+        max_wait_s=max_wait_s,
+        print_nth=print_nth is not None,
+        qos_durability=qos_durability,
+    )
     if once and rate_hz is not None:
         raise click.UsageError("give one of -1 and -r, not both")
+    text = _read(file, arguments)
+    options = _Options(rate_hz, once, latch, verbose, substitute_keywords, use_rostime, text)
+    run(_pub(topic, type_name, arguments, options, msg_paths, master))
+
+
+def _read(file: Path | None, arguments: tuple[str, ...]) -> str | None:
     if arguments and file is not None:
         raise click.UsageError("give values or a file, not both")
     if file is not None and not file.is_file():
         raise ConfigError(f"there is no file {file}")
-    text = file.read_text() if file is not None else None
-    options = _Options(rate_hz, once, latch, verbose, substitute_keywords, use_rostime, text)
-    run(_pub(topic, type_name, arguments, options, msg_paths, master))
+    return file.read_text() if file is not None else None
 
 
 async def _pub(

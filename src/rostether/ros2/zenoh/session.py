@@ -41,6 +41,11 @@ MAX_WAITING_NEWS = 200_000
 FIRST_LOOK_TIMEOUT_S = 2.0
 """How long a session that has just opened waits to hear of the graph; who is there answers at once."""
 
+FIRST_LINK_TIMEOUT_S = 0.5
+"""How long a session waits for its first connection, which zenoh does not; to a router here it takes 10 ms."""
+
+LINK_POLL_S = 0.005
+
 _log = logging.getLogger("rostether.ros2")
 
 
@@ -153,6 +158,8 @@ class ZenohSession:
         await asyncio.to_thread(self.zenoh.close)
 
     async def _start(self) -> ZenohSession:
+        if not self.is_router:
+            await self._wait_for_link()
         key = all_tokens(self.domain_id)
         self._watch = self._liveliness.declare_subscriber(
             key, zenoh.handlers.Callback(self._take_token, indirect=False), history=True
@@ -163,6 +170,12 @@ class ZenohSession:
         await asyncio.sleep(0)
         _log.debug("%d tokens after %.3f s", len(tokens), time.monotonic() - started_s)
         return self
+
+    async def _wait_for_link(self) -> None:
+        """Wait for the first connection: nobody hears what a session is asked before."""
+        info, deadline_s = self.zenoh.info, time.monotonic() + FIRST_LINK_TIMEOUT_S
+        while not (info.routers_zid() or info.peers_zid()) and time.monotonic() < deadline_s:
+            await asyncio.sleep(LINK_POLL_S)
 
     def _take_token(self, sample: zenoh.Sample) -> None:
         stay_known()

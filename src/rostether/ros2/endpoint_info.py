@@ -1,0 +1,54 @@
+"""Who is at the ends of a graph's topics and services, in detail: what `ros2 topic info -v` tells."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Protocol
+
+from rostether.graph.ports import Graph
+
+INFINITE = "Infinite"
+
+
+class EndpointKind(Enum):
+    """What an end is; the names are rclpy's."""
+
+    PUBLISHER = "PUBLISHER"
+    SUBSCRIPTION = "SUBSCRIPTION"
+    SERVER = "SERVER"
+    CLIENT = "CLIENT"
+
+
+@dataclass(frozen=True, slots=True)
+class QosReport:
+    """Quality of service in rclpy's words; what the middleware does not tell is UNKNOWN."""
+
+    reliability: str
+    durability: str
+    history: str
+    depth: int
+    lifespan: str = INFINITE
+    deadline: str = INFINITE
+    liveliness: str = "AUTOMATIC"
+    lease: str = INFINITE
+
+
+@dataclass(frozen=True, slots=True)
+class EndpointInfo:
+    """One end. Empty and None is what the middleware does not tell; `type` is `std_msgs/msg/String`."""
+
+    node_name: str
+    kind: EndpointKind
+    name: str
+    type: str
+    type_hash: str = ""
+    gid: bytes = b""
+    qos: QosReport | None = None
+
+
+class Ros2Graph(Graph, Protocol):
+    """A `graph.ports.Graph` of ROS 2."""
+
+    async def endpoints(self) -> list[EndpointInfo]:
+        """Return every end of every topic and service that is known now."""
