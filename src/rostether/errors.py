@@ -3,6 +3,7 @@
 RostetherError
 ├── InvalidNameError            a graph name, package name or type name that breaks the naming rules
 ├── ConfigError                 an option, link address, environment variable or file that makes no sense
+├── LaunchError                 a launch file that cannot be understood or started (file, line)
 ├── CodegenError                a client library that cannot be generated
 ├── FirmwareError               a sketch that cannot be built, measured or uploaded
 │   └── SketchError             the compiler or the linker refuses it; holds what they printed
@@ -41,6 +42,16 @@ class InvalidNameError(RostetherError, ValueError):
 
 class ConfigError(RostetherError):
     """A setting makes no sense: option, link address, environment variable or file."""
+
+
+class LaunchError(RostetherError):
+    """A launch file cannot be understood or started; `line` counts from 1, 0 is unknown."""
+
+    def __init__(self, message: str, *, file: str = "", line: int = 0) -> None:
+        place = ":".join(str(part) for part in (file, line) if part)
+        super().__init__(f"{place}: {message}" if place else message)
+        self.file = file
+        self.line = line
 
 
 class CodegenError(RostetherError):

@@ -71,7 +71,7 @@ async def _names_below(namespace: str, master: str | None) -> list[str]:
 @master_option
 def get(name: str, pretty: bool, verbose: bool, as_json: bool, master: str | None) -> None:
     """Print a parameter, or all parameters of a namespace, in YAML."""
-    from rostether.cli.param_yaml import DOCUMENT_END, dump, pretty_lines
+    from rostether.param_yaml import DOCUMENT_END, dump, pretty_lines
 
     full_name, value = run(_fetch(name, master))
     if verbose:
@@ -152,7 +152,7 @@ async def _delete(name: str, master: str | None) -> str:
 @master_option
 def dump_params(file: Path | None, namespace: str, verbose: bool, master: str | None) -> None:
     """Write parameters to a YAML file; without a file, or with -, to stdout."""
-    from rostether.cli.param_yaml import dump
+    from rostether.param_yaml import dump
 
     if verbose:
         write_line(f"dumping namespace [{namespace}] to file [{file}]")

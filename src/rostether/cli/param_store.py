@@ -53,7 +53,7 @@ def set_param(
 
     A mapping sets each parameter it names and leaves the others of the namespace as they are.
     """
-    from rostether.cli.param_yaml import looks_like_number, parse_value
+    from rostether.param_yaml import looks_like_number, parse_value
 
     if (value is not None) + (textfile is not None) + (binfile is not None) != 1:
         raise click.UsageError("give a value, or a file with -t or -b")
@@ -85,7 +85,7 @@ def set_param(
 @master_option
 def load(file: Path, namespace: str, verbose: bool, master: str | None) -> None:
     """Set the parameters of a YAML file (- is stdin), in a namespace if one is given."""
-    from rostether.cli.param_yaml import parse_documents
+    from rostether.param_yaml import parse_documents
 
     text = sys.stdin.read() if str(file) == "-" else _read_text(file)
     run(_store(list(parse_documents(text, namespace, str(file))), verbose, master))
@@ -103,7 +103,7 @@ def _read_text(file: Path) -> str:
 async def _store(values: list[tuple[str, Any]], verbose: bool, master: str | None) -> None:
     from rostether.cli.graph_access import master_client, read_environment
     from rostether.cli.param_access import param_name
-    from rostether.cli.param_yaml import leaves
+    from rostether.param_yaml import leaves
 
     environment = read_environment(master)
     settings: list[tuple[str, ParamValue]] = []

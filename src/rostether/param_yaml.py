@@ -9,8 +9,8 @@ from typing import Any
 
 import yaml
 
-from rostether.cli.expression import compile_expression
 from rostether.errors import ConfigError
+from rostether.expression import compile_expression
 from rostether.graph.ports import ParamValue
 from rostether.names.graph_name import is_private, join
 from rostether.serde.yaml_nesting import refuse_deep_nesting

@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from rostether.cli.expression import MAX_EXPRESSION_CHARS, compile_filter
 from rostether.errors import ConfigError
+from rostether.expression import MAX_EXPRESSION_CHARS, compile_filter
 from rostether.rostime import Time
 
 
