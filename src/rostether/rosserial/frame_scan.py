@@ -25,6 +25,10 @@ from rostether.rosserial.frame import FORMS, SYNC, read_header
 MAX_STRETCHES = 64
 """Stretches reported apart between two good frames; in worse noise the rest joins the last one."""
 
+LOOK_SUMS_BYTES = 4096
+LOOK_RUNNING_SUMS_BYTES = 64
+"""Adding up the payload of a frame that is none costs as much as a look for each so many bytes."""
+
 MIN_TAIL_BYTES = 256
 MAX_TAIL_BYTES = 1024
 TAIL_SHARE = 64
@@ -188,12 +192,13 @@ class FrameScanner:
                 header = following
                 continue
             waste.begin(position, DiscardReason.PAYLOAD_CHECKSUM)
-            looks += 1
+            looks += 1 + stride // LOOK_SUMS_BYTES
             if looks > most_looks:
                 position, most_looks = waste.skip(position, total), total
             summed_in_vain += stride
             if summed_in_vain > 2 * total and sums is None:
                 sums = RunningSums(buffer)
+                looks += total // LOOK_RUNNING_SUMS_BYTES
             position = _find(buffer, _SYNC, position + 1)
             header = buffer[position : position + header_bytes]
         waste.end(total)
