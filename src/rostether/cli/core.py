@@ -1,4 +1,4 @@
-"""`rostether core`: the ROS master alone."""
+"""`rostether core`: the ROS master alone, or the zenoh router of ROS 2."""
 
 from __future__ import annotations
 
@@ -8,9 +8,12 @@ from rostether.cli.graph_access import read_environment
 from rostether.cli.limit_options import GRAPH_LIMITS, limit_option, read_graph_limits
 from rostether.cli.options import allow_option, listen_option
 from rostether.cli.output import write_line
+from rostether.cli.ros2_options import read_ros2_options, zenoh_reach_options
+from rostether.cli.ros_choice import ANY_MIDDLEWARE, ROS2_OPTION, Middleware
 from rostether.cli.running import run
 from rostether.cli.verbs import Verb
 from rostether.cli.which_master import master_answers
+from rostether.cli.zenoh_router import serve_router
 from rostether.errors import GraphError
 from rostether.ros1.environment import RosEnvironment, format_uri
 
@@ -21,6 +24,7 @@ from rostether.ros1.environment import RosEnvironment, format_uri
     rostether core                        the master at http://localhost:11311
     rostether core --port 11312           another port, for a second graph
     rostether core --listen 0.0.0.0       for nodes on other machines too
+    rostether core --ros2 zenoh --zenoh-listen tcp/0.0.0.0:7447
     """,
 )
 @click.option(
@@ -29,8 +33,33 @@ from rostether.ros1.environment import RosEnvironment, format_uri
 @listen_option
 @allow_option
 @limit_option(GRAPH_LIMITS)
-def core(port: int | None, listen: str | None, allowed: tuple[str, ...], limits: tuple[str, ...]) -> None:
-    """Run the ROS master, parameter server and log collector, like roscore."""
+@click.option(
+    ROS2_OPTION,
+    "ros2",
+    type=click.Choice([*map(str, Middleware), ANY_MIDDLEWARE]),
+    metavar="[zenoh]",
+    help="Run the zenoh router of ROS 2 instead.",
+)
+@zenoh_reach_options
+def core(
+    port: int | None,
+    listen: str | None,
+    allowed: tuple[str, ...],
+    limits: tuple[str, ...],
+    ros2: str | None,
+) -> None:
+    """Run the ROS master, parameter server and log collector, like roscore.
+
+    With --ros2 zenoh, run the router that ROS 2 over zenoh has on each machine, like rmw_zenohd.
+    """
+    # Without the word it is the master, also where a ROS 2 is sourced, which has none.
+    if ros2 is not None:
+        if ros2 == Middleware.RCLPY:
+            raise click.UsageError("only ROS 2 over zenoh has a core; DDS finds the others by itself")
+        if port is not None or listen is not None or allowed or limits:
+            raise click.UsageError("with --ros2 only --zenoh-connect and --zenoh-listen are for the router")
+        run(serve_router(read_ros2_options().reach), is_service=True)
+        return
     environment = read_environment()
     if listen is not None:
         environment = environment.listening_on(listen)

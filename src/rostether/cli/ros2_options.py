@@ -27,7 +27,7 @@ def _keep(context: click.Context, parameter: click.Parameter, value: object) -> 
     return value
 
 
-_OPTIONS = (
+_REACH_OPTIONS = (
     click.option(
         "--zenoh-connect",
         multiple=True,
@@ -44,6 +44,9 @@ _OPTIONS = (
         callback=_keep,
         help="With --ros2 zenoh, let others reach us there, as tcp/0.0.0.0:7447; may be repeated.",
     ),
+)
+_OPTIONS = (
+    *_REACH_OPTIONS,
     click.option(
         "--zenoh-router",
         type=click.Choice(["auto", "never", "always"]),
@@ -66,6 +69,13 @@ _OPTIONS = (
 )
 
 
+def zenoh_reach_options(function: Function) -> Function:
+    """Add --zenoh-connect and --zenoh-listen; `read_ros2_options` returns what was typed."""
+    for option in reversed(_REACH_OPTIONS):
+        function = option(function)
+    return function
+
+
 def ros2_options(function: Function) -> Function:
     """Add --ros1, --ros2 and what goes with it; `read_ros2_options` returns what was typed."""
     for option in reversed(_OPTIONS):
@@ -79,5 +89,5 @@ def read_ros2_options() -> Ros2Options:
     typed = context.meta.get(_KEY) if context is not None else None
     if typed is None:
         return Ros2Options()
-    reach = ZenohReach(typed["zenoh_connect"], typed["zenoh_listen"], typed["zenoh_router"])
-    return Ros2Options(reach, typed["params_files"])
+    reach = ZenohReach(typed["zenoh_connect"], typed["zenoh_listen"], typed.get("zenoh_router", "auto"))
+    return Ros2Options(reach, typed.get("params_files", ()))
