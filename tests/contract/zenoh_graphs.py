@@ -7,6 +7,7 @@ from collections.abc import AsyncIterator, Mapping
 from contextlib import AsyncExitStack, asynccontextmanager
 
 from interop.ros1_peers import free_port
+from rostether.errors import MasterUnreachableError
 from rostether.graph.ports import Graph, JoinGraph
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
@@ -36,10 +37,21 @@ async def open_session(
     return await ZenohSession.open(environment, types or ros2_types(), reach=Reach(choice))
 
 
+async def open_router(domain_id: int = 0) -> tuple[ZenohSession, int]:
+    """Open a session that is the router of a port of its own; returns it with the port."""
+    for _ in range(5):
+        port = free_port()
+        try:
+            return await open_session(port, is_router=True, domain_id=domain_id), port
+        except MasterUnreachableError:
+            continue  # Somebody else's connection took the port a moment ago.
+    raise AssertionError("no port stays free")
+
+
 @asynccontextmanager
 async def open_one_session() -> AsyncIterator[JoinGraph]:
     """Join nodes of one session, as a bridge's."""
-    session = await open_session(free_port(), is_router=True)
+    session, _ = await open_router()
     try:
         yield session.join
     finally:
@@ -49,16 +61,17 @@ async def open_one_session() -> AsyncIterator[JoinGraph]:
 @asynccontextmanager
 async def open_sessions() -> AsyncIterator[JoinGraph]:
     """Join nodes that have a session each: the first is the router of the others."""
-    port = free_port()
+    port: int | None = None
     async with AsyncExitStack() as stack:
-        is_first = True
 
         async def join(
             node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
         ) -> Graph:
-            nonlocal is_first
-            session = await open_session(port, is_router=is_first)
-            is_first = False
+            nonlocal port
+            if port is None:
+                session, port = await open_router()
+            else:
+                session = await open_session(port, is_router=False)
             stack.push_async_callback(session.close)
             return await session.join(node_name, namespace=namespace, remappings=remappings)
 

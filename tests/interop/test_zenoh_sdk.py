@@ -9,8 +9,7 @@ import pytest
 import pytest_asyncio
 
 from contract.graphs import Inbox, string, until
-from contract.zenoh_graphs import open_session
-from interop.ros1_peers import free_port
+from contract.zenoh_graphs import open_router
 from interop.zenoh_peers import SdkPeer, missing_sdk, sdk_peer
 from rostether.errors import ServiceCallError, ServiceTimeoutError
 from rostether.graph.ports import Graph
@@ -49,7 +48,7 @@ uint32 nanosec
 @pytest_asyncio.fixture
 async def session() -> AsyncIterator[ZenohSession]:
     """Our session, the router of a port of its own."""
-    session = await open_session(free_port(), is_router=True, domain_id=DOMAIN)
+    session, _ = await open_router(DOMAIN)
     yield session
     await session.close()
 

@@ -7,14 +7,12 @@ from typing import cast
 import zenoh
 
 from contract.graphs import until
-from contract.zenoh_graphs import open_session
-from interop.ros1_peers import free_port
+from contract.zenoh_graphs import open_router, open_session
 from rostether.ros2.zenoh.foreign_threads import stay_known
 
 
 async def test_a_thread_of_zenohs_keeps_its_state_between_callbacks() -> None:
-    port = free_port()
-    receiving = await open_session(port, is_router=True)
+    receiving, port = await open_router()
     sending = await open_session(port, is_router=False)
     seen: list[tuple[int, bool]] = []
     local = threading.local()

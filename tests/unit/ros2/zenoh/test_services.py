@@ -10,8 +10,7 @@ import pytest_asyncio
 import zenoh
 
 from contract.graphs import SET_BOOL, string, until
-from contract.zenoh_graphs import open_session, ros2_types
-from interop.ros1_peers import free_port
+from contract.zenoh_graphs import open_router, open_session, ros2_types
 from rostether.errors import (
     SerializationError,
     ServiceCallError,
@@ -32,7 +31,7 @@ GID = bytes(range(16))
 
 @pytest_asyncio.fixture
 async def session() -> AsyncIterator[ZenohSession]:
-    session = await open_session(free_port(), is_router=True)
+    session, _ = await open_router()
     yield session
     await session.close()
 
@@ -96,8 +95,8 @@ async def test_a_server_that_ends_during_the_call(session: ZenohSession) -> None
 
 
 async def test_a_server_whose_machine_is_gone(session: ZenohSession) -> None:
-    port = free_port()
-    near, far = await open_session(port, is_router=True), await open_session(port, is_router=False)
+    near, port = await open_router()
+    far = await open_session(port, is_router=False)
     server, client = await far.join("server"), await near.join("client")
     called = asyncio.Event()
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from contract.graphs import STRING, Inbox, string, until
-from contract.zenoh_graphs import open_session, ros2_types
+from contract.zenoh_graphs import open_router, open_session, ros2_types
 from interop.ros1_peers import free_port
 from rostether.errors import InvalidNameError, MasterUnreachableError
 from rostether.ros2.environment import Ros2Environment
@@ -16,8 +16,7 @@ from rostether.ros2.zenoh.session import ZenohSession
 
 
 async def test_domains_do_not_meet() -> None:
-    port = free_port()
-    here = await open_session(port, is_router=True, domain_id=1)
+    here, port = await open_router(1)
     there = await open_session(port, is_router=False, domain_id=2)
     one, other, inbox = await here.join("one"), await there.join("other"), Inbox()
     publisher = await one.advertise("/chat", STRING)
@@ -34,8 +33,7 @@ async def test_domains_do_not_meet() -> None:
 
 
 async def test_a_routers_restart_heals_and_doubles_nothing() -> None:
-    port = free_port()
-    router = await open_session(port, is_router=True)
+    router, port = await open_router()
     # Peers that do not listen can only meet through the router.
     left, right = await _client(port), await _client(port)
     talker, listener = await left.join("talker"), await right.join("listener")
@@ -71,8 +69,7 @@ async def test_a_routers_restart_heals_and_doubles_nothing() -> None:
 
 
 async def test_a_routers_restart_brings_latched_messages_once() -> None:
-    port = free_port()
-    router = await open_session(port, is_router=True)
+    router, port = await open_router()
     left, right = await _client(port), await _client(port)
     talker, listener = await left.join("talker"), await right.join("listener")
     inbox = Inbox()
@@ -127,7 +124,7 @@ async def test_a_session_is_the_router_where_there_is_none(monkeypatch: pytest.M
 
 
 async def test_a_closed_session_takes_no_nodes() -> None:
-    session = await open_session(free_port(), is_router=True)
+    session, _ = await open_router()
     with pytest.raises(InvalidNameError):
         await session.join("no-name")
     await session.close()
@@ -137,7 +134,7 @@ async def test_a_closed_session_takes_no_nodes() -> None:
 
 
 async def test_initial_parameters_are_the_nodes() -> None:
-    session = await open_session(free_port(), is_router=True)
+    session, _ = await open_router()
     node = await session.join("board", parameters={"gain": 2.5})
     assert await node.get_param("~gain") == 2.5
     await session.close()

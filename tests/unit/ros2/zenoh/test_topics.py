@@ -10,8 +10,7 @@ import pytest_asyncio
 import zenoh
 
 from contract.graphs import BOOL, STRING, Inbox, string, until
-from contract.zenoh_graphs import open_session, ros2_types
-from interop.ros1_peers import free_port
+from contract.zenoh_graphs import open_router, open_session, ros2_types
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
 from rostether.ros2.zenoh.attachment import parse_attachment
 from rostether.ros2.zenoh.session import ZenohSession
@@ -23,7 +22,7 @@ CDR_HELLO = b"\0\1\0\0\x06\0\0\0hello\0"
 
 @pytest_asyncio.fixture
 async def session() -> AsyncIterator[ZenohSession]:
-    session = await open_session(free_port(), is_router=True)
+    session, _ = await open_router()
     yield session
     await session.close()
 
@@ -180,8 +179,8 @@ async def test_nobody_pauses_for_a_link_that_is_free(session: ZenohSession) -> N
 
 
 async def test_a_link_that_is_full_pauses_and_then_drops(monkeypatch: pytest.MonkeyPatch) -> None:
-    port = free_port()
-    here, there = await open_session(port, is_router=True), await open_session(port, is_router=False)
+    here, port = await open_router()
+    there = await open_session(port, is_router=False)
     talker, listener, inbox = await here.join("talker"), await there.join("listener"), Inbox()
     publisher = await talker.advertise("/chat", STRING, queue_bytes=1 << 20)
     await listener.subscribe("/chat", STRING, inbox.take)
