@@ -8,7 +8,7 @@ For std_msgs/Header it comes out as:
         if e4 != len(b): raise overrun
         m5 = new(class_1)
         m5.seq = v0 ...
-        m5.frame_id = str(b[16:e4], 'utf-8', 'surrogateescape')
+        m5.frame_id = str(b[16:e4], 'utf-8', text_errors)
         return m5
 
 Messages are built once the lengths are known to add up. So nothing is allocated for a length that is only
@@ -21,7 +21,6 @@ import struct
 from collections.abc import Callable
 from typing import Any, Final
 
-from rostether.rostime import Duration, Time
 from rostether.serde.generated_source import attribute_store, indented
 from rostether.serde.type_tree import Array, Node, Number, Stamp, Struct, Text
 from rostether.serde.values import Message, MessageClasses
@@ -66,9 +65,11 @@ class _DecoderSource:
         self.functions: list[str] = []
         self.names: dict[str, Any] = {
             "new": object.__new__,
-            "new_tuple": tuple.__new__,
-            "time": Time,
-            "duration": Duration,
+            "new_stamp": classes.new_stamp,
+            "time": classes.time,
+            "duration": classes.duration,
+            "numbers": classes.numbers,
+            "text_errors": classes.text_errors,
             "unpack_from": struct.unpack_from,
             "read_texts": _read_texts,
             "read_structs": _read_structs,
@@ -184,12 +185,12 @@ class _Body:
         if isinstance(node, Number):
             return self._unpacked(node.code)
         if isinstance(node, Stamp):
-            return f"new_tuple({node.name}, ({self._unpacked(node.code[0])}, {self._unpacked(node.code[1])}))"
+            return f"new_stamp({node.name}, ({self._unpacked(node.code[0])}, {self._unpacked(node.code[1])}))"
         if isinstance(node, Text):
             length = self._unpacked("I")
             start = self.position()
             end = self._end(f"{start} + {length}")
-            return f"str(b[{start}:{end}], 'utf-8', 'surrogateescape')"
+            return f"str(b[{start}:{end}], 'utf-8', text_errors)"
         if isinstance(node, Array):
             return self._varying_array(node) if node.length is None else self._fixed_array(node, node.length)
         return self._nested(node)
@@ -211,7 +212,8 @@ class _Body:
         if array.is_bytes:
             return self._unpacked(f"{size}s")
         if isinstance(element, Number) and length <= _MAX_UNROLLED_LENGTH:
-            return f"[{', '.join(self._unpacked(element.code) for _ in range(length))}]"
+            values = "".join(f"{self._unpacked(element.code)}, " for _ in range(length))
+            return f"{self._numbers(element)}(({values}))"
         return self._elements(element, self._unpacked(f"{size}s"), length)
 
     def _empties(self, array: Array, length: int) -> str:
@@ -230,7 +232,7 @@ class _Body:
             return f"make_empties({self._source.message_class(element)}, {count}, {array.max_count})"
         end = self._end(f"{start} + {count} * {size}" if size > 1 else f"{start} + {count}")
         if isinstance(element, Number) and not array.is_bytes:
-            return f"list(unpack_from(f'<{{{count}}}{element.code}', b, {start}))"
+            return f"{self._numbers(element)}(unpack_from(f'<{{{count}}}{element.code}', b, {start}))"
         raw = f"b[{start}:{end}]"
         return raw if array.is_bytes else self._elements(element, raw)
 
@@ -240,15 +242,19 @@ class _Body:
             return f"{self._source.many_reader(element)}({raw})"
         if isinstance(element, Stamp):
             each = self._source.iteration(element.code)
-            return f"[new_tuple({element.name}, pair) for pair in {each}({raw})]"
+            return f"[new_stamp({element.name}, pair) for pair in {each}({raw})]"
         assert isinstance(element, Number)
-        return f"list({self._source.unpacking(f'{length}{element.code}')}({raw}))"
+        return f"{self._numbers(element)}({self._source.unpacking(f'{length}{element.code}')}({raw}))"
+
+    def _numbers(self, element: Number) -> str:
+        """Return the name of what makes an array of numbers; flags always come as a list, as in genpy."""
+        return "list" if element.code == "?" else "numbers"
 
     def _varying_elements(self, element: Node, count: str) -> str:
         start = self.position()
         if isinstance(element, Struct):
             return self._call(f"read_structs({self._source.reader(element)}, b, {start}, {count})")
-        return self._call(f"read_texts(b, {start}, {count})")
+        return self._call(f"read_texts(b, {start}, {count}, text_errors)")
 
     def _call(self, call: str) -> str:
         """Read by a call that returns a value and where it ends."""
@@ -278,13 +284,13 @@ class _Body:
         return f"{prefix}{self._count - 1}"
 
 
-def _read_texts(payload: bytes, at: int, count: int) -> tuple[list[str], int]:
+def _read_texts(payload: bytes, at: int, count: int, errors: str) -> tuple[list[str], int]:
     """Read strings one after another; returns them and where they end."""
     texts = []
     for _ in range(count):
         start = at + 4
         at = start + _UNPACK_U32(payload, at)[0]
-        texts.append(str(payload[start:at], "utf-8", "surrogateescape"))
+        texts.append(str(payload[start:at], "utf-8", errors))
     return texts, at
 
 

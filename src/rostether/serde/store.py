@@ -15,10 +15,10 @@ class TypeStore:
     A type keeps the definition that it had when first asked for.
     """
 
-    def __init__(self, registry: Registry) -> None:
+    def __init__(self, registry: Registry, classes: MessageClasses | None = None) -> None:
         self.registry = registry
         self._trees = TypeTrees(registry)
-        self._classes = MessageClasses()
+        self._classes = MessageClasses() if classes is None else classes
         self._layouts: dict[str, Layout] = {}
         self._codecs: dict[str, Codec] = {}
 

@@ -62,7 +62,18 @@ class Message:
 
 
 class MessageClasses:
-    """The message classes of one type store, each made once."""
+    """The message classes of one type store, each made once; a subclass may choose what values are made of."""
+
+    time: Any = Time
+    duration: Any = Duration
+    new_stamp: Any = staticmethod(tuple.__new__)
+    """Makes a time or duration of its class and a pair of integers."""
+
+    numbers: Any = list
+    """Makes an array of numbers."""
+
+    text_errors: str = "surrogateescape"
+    """What becomes of bytes of a string that are not UTF-8."""
 
     def __init__(self) -> None:
         self._classes: dict[str, type[Message]] = {}
@@ -102,7 +113,7 @@ class MessageClasses:
         if isinstance(node, Number):
             return False if node.code == "?" else 0.0 if node.code in "fd" else 0
         if isinstance(node, Stamp):
-            return Time() if node.name == "time" else Duration()
+            return self.time() if node.name == "time" else self.duration()
         if not isinstance(node, Array):
             return ""
         if node.is_bytes:
