@@ -6,7 +6,7 @@ import asyncio
 import importlib.util
 import json
 import sys
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
@@ -20,10 +20,11 @@ def missing_sdk() -> str:
 
 
 class SdkPeer:
-    """The other side; `got` collects what its subscribers print."""
+    """The other side; `got` collects what its subscribers print, `got_on` by topic."""
 
     def __init__(self, process: asyncio.subprocess.Process) -> None:
         self.got: list[dict[str, Any]] = []
+        self.got_on: dict[str, list[dict[str, Any]]] = {}
         self._process = process
         self._answers: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
         self._reading = asyncio.ensure_future(self._read())
@@ -60,14 +61,18 @@ class SdkPeer:
             fields = json.loads(line)
             if "got" in fields:
                 self.got.append(fields["fields"])
+                self.got_on.setdefault(fields["got"], []).append(fields["fields"])
             else:
                 self._answers.put_nowait(fields)
 
 
 @asynccontextmanager
-async def sdk_peer(port: int, home: Path, domain_id: int = 0) -> AsyncIterator[SdkPeer]:
-    """Start the other side as a peer of the router at `port`."""
+async def sdk_peer(
+    port: int, home: Path, domain_id: int = 0, *, on: Sequence[str] = ()
+) -> AsyncIterator[SdkPeer]:
+    """Start the other side as a peer of the router at `port`; `on` begins its command, see `machines`."""
     process = await asyncio.create_subprocess_exec(
+        *on,
         sys.executable,
         str(PEER),
         str(port),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import os
 import sys
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncIterator, Mapping, Sequence
 from contextlib import asynccontextmanager
 from pathlib import Path
 
@@ -21,12 +21,14 @@ async def sim_address(sketch: str | Path, kind: str, name: str) -> str:
     return f"sim:{built.elf}?board={kind}&name={name}"
 
 
-@asynccontextmanager
-async def serving(*arguments: str, environment: Mapping[str, str] | None = None) -> AsyncIterator[Peer]:
-    """Run `rostether serve` as long as the block lasts; what it prints is kept."""
+async def started(
+    *arguments: str, environment: Mapping[str, str] | None = None, on: Sequence[str] = ()
+) -> Peer:
+    """Start our command line; what it prints is kept. `on` begins its command, see `interop.machines`."""
     process = await asyncio.create_subprocess_exec(
+        *on,
         sys.executable,
-        *("-m", "rostether", "serve", *arguments),
+        *("-m", "rostether", *arguments),
         stdin=asyncio.subprocess.DEVNULL,
         stdout=asyncio.subprocess.PIPE,
         stderr=asyncio.subprocess.STDOUT,
@@ -35,6 +37,15 @@ async def serving(*arguments: str, environment: Mapping[str, str] | None = None)
     )
     peer = Peer(process)
     peer.reader = asyncio.ensure_future(peer.read())
+    return peer
+
+
+@asynccontextmanager
+async def serving(
+    *arguments: str, environment: Mapping[str, str] | None = None, on: Sequence[str] = ()
+) -> AsyncIterator[Peer]:
+    """Run `rostether serve` as long as the block lasts."""
+    peer = await started("serve", *arguments, environment=environment, on=on)
     try:
         yield peer
     finally:

@@ -1,0 +1,154 @@
+"""A board on one machine, a ROS 2 node on another, each with its zenoh router, also when one restarts.
+
+The machines are network namespaces, the board runs real firmware, the node is zenoh-ros2-sdk.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Iterator
+from contextlib import AsyncExitStack
+from pathlib import Path
+
+import pytest
+import pytest_asyncio
+
+from firmware.ros2.serving import SKETCHES, serving, sim_address, started
+from interop.machines import Machines, machines, missing_namespaces
+from interop.ros1_peers import Peer
+from interop.zenoh_peers import SdkPeer, missing_sdk, sdk_peer
+from unit.bridge.doubles import until
+
+pytestmark = [
+    pytest.mark.asyncio(loop_scope="module"),
+    pytest.mark.timeout(120),
+    pytest.mark.skipif(bool(missing_sdk()), reason=missing_sdk()),
+    pytest.mark.skipif(bool(missing_namespaces()), reason=missing_namespaces()),
+]
+
+PATIENCE_S = 30.0
+ROUTER_PORT = 7447
+UINT32 = {"msg_type": "std_msgs/msg/UInt32", "msg_definition": "uint32 data\n"}
+HALVES = {"request_definition": "bool data", "response_definition": "bool success\nstring message"}
+NOBODY = {"ROS_DOMAIN_ID": "0", "ZENOH_CONFIG_OVERRIDE": "", "ZENOH_SESSION_CONFIG_URI": ""}
+
+
+class Router:
+    """The router of a machine, which can be started again."""
+
+    def __init__(self, on: tuple[str, ...], *options: str) -> None:
+        self._on = on
+        self._options = options
+        self._process: Peer | None = None
+
+    async def start(self) -> None:
+        """Start it, and wait until it routes."""
+        command = ("core", "--ros2", "zenoh", *self._options)
+        self._process = await started(*command, environment=NOBODY, on=self._on)
+        await self._process.wait_for("Press Ctrl-C", PATIENCE_S)
+
+    async def stop(self) -> None:
+        """End it at once, as a power failure does."""
+        if self._process is not None:
+            self._process.process.kill()
+            await self._process.stop()
+
+
+class Fleet:
+    """`robot` with a board, `laptop` with a node of somebody else."""
+
+    def __init__(self, routers: dict[str, Router], node: SdkPeer) -> None:
+        self.routers = routers
+        self.node = node
+        self._said = 0
+
+    def numbers(self, topic: str) -> list[int]:
+        """Return what the node has heard on a topic."""
+        return [fields["data"] for fields in self.node.got_on.get(topic, [])]
+
+    async def flows(self) -> None:
+        """Wait until the board is heard and hears; from then on, nothing may be missing."""
+        heard = len(self.numbers("/count"))
+        await until(lambda: len(self.numbers("/count")) > heard, "the count", PATIENCE_S)
+        for _ in range(100):
+            self._said += 1
+            await self.node.do("publish", "/say", messages=[{"data": self._said}])
+            await asyncio.sleep(0.05)
+            if self._said in self.numbers("/repeated"):
+                return
+        raise AssertionError("the board hears nothing")
+
+    async def fallen_silent(self) -> int:
+        """Wait until nothing comes any more; returns how many counts were heard."""
+        heard = -1
+        while len(self.numbers("/count")) != heard:
+            heard = len(self.numbers("/count"))
+            await asyncio.sleep(0.3)
+        return heard
+
+    async def require_all(self, count: int) -> None:
+        """Check that so many messages pass both ways, each once and in order."""
+        counted, repeated = len(self.numbers("/count")), len(self.numbers("/repeated"))
+        sent = list(range(self._said + 1, self._said + count + 1))
+        self._said += count
+        for number in sent:
+            await self.node.do("publish", "/say", messages=[{"data": number}])
+        await until(lambda: len(self.numbers("/repeated")) >= repeated + count, "the last one", PATIENCE_S)
+        await until(lambda: len(self.numbers("/count")) >= counted + count, "the count", PATIENCE_S)
+        assert self.numbers("/repeated")[repeated:] == sent
+        numbers = self.numbers("/count")[counted:]
+        assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))
+        everything = self.numbers("/count")
+        assert everything == sorted(set(everything))
+
+    async def call(self) -> bool:
+        """Call the board's service."""
+        answered = await self.node.do(
+            "call", "/switch", srv_type="std_srvs/srv/SetBool", request={"data": True}, **HALVES
+        )
+        return answered["response"] is not None and bool(answered["response"]["success"])
+
+
+@pytest.fixture(scope="module")
+def network() -> Iterator[Machines]:
+    with machines("robot", "laptop") as network:
+        yield network
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def fleet(network: Machines, tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Fleet]:
+    home: Path = tmp_path_factory.mktemp("home")
+    robot, laptop = network.on("robot"), network.on("laptop")
+    routers = {
+        "robot": Router(robot, "--zenoh-listen", f"tcp/0.0.0.0:{ROUTER_PORT}"),
+        "laptop": Router(laptop, "--zenoh-connect", f"tcp/{network.address('robot')}:{ROUTER_PORT}"),
+    }
+    board = await sim_address(SKETCHES / "Counter", "uno", "arm")
+    async with AsyncExitStack() as stack:
+        for router in routers.values():
+            stack.push_async_callback(router.stop)
+            await router.start()
+        await stack.enter_async_context(serving("--ros2", "zenoh", board, environment=NOBODY, on=robot))
+        node = await stack.enter_async_context(sdk_peer(ROUTER_PORT, home, on=laptop))
+        await node.do("subscribe", "/count", **UINT32)
+        await node.do("subscribe", "/repeated", **UINT32)
+        await node.do("advertise", "/say", **UINT32)
+        yield Fleet(routers, node)
+
+
+async def test_a_board_and_a_node_meet(fleet: Fleet) -> None:
+    await fleet.flows()
+    await fleet.require_all(50)
+    assert await fleet.call()
+
+
+@pytest.mark.parametrize("name", ["robot", "laptop"])
+async def test_a_router_restarts(fleet: Fleet, name: str) -> None:
+    await fleet.flows()
+    await fleet.routers[name].stop()
+    heard = await fleet.fallen_silent()
+    await fleet.routers[name].start()
+    await until(lambda: len(fleet.numbers("/count")) > heard, "the count again", PATIENCE_S)
+    await fleet.flows()
+    await fleet.require_all(50)
+    assert await fleet.call()

@@ -1,0 +1,82 @@
+"""Machines of a network, on one: each is a network namespace with a loopback and an address of its own.
+
+They live in a namespace that nobody needs to be root for, where the system lets users make one.
+"""
+
+from __future__ import annotations
+
+import functools
+import os
+import shutil
+import subprocess
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+
+_IS_ROOT = os.getuid() == 0
+_UNSHARE = ("unshare", *(() if _IS_ROOT else ("--user", "--map-root-user")), "--net", "--mount")
+_ENTER = ("nsenter", *(() if _IS_ROOT else ("--user", "--preserve-credentials")), "--net", "--mount")
+
+
+@functools.cache
+def missing_namespaces() -> str:
+    """Return why there can be no machines here, or an empty string."""
+    for program, package in (("ip", "iproute2"), ("unshare", "util-linux"), ("nsenter", "util-linux")):
+        if shutil.which(program) is None:
+            return f"no {program} (apt install {package})"
+    script = """mount -t tmpfs none /run
+        ip netns add probe
+        ip link add switch type bridge
+        ip link add here type veth peer name there netns probe"""
+    probe = subprocess.run(
+        [*_UNSHARE, "sh", "-ec", script],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    return f"no network namespaces: {probe.stderr.strip()}" if probe.returncode else ""
+
+
+class Machines:
+    """A network of machines; `on` gives the beginning of a command that runs on one of them."""
+
+    def __init__(self, names: Sequence[str], holder: subprocess.Popen[bytes]) -> None:
+        self._names = names
+        self._enter = (*_ENTER, "--target", str(holder.pid))
+
+    def address(self, name: str) -> str:
+        """Return the address of a machine."""
+        return f"10.77.0.{self._names.index(name) + 1}"
+
+    def on(self, name: str) -> tuple[str, ...]:
+        """Return what a command begins with that runs on a machine."""
+        return (*self._enter, "nsenter", f"--net=/run/netns/{name}")
+
+    def build(self) -> None:
+        """Make the machines, and plug them into a switch."""
+        lines = ["mount -t tmpfs none /run", "ip link add switch type bridge", "ip link set switch up"]
+        for name in self._names:
+            lines += [
+                f"ip netns add {name}",
+                f"ip link add to_{name} type veth peer name net netns {name}",
+                f"ip link set to_{name} master switch up",
+                f"ip -n {name} addr add {self.address(name)}/24 dev net",
+                f"ip -n {name} link set net up",
+                f"ip -n {name} link set lo up",
+            ]
+        subprocess.run([*self._enter, "sh", "-ec", "\n".join(lines)], check=True)
+
+
+@contextmanager
+def machines(*names: str) -> Iterator[Machines]:
+    """Have machines as long as the block lasts; what runs on them is to be ended by who started it."""
+    script = "echo ready; exec sleep infinity"
+    holder = subprocess.Popen([*_UNSHARE, "sh", "-c", script], stdout=subprocess.PIPE)
+    try:
+        assert holder.stdout is not None
+        assert holder.stdout.readline() == b"ready\n"
+        network = Machines(names, holder)
+        network.build()
+        yield network
+    finally:
+        holder.kill()
+        holder.communicate(timeout=10)
