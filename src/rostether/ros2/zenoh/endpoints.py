@@ -18,10 +18,11 @@ from rostether.ros2.zenoh.service_client import ServiceClient
 from rostether.ros2.zenoh.service_server import ServiceServer
 from rostether.ros2.zenoh.session import LiveToken
 from rostether.ros2.zenoh.subscription import Subscription, Taker
-from rostether.ros2.zenoh.tokens import Kind, Token, parse_token, tokens_of
+from rostether.ros2.zenoh.tokens import Kind, Token
 
-SERVICE_LOOK_TIMEOUT_S = 1.0
-"""How long the network is asked for a service that our own view lacks; who is there answers at once."""
+NEWS_TIME_S = 0.2
+"""How long a service that is not known may still be on its way to us: news takes a millisecond on one
+machine, and less than this through several routers."""
 
 MAX_CLIENTS = 256
 """Services that one node calls before it forgets the first ones; a board's sketch holds a handful."""
@@ -148,14 +149,18 @@ class Endpoints:
             self._node_token = None
 
     async def _servers_of(self, service: str) -> list[Token]:
-        session = self._node.session
-        servers = session.graph.endpoints(Kind.SERVER, service)
-        if not servers:
-            # Between machines the news of a node takes a moment; the question finds it.
-            texts = await session.look(
-                tokens_of(session.domain_id, Kind.SERVER, service), SERVICE_LOOK_TIMEOUT_S
-            )
-            servers = [token for token in map(parse_token, texts) if token is not None]
+        graph = self._node.session.graph
+        if not graph.endpoints(Kind.SERVER, service):
+            heard = asyncio.Event()
+            graph.listen(Kind.SERVER, service, heard.set)
+            try:
+                async with asyncio.timeout(NEWS_TIME_S):
+                    await heard.wait()
+            except TimeoutError:
+                pass
+            finally:
+                graph.unlisten(Kind.SERVER, service, heard.set)
+        servers = graph.endpoints(Kind.SERVER, service)
         if not servers:
             raise ServiceUnavailableError(f"nobody offers the service {service}")
         return servers

@@ -115,11 +115,6 @@ def all_tokens(domain_id: int) -> str:
     return f"{ADMIN_SPACE}/{domain_id}/**"
 
 
-def tokens_of(domain_id: int, kind: Kind, name: str) -> str:
-    """Return the key expression of the tokens of one topic's or service's ends."""
-    return f"{ADMIN_SPACE}/{domain_id}/*/*/*/{kind.value}/*/*/*/{mangle(name)}/**"
-
-
 def data_key(domain_id: int, name: str, dds_type: str, type_hash: str) -> str:
     """Return the key expression of a topic's samples or of a service's queries."""
     return f"{domain_id}/{name.removeprefix('/')}/{dds_type}/{type_hash}"

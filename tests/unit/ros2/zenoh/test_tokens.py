@@ -10,7 +10,6 @@ from rostether.ros2.zenoh.tokens import (
     all_tokens,
     data_key,
     parse_token,
-    tokens_of,
 )
 
 SESSION = "aac3178e146ba6f1fc6e6a4085e77f21"
@@ -83,4 +82,3 @@ def test_keys() -> None:
         f"7/chat/raw/std_msgs::msg::dds_::String_/{HASH}"
     )
     assert all_tokens(7) == "@ros2_lv/7/**"
-    assert tokens_of(7, Kind.SERVER, "/a/b") == "@ros2_lv/7/*/*/*/SS/*/*/*/%a%b/**"
