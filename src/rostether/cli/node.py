@@ -7,6 +7,8 @@ import click
 from rostether.cli.completions import complete_nodes
 from rostether.cli.options import master_option
 from rostether.cli.output import json_option, one_line, warn, write_json, write_line
+from rostether.cli.ros2.refusals import not_on_ros2, refuse_ros1_only, refuse_ros2_only
+from rostether.cli.ros_choice import chosen_ros2, ros1_option, ros2_option
 from rostether.cli.running import run
 from rostether.cli.verbs import LazyGroup, Verb, VerbEntry
 
@@ -39,11 +41,32 @@ def node() -> None:
 )
 @click.argument("namespace", default="")
 @click.option("-u", "uris_only", is_flag=True, help="List addresses instead of names.")
-@click.option("-a", "--all", "with_uris", is_flag=True, help="List addresses and names.")
+@click.option(
+    "-a", "--all", "with_uris", is_flag=True, help="List addresses and names; with --ros2 hidden nodes too."
+)
+@click.option("-c", "--count-nodes", is_flag=True, help="Only print how many there are.")
 @json_option
 @master_option
-def list_nodes(namespace: str, uris_only: bool, with_uris: bool, as_json: bool, master: str | None) -> None:
+@ros1_option
+@ros2_option
+def list_nodes(
+    namespace: str,
+    uris_only: bool,
+    with_uris: bool,
+    count_nodes: bool,
+    as_json: bool,
+    master: str | None,
+) -> None:
     """List the nodes that run, all of them or those in a namespace."""
+    if (middleware := chosen_ros2()) is not None:
+        from rostether.cli.ros2 import node as ros2
+
+        refuse_ros1_only(uris_only=uris_only, master=master)
+        ros2.list_nodes(middleware, namespace, with_hidden=with_uris, count_only=count_nodes, as_json=as_json)
+        return
+    if count_nodes:
+        write_line(str(len(run(_list(namespace, master, with_uris=False)))))
+        return
     for name, uri in run(_list(namespace, master, with_uris=uris_only or with_uris or as_json)):
         if as_json:
             write_json({"node": name, "uri": uri or None})
@@ -75,10 +98,20 @@ async def _list(namespace: str, master: str | None, *, with_uris: bool) -> list[
 @click.command("info", cls=Verb, examples="rostether node info /board\nrostether node info -q /board /rosout")
 @click.argument("nodes", metavar="NODE...", nargs=-1, required=True, shell_complete=complete_nodes)
 @click.option("-q", "--quiet", is_flag=True, help="Show what the master knows, do not ask the node itself.")
+@click.option("--include-hidden", "with_hidden", is_flag=True, help="With --ros2, hidden names (_name) too.")
 @json_option
 @master_option
-def info(nodes: tuple[str, ...], quiet: bool, as_json: bool, master: str | None) -> None:
+@ros1_option
+@ros2_option
+def info(nodes: tuple[str, ...], quiet: bool, with_hidden: bool, as_json: bool, master: str | None) -> None:
     """Show what a node publishes, subscribes to and serves, and whom it is connected to."""
+    if (middleware := chosen_ros2()) is not None:
+        from rostether.cli.ros2 import node as ros2
+
+        refuse_ros1_only(quiet=quiet, master=master)
+        ros2.info(middleware, nodes, with_hidden=with_hidden, as_json=as_json)
+        return
+    refuse_ros2_only(with_hidden=with_hidden)
     run(_info(nodes, master, quiet=quiet, as_json=as_json))
 
 
@@ -113,8 +146,12 @@ async def _info(nodes: tuple[str, ...], master: str | None, *, quiet: bool, as_j
 @click.command("machine", cls=Verb, examples="rostether node machine\nrostether node machine robot.local")
 @click.argument("name", required=False, metavar="[MACHINE]")
 @master_option
+@ros1_option
+@ros2_option
 def machine(name: str | None, master: str | None) -> None:
     """List the machines that nodes run on, or the nodes on one of them."""
+    if chosen_ros2() is not None:
+        raise not_on_ros2("node machine", "ROS 2 does not tell where a node runs")
     hosts = run(_hosts(master))
     if name is None:
         for host in sorted(set(hosts.values())):

@@ -10,6 +10,8 @@ from rostether.cli.completions import complete_nodes
 from rostether.cli.failures import EXIT_FAILED, one_line
 from rostether.cli.options import master_option
 from rostether.cli.output import warn, write_line
+from rostether.cli.ros2.refusals import not_on_ros2
+from rostether.cli.ros_choice import chosen_ros2, ros1_option, ros2_option
 from rostether.cli.running import run
 from rostether.cli.verbs import Verb
 from rostether.errors import GraphError, UnknownNameError
@@ -21,8 +23,12 @@ from rostether.errors import GraphError, UnknownNameError
 @click.argument("names", metavar="[NODE]...", nargs=-1, shell_complete=complete_nodes)
 @click.option("-a", "--all", "kill_all", is_flag=True, help="Shut down every node.")
 @master_option
+@ros1_option
+@ros2_option
 def kill(names: tuple[str, ...], kill_all: bool, master: str | None) -> None:
     """Ask nodes to shut down; without a name, choose one from a list."""
+    if chosen_ros2() is not None:
+        raise not_on_ros2("node kill", "nobody can end a node of ROS 2 from outside; end its process")
     if kill_all and names:
         raise click.UsageError("--all shuts every node down: leave the names out")
     chosen = run(_resolve_running(names, master))
@@ -94,8 +100,12 @@ async def _kill(names: list[str], master: str | None) -> list[tuple[str, str]]:
 @click.command("cleanup", cls=Verb, examples="rostether node cleanup\nrostether node cleanup --yes")
 @click.option("-y", "--yes", is_flag=True, help="Do not ask.")
 @master_option
+@ros1_option
+@ros2_option
 def cleanup(yes: bool, master: str | None) -> None:
     """Have the master forget nodes that do not answer, after asking whether it should."""
+    if chosen_ros2() is not None:
+        raise not_on_ros2("node cleanup", "ROS 2 forgets nodes that are gone by itself")
     silent = run(_silent(master))
     if not silent:
         return

@@ -11,6 +11,8 @@ from rostether.cli.completions import complete_nodes
 from rostether.cli.failures import EXIT_FAILED, one_line
 from rostether.cli.options import master_option
 from rostether.cli.output import json_option, warn, write_json, write_line
+from rostether.cli.ros2.refusals import not_on_ros2
+from rostether.cli.ros_choice import chosen_ros2, ros1_option, ros2_option
 from rostether.cli.running import run
 from rostether.cli.verbs import Verb
 from rostether.errors import GraphError, MasterUnreachableError, UnknownNameError
@@ -36,8 +38,14 @@ INTERVAL_S = 1.0
 @click.option("-c", "count", type=click.IntRange(min=1), metavar="COUNT", help="Stop after COUNT pings.")
 @json_option
 @master_option
+@ros1_option
+@ros2_option
 def ping(name: str | None, ping_all: bool, count: int | None, as_json: bool, master: str | None) -> None:
     """See whether a node answers, once a second until Ctrl-C; exit code 1 when one does not."""
+    if chosen_ros2() is not None:
+        raise not_on_ros2(
+            "node ping", "a node of ROS 2 has no address; `rostether node info` shows whether it is there"
+        )
     if ping_all and (name or count):
         raise click.UsageError("--all pings each node once: leave the node's name and -c out")
     if name is None and not ping_all:

@@ -11,6 +11,8 @@ import click
 from rostether.cli.completions import complete_service_types, complete_services
 from rostether.cli.options import master_option, msg_path_option
 from rostether.cli.output import json_option, write_json, write_line
+from rostether.cli.ros2.refusals import not_on_ros2, refuse_ros1_only, refuse_ros2_only
+from rostether.cli.ros_choice import chosen_ros2, ros1_option, ros2_option
 from rostether.cli.running import run
 from rostether.cli.verbs import LazyGroup, Verb, VerbEntry
 from rostether.errors import ServiceUnavailableError, UnknownNameError
@@ -49,10 +51,43 @@ def service() -> None:
 @click.command("list", cls=Verb, examples="rostether service list\nrostether service list -n /demo_board")
 @click.argument("namespace", required=False, shell_complete=complete_services)
 @click.option("-n", "--nodes", is_flag=True, help="Print the nodes that offer them, too.")
+@click.option("-t", "--show-types", is_flag=True, help="With --ros2, show types.")
+@click.option("-c", "--count-services", is_flag=True, help="Only print how many there are.")
+@click.option(
+    "--include-hidden-services", "with_hidden", is_flag=True, help="With --ros2, hidden services (_name) too."
+)
 @json_option
 @master_option
-def list_services(namespace: str | None, nodes: bool, as_json: bool, master: str | None) -> None:
+@ros1_option
+@ros2_option
+def list_services(
+    namespace: str | None,
+    nodes: bool,
+    show_types: bool,
+    count_services: bool,
+    with_hidden: bool,
+    as_json: bool,
+    master: str | None,
+) -> None:
     """List the services, of all or of a namespace."""
+    if (middleware := chosen_ros2()) is not None:
+        from rostether.cli.ros2 import service as ros2
+
+        refuse_ros1_only(master=master)
+        ros2.list_services(
+            middleware,
+            namespace,
+            show_types=show_types,
+            count_only=count_services,
+            with_nodes=nodes,
+            with_hidden=with_hidden,
+            as_json=as_json,
+        )
+        return
+    refuse_ros2_only(show_types=show_types, with_hidden=with_hidden)
+    if count_services:
+        write_line(str(len(run(_services(namespace, master)))))
+        return
     for name, providers in run(_services(namespace, master)):
         if as_json:
             write_json({"service": name, "nodes": providers})
@@ -85,8 +120,16 @@ async def _ask(
 @click.command("type", cls=Verb, examples="rostether service type /set_led")
 @_service_argument
 @master_option
+@ros1_option
+@ros2_option
 def type_of(service: str, master: str | None) -> None:
     """Print the type of a service."""
+    if (middleware := chosen_ros2()) is not None:
+        from rostether.cli.ros2 import service as ros2
+
+        refuse_ros1_only(master=master)
+        ros2.type_of(middleware, service)
+        return
     from rostether.cli.service_probe import probe_type
 
     write_line(run(_ask(probe_type, service, master)))
@@ -95,8 +138,14 @@ def type_of(service: str, master: str | None) -> None:
 @click.command("uri", cls=Verb, examples="rostether service uri /set_led")
 @_service_argument
 @master_option
+@ros1_option
+@ros2_option
 def uri_of(service: str, master: str | None) -> None:
     """Print the URI (rosrpc://host:port) of a service."""
+    if chosen_ros2() is not None:
+        raise not_on_ros2(
+            "service uri", "services of ROS 2 have no URI; `rostether service info` tells of them"
+        )
     from rostether.cli.service_probe import look_up
 
     write_line(run(_ask(look_up, service, master)))
@@ -105,8 +154,16 @@ def uri_of(service: str, master: str | None) -> None:
 @click.command("node", cls=Verb, examples="rostether service node /set_led")
 @_service_argument
 @master_option
+@ros1_option
+@ros2_option
 def node_of(service: str, master: str | None) -> None:
     """Print the node that offers a service."""
+    if (middleware := chosen_ros2()) is not None:
+        from rostether.cli.ros2 import service as ros2
+
+        refuse_ros1_only(master=master)
+        ros2.node_of(middleware, service)
+        return
     from rostether.cli.service_probe import provider
 
     write_line(run(_ask(provider, service, master)))
@@ -116,8 +173,16 @@ def node_of(service: str, master: str | None) -> None:
 @_service_argument
 @msg_path_option
 @master_option
+@ros1_option
+@ros2_option
 def args(service: str, msg_paths: tuple[Path, ...], master: str | None) -> None:
     """Print the names of a service's arguments."""
+    if (middleware := chosen_ros2()) is not None:
+        from rostether.cli.ros2 import service as ros2
+
+        refuse_ros1_only(master=master)
+        ros2.args(middleware, service, msg_paths)
+        return
     from rostether.cli.service_probe import probe_type
 
     write_line(_argument_names(run(_ask(probe_type, service, master)), msg_paths))
@@ -135,8 +200,16 @@ def _argument_names(type_name: str, msg_paths: tuple[Path, ...]) -> str:
 @json_option
 @msg_path_option
 @master_option
+@ros1_option
+@ros2_option
 def info(service: str, as_json: bool, msg_paths: tuple[Path, ...], master: str | None) -> None:
     """Show who offers a service, its type and its arguments."""
+    if (middleware := chosen_ros2()) is not None:
+        from rostether.cli.ros2 import service as ros2
+
+        refuse_ros1_only(master=master)
+        ros2.info(middleware, service, as_json=as_json)
+        return
     run(_info(service, as_json, msg_paths, master))
 
 
@@ -164,8 +237,16 @@ async def _info(service: str, as_json: bool, msg_paths: tuple[Path, ...], master
 @click.command("find", cls=Verb, examples="rostether service find std_srvs/SetBool")
 @click.argument("type_name", metavar="TYPE", shell_complete=complete_service_types)
 @master_option
+@ros1_option
+@ros2_option
 def find(type_name: str, master: str | None) -> None:
     """List the services of a type."""
+    if (middleware := chosen_ros2()) is not None:
+        from rostether.cli.ros2 import service as ros2
+
+        refuse_ros1_only(master=master)
+        ros2.find(middleware, type_name)
+        return
     for name in run(_find(type_name, master)):
         write_line(name)
 

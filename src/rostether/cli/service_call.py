@@ -13,6 +13,8 @@ import click
 from rostether.cli.completions import complete_services
 from rostether.cli.options import master_option, msg_path_option, tool_allow_option
 from rostether.cli.output import json_option, write_json, write_line
+from rostether.cli.ros2.refusals import refuse_ros1_only, refuse_ros2_only
+from rostether.cli.ros_choice import chosen_ros2, ros1_option, ros2_option
 from rostether.cli.running import run
 from rostether.cli.verbs import Verb
 from rostether.errors import ServiceUnavailableError, UnknownNameError
@@ -33,6 +35,7 @@ WAIT_POLL_S = 0.2
     rostether service call /set_led "data: true"
     rostether service call /set_led true
     rostether service call --wait --timeout 5 /set_led "{data: false}"
+    rostether service call --ros2 /set_led std_srvs/srv/SetBool "{data: true}"
     """,
 )
 @click.argument("service", shell_complete=complete_services)
@@ -46,16 +49,27 @@ WAIT_POLL_S = 0.2
     metavar="SECONDS",
     help="Give up after SECONDS; without it, wait as long as the server lives.",
 )
+@click.option(
+    "-r",
+    "--rate",
+    "rate_hz",
+    type=click.FloatRange(min=0, min_open=True),
+    metavar="HZ",
+    help="With --ros2, call again and again.",
+)
 @json_option
 @msg_path_option
 @master_option
 @tool_allow_option
+@ros1_option
+@ros2_option
 def call(
     service: str,
     arguments: tuple[str, ...],
     verbose: bool,
     wait: bool,
     timeout_s: float | None,
+    rate_hz: float | None,
     as_json: bool,
     msg_paths: tuple[Path, ...],
     master: str | None,
@@ -63,8 +77,16 @@ def call(
     """Call a service and print its response.
 
     ARGUMENTS are YAML: one mapping of the request's fields, or the value of each field in order. Without
-    them, requests come from a pipe, in YAML documents that are separated by ---.
+    them, requests come from a pipe, in YAML documents that are separated by ---. With --ros2 the service's
+    type may stand before them, and what is not given has its default.
     """
+    if (middleware := chosen_ros2()) is not None:
+        from rostether.cli.ros2 import service_call as ros2
+
+        refuse_ros1_only(verbose=verbose, master=master)
+        ros2.call(middleware, service, arguments, ros2.CallOptions(timeout_s, rate_hz, as_json), msg_paths)
+        return
+    refuse_ros2_only(rate_hz=rate_hz)
     run(_call(service, arguments, verbose, wait, timeout_s, as_json, msg_paths, master))
 
 

@@ -41,6 +41,11 @@ class ParameterClient:
             found |= await self.get(node, [name])
         return found
 
+    async def describe(self, node: str, names: Sequence[str]) -> list[Message]:
+        """Return a rcl_interfaces/ParameterDescriptor for each of the parameters that the node has."""
+        answer = await self._call(node, "describe_parameters", "DescribeParameters", {"names": list(names)})
+        return list(answer.descriptors)
+
     async def set(self, node: str, values: Mapping[str, TypedValue]) -> None:
         """Set parameters; `NOT_SET` deletes. Raises GraphError with the reason of the first refused."""
         parameters = [{"name": name, "value": value.to_fields()} for name, value in values.items()]
