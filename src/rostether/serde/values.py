@@ -62,7 +62,7 @@ class Message:
 
 
 class MessageClasses:
-    """The message classes of one type store, each made once; a subclass may choose what values are made of."""
+    """The message classes of one type store, each made once; a subclass may choose what values are."""
 
     time: Any = Time
     duration: Any = Duration
