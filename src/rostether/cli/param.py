@@ -10,6 +10,8 @@ import click
 from rostether.cli.completions import complete_params
 from rostether.cli.options import master_option
 from rostether.cli.output import json_option, one_line, write_json, write_line
+from rostether.cli.ros2.refusals import refuse_ros1_only, refuse_ros2_only
+from rostether.cli.ros_choice import chosen_ros2, ros1_option, ros2_option
 from rostether.cli.running import run
 from rostether.cli.verbs import LazyGroup, Verb, VerbEntry
 from rostether.errors import UnknownNameError
@@ -20,6 +22,9 @@ _VERBS = {
     "get": VerbEntry(f"{_HERE}get", "Print a parameter, or all of a namespace."),
     "set": VerbEntry("rostether.cli.param_store:set_param", "Set a parameter."),
     "delete": VerbEntry(f"{_HERE}delete", "Delete a parameter, or all of a namespace."),
+    "describe": VerbEntry(
+        "rostether.cli.param_describe:describe", "Show what a ROS 2 node says of its parameters."
+    ),
     "dump": VerbEntry(f"{_HERE}dump_params", "Write parameters to a YAML file."),
     "load": VerbEntry("rostether.cli.param_store:load", "Set the parameters of a YAML file."),
 }
@@ -34,6 +39,7 @@ verbose_option = click.option("-v", "--verbose", is_flag=True, help="Say what is
     rostether param set /blink_hz 2.5
     rostether param get /blink_hz
     rostether param dump settings.yaml
+    rostether param get --ros2 /board gain
     """,
 )
 def param() -> None:
@@ -42,10 +48,38 @@ def param() -> None:
 
 @click.command("list", cls=Verb, examples="rostether param list\nrostether param list /board")
 @click.argument("namespace", default="/", shell_complete=complete_params)
+@click.option("--include-hidden-nodes", "with_hidden", is_flag=True, help="With --ros2, of hidden nodes too.")
+@click.option("--param-type", "with_types", is_flag=True, help="With --ros2, show types.")
+@click.option(
+    "--param-prefixes", "prefixes", multiple=True, metavar="PREFIX", help="With --ros2, those below PREFIX."
+)
 @json_option
 @master_option
-def list_params(namespace: str, as_json: bool, master: str | None) -> None:
-    """List the names of parameters, of all or of a namespace."""
+@ros1_option
+@ros2_option
+def list_params(
+    namespace: str,
+    with_hidden: bool,
+    with_types: bool,
+    prefixes: tuple[str, ...],
+    as_json: bool,
+    master: str | None,
+) -> None:
+    """List the names of parameters, of all or of a namespace; with --ros2, of a node."""
+    if (middleware := chosen_ros2()) is not None:
+        from rostether.cli.ros2 import param as ros2
+
+        refuse_ros1_only(master=master)
+        ros2.list_params(
+            middleware,
+            None if namespace == "/" else namespace,
+            with_hidden=with_hidden,
+            with_types=with_types,
+            prefixes=prefixes,
+            as_json=as_json,
+        )
+        return
+    refuse_ros2_only(with_hidden=with_hidden, with_types=with_types, prefixes=prefixes)
     for name in run(_names_below(namespace, master)):
         if as_json:
             write_json({"name": name})
@@ -65,12 +99,31 @@ async def _names_below(namespace: str, master: str | None) -> list[str]:
 
 @click.command("get", cls=Verb, examples="rostether param get /rosdistro\nrostether param get -p /")
 @click.argument("name", shell_complete=complete_params)
+@click.argument("parameter", metavar="[NAME]", required=False)
 @click.option("-p", "pretty", is_flag=True, help="Print without quotes; not YAML-safe.")
+@click.option("--hide-type", is_flag=True, help="With --ros2, print the value alone.")
 @verbose_option
 @json_option
 @master_option
-def get(name: str, pretty: bool, verbose: bool, as_json: bool, master: str | None) -> None:
-    """Print a parameter, or all parameters of a namespace, in YAML."""
+@ros1_option
+@ros2_option
+def get(
+    name: str,
+    parameter: str | None,
+    pretty: bool,
+    hide_type: bool,
+    verbose: bool,
+    as_json: bool,
+    master: str | None,
+) -> None:
+    """Print a parameter, or all parameters of a namespace, in YAML; with --ros2, type NODE NAME."""
+    if (middleware := chosen_ros2()) is not None:
+        from rostether.cli.ros2 import param as ros2
+
+        refuse_ros1_only(pretty=pretty, verbose=verbose, master=master)
+        ros2.get(middleware, name, parameter, hide_type=hide_type, as_json=as_json)
+        return
+    refuse_ros2_only(parameter=parameter, hide_type=hide_type)
     from rostether.param_yaml import DOCUMENT_END, dump, pretty_lines
 
     full_name, value = run(_fetch(name, master))
@@ -116,10 +169,20 @@ def _plain(value: Any) -> Any:
 
 @click.command("delete", cls=Verb, examples="rostether param delete /blink_hz")
 @click.argument("name", shell_complete=complete_params)
+@click.argument("parameter", metavar="[NAME]", required=False)
 @verbose_option
 @master_option
-def delete(name: str, verbose: bool, master: str | None) -> None:
-    """Delete a parameter, or all parameters of a namespace."""
+@ros1_option
+@ros2_option
+def delete(name: str, parameter: str | None, verbose: bool, master: str | None) -> None:
+    """Delete a parameter, or all parameters of a namespace; with --ros2, type NODE NAME."""
+    if (middleware := chosen_ros2()) is not None:
+        from rostether.cli.ros2 import param as ros2
+
+        refuse_ros1_only(verbose=verbose, master=master)
+        ros2.delete(middleware, name, parameter)
+        return
+    refuse_ros2_only(parameter=parameter)
     full_name = run(_delete(name, master))
     if verbose:
         write_line(
@@ -150,8 +213,21 @@ async def _delete(name: str, master: str | None) -> str:
 @click.argument("namespace", default="")
 @verbose_option
 @master_option
+@ros1_option
+@ros2_option
 def dump_params(file: Path | None, namespace: str, verbose: bool, master: str | None) -> None:
-    """Write parameters to a YAML file; without a file, or with -, to stdout."""
+    """Write parameters to a YAML file; without a file, or with -, to stdout.
+
+    With --ros2, type the node instead of the file: its parameters go to stdout.
+    """
+    if (middleware := chosen_ros2()) is not None:
+        from rostether.cli.ros2 import param as ros2
+
+        refuse_ros1_only(namespace=namespace, verbose=verbose, master=master)
+        if file is None:
+            raise click.UsageError("type the node whose parameters are wanted")
+        ros2.dump(middleware, str(file))
+        return
     from rostether.param_yaml import dump
 
     if verbose:

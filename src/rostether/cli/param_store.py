@@ -12,6 +12,8 @@ from rostether.cli.completions import complete_params
 from rostether.cli.options import master_option
 from rostether.cli.output import warn, write_line
 from rostether.cli.param import verbose_option
+from rostether.cli.ros2.refusals import refuse_ros1_only, refuse_ros2_only
+from rostether.cli.ros_choice import chosen_ros2, ros1_option, ros2_option
 from rostether.cli.running import run
 from rostether.cli.verbs import Verb
 from rostether.errors import ConfigError, InvalidNameError
@@ -31,19 +33,24 @@ _NEGATIVE_NUMBERS = {"ignore_unknown_options": True}
     rostether param set /blink_hz 2.5
     rostether param set /arm "{joints: [0.1, deg(90)], name: left}"
     rostether param set /robot_description -t robot.urdf
+    rostether param set --ros2 /board gain 0.5
     """,
 )
 @click.argument("name", shell_complete=complete_params)
 @click.argument("value", required=False)
+@click.argument("more", nargs=-1, metavar="[VALUE]...")
 @click.option(
     "-t", "--textfile", type=click.Path(path_type=Path), help="Set it to the contents of a text file."
 )
 @click.option("-b", "--binfile", type=click.Path(path_type=Path), help="Set it to the bytes of a file.")
 @verbose_option
 @master_option
+@ros1_option
+@ros2_option
 def set_param(
     name: str,
     value: str | None,
+    more: tuple[str, ...],
     textfile: Path | None,
     binfile: Path | None,
     verbose: bool,
@@ -52,7 +59,15 @@ def set_param(
     """Set a parameter to a value in YAML.
 
     A mapping sets each parameter it names and leaves the others of the namespace as they are.
+    With --ros2, type NODE NAME VALUE.
     """
+    if (middleware := chosen_ros2()) is not None:
+        from rostether.cli.ros2 import param as ros2
+
+        refuse_ros1_only(textfile=textfile, binfile=binfile, verbose=verbose, master=master)
+        ros2.set_params(middleware, (name, *((value,) if value is not None else ()), *more))
+        return
+    refuse_ros2_only(more=more)
     from rostether.param_yaml import looks_like_number, parse_value
 
     if (value is not None) + (textfile is not None) + (binfile is not None) != 1:
@@ -83,8 +98,21 @@ def set_param(
 @click.argument("namespace", default="")
 @verbose_option
 @master_option
+@ros1_option
+@ros2_option
 def load(file: Path, namespace: str, verbose: bool, master: str | None) -> None:
-    """Set the parameters of a YAML file (- is stdin), in a namespace if one is given."""
+    """Set the parameters of a YAML file (- is stdin), in a namespace if one is given.
+
+    With --ros2, type NODE FILE.
+    """
+    if (middleware := chosen_ros2()) is not None:
+        from rostether.cli.ros2 import param as ros2
+
+        refuse_ros1_only(verbose=verbose, master=master)
+        if not namespace:
+            raise click.UsageError("type NODE FILE")
+        ros2.load(middleware, str(file), Path(namespace))
+        return
     from rostether.param_yaml import parse_documents
 
     text = sys.stdin.read() if str(file) == "-" else _read_text(file)
