@@ -13,6 +13,7 @@ import click
 from rostether.cli.completions import complete_message_types, complete_service_types
 from rostether.cli.options import msg_path_option
 from rostether.cli.output import json_option, write_json, write_line
+from rostether.cli.ros_choice import chosen_ros2, ros1_option, ros2_option
 from rostether.cli.verbs import LazyGroup, Verb, VerbEntry
 from rostether.errors import UnknownTypeError
 
@@ -51,6 +52,11 @@ class _Kind:
         return service.text, [service.request, service.response]
 
     def md5sum(self, registry: Registry, name: str) -> str:
+        """Return the md5sum, or the type hash that stands in its place in ROS 2."""
+        if chosen_ros2() is not None:
+            from rostether.cli.ros2.definitions import type_hash
+
+            return type_hash(registry, self.group, name)
         if self.group == "msg":
             return registry.message_type(name).md5sum
         return registry.service_type(name).md5sum
@@ -83,6 +89,10 @@ def srv() -> None:
 
 
 def _registry(msg_paths: tuple[Path, ...]) -> Registry:
+    if chosen_ros2() is not None:
+        from rostether.ros2.native_registry import NativeRegistry
+
+        return NativeRegistry.from_environment(msg_paths)
     from rostether.msgdef.registry import Registry
 
     return Registry.from_environment(msg_paths)
@@ -132,11 +142,11 @@ def _type_argument(kind: _Kind, given: str | None) -> str:
 def _matches(kind: _Kind, registry: Registry, name: str) -> list[str]:
     """Return the full names that a type name without its package stands for."""
     names = kind.names(registry)
-    found = [each for each in names if each.partition("/")[2] == name]
+    found = [each for each in names if each.rpartition("/")[2] == name]
     if not found:
         from difflib import get_close_matches
 
-        near = get_close_matches(name, {each.partition("/")[2] for each in names}, n=1)
+        near = get_close_matches(name, {each.rpartition("/")[2] for each in names}, n=1)
         hint = f"did you mean {near[0]}?" if near else f"`rostether {kind.group} list` shows all"
         raise UnknownTypeError(f"no package has a {kind.what} {name!r}; {hint}")
     return found
@@ -151,6 +161,7 @@ def _show_verb(kind: _Kind) -> click.Command:
     rostether {kind.group} show {kind.example}
     rostether {kind.group} show {kind.short_example}
     {kind.type_command} | rostether {kind.group} show
+    rostether {kind.group} show --ros2 {kind.example_package}/{kind.group}/{kind.short_example}
     """
 
     @click.command("show", cls=Verb, examples=examples)
@@ -158,11 +169,23 @@ def _show_verb(kind: _Kind) -> click.Command:
     @click.option("-r", "--raw", is_flag=True, help="Show the text as it was written.")
     @json_option
     @msg_path_option
+    @ros1_option
+    @ros2_option
     def show(name: str | None, raw: bool, as_json: bool, msg_paths: tuple[Path, ...]) -> None:
         registry = _registry(msg_paths)
         given = _type_argument(kind, name)
         is_short = "/" not in given
         for each in _matches(kind, registry, given) if is_short else [given]:
+            if chosen_ros2() is not None:
+                from rostether.cli.ros2 import definitions as ros2
+
+                if as_json:
+                    write_json(ros2.record(registry, kind.group, each))
+                    continue
+                if is_short:
+                    write_line(f"[{each}]:")
+                write_line(ros2.shown(registry, kind.group, each))
+                continue
             text, parts = kind.parts(registry, each)
             if as_json:
                 write_json(_record(kind, registry, each))
@@ -182,6 +205,8 @@ def _md5_verb(kind: _Kind) -> click.Command:
     @click.command("md5", cls=Verb, examples=f"rostether {kind.group} md5 {kind.example}")
     @click.argument("name", required=False, metavar="TYPE", shell_complete=_complete(kind))
     @msg_path_option
+    @ros1_option
+    @ros2_option
     def md5(name: str | None, msg_paths: tuple[Path, ...]) -> None:
         registry = _registry(msg_paths)
         given = _type_argument(kind, name)
@@ -198,6 +223,8 @@ def _md5_verb(kind: _Kind) -> click.Command:
 def _list_verb(kind: _Kind) -> click.Command:
     @click.command("list", cls=Verb, examples=f"rostether {kind.group} list --msg-path ~/catkin_ws/src")
     @msg_path_option
+    @ros1_option
+    @ros2_option
     def list_all(msg_paths: tuple[Path, ...]) -> None:
         for name in kind.names(_registry(msg_paths)):
             write_line(name)
@@ -211,6 +238,8 @@ def _package_verb(kind: _Kind) -> click.Command:
     @click.argument("package")
     @click.option("-s", "single_line", is_flag=True, help="On one line.")
     @msg_path_option
+    @ros1_option
+    @ros2_option
     def package_types(package: str, single_line: bool, msg_paths: tuple[Path, ...]) -> None:
         registry = _registry(msg_paths)
         if package not in registry.packages():
@@ -228,6 +257,8 @@ def _packages_verb(kind: _Kind) -> click.Command:
     @click.command("packages", cls=Verb, examples=f"rostether {kind.group} packages -s")
     @click.option("-s", "single_line", is_flag=True, help="On one line.")
     @msg_path_option
+    @ros1_option
+    @ros2_option
     def packages(single_line: bool, msg_paths: tuple[Path, ...]) -> None:
         names = dict.fromkeys(name.partition("/")[0] for name in kind.names(_registry(msg_paths)))
         write_line((" " if single_line else "\n").join(names))

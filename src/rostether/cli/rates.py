@@ -136,6 +136,17 @@ def format_bandwidth(bandwidth: Bandwidth) -> str:
     )
 
 
+def format_ros2_bandwidth(bandwidth: Bandwidth) -> str:
+    """Return the two lines of `ros2 topic bw`, all in the unit that suits the average."""
+    rate = bandwidth.bytes_per_s
+    divisor, unit, places = (1, "B", 0) if rate < 1e3 else (1e3, "KB", 2) if rate < 1e6 else (1e6, "MB", 2)
+    average, mean, low, high = (
+        f"{size / divisor:.{places}f} {unit}"
+        for size in (rate, bandwidth.mean_bytes, bandwidth.min_bytes, bandwidth.max_bytes)
+    )
+    return f"{average}/s from {bandwidth.window} messages\n\tMessage size mean: {mean} min: {low} max: {high}"
+
+
 def format_rate_table(spreads: dict[str, Spread]) -> str:
     """Return the table that `rostopic hz` prints for several topics."""
     rows = [

@@ -10,6 +10,7 @@ from typing import Any
 
 from rostether.cli.graph_access import joined, read_environment, resolve
 from rostether.cli.output import warn, write_line
+from rostether.cli.ros_choice import chosen_ros2
 from rostether.cli.topic_choice import wait_for_topic
 from rostether.graph.typed_graph import TypedGraph
 from rostether.msgdef.interface import ANY_MESSAGE
@@ -20,10 +21,13 @@ REPORT_PERIOD_S = 1.0
 class TopicMeter:
     """Listens to topics while reports are made; `names` are the topics' full names."""
 
-    def __init__(self, graph: TypedGraph, names: Sequence[str], quiet: bool) -> None:
+    def __init__(
+        self, graph: TypedGraph, names: Sequence[str], quiet: bool, word: str = "subscribed"
+    ) -> None:
         self.graph = graph
         self.names = names
         self._quiet = quiet
+        self._word = word
         self._listening: set[asyncio.Task[None]] = set()
 
     async def take_raw(self, name: str, add: Callable[[Sequence[bytes]], None]) -> None:
@@ -70,7 +74,7 @@ class TopicMeter:
 
     def _tell(self, name: str) -> None:
         if not self._quiet:
-            write_line(f"subscribed to [{name}]")
+            write_line(f"{self._word} to [{name}]")
 
 
 @asynccontextmanager
@@ -78,6 +82,18 @@ async def meter(
     topics: Iterable[str], msg_paths: Iterable[Path], master: str | None, *, quiet: bool
 ) -> AsyncIterator[TopicMeter]:
     """Join the graph and wait for the topics; `quiet` leaves the lines out that say so."""
+    if (middleware := chosen_ros2()) is not None:
+        from rostether.cli.ros2.tool_node import tool_node
+        from rostether.cli.ros2.topic_choice import choose_topic
+
+        async with tool_node(middleware, msg_paths) as tool:
+            chosen_names = [(await choose_topic(tool, topic)).topic for topic in topics]
+            found = TopicMeter(tool.graph, chosen_names, quiet, "Subscribed")
+            try:
+                yield found
+            finally:
+                await found.close()
+        return
     environment = read_environment(master)
     async with joined(environment, msg_paths, purpose="rostopic") as graph:
         names = []

@@ -22,8 +22,11 @@ from rostether.cli.rates import (
     format_delay,
     format_rate,
     format_rate_table,
+    format_ros2_bandwidth,
     rate_record,
 )
+from rostether.cli.ros2.refusals import refuse_ros1_only
+from rostether.cli.ros_choice import chosen_ros2, ros1_option, ros2_option
 from rostether.cli.running import run
 from rostether.cli.verbs import Verb
 from rostether.errors import ConfigError
@@ -55,6 +58,8 @@ _nodelay_option = click.option("--tcpnodelay", is_flag=True, help="For habit: it
 @msg_path_option
 @master_option
 @tool_allow_option
+@ros1_option
+@ros2_option
 def hz(
     topics: tuple[str, ...],
     window: int | None,
@@ -68,6 +73,9 @@ def hz(
 ) -> None:
     """Measure how often messages come, and print it every second."""
     from rostether.cli.topic_meter import meter
+
+    if chosen_ros2() is not None:
+        refuse_ros1_only(master=master)
 
     test: Callable[[object, str], bool] | None = None
     if expression is not None:
@@ -135,9 +143,14 @@ def _report_rates(windows: dict[str, IntervalWindow], as_json: bool) -> None:
 @json_option
 @master_option
 @tool_allow_option
+@ros1_option
+@ros2_option
 def bw(topic: str, window: int, count: int | None, as_json: bool, master: str | None) -> None:
     """Measure how many bytes a second a topic takes, and print it every second."""
     from rostether.cli.topic_meter import meter
+
+    if chosen_ros2() is not None:
+        refuse_ros1_only(master=master)
 
     sizes = SizeWindow(window)
 
@@ -155,7 +168,9 @@ def bw(topic: str, window: int, count: int | None, as_json: bool, master: str | 
                 if found is not None and as_json:
                     write_json({"topic": name, **asdict(found)})
                 elif found is not None:
-                    write_line(format_bandwidth(found))
+                    write_line(
+                        format_bandwidth(found) if chosen_ros2() is None else format_ros2_bandwidth(found)
+                    )
 
     run(measure())
 
@@ -169,6 +184,8 @@ def bw(topic: str, window: int, count: int | None, as_json: bool, master: str | 
 @msg_path_option
 @master_option
 @tool_allow_option
+@ros1_option
+@ros2_option
 def delay(
     topic: str,
     window: int | None,
@@ -181,6 +198,9 @@ def delay(
     """Measure how old messages are when they come, by the stamp in their header."""
     from rostether.cli.topic_meter import meter
 
+    if chosen_ros2() is not None:
+        refuse_ros1_only(master=master)
+
     delays = DelayWindow(-1 if window is None else window)
 
     async def measure() -> None:
@@ -192,7 +212,9 @@ def delay(
                     raise ConfigError(f"{name} has no header: its messages do not tell when they were made")
                 # Simulated time is zero until its first message.
                 if now_s := measuring.graph.now().to_s():
-                    delays.add(now_s, message.header.stamp.to_s())
+                    stamp = message.header.stamp
+                    is_ros2 = chosen_ros2() is not None
+                    delays.add(now_s, stamp.sec + stamp.nanosec * 1e-9 if is_ros2 else stamp.to_s())
 
             measuring.take(name, add)
             async for _ in measuring.reports(count):
