@@ -21,14 +21,17 @@ MAX_EXPRESSION_CHARS = 2000
 MAX_INTEGER_BITS = 1024
 """What a double can hold; `9**9**9` would compute for days."""
 
+MAX_TEXT_CHARS = 1 << 20
+"""No text or list that an expression makes is longer; `'a' * 10**10` would take all memory."""
+
 Scope: TypeAlias = Mapping[str, Any]
 Evaluate: TypeAlias = Callable[[Scope], Any]
 
-_FUNCTIONS: dict[str, Callable[..., Any]] = {
+FUNCTIONS: dict[str, Callable[..., Any]] = {
     function.__name__: function
     for function in (abs, all, any, bool, float, int, len, max, min, round, sorted, str, sum)
 }
-_MATH = {name: getattr(math, name) for name in dir(math) if not name.startswith("_")}
+MATH = {name: getattr(math, name) for name in dir(math) if not name.startswith("_")}
 _TIME_ATTRIBUTES: dict[str, Callable[[Any], Any]] = {
     "secs": lambda time: time.secs,
     "nsecs": lambda time: time.nsecs,
@@ -36,7 +39,11 @@ _TIME_ATTRIBUTES: dict[str, Callable[[Any], Any]] = {
     "to_nsec": lambda time: time.to_ns,
 }
 _STRING_METHODS = frozenset(
-    ("startswith", "endswith", "lower", "upper", "strip", "find", "count", "isdigit", "split")
+    (
+        *("startswith", "endswith", "lower", "upper", "title", "capitalize", "strip", "lstrip", "rstrip"),
+        *("find", "rfind", "count", "index", "isdigit", "isalpha", "isalnum", "split", "rsplit", "join"),
+        *("replace", "zfill", "removeprefix", "removesuffix"),
+    )
 )
 
 
@@ -45,6 +52,14 @@ def _power(base: Any, exponent: Any) -> Any:
         # 1**n stays 1.
         _check_bits(max(abs(base) - 1, 0).bit_length() * exponent)
     return base**exponent
+
+
+def _multiply(left: Any, right: Any) -> Any:
+    for sequence, times in ((left, right), (right, left)):
+        is_repeated = isinstance(sequence, str | bytes | list | tuple) and isinstance(times, int)
+        if is_repeated and len(sequence) * times > MAX_TEXT_CHARS:
+            raise OverflowError(f"{times} times that is longer than {MAX_TEXT_CHARS}")
+    return left * right
 
 
 def _shift_left(value: Any, bits: Any) -> Any:
@@ -61,7 +76,7 @@ def _check_bits(bits: int) -> None:
 _BINARY: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
-    ast.Mult: operator.mul,
+    ast.Mult: _multiply,
     ast.Div: operator.truediv,
     ast.FloorDiv: operator.floordiv,
     ast.Mod: operator.mod,
@@ -90,6 +105,8 @@ _COMPARE: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
     ast.Is: operator.is_,
     ast.IsNot: operator.is_not,
 }
+
+_SEQUENCES: dict[type[ast.expr], Callable[..., Any]] = {ast.List: list, ast.Tuple: tuple, ast.Set: set}
 
 
 def compile_filter(expression: str) -> Callable[[object, str], bool]:
@@ -155,8 +172,15 @@ def _compile(node: ast.expr, names: frozenset[str]) -> Evaluate:
             condition, yes, no = (_compile(part, names) for part in (test, body, orelse))
             return lambda scope: yes(scope) if condition(scope) else no(scope)
         case ast.List(elts=items) | ast.Tuple(elts=items) | ast.Set(elts=items):
-            compiled = [_compile(item, names) for item in items]
-            return lambda scope: [item(scope) for item in compiled]
+            compiled, make = [_compile(item, names) for item in items], _SEQUENCES[type(node)]
+            return lambda scope: make(item(scope) for item in compiled)
+        case ast.Dict(keys=keys, values=values) if None not in keys:
+            pairs = [
+                (_compile(key, names), _compile(value, names))
+                for key, value in zip(keys, values, strict=True)
+                if key is not None
+            ]
+            return lambda scope: {key(scope): value(scope) for key, value in pairs}
         case ast.GeneratorExp(elt=element, generators=[loop]) | ast.ListComp(elt=element, generators=[loop]):
             return _compile_loop(element, loop, names)
         case ast.Call(func=function, args=arguments, keywords=[]):
@@ -169,12 +193,12 @@ def _compile(node: ast.expr, names: frozenset[str]) -> Evaluate:
 def _compile_name(name: str, names: frozenset[str]) -> Evaluate:
     if name in names:
         return lambda scope: scope[name]
-    if name in _FUNCTIONS:
-        function = _FUNCTIONS[name]
+    if name in FUNCTIONS:
+        function = FUNCTIONS[name]
         return lambda scope: function
     if name == "math":
         return lambda scope: math
-    known = ", ".join(sorted(names | _FUNCTIONS.keys() | {"math"}))
+    known = ", ".join(sorted(names | FUNCTIONS.keys() | {"math"}))
     raise ConfigError(f"nothing is called {name!r} here: use {known}")
 
 
@@ -231,8 +255,8 @@ def _attribute(owner: Any, name: str) -> Any:
         if name in _TIME_ATTRIBUTES:
             return _TIME_ATTRIBUTES[name](owner)
     elif owner is math:
-        if name in _MATH:
-            return _MATH[name]
+        if name in MATH:
+            return MATH[name]
     elif isinstance(owner, str):
         if name in _STRING_METHODS:
             return getattr(owner, name)

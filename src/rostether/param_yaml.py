@@ -80,6 +80,11 @@ def parse_documents(text: str, namespace: str, source: str) -> Iterator[tuple[st
             yield namespace, document
 
 
+def parse_single_document(text: str, source: str) -> Any:
+    """Return what one document holds; None for an empty one. Raises ConfigError naming `source`."""
+    return _guarded(lambda: yaml.load(text, Loader=_Loader), text, source)  # noqa: S506
+
+
 def leaves(name: str, value: Any, nesting: int = 0) -> Iterator[tuple[str, ParamValue]]:
     """Yield each parameter that a value loaded from YAML sets, with its full name.
 

@@ -1,0 +1,200 @@
+"""Launch files -> a plan: the tags in their order, as roslaunch reads them.
+
+A later parameter of a name replaces an earlier one. What a <group>, <node> or <include> says inside holds
+inside only; an included file sees just the arguments that it is given.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+
+from rostether.errors import LaunchError
+from rostether.launch.machine_tag import read_machine
+from rostether.launch.node_tag import NodeTags
+from rostether.launch.parameter_tags import ParameterTags
+from rostether.launch.plan import DeclaredArgument, LaunchPlan
+from rostether.launch.scope import Scope, as_namespace
+from rostether.launch.substitution import Surroundings
+from rostether.launch.tag_reader import TagReader
+from rostether.launch.xml_tree import MAX_FILE_BYTES, Element, parse_launch_xml
+
+MAX_INCLUDE_DEPTH = 50  # files include themselves to count down; one that does so without end stops here
+MAX_INCLUDES = 10_000  # two includes in each of fifty files would go on for ever
+STDIN_NAME = "<stdin>"
+
+
+def load_launch(
+    paths: Iterable[Path | str],
+    arguments: Mapping[str, str],
+    environ: Mapping[str, str],
+    packages: Mapping[str, Path],
+    *,
+    text: bytes | None = None,
+    programs: Mapping[tuple[str, str], Sequence[str]] | None = None,
+    served_packages: Iterable[str] = (),
+    resolves_anonymous: bool = True,
+) -> LaunchPlan:
+    """Read launch files one after the other into one plan.
+
+    `arguments` are those of the command line; `packages` are folders by name. `text` is a launch file that
+    has no path, read last. `programs` are command lines of ours for (package, program), as
+    `$(find xacro)/xacro` names them where the package is not installed; $(find) knows it then, and
+    `served_packages`. Without `resolves_anonymous`, `$(anon id)` stays in names as it is.
+    Raises LaunchError with file and line.
+    """
+    programs = programs or {}
+    served = frozenset(served_packages) | {package for package, _ in programs}
+    surroundings = Surroundings(environ, packages, served, resolves_anonymous)
+    loader = _Loader(TagReader(surroundings), programs)
+    namespace = as_namespace(arguments.get("__ns") or environ.get("ROS_NAMESPACE") or "/")
+    for path in paths:
+        loader.load_root(_read(str(path)), str(path), namespace, arguments)
+    if text is not None:
+        loader.load_root(text, STDIN_NAME, namespace, arguments)
+    return loader.reader.draft.finish()
+
+
+class _Loader:
+    def __init__(self, reader: TagReader, programs: Mapping[tuple[str, str], Sequence[str]]) -> None:
+        self.reader = reader
+        self._parameters = ParameterTags(reader, programs)
+        self._nodes = NodeTags(reader, self._parameters)
+        self._node_names: dict[str, Element] = {}
+        self._machines: set[str] = set()
+        self._depth = 0
+        self._includes = 0
+
+    def load_root(self, data: bytes, file: str, namespace: str, arguments: Mapping[str, str]) -> None:
+        root = self._parse(data, file)
+        scope = Scope(file=file, namespace=namespace, arguments=dict(arguments))
+        self._read_children(root, scope)
+        for name, argument in scope.declared.items():
+            self.reader.draft.arguments.setdefault(name, argument)
+
+    def _parse(self, data: bytes, file: str) -> Element:
+        root = parse_launch_xml(data, file=file)
+        self.reader.draft.files.append(file)
+        if notice := root.attributes.get("deprecated"):
+            self.reader.warn(root, f"deprecated: {notice}")
+        return root
+
+    def _read_children(self, parent: Element, scope: Scope) -> None:
+        for element in parent.children:
+            with self.reader.placed(element):
+                if element.tag == "launch":
+                    raise LaunchError("<launch> stands inside of <launch>; use <group> or <include>")
+                if self.reader.is_meant(element, scope):
+                    self._read(element, scope)
+
+    def _read(self, element: Element, scope: Scope) -> None:
+        match element.tag:
+            case "arg":
+                self._arg(element, scope)
+            case "group":
+                self.reader.check_attributes(element, ("ns", "clear_params"))
+                self._read_children(element, self.reader.namespace(element, scope))
+            case "include":
+                self._include(element, scope)
+            case "node":
+                self._node(element, scope)
+            case "test":
+                self._nodes.test(element, scope)
+            case "param":
+                self._parameters.param(element, scope)
+            case "rosparam":
+                self._parameters.rosparam(element, scope)
+            case "remap":
+                self.reader.remap(element, scope)
+            case "env":
+                self.reader.environment(element, scope)
+            case "machine":
+                self._machines.add(read_machine(self.reader, element, scope))
+            case "master":
+                self.reader.warn(element, "<master> means nothing any more; it is ignored")
+            case _:
+                self.reader.warn(element, f"there is no tag <{element.tag}>; it is ignored")
+
+    def _arg(self, element: Element, scope: Scope, values: Scope | None = None) -> None:
+        reader, values = self.reader, values or scope
+        reader.check_attributes(element, ("name", "value", "default", "doc"))
+        name = reader.required(element, values, "name")
+        value, default, doc = (reader.optional(element, values, each) for each in ("value", "default", "doc"))
+        if value is not None and default is not None:
+            raise LaunchError(f"argument {name!r} has both value= and default=; keep one of them")
+        scope.declare(DeclaredArgument(name, default, doc or "", is_fixed=value is not None), value)
+
+    def _node(self, element: Element, scope: Scope) -> None:
+        node = self._nodes.node(element, scope)
+        machine = self.reader.optional(element, scope, "machine")
+        if machine and machine not in self._machines:
+            raise LaunchError(f"there is no <machine name={machine!r}> above; remove machine=")
+        earlier = self._node_names.setdefault(node.full_name, element)
+        if earlier is not element:
+            raise LaunchError(
+                f"two nodes are called {node.full_name}, one at {earlier.file}:{earlier.line}; rename one"
+            )
+        self.reader.draft.nodes.append(node)
+
+    def _include(self, element: Element, scope: Scope) -> None:
+        reader = self.reader
+        reader.check_attributes(element, ("file", "ns", "clear_params", "pass_all_args"))
+        file = reader.required(element, scope, "file")
+        inside = reader.namespace(element, scope)
+        pass_all = reader.switch(element, scope, "pass_all_args")
+        given = Scope(
+            file=file, arguments=dict(scope.arguments) if pass_all else {}, passes_all_arguments=pass_all
+        )
+        for child in element.children:
+            with reader.placed(child):
+                if not reader.is_meant(child, inside):
+                    continue
+                match child.tag.lower():
+                    case "arg":
+                        self._arg(child, given, inside)
+                    case "env":
+                        reader.environment(child, inside)
+                    case _:
+                        reader.warn(child, f"<{child.tag}> means nothing inside of <include>; it is ignored")
+        for name in given.declared:
+            if name not in given.arguments:
+                raise LaunchError(f"argument {name!r} needs value= or default= inside of <include>")
+        included = scope.included(file, inside, given.arguments, pass_all=pass_all)
+        passed = list(included.arguments)
+        self._read_included(element, included)
+        unused = [name for name in passed if name not in included.declared]
+        if unused and not pass_all:
+            raise LaunchError(
+                f"{file} declares no argument {' and no '.join(unused)}; remove it from <include>"
+            )
+
+    def _read_included(self, element: Element, scope: Scope) -> None:
+        self._includes += 1
+        if self._depth >= MAX_INCLUDE_DEPTH or self._includes > MAX_INCLUDES:
+            raise LaunchError(f"{scope.file} is included again and again; end it with if= or unless=")
+        self._depth += 1
+        try:
+            self._read_children(self._parse(_read(scope.file), scope.file), scope)
+        except LaunchError as error:
+            if " (included " in str(error) or not error.file:
+                raise
+            raise LaunchError(
+                f"{error} (included at {element.file}:{element.line})".removeprefix(
+                    f"{error.file}:{error.line}: "
+                ),
+                file=error.file,
+                line=error.line,
+            ) from None
+        finally:
+            self._depth -= 1
+
+
+def _read(file: str) -> bytes:
+    try:
+        with open(file, "rb") as stream:  # noqa: PTH123 - an empty name is no Path
+            if os.path.isdir(file):  # noqa: PTH112
+                raise LaunchError(f"{file} is a folder, not a launch file")
+            return stream.read(MAX_FILE_BYTES + 1)
+    except OSError as error:
+        raise LaunchError(f"cannot read {file!r}: {error.strerror or error}") from None

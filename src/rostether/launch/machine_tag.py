@@ -1,0 +1,33 @@
+"""<machine>: this machine under another name; nodes are not started on others."""
+
+from __future__ import annotations
+
+import getpass
+import re
+import socket
+
+from rostether.errors import LaunchError
+from rostether.launch.scope import Scope
+from rostether.launch.tag_reader import TagReader
+from rostether.launch.xml_tree import Element
+
+_ATTRIBUTES = ("name", "address", "env-loader", "ssh-port", "user", "password", "default", "timeout")
+
+
+def read_machine(reader: TagReader, element: Element, scope: Scope) -> str:
+    """Return the name of a machine that is this one. Raises LaunchError for any other."""
+    reader.check_attributes(element, _ATTRIBUTES)
+    name, address = (reader.required(element, scope, each) for each in ("name", "address"))
+    user = reader.optional(element, scope, "user")
+    if not _is_here(address) or (user and user != getpass.getuser()):
+        raise LaunchError(
+            f"machine {name!r} at {address} is not this one, and nodes are started here only; "
+            f"remove <machine>, and type `rostether launch` there with ROS_MASTER_URI set to ours"
+        )
+    return name
+
+
+def _is_here(address: str) -> bool:
+    return address in ("localhost", "::1", socket.gethostname()) or bool(
+        re.fullmatch(r"127(\.\d{1,3}){3}", address)
+    )

@@ -1,0 +1,168 @@
+"""<param> and <rosparam>: values from attributes, files, programs and YAML."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import subprocess
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from rostether.errors import LaunchError
+from rostether.launch.plan import DeleteParameters, DumpParameters
+from rostether.launch.scope import Scope
+from rostether.launch.substitution import SERVED_ROOT
+from rostether.launch.tag_reader import TagReader
+from rostether.launch.values import convert
+from rostether.launch.xml_tree import MAX_FILE_BYTES, Element
+from rostether.names.graph_name import is_private, join
+from rostether.param_yaml import leaves, parse_single_document
+
+_SOURCES = ("value", "textfile", "binfile", "command")
+_PARAM_ATTRIBUTES = ("name", "type", *_SOURCES)
+_ROSPARAM_ATTRIBUTES = ("command", "ns", "file", "param", "subst_value")
+_COMMANDS = ("load", "dump", "delete")
+# `$(find xacro)/xacro` is how launch files of ROS 1 start programs of packages; `xacro.py` is its older name.
+_SCRIPT_SUFFIX = ".py"
+
+
+class ParameterTags:
+    """Reads both tags; `programs` are command lines of ours for programs of packages that we serve.
+
+    All methods raise LaunchError, ConfigError.
+    """
+
+    def __init__(self, reader: TagReader, programs: Mapping[tuple[str, str], Sequence[str]]) -> None:
+        self._reader = reader
+        self._programs = programs
+
+    def param(self, element: Element, scope: Scope) -> None:
+        """Set a parameter, or keep a private one for the nodes that follow."""
+        name, value = self._name_and_value(element, scope)
+        if is_private(name):
+            scope.private_params[name] = value
+        else:
+            self._reader.set_parameter(element, join(scope.namespace, name), value)
+
+    def node_param(self, element: Element, scope: Scope) -> tuple[str, Any]:
+        """Return name and value of a <param> inside a <node>: it is private with and without `~`."""
+        return self._name_and_value(element, scope)
+
+    def rosparam(self, element: Element, scope: Scope) -> None:
+        """Load, or note down what is to be dumped or deleted before the launch."""
+        reader = self._reader
+        reader.check_attributes(element, _ROSPARAM_ATTRIBUTES)
+        command = reader.optional(element, scope, "command") or "load"
+        file = reader.optional(element, scope, "file")
+        # `ns` is an older name of `param`.
+        name = join(
+            reader.optional(element, scope, "ns") or "", reader.optional(element, scope, "param") or ""
+        )
+        replaces = reader.switch(element, scope, "subst_value")
+        if is_private(name):
+            reader.warn(element, f"param={name!r} is not the node's: write it without ~ inside of its <node>")
+        full_name = join(scope.namespace, name) if name else scope.namespace
+        match command:
+            case "load":
+                self._load(element, scope, name, full_name, file, replaces=replaces)
+            case "dump":
+                if not file:
+                    raise LaunchError("<rosparam command='dump'> needs file=, where to write to")
+                reader.draft.before.append(DumpParameters(full_name, file))
+            case "delete":
+                if file is not None:
+                    raise LaunchError("<rosparam command='delete'> takes no file=")
+                reader.draft.before.append(DeleteParameters(full_name))
+            case _:
+                raise LaunchError(f"<rosparam> has no command {command!r}; known are {', '.join(_COMMANDS)}")
+
+    def _load(
+        self, element: Element, scope: Scope, name: str, full_name: str, file: str | None, *, replaces: bool
+    ) -> None:
+        text, source = element.text, "its YAML"
+        if file is not None:
+            text, source = _read_text(file), file
+        if replaces:
+            text = self._reader.substitute(text, scope)
+        data = parse_single_document(text, source)
+        if data is None:
+            data = {}
+        if not name and not isinstance(data, dict):
+            raise LaunchError("<rosparam> needs param=, a name for what is no mapping of names to values")
+        for key, value in leaves(full_name, data):
+            self._reader.set_parameter(element, key, value)
+
+    def _name_and_value(self, element: Element, scope: Scope) -> tuple[str, Any]:
+        reader = self._reader
+        reader.check_attributes(element, _PARAM_ATTRIBUTES)
+        given = {source: reader.optional(element, scope, source) for source in _SOURCES}
+        sources = [(source, text) for source, text in given.items() if text is not None]
+        if len(sources) != 1:
+            raise LaunchError(f"<param> needs one of {', '.join(f'{each}=' for each in _SOURCES)}")
+        name = reader.required(element, scope, "name").strip()
+        if not name:
+            raise LaunchError("<param> has an empty name=")
+        (source, text), type_name = sources[0], element.attributes.get("type", "").lower().strip() or "auto"
+        return name, self._value(source, text, type_name)
+
+    def _value(self, source: str, text: str, type_name: str) -> Any:
+        match source:
+            case "value":
+                return convert(text.strip(), type_name)
+            case "textfile":
+                return convert(_read_text(text), type_name)
+            case "binfile":
+                return _read_bytes(text)
+        return convert(self._output_of(text), type_name)
+
+    def _output_of(self, command: str) -> str:
+        words = _split(command)
+        if not words:
+            raise LaunchError("<param command=''> names no program")
+        words = [*self._program(words[0]), *words[1:]]
+        try:
+            done = subprocess.run(  # noqa: S603 - running it is what command= is for
+                words, stdout=subprocess.PIPE, check=False, env=dict(self._reader.surroundings.environ)
+            )
+        except OSError as error:
+            raise LaunchError(f"cannot run {words[0]!r}: {error.strerror or error}") from None
+        if done.returncode != 0:
+            raise LaunchError(f"the command {command!r} failed with code {done.returncode}")
+        try:
+            return done.stdout.decode()
+        except UnicodeDecodeError:
+            raise LaunchError(f"what {command!r} printed is not UTF-8") from None
+
+    def _program(self, word: str) -> Sequence[str]:
+        path = Path(word)
+        if path.parent.parent == Path(SERVED_ROOT):
+            served = self._programs.get((path.parent.name, path.name.removesuffix(_SCRIPT_SUFFIX)))
+            if served is None:
+                raise LaunchError(f"package {path.parent.name!r} is not installed; install it")
+            return served
+        return [word]
+
+
+def _split(text: str) -> list[str]:
+    try:
+        return shlex.split(text)
+    except ValueError as error:
+        raise LaunchError(f"{text!r}: {str(error).lower()}") from None
+
+
+def _read_bytes(file: str) -> bytes:
+    try:
+        if os.path.getsize(file) > MAX_FILE_BYTES:  # noqa: PTH202 - an empty name is no Path
+            raise LaunchError(f"{file} is larger than {MAX_FILE_BYTES} bytes, no parameter is")
+        return Path(file).read_bytes()
+    except OSError as error:
+        raise LaunchError(f"cannot read {file!r}: {error.strerror or error}") from None
+
+
+def _read_text(file: str) -> str:
+    try:
+        text = _read_bytes(file).decode()
+    except UnicodeDecodeError as error:
+        raise LaunchError(f"{file} is not UTF-8 text ({error.reason} at byte {error.start})") from None
+    return text.replace("\r\n", "\n").replace("\r", "\n")

@@ -1,0 +1,102 @@
+"""What launch files ask for, once read: parameters, nodes with their remaps and environments, clean-ups."""
+
+from __future__ import annotations
+
+import shlex
+from dataclasses import dataclass, field
+from enum import Enum
+
+from rostether.graph.ports import ParamValue
+from rostether.names.graph_name import canonical, join
+
+
+class Output(Enum):
+    """Where a node's standard output goes."""
+
+    LOG = "log"
+    SCREEN = "screen"
+
+
+class WorkingFolder(Enum):
+    """In which folder a node starts."""
+
+    ROS_HOME = "ROS_HOME"
+    NODE = "node"
+
+
+@dataclass(frozen=True, slots=True)
+class LaunchNode:
+    """One process to start.
+
+    `name` has no namespace, `namespace` is global without a trailing slash (`/` is the root); `remaps` are
+    pairs (from, to) as written; later pairs of `environment` win.
+    """
+
+    package: str
+    type: str
+    name: str
+    namespace: str = "/"
+    args: str = ""
+    remaps: tuple[tuple[str, str], ...] = ()
+    environment: tuple[tuple[str, str], ...] = ()
+    respawn: bool = False
+    respawn_delay_s: float = 0.0
+    required: bool = False
+    output: Output = Output.LOG
+    working_folder: WorkingFolder = WorkingFolder.ROS_HOME
+    launch_prefix: str = ""
+    file: str = ""
+    line: int = 0
+
+    @property
+    def full_name(self) -> str:
+        """The name that the node has in the graph."""
+        return canonical(join(self.namespace, self.name))
+
+    @property
+    def arguments(self) -> list[str]:
+        """What the node is started with: its own arguments, its remaps and its name."""
+        remaps = [f"{source}:={target}" for source, target in self.remaps]
+        return [*shlex.split(self.args), *remaps, f"__name:={self.name}"]
+
+
+@dataclass(frozen=True, slots=True)
+class DumpParameters:
+    """Write a namespace of the parameter server, as it is before the launch, to a YAML file."""
+
+    namespace: str
+    file: str
+
+
+@dataclass(frozen=True, slots=True)
+class DeleteParameters:
+    """Delete a parameter or namespace before the launch."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class DeclaredArgument:
+    """An <arg> of a launch file; one without a default has to be given, a fixed one cannot be."""
+
+    name: str
+    default: str | None = None
+    doc: str = ""
+    is_fixed: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class LaunchPlan:
+    """All of it, in the order in which it is done: `before`, `cleared`, `parameters`, `nodes`.
+
+    `cleared` are namespaces with a trailing slash. `arguments` are those of the files given, not of the files
+    that they include; `files` all that were read. `warnings` are lines for people.
+    """
+
+    nodes: tuple[LaunchNode, ...] = ()
+    parameters: dict[str, ParamValue] = field(default_factory=dict)
+    before: tuple[DumpParameters | DeleteParameters, ...] = ()
+    cleared: tuple[str, ...] = ()
+    arguments: tuple[DeclaredArgument, ...] = ()
+    files: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()

@@ -1,0 +1,92 @@
+"""What holds at a place of a launch file: namespace, arguments, remaps, environment, private parameters.
+
+A <group> or <node> gets a copy of it, so that what is said inside ends there. An <include> too, but the file
+it names sees only the arguments that it is given.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from rostether.errors import LaunchError
+from rostether.graph.ports import ParamValue
+from rostether.launch.plan import DeclaredArgument
+from rostether.names.graph_name import PRIVATE, SEPARATOR, canonical, is_global, is_legal_name, join
+
+
+@dataclass(slots=True)
+class Scope:
+    """The state at one place; `namespace` is global and ends with a slash."""
+
+    file: str
+    namespace: str = SEPARATOR
+    arguments: dict[str, str] = field(default_factory=dict)
+    declared: dict[str, DeclaredArgument] = field(default_factory=dict)
+    anonymous_names: dict[str, str] = field(default_factory=dict)
+    remaps: list[tuple[str, str]] = field(default_factory=list)
+    environment: list[tuple[str, str]] = field(default_factory=list)
+    private_params: dict[str, ParamValue] = field(default_factory=dict)
+    passes_all_arguments: bool = False
+
+    def child(self, namespace: str | None = None) -> Scope:
+        """Return a scope inside this one. Raises LaunchError for the namespace `~`."""
+        return Scope(
+            file=self.file,
+            namespace=self.namespace if namespace is None else self._below(namespace),
+            arguments=dict(self.arguments),
+            declared=dict(self.declared),
+            anonymous_names=dict(self.anonymous_names),
+            remaps=list(self.remaps),
+            environment=list(self.environment),
+            private_params=dict(self.private_params),
+        )
+
+    def included(self, file: str, inside: Scope, given: dict[str, str], *, pass_all: bool) -> Scope:
+        """Return the scope of an included file; `inside` is that of the <include>'s children."""
+        return Scope(
+            file=file,
+            namespace=inside.namespace,
+            arguments=given,
+            remaps=inside.remaps,
+            environment=inside.environment,
+            # As with roslaunch: where there are private parameters already, those of the included file
+            # also go to the nodes after the <include>.
+            private_params=self.private_params or {},
+            passes_all_arguments=pass_all,
+        )
+
+    def declare(self, argument: DeclaredArgument, value: str | None) -> None:
+        """Take an <arg>. Raises LaunchError when it is declared twice, or fixed and given."""
+        name = argument.name
+        if name in self.declared and not self.passes_all_arguments:
+            raise LaunchError(f"argument {name!r} is declared twice; rename or remove one")
+        if value is not None:
+            if name in self.arguments and not self.passes_all_arguments:
+                raise LaunchError(
+                    f"argument {name!r} has a fixed value and cannot be given; use default= instead of value="
+                )
+            self.arguments[name] = value
+        elif argument.default is not None:
+            self.arguments.setdefault(name, argument.default)
+        self.declared[name] = argument
+
+    def remap(self, source: str, target: str) -> None:
+        """Add a remapping; one from the same name is replaced. Raises LaunchError."""
+        pair = (canonical(source), canonical(target))
+        for name in pair:
+            if not name:
+                raise LaunchError("<remap> needs names in from= and to=, not empty texts")
+            if not is_legal_name(name):
+                raise LaunchError(f"<remap> cannot use {name!r}: it is not a ROS name")
+        self.remaps = [each for each in self.remaps if each[0] != pair[0]] + [pair]
+
+    def _below(self, namespace: str) -> str:
+        if namespace.startswith(PRIVATE):
+            raise LaunchError(f"ns={namespace!r} is private to a node; give a namespace like robot1 or /lab")
+        return as_namespace(namespace if is_global(namespace) else join(self.namespace, namespace))
+
+
+def as_namespace(name: str) -> str:
+    """Return a name as a global namespace with a trailing slash."""
+    cleaned = canonical(name if is_global(name) else SEPARATOR + name)
+    return cleaned if cleaned == SEPARATOR else cleaned + SEPARATOR

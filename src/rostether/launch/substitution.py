@@ -1,0 +1,163 @@
+"""Substitution arguments: `$(find pkg)`, `$(arg x)`, `$(env V)`, `$(optenv V words)`, `$(anon x)`,
+`$(dirname)`.
+
+A text that is one `$(eval ...)` is computed (`launch.evaluation`). All others are put in twice over, so that
+a value may hold a `$(find ...)` itself; they cannot stand inside each other.
+"""
+
+from __future__ import annotations
+
+import os
+import random
+import re
+import socket
+import sys
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+
+from rostether.errors import LaunchError
+from rostether.launch.scope import Scope
+
+COMMANDS = ("find", "env", "optenv", "dirname", "anon", "arg")
+_EVAL_PREFIX = "$(eval "
+_NOT_IN_NAMES = re.compile(r"[.:-]")
+
+
+@dataclass(frozen=True, slots=True)
+class Surroundings:
+    """What a launch file may ask of the machine.
+
+    `packages` are folders by package name. `served` are packages of ours that are no folders: they are found
+    below SERVED_ROOT, where no file is. Without `resolves_anonymous`, `$(anon id)` stays as it is.
+    """
+
+    environ: Mapping[str, str]
+    packages: Mapping[str, Path]
+    served: frozenset[str] = frozenset()
+    resolves_anonymous: bool = True
+
+
+SERVED_ROOT = "/rostether-serves"
+"""Stands for the folder of packages that we serve without files."""
+
+
+def substitute(text: str, scope: Scope, surroundings: Surroundings) -> str:
+    """Return a text with its substitution arguments put in. Raises LaunchError."""
+    if "$" not in text:
+        return text
+    if text.startswith(_EVAL_PREFIX) and text.endswith(")"):
+        from rostether.launch.evaluation import evaluate
+
+        return evaluate(text[len(_EVAL_PREFIX) : -1], scope, surroundings)
+    for found in _substitutions(text):
+        text = _put_in(text, found, scope, surroundings)
+    for found in _substitutions(text):
+        if found.split()[0] == "find":
+            text = _put_in_package(text, found, surroundings)
+    return text
+
+
+def environment_variable(name: str, surroundings: Surroundings) -> str:
+    """Return an environment variable's value. Raises LaunchError when it is not set."""
+    if name not in surroundings.environ:
+        raise LaunchError(f"the environment variable {name} is not set; set it, or use $(optenv {name})")
+    return surroundings.environ[name]
+
+
+def argument_value(name: str, scope: Scope) -> str:
+    """Return an argument's value. Raises LaunchError when there is none."""
+    if name in scope.arguments:
+        return scope.arguments[name]
+    if name in scope.declared:
+        raise LaunchError(f"argument {name!r} has no value; give {name}:=VALUE, or a default in its <arg>")
+    raise LaunchError(f"argument {name!r} is not declared here; add <arg name={name!r} default=.../> above")
+
+
+def anonymous_name(base_name: str, scope: Scope) -> str:
+    """Return the name that `$(anon base_name)` stands for here, the same each time."""
+    if base_name not in scope.anonymous_names:
+        scope.anonymous_names[base_name] = new_anonymous_name(base_name)
+    return scope.anonymous_names[base_name]
+
+
+def new_anonymous_name(base_name: str) -> str:
+    """Return a node name that nobody else has, made as ROS makes them: from host, process and chance."""
+    number = random.randint(0, sys.maxsize)  # noqa: S311 - no secret, only unlike others
+    return _NOT_IN_NAMES.sub("_", f"{base_name}_{socket.gethostname()}_{os.getpid()}_{number}")
+
+
+def folder_of(file: str) -> str:
+    """Return the absolute path of the folder that holds a launch file."""
+    return str(Path(file).parent.absolute())
+
+
+def package_folder(name: str, surroundings: Surroundings) -> str:
+    """Return the folder of a package. Raises LaunchError when there is none."""
+    if name in surroundings.packages:
+        return str(surroundings.packages[name])
+    if name in surroundings.served:
+        return f"{SERVED_ROOT}/{name}"
+    near = get_close_matches(name, surroundings.packages, n=1)
+    hint = f"did you mean {near[0]}?" if near else "add the folder that holds it to ROS_PACKAGE_PATH"
+    raise LaunchError(f"there is no package {name!r}; {hint}")
+
+
+def _put_in(text: str, found: str, scope: Scope, surroundings: Surroundings) -> str:
+    command, *words = found.split()
+    value: str | None = None
+    match command:
+        case "env":
+            value = environment_variable(_only(found, words), surroundings)
+        case "optenv":
+            if not words:
+                raise LaunchError(f"$({found}) needs the name of an environment variable")
+            value = surroundings.environ.get(words[0], " ".join(words[1:]))
+        case "dirname":
+            value = folder_of(scope.file)
+        case "anon":
+            name = _only(found, words)
+            value = anonymous_name(name, scope) if surroundings.resolves_anonymous else None
+        case "arg":
+            value = argument_value(_only(found, words), scope)
+    return text if value is None else text.replace(f"$({found})", value)
+
+
+def _put_in_package(text: str, found: str, surroundings: Surroundings) -> str:
+    folder = package_folder(_only(found, found.split()[1:]), surroundings)
+    before, _, after = text.partition(f"$({found})")
+    # A path need not begin with a slash: `$(find pkg)urdf/a.urdf` lies in the package too.
+    joint = "/" if after and not after.startswith(("/", " ", "$")) else ""
+    return before + folder + joint + after
+
+
+def _only(found: str, words: list[str]) -> str:
+    if len(words) != 1:
+        raise LaunchError(f"$({found}) takes one name, as in $({found.split()[0]} NAME)")
+    return words[0]
+
+
+def _substitutions(text: str) -> Iterator[str]:
+    """Yield what stands between `$(` and `)`; a `$` or a bracket elsewhere is a plain character."""
+    start = -1
+    after_dollar = False
+    found: list[str] = []
+    for index, character in enumerate(text):
+        if start >= 0:
+            if character == "$":
+                raise LaunchError(f"{text!r}: $(...) cannot stand inside another; use $(eval ...)")
+            if character == "(":
+                raise LaunchError(f"{text!r}: there is a second '(' inside of $(...)")
+            if character == ")":
+                if index > start:
+                    found.append(text[start:index])
+                start = -1
+        elif character == "(" and after_dollar:
+            start = index + 1
+        after_dollar = character == "$"
+    for each in found:
+        if each.split()[:1] and each.split()[0] in COMMANDS:
+            continue
+        raise LaunchError(f"$({each}) is not known; known are $({'), $('.join(COMMANDS)}) and $(eval ...)")
+    yield from found

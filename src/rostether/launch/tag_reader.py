@@ -1,0 +1,164 @@
+"""Reading elements of a launch file, and the plan that grows from them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+from rostether.errors import ConfigError, InvalidNameError, LaunchError
+from rostether.graph.ports import ParamValue
+from rostether.launch.plan import (
+    DeclaredArgument,
+    DeleteParameters,
+    DumpParameters,
+    LaunchNode,
+    LaunchPlan,
+)
+from rostether.launch.scope import Scope, as_namespace
+from rostether.launch.substitution import Surroundings, substitute
+from rostether.launch.values import check, truth
+from rostether.launch.xml_tree import Element
+from rostether.names.graph_name import SEPARATOR, canonical, is_legal_name, join, namespace_of
+
+_CONDITIONS = ("if", "unless")
+
+
+@dataclass(slots=True)
+class Draft:
+    """A plan in the making."""
+
+    nodes: list[LaunchNode] = field(default_factory=list)
+    parameters: dict[str, ParamValue] = field(default_factory=dict)
+    before: list[DumpParameters | DeleteParameters] = field(default_factory=list)
+    cleared: list[str] = field(default_factory=list)
+    arguments: dict[str, DeclaredArgument] = field(default_factory=dict)
+    files: list[str] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+
+    def finish(self) -> LaunchPlan:
+        """Return the plan."""
+        return LaunchPlan(
+            nodes=tuple(self.nodes),
+            parameters=self.parameters,
+            before=tuple(self.before),
+            cleared=tuple(self.cleared),
+            arguments=tuple(self.arguments.values()),
+            files=tuple(dict.fromkeys(self.files)),
+            warnings=tuple(self.warnings),
+        )
+
+
+class TagReader:
+    """Attributes with their substitution arguments put in, and what they add to the draft.
+
+    All methods raise LaunchError; where it has no place in a file yet, the loader gives it the element's.
+    """
+
+    def __init__(self, surroundings: Surroundings) -> None:
+        self.surroundings = surroundings
+        self.draft = Draft()
+
+    def substitute(self, text: str, scope: Scope) -> str:
+        """Return a text with its substitution arguments put in."""
+        return substitute(text, scope, self.surroundings)
+
+    def optional(self, element: Element, scope: Scope, name: str) -> str | None:
+        """Return an attribute's value; None where it is not there."""
+        text = element.attributes.get(name)
+        return None if text is None else self.substitute(text, scope)
+
+    def required(self, element: Element, scope: Scope, name: str) -> str:
+        """Return the value of an attribute that has to be there."""
+        text = self.optional(element, scope, name)
+        if text is None:
+            raise LaunchError(f"<{element.tag}> needs the attribute {name}=")
+        return text
+
+    def switch(self, element: Element, scope: Scope, name: str) -> bool:
+        """Return an attribute that is true or false; false where it is not there."""
+        text = self.optional(element, scope, name)
+        if text is not None and text.lower() not in ("true", "false"):
+            raise LaunchError(f"{name}={text!r} is neither true nor false")
+        return text is not None and text.lower() == "true"
+
+    def number(self, element: Element, scope: Scope, name: str) -> float:
+        """Return an attribute that is a number; 0 where it is not there."""
+        text = self.optional(element, scope, name)
+        try:
+            return 0.0 if text is None else float(text)
+        except ValueError:
+            raise LaunchError(f"{name}={text!r} is not a number") from None
+
+    def is_meant(self, element: Element, scope: Scope) -> bool:
+        """Tell whether an element's if= or unless= lets it count."""
+        on, off = (self.optional(element, scope, name) for name in _CONDITIONS)
+        if on is not None and off is not None:
+            raise LaunchError(f"<{element.tag}> has both if= and unless=; keep one of them")
+        if on is not None:
+            return truth(on)
+        return off is None or not truth(off)
+
+    def check_attributes(self, element: Element, known: Collection[str]) -> None:
+        """Warn of attributes that mean nothing."""
+        for name in element.attributes:
+            if name not in known and name not in _CONDITIONS:
+                self.warn(element, f"<{element.tag}> has no attribute {name}=; it is ignored")
+
+    def warn(self, element: Element, text: str) -> None:
+        """Say something about an element that stops nobody."""
+        self.draft.warnings.append(f"{element.file}:{element.line}: {text}")
+
+    def namespace(self, element: Element, scope: Scope, node_name: str = "") -> Scope:
+        """Return the scope inside an element with ns= and clear_params=."""
+        namespace = self.optional(element, scope, "ns")
+        if namespace == "":
+            raise LaunchError(f"<{element.tag}> has an empty ns=; remove it or name a namespace")
+        if namespace is not None and not is_legal_name(namespace):
+            self.warn(element, f"ns={namespace!r} is not a ROS name; many programs will refuse it")
+        inside = scope.child(namespace)
+        if element.attributes.get("clear_params") and self.switch(element, scope, "clear_params"):
+            if element.tag not in ("node", "test") and namespace is None:
+                raise LaunchError(f"<{element.tag} clear_params=...> needs ns=, the namespace to clear")
+            cleared = as_namespace(join(inside.namespace, node_name)) if node_name else inside.namespace
+            self.draft.cleared.append(cleared)
+        return inside
+
+    def remap(self, element: Element, scope: Scope) -> None:
+        """Take a <remap>."""
+        self.check_attributes(element, ("from", "to"))
+        scope.remap(self.required(element, scope, "from"), self.required(element, scope, "to"))
+
+    def environment(self, element: Element, scope: Scope) -> None:
+        """Take an <env>."""
+        self.check_attributes(element, ("name", "value"))
+        name, value = self.required(element, scope, "name"), self.required(element, scope, "value")
+        if not name:
+            raise LaunchError("<env> has an empty name=")
+        scope.environment.append((name, value))
+
+    @contextmanager
+    def placed(self, element: Element) -> Iterator[None]:
+        """Give errors that have no place in a file yet the element's."""
+        try:
+            yield
+        except LaunchError as error:
+            if error.file:
+                raise
+            raise element.error(str(error)) from None
+        except (ConfigError, InvalidNameError) as error:
+            raise element.error(str(error)) from None
+
+    def set_parameter(self, element: Element, name: str, value: Any) -> None:
+        """Set a parameter; the last value of a name counts."""
+        key = canonical(name)
+        check(key, value)
+        above = namespace_of(key)
+        while True:
+            if above in self.draft.parameters and above != key:
+                self.warn(element, f"parameter {key} lies below {above}, which is set to a value too")
+            if above == SEPARATOR:
+                break
+            above = namespace_of(above)
+        self.draft.parameters[key] = value

@@ -1,0 +1,64 @@
+"""Values of <param>: a text and its type, as roslaunch reads them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rostether.errors import LaunchError
+from rostether.param_yaml import leaves, parse_value
+
+TYPES = ("auto", "str", "string", "int", "double", "bool", "boolean", "yaml")
+
+
+def convert(text: str, type_name: str) -> Any:
+    """Return what a text means as a value of a type (one of TYPES). Raises LaunchError, ConfigError."""
+    match type_name:
+        case "auto":
+            return _guess(text)
+        case "str" | "string":
+            return text
+        case "int":
+            return _number(text, int, "a whole number")
+        case "double":
+            return _number(text, float, "a number")
+        case "bool" | "boolean":
+            return truth(text)
+        case "yaml":
+            return parse_value(text, "value") if text else None
+    raise LaunchError(f"type={type_name!r} is not known; known are {', '.join(TYPES)}")
+
+
+def truth(text: str) -> bool:
+    """Return what if=, unless= and parameters of type bool mean. Raises LaunchError."""
+    word = text.lower().strip()
+    if word in ("true", "1"):
+        return True
+    if word in ("false", "0"):
+        return False
+    raise LaunchError(f"{text!r} is neither true nor false")
+
+
+def check(name: str, value: Any) -> None:
+    """Refuse what no parameter server holds: null, numbers of more than 32 bits. Raises ConfigError."""
+    for _ in leaves(name, value):
+        pass
+
+
+def _guess(text: str) -> Any:
+    try:
+        if "." in text:
+            return float(text)
+        # Python reads 1_000 as a number, ROS as a text.
+        if "_" not in text:
+            return int(text)
+    except ValueError:
+        pass
+    word = text.lower()
+    return word == "true" if word in ("true", "false") else text
+
+
+def _number(text: str, kind: type[int] | type[float], what: str) -> int | float:
+    try:
+        return kind(text)
+    except ValueError:
+        raise LaunchError(f"{text!r} is not {what}") from None
