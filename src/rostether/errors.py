@@ -7,6 +7,7 @@ RostetherError
 ├── CodegenError                a client library that cannot be generated
 ├── FirmwareError               a sketch that cannot be built, measured or uploaded
 │   └── SketchError             the compiler or the linker refuses it; holds what they printed
+├── RobotModelError             a robot description (URDF, xacro) that makes no sense
 ├── BoardError                  a simulated board that cannot start, does not understand, or has ended
 ├── DefinitionError             a .msg or .srv text that cannot be read (file, line, column)
 │   └── UnknownTypeError        no known package has the message or service; says how to give it
@@ -26,6 +27,10 @@ RostetherError
 │   └── ServiceCallError
 │       ├── ServiceUnavailableError
 │       └── ServiceTimeoutError
+├── TransformError              tf cannot say where a frame stands
+│   ├── UnknownFrameError       nobody has published the frame, or the frames form a loop
+│   ├── UnconnectedFramesError  no path of transforms leads from one frame to the other
+│   └── ExtrapolationError      the moment lies outside of what was received
 └── SessionError                one board's session cannot go on
 """
 
@@ -68,6 +73,10 @@ class SketchError(FirmwareError):
     def __init__(self, message: str, *, diagnostics: str) -> None:
         super().__init__(message)
         self.diagnostics = diagnostics
+
+
+class RobotModelError(RostetherError):
+    """A robot description cannot be read; the text names the line and the link or joint."""
 
 
 class BoardError(RostetherError):
@@ -151,6 +160,22 @@ class ServiceUnavailableError(ServiceCallError):
 
 class ServiceTimeoutError(ServiceCallError, TimeoutError):
     """The service did not respond within the time limit."""
+
+
+class TransformError(RostetherError):
+    """Tf cannot say where one frame stands in another."""
+
+
+class UnknownFrameError(TransformError, LookupError):
+    """Nobody has published the frame, or the frames form a loop."""
+
+
+class UnconnectedFramesError(TransformError):
+    """No path of transforms leads from one frame to the other."""
+
+
+class ExtrapolationError(TransformError):
+    """The moment lies outside of what was received."""
 
 
 class SessionError(RostetherError):

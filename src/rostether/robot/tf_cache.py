@@ -1,0 +1,138 @@
+"""What is known of one frame over time: its transforms to its parent, sorted, forgotten after a while."""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from dataclasses import dataclass
+
+from rostether.errors import ExtrapolationError
+from rostether.robot.transform import Transform, interpolate
+from rostether.rostime import NS_PER_S
+
+DEFAULT_CACHE_NS = 10 * NS_PER_S
+"""How far back tf2 remembers by default."""
+
+MAX_TRANSFORMS = 100_000
+"""For one frame: ten seconds at 10 kHz, more than any sensor sends; a hostile peer's stamps could all fit."""
+
+_SHORTEST_SPAN_S = 0.0001  # tf2's own, so that the rate of a single transform can be shown
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One transform of a frame to its parent."""
+
+    stamp_ns: int
+    parent: str
+    transform: Transform
+    authority: str
+
+
+class TimeCache:
+    """The moving transforms of one frame. Stamps are nanoseconds; zero asks for the latest."""
+
+    is_static = False
+
+    def __init__(self, cache_ns: int = DEFAULT_CACHE_NS) -> None:
+        self._cache_ns = cache_ns
+        self._stamps: list[int] = []
+        self._entries: list[Entry] = []
+
+    def insert(self, entry: Entry) -> str:
+        """Remember an entry; returns why it was not, as tf2 words it, or an empty string."""
+        stamps = self._stamps
+        if stamps and stamps[-1] > entry.stamp_ns + self._cache_ns:
+            return (
+                "TF_OLD_DATA ignoring data from the past (Possible reasons are listed at "
+                "http://wiki.ros.org/tf/Errors%20explained)"
+            )
+        place = bisect_left(stamps, entry.stamp_ns)
+        if place < len(stamps) and stamps[place] == entry.stamp_ns:
+            return "TF_REPEATED_DATA ignoring data with redundant timestamp"
+        stamps.insert(place, entry.stamp_ns)
+        self._entries.insert(place, entry)
+        outdated = max(bisect_left(stamps, stamps[-1] - self._cache_ns), len(stamps) - MAX_TRANSFORMS)
+        if outdated:
+            del stamps[:outdated]
+            del self._entries[:outdated]
+        return ""
+
+    def at(self, time_ns: int) -> Entry:
+        """Return what holds at a moment, between two entries by interpolation. Raises ExtrapolationError."""
+        stamps = self._stamps
+        if time_ns == 0:
+            return self._entries[-1]
+        if not stamps[0] <= time_ns <= stamps[-1]:
+            raise ExtrapolationError(_out_of_range(time_ns, stamps))
+        place = bisect_left(stamps, time_ns)
+        later = self._entries[place]
+        if later.stamp_ns == time_ns:
+            return later
+        earlier = self._entries[place - 1]
+        if earlier.parent != later.parent:
+            return earlier
+        ratio = (time_ns - earlier.stamp_ns) / (later.stamp_ns - earlier.stamp_ns)
+        moved = interpolate(earlier.transform, later.transform, ratio)
+        return Entry(time_ns, later.parent, moved, later.authority)
+
+    @property
+    def latest(self) -> Entry:
+        """The newest entry."""
+        return self._entries[-1]
+
+    @property
+    def latest_ns(self) -> int:
+        """The stamp of the newest entry; zero where stamps do not matter."""
+        return self._stamps[-1]
+
+    @property
+    def oldest_ns(self) -> int:
+        """The stamp of the oldest entry."""
+        return self._stamps[0]
+
+    @property
+    def rate_hz(self) -> float:
+        """Entries a second over the span that is remembered, as tf2 counts them."""
+        return len(self._stamps) / max((self.latest_ns - self.oldest_ns) / NS_PER_S, _SHORTEST_SPAN_S)
+
+
+class StaticCache:
+    """The transform of a frame that never moves: the last one told holds at every moment."""
+
+    is_static = True
+    latest_ns = 0
+    oldest_ns = 0
+    rate_hz = 1 / _SHORTEST_SPAN_S
+
+    def __init__(self, entry: Entry) -> None:
+        self.latest = entry
+
+    def insert(self, entry: Entry) -> str:
+        """Replace the transform; never refuses."""
+        self.latest = entry
+        return ""
+
+    def at(self, time_ns: int) -> Entry:
+        """Return the transform."""
+        return self.latest
+
+
+def _out_of_range(time_ns: int, stamps: list[int]) -> str:
+    asked = seconds(time_ns)
+    if len(stamps) == 1:
+        only = seconds(stamps[0])
+        return f"Lookup would require extrapolation at time {asked}, but only time {only} is in the buffer"
+    if time_ns > stamps[-1]:
+        return (
+            f"Lookup would require extrapolation {seconds(time_ns - stamps[-1])}s into the future.  "
+            f"Requested time {asked} but the latest data is at time {seconds(stamps[-1])}"
+        )
+    return (
+        f"Lookup would require extrapolation {seconds(stamps[0] - time_ns)}s into the past.  "
+        f"Requested time {asked} but the earliest data is at time {seconds(stamps[0])}"
+    )
+
+
+def seconds(time_ns: int) -> str:
+    """Return nanoseconds written as seconds, exactly."""
+    return f"{time_ns // NS_PER_S}.{time_ns % NS_PER_S:09d}"
