@@ -21,7 +21,7 @@ def _wall_time() -> Time:
 
 
 class Clock:
-    """Tells ROS time; `is_simulated` is decided once, when the node joins, as in rospy and roscpp."""
+    """Tells ROS time; whether it is simulated is decided once, when the node joins, as in rospy."""
 
     def __init__(self, wall_time: Callable[[], Time] = _wall_time) -> None:
         self._wall_time = wall_time
@@ -30,6 +30,11 @@ class Clock:
     def simulate(self) -> None:
         """Take the time from `take_messages` from now on; it is zero before the first."""
         self._simulated = Time()
+
+    @property
+    def is_simulated(self) -> bool:
+        """Whether the time comes from /clock."""
+        return self._simulated is not None
 
     def now(self) -> Time:
         """Return the time."""

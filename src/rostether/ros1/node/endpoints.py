@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import Callable, Container, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable
 
 from rostether.errors import GraphError
 from rostether.graph.ports import Level, OnMessages, ServiceHandler
@@ -18,7 +18,7 @@ from rostether.ros1.node.registrations import Kind, Registrations
 from rostether.ros1.node.service_server import ServiceConnection, ServiceServer
 from rostether.ros1.node.slave_api import slave_dispatch
 from rostether.ros1.node.subscriber_connection import SubscriberConnection
-from rostether.ros1.node.subscription import Subscription
+from rostether.ros1.node.subscription import OnConnection, Subscription
 from rostether.ros1.node.tcpros_listener import TcprosListener
 from rostether.ros1.xmlrpc_server import XmlRpcServer
 from rostether.xmlrpc.values import XmlRpcValue
@@ -139,7 +139,7 @@ class Endpoints:
         message_type: MessageType,
         on_messages: OnMessages,
         *,
-        on_connection: Callable[[Mapping[str, str]], None] | None = None,
+        on_connection: OnConnection | None = None,
         tcp_nodelay: bool = True,
         skip_own: bool = False,
         skip_nodes: Container[str] = (),

@@ -22,7 +22,7 @@ from rostether.ros1.node.registrations import DEFAULT_CHECK_INTERVAL_S
 from rostether.ros1.node.rosout import RosoutLog
 from rostether.ros1.node.service_client import ServiceClient
 from rostether.ros1.node.service_server import ServiceServer
-from rostether.ros1.node.subscription import Subscription
+from rostether.ros1.node.subscription import OnConnection, Subscription
 from rostether.rostime import Time
 
 _log = logging.getLogger("rostether.ros1")
@@ -44,11 +44,13 @@ async def join_ros1(
     namespace: str = "/",
     remappings: Mapping[str, str] | None = None,
     check_interval_s: float = DEFAULT_CHECK_INTERVAL_S,
+    on_leave: Callable[[str], None] | None = None,
 ) -> Ros1Graph:
     """Join the graph of a master as `node_name`; a node that has the name is told to leave, by the master.
 
     `master_uri` wins over the environment's, which is read from os.environ by default. Every
-    `check_interval_s` the master is asked whether it still knows us.
+    `check_interval_s` the master is asked whether it still knows us. A node that is told to leave does so at
+    once, or with `on_leave` leaves that to its owner, who is told the reason.
     Raises MasterUnreachableError, InvalidNameError, ConfigError, GraphError.
     """
     environment = environment or RosEnvironment.read()
@@ -56,7 +58,7 @@ async def join_ros1(
     master = MasterClient(
         master_uri or environment.master_uri, full_name, max_body_bytes=environment.limits.body_bytes
     )
-    graph = Ros1Graph(master, environment, namespace, remappings or {})
+    graph = Ros1Graph(master, environment, namespace, remappings or {}, on_leave)
     try:
         await graph._open(check_interval_s)
     except BaseException:
@@ -74,7 +76,9 @@ class Ros1Graph:
         environment: RosEnvironment,
         namespace: str,
         remappings: Mapping[str, str],
+        on_leave: Callable[[str], None] | None = None,
     ) -> None:
+        self._on_leave = on_leave
         self.node_name = master.caller_id
         self._namespace = namespace
         self._remappings = resolve_remappings(remappings, namespace=namespace, node_name=self.node_name)
@@ -122,7 +126,7 @@ class Ros1Graph:
         message_type: MessageType,
         on_messages: OnMessages,
         *,
-        on_connection: Callable[[Mapping[str, str]], None] | None = None,
+        on_connection: OnConnection | None = None,
         tcp_nodelay: bool = True,
         skip_own: bool = False,
         skip_nodes: Container[str] = (),
@@ -203,6 +207,11 @@ class Ros1Graph:
         """Publish a log message on /rosout under this node's name."""
         self._rosout.log(level, text)
 
+    @property
+    def is_time_simulated(self) -> bool:
+        """Whether ROS time comes from /clock."""
+        return self._clock.is_simulated
+
     def now(self) -> Time:
         """Return ROS time: the wall clock, or /clock under use_sim_time (zero before its first message)."""
         return self._clock.now()
@@ -248,7 +257,10 @@ class Ros1Graph:
     def _leave(self, reason: str) -> None:
         if self._closing is None:
             self._report(Level.WARN, f"leaving the graph: {reason}")
-            self._close_soon(reason)
+            if self._on_leave is not None:
+                self._on_leave(reason)
+            else:
+                self._close_soon(reason)
 
     def _close_soon(self, reason: str) -> None:
         if self._closing is None:

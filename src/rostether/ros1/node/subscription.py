@@ -13,6 +13,10 @@ from rostether.ros1.node.publisher_connection import PublisherConnection, Publis
 from rostether.ros1.tcpros_connection import ConnectionRecord
 from rostether.tcpros.handshake import check_publisher, subscriber_fields
 
+OnConnection = Callable[[Mapping[str, str]], OnMessages | None]
+"""Gets a publisher's header fields. What it returns, if anything, takes that publisher's messages: rospy has
+a thread for each."""
+
 
 class Subscription:
     """A `graph.ports.Subscriber`.
@@ -29,7 +33,7 @@ class Subscription:
         *,
         node_name: str,
         report: Callable[[Level, str], None],
-        on_connection: Callable[[Mapping[str, str]], None] | None,
+        on_connection: OnConnection | None,
         on_close: Callable[[Subscription], Awaitable[None]],
         tcp_nodelay: bool,
         skipped_uri: str = "",
@@ -112,14 +116,31 @@ class Subscription:
     def _accept(self, uri: str, fields: dict[str, str], transport: asyncio.Transport) -> PublisherConnection:
         check_publisher(fields, self.topic, self.type)
         record = ConnectionRecord(transport, peer=uri, topic=self.topic, direction="i")
-        # Who is to be left out stays connected: it would be asked again and again.
-        take = _leave_out if fields.get("callerid") in self._skip_nodes else self._take
+        take = self._taker(fields)
+        if fields.get("callerid") in self._skip_nodes:
+            take = _leave_out  # who is to be left out stays connected: it would be asked again and again
         connection = PublisherConnection(transport, record, take, self._limits.message_bytes)
         if self._is_paused:
             connection.pause()
-        if self._on_connection is not None:
-            call_contained(f"on_connection of {self.topic}", self._on_connection, fields)
         return connection
+
+    def _taker(self, fields: Mapping[str, str]) -> OnMessages:
+        """Tell of a connection; returns what takes its messages."""
+        own: list[OnMessages | None] = []
+        if self._on_connection is not None:
+            on_connection = self._on_connection
+            call_contained(
+                f"on_connection of {self.topic}", lambda given: own.append(on_connection(given)), fields
+            )
+        take = own[0] if own else None
+        if take is None:
+            return self._take
+
+        def take_own(payloads: Sequence[bytes]) -> None:
+            if not self._is_closed:
+                call_contained(self._what, take, payloads)
+
+        return take_own
 
     def _take(self, payloads: Sequence[bytes]) -> None:
         if not self._is_closed:
