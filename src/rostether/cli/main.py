@@ -14,6 +14,8 @@ from rostether.cli.verbs import LazyGroup, VerbEntry
 
 _SPECIAL = re.compile(r"(__(?:name|ns|log|master|ip|hostname)):=(.*)", re.DOTALL)
 
+_SORTING_THEMSELVES = ("serial-node", "run")
+
 VERBS = {
     "demo": VerbEntry("rostether.cli.demo:demo", "Show a simulated board live, no hardware needed."),
     "serve": VerbEntry("rostether.cli.serve:serve", "Bridge boards into the ROS graph."),
@@ -33,9 +35,13 @@ VERBS = {
     "param": VerbEntry("rostether.cli.param:param", "Read and write parameters."),
     "msg": VerbEntry("rostether.cli.definitions:msg", "Show message definitions."),
     "srv": VerbEntry("rostether.cli.definitions:srv", "Show service definitions."),
+    "run": VerbEntry("rostether.cli.run:run", "Run a node of a package, like rosrun."),
+    "pkg": VerbEntry("rostether.cli.pkg:pkg", "Create, list and find packages."),
+    "role": VerbEntry("rostether.cli.role:role", "Be one of the nodes that launch files name."),
     "firmware": VerbEntry(
         "rostether.cli.firmware:firmware", "Build, size and flash sketches; make their library."
     ),
+    "env": VerbEntry("rostether.cli.env:env", "Let roslaunch, rostopic and others be typed as ever."),
     "completion": VerbEntry("rostether.cli.completion:completion", "Print shell completion code."),
 }
 
@@ -65,8 +71,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _split_special(arguments: Sequence[str]) -> tuple[list[str], dict[str, str]]:
-    # roslaunch adds them to every command it starts. serial-node sorts all of its ROS arguments itself.
-    if arguments and arguments[0] == "serial-node":
+    # roslaunch adds them to every command it starts. What follows `run` is the node's.
+    if arguments and arguments[0] in _SORTING_THEMSELVES:
         return list(arguments), {}
     specials = {match[1]: match[2] for each in arguments if (match := _SPECIAL.fullmatch(each))}
     return [each for each in arguments if not _SPECIAL.fullmatch(each)], specials

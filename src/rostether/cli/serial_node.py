@@ -10,7 +10,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Protocol
 
 import click
 
@@ -34,6 +36,27 @@ DEFAULT_SERIAL_PORT = "/dev/ttyUSB0"
 DEFAULT_NODE_NAME = "serial_node"
 # The last two steer how the established host works inside; they are accepted, and nothing is left to steer.
 PRIVATE_PARAMETERS = ("port", "baud", "tcp_port", "fork_server", "fix_pyserial_for_test")
+
+
+class ChooseLink(Protocol):
+    """Makes a link address of a node's plain arguments and private parameters. Raises ConfigError."""
+
+    def __call__(
+        self, rest: list[str], parameters: Mapping[str, object], *, node_name: str, namespace: str
+    ) -> str:
+        """Return the address."""
+
+
+@dataclass(frozen=True, slots=True)
+class HostRole:
+    """Which of rosserial's hosts we are: its node's usual name, its parameters, and the board they mean."""
+
+    node_name: str
+    greeting: str
+    parameters: tuple[str, ...]
+    choose_link: ChooseLink
+
+
 _ENVIRONMENT_OF_SPECIAL = {"__master": "ROS_MASTER_URI", "__ip": "ROS_IP", "__hostname": "ROS_HOSTNAME"}
 
 
@@ -60,10 +83,22 @@ def serial_node(
 
     What devices.toml says of the board holds where no argument says otherwise; its name is __name's.
     """
-    parsed = parse_arguments(arguments)
+    host = HostRole(DEFAULT_NODE_NAME, "ROS Serial Python Node", PRIVATE_PARAMETERS, choose_link)
+    run_host(host, parse_arguments(arguments), listen=listen, allowed=allowed, config=config)
+
+
+def run_host(
+    host: HostRole,
+    parsed: Arguments,
+    *,
+    listen: str | None = None,
+    allowed: tuple[str, ...] = (),
+    config: Path | None = None,
+) -> None:
+    """Bridge one board as that host does until told to end."""
     reporter = ConsoleReporter(show_node=False)
-    for name in parsed.private_params.keys() - set(PRIVATE_PARAMETERS):
-        reporter.line(Level.WARN, f"_{name} is not known here; known are _{', _'.join(PRIVATE_PARAMETERS)}")
+    for name in parsed.private_params.keys() - set(host.parameters):
+        reporter.line(Level.WARN, f"_{name} is not known here; known are _{', _'.join(host.parameters)}")
     variables = {
         _ENVIRONMENT_OF_SPECIAL[key]: value
         for key, value in parsed.special.items()
@@ -75,10 +110,11 @@ def serial_node(
     environment = environment.allowing(allowed)
     devices = read_devices(config, ())
     hosts = environment.listen_hosts if listen is not None else (LOOPBACK,)
-    run(_serve(environment, parsed, reporter, hosts, allowed, devices), is_service=True)
+    run(_serve(host, environment, parsed, reporter, hosts, allowed, devices), is_service=True)
 
 
 async def _serve(
+    host: HostRole,
     environment: RosEnvironment,
     arguments: Arguments,
     reporter: ConsoleReporter,
@@ -86,12 +122,13 @@ async def _serve(
     allowed: tuple[str, ...],
     devices: DeviceBook,
 ) -> None:
-    reporter.line(Level.INFO, "ROS Serial Python Node")
+    reporter.line(Level.INFO, host.greeting)
     namespace = canonical(join("/", arguments.special.get("__ns", environment.namespace)))
-    node_name = validate_name(join(namespace, arguments.special.get("__name", DEFAULT_NODE_NAME)))
+    node_name = validate_name(join(namespace, arguments.special.get("__name", host.node_name)))
     async with used_master(environment, is_chosen="__master" in arguments.special) as used:
-        parameters = await _server_parameters(used.environment, node_name) | arguments.private_params
-        link = choose_link(arguments.rest, parameters, node_name=node_name, namespace=namespace)
+        parameters = await _server_parameters(used.environment, node_name, host.parameters)
+        parameters |= arguments.private_params
+        link = host.choose_link(arguments.rest, parameters, node_name=node_name, namespace=namespace)
         links = read_links(link, hosts, allowed)
         if isinstance(links[0], SimAddress):
             raise ConfigError(f"serial-node serves no simulated board; type `rostether serve {link}`")
@@ -112,12 +149,14 @@ async def _serve(
             await supervisor.wait_done()
 
 
-async def _server_parameters(environment: RosEnvironment, node_name: str) -> dict[str, object]:
+async def _server_parameters(
+    environment: RosEnvironment, node_name: str, names: Sequence[str]
+) -> dict[str, object]:
     """Return the private parameters that the parameter server holds; none while no master answers."""
     client = MasterClient(environment.master_uri, node_name)
     found: dict[str, object] = {}
     try:
-        for name in PRIVATE_PARAMETERS:
+        for name in names:
             try:
                 found[name] = await client.get_param(f"{node_name}/{name}")
             except UnknownNameError:
@@ -141,18 +180,19 @@ def choose_link(rest: list[str], parameters: Mapping[str, object], *, node_name:
     base_name = node_name.removeprefix(namespace.rstrip("/") + "/")
     options = f"name={base_name}" + (f"&ns={namespace}" if namespace != "/" else "")
     if place == "tcp":
-        port = _whole(known[1] if len(known) == 2 else parameters.get("tcp_port", DEFAULT_PORT), "tcp_port")
+        port = whole(known[1] if len(known) == 2 else parameters.get("tcp_port", DEFAULT_PORT), "tcp_port")
         return f"tcp://:{port}?{options}"
     path, _, given = place.partition("?")
     baud = known[1] if len(known) == 2 else parameters.get("baud")
     if baud is not None:
-        number = _whole(baud, "baud")
+        number = whole(baud, "baud")
         given = given or f"baud={number}"
     # Without a word about it devices.toml may know.
     return f"{path}?{options}" + (f"&{given}" if given else "")
 
 
-def _whole(value: object, name: str) -> int:
+def whole(value: object, name: str) -> int:
+    """Return a parameter that must be a whole number. Raises ConfigError."""
     text = str(value).strip()
     if isinstance(value, bool) or not text.isdigit():
         raise ConfigError(f"{name} must be a whole number, not {value!r}")

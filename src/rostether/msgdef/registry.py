@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
 from rostether.errors import ConfigError, DefinitionError, UnknownTypeError
@@ -25,6 +25,7 @@ from rostether.msgdef.parse_msg import parse_message
 from rostether.msgdef.parse_srv import parse_service
 from rostether.msgdef.spec import MessageSpec, ServiceSpec
 from rostether.msgdef.unknown_type import explain_unknown
+from rostether.packages.locate import package_folders
 from rostether.packages.package_xml import is_package_name
 from rostether.packages.search_path import ros_package_path
 
@@ -36,7 +37,8 @@ class Registry:
     """Finds, parses and caches definitions; nothing is read before it is asked for.
 
     `paths` are folders of packages or of plain definitions (--msg-path), `package_path` those of
-    ROS_PACKAGE_PATH; both win over the bundled definitions, type by type, in the order given.
+    ROS_PACKAGE_PATH; both win over the bundled definitions, type by type, in the order given. `nearby`, which
+    is asked only for what none of these has, returns the roots of more packages: finding them takes time.
     """
 
     def __init__(
@@ -45,11 +47,14 @@ class Registry:
         *,
         package_path: Iterable[Path | str] = (),
         bundled: bool = True,
+        nearby: Callable[[], Iterable[Path]] | None = None,
     ) -> None:
         self._paths = [Path(path) for path in paths]
         self._package_path = [Path(path) for path in package_path]
         self._bundled = bundled
+        self._nearby = nearby
         self._found: dict[str, PackageFiles] | None = None
+        self._found_nearby: dict[str, PackageFiles] | None = None
         self._learned: dict[str, str] = {}
         self._messages: dict[str, MessageSpec] = {}
         self._services: dict[str, ServiceSpec] = {}
@@ -60,14 +65,18 @@ class Registry:
     def from_environment(
         cls, msg_paths: Iterable[Path | str] = (), environ: Mapping[str, str] | None = None
     ) -> Registry:
-        """Use --msg-path folders and ROS_PACKAGE_PATH. Raises ConfigError for a missing folder."""
+        """Use --msg-path folders, ROS_PACKAGE_PATH, and the packages around and below the current folder.
+
+        Raises ConfigError for a missing folder.
+        """
         paths = [Path(path).expanduser() for path in msg_paths]
         for path in paths:
             if not path.is_dir():
                 raise ConfigError(
                     f"--msg-path {path}: no such folder; give a folder of packages or of .msg files"
                 )
-        return cls(paths, package_path=ros_package_path(os.environ if environ is None else environ))
+        variables = os.environ if environ is None else environ
+        return cls(paths, package_path=ros_package_path(variables), nearby=_packages_around)
 
     def message(self, name: str) -> MessageSpec:
         """Return a message by `package/Name`; halves of services and parts of actions are messages too.
@@ -114,7 +123,8 @@ class Registry:
 
     def packages(self) -> list[str]:
         """Return the names of all packages that have definitions, sorted."""
-        names = {package for package, files in self._on_path().items() if any(map(files.of, Kind))}
+        found = [*self._on_path().items(), *self._around().items()]
+        names = {package for package, files in found if any(map(files.of, Kind))}
         names.update(name.partition("/")[0] for name in self._learned)
         if self._bundled:
             names.update(bundled_packages())
@@ -184,16 +194,35 @@ class Registry:
             self._found = find_definitions(self._paths, self._package_path)
         return self._found
 
+    def _around(self) -> dict[str, PackageFiles]:
+        if self._found_nearby is None:
+            self._found_nearby = find_definitions((), self._nearby()) if self._nearby is not None else {}
+        return self._found_nearby
+
     def _file(self, kind: Kind, package: str, short_name: str) -> Path | None:
         on_path = self._on_path().get(package)
         if on_path is not None and (file := on_path.of(kind).get(short_name)):
             return file
-        return bundled_file(package, kind, short_name) if self._bundled else None
+        bundled = bundled_file(package, kind, short_name) if self._bundled else None
+        if bundled is not None:
+            return bundled
+        around = self._around().get(package)
+        return around.of(kind).get(short_name) if around is not None else None
 
     def _names(self, kind: Kind, package: str) -> set[str]:
-        on_path = self._on_path().get(package)
-        names = set(on_path.of(kind)) if on_path is not None else set()
+        names: set[str] = set()
+        for found in (self._on_path(), self._around()):
+            if package in found:
+                names.update(found[package].of(kind))
         return names | bundled_names(package, kind) if self._bundled else names
+
+
+def _packages_around() -> Iterable[Path]:
+    try:
+        return package_folders({}, Path.cwd()).values()
+    except OSError:
+        # The current folder was deleted under us.
+        return ()
 
 
 def _messages_of_action(action: str) -> list[str]:

@@ -1,0 +1,36 @@
+"""`rostether role`: the standard nodes that launch files name, each a verb.
+
+`served_nodes` has the names that ROS has for them.
+"""
+
+from __future__ import annotations
+
+import click
+
+from rostether.cli.verbs import LazyGroup, VerbEntry
+
+_LIBRARIES = "rostether.cli.make_libraries"
+_SERVERS = "rostether.cli.rosserial_server"
+
+ROLES = {
+    "make-libraries": VerbEntry(
+        f"{_LIBRARIES}:make_libraries", "Write the Arduino library, typed as for make_libraries.py."
+    ),
+    "rosserial-server-serial": VerbEntry(f"{_SERVERS}:serial", "Bridge one board, like rosserial_server's."),
+    "rosserial-server-socket": VerbEntry(
+        f"{_SERVERS}:socket", "Bridge boards over TCP, like rosserial_server's."
+    ),
+    "rosserial-server-udp": VerbEntry(f"{_SERVERS}:udp", "Bridge a board over UDP, like rosserial_server's."),
+}
+
+
+@click.group(
+    cls=LazyGroup,
+    verbs=ROLES,
+    examples="""
+    rostether role make-libraries ~/Arduino/libraries
+    rostether role rosserial-server-serial _port:=/dev/ttyACM0 _baud:=115200
+    """,
+)
+def role() -> None:
+    """Be one of ROS's standard nodes, as `rostether run` and launch files start them."""

@@ -1,0 +1,66 @@
+"""`rostether run`: one node of a package, like rosrun."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import sys
+from pathlib import Path
+
+import click
+
+from rostether.cli.node_command import NodeCommand, node_command
+from rostether.cli.output import warn, write_line
+from rostether.cli.served_nodes import replacement_line
+from rostether.cli.verbs import Verb
+from rostether.errors import ConfigError
+from rostether.packages.locate import package_folders
+
+
+@click.command(
+    "run",
+    cls=Verb,
+    context_settings={"ignore_unknown_options": True, "allow_interspersed_args": False},
+    examples="""
+    rostether run mearm_model filter.py
+    rostether run mearm_model move.py __name:=mover joint_states:=/arm/joint_states
+    rostether run rosserial_python serial_node.py _port:=/dev/ttyACM0 _baud:=115200
+    rostether run topic_tools relay /chatter /copy
+    rostether run --prefix "nice -n 10" mearm_model filter.py
+    """,
+)
+@click.option(
+    "-p", "--prefix", default="", metavar="COMMAND", help="Put this before the node's command line."
+)
+@click.option("-d", "--debug", is_flag=True, help="Say what is run.")
+@click.argument("package")
+@click.argument("program", metavar="NODE")
+@click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[ARGUMENT | NAME:=VALUE]...")
+def run(prefix: str, debug: bool, package: str, program: str, arguments: tuple[str, ...]) -> None:
+    """Run a node of a package; nothing needs to be built, and no ROS to be installed.
+
+    Packages are found on ROS_PACKAGE_PATH, in the catkin workspace around this folder, and below it. Nodes
+    such as serial_node.py, relay and robot_state_publisher are our own. The rest of the line is the node's.
+    """
+    if line := replacement_line(package, os.environ):
+        warn(line)
+        return
+    found = node_command(
+        package, program, packages=package_folders(os.environ, Path.cwd()), environ=os.environ
+    )
+    words = [*shlex.split(prefix), *found.words, *arguments]
+    if debug:
+        write_line(shlex.join(words))
+    become(NodeCommand(words, found.environ))
+
+
+def become(command: NodeCommand) -> None:
+    """Become another process: signals and the exit code are then the node's own. Raises ConfigError."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    try:
+        os.execvpe(command.words[0], command.words, {**os.environ, **command.environ})  # noqa: S606
+    except OSError as error:
+        raise ConfigError(
+            f"{command.words[0]} cannot be run: {error.strerror}; its first line may name a missing program"
+        ) from error

@@ -1,0 +1,129 @@
+"""Finding a package's programs, as rosrun does: what a build made of it, then the package folder itself.
+
+A package that was built has its programs in `lib/PACKAGE` of the devel or install space; scripts stand
+anywhere below the package's own folder and need no building.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from rostether.errors import ConfigError
+from rostether.packages.locate import workspace_of
+from rostether.packages.search_path import walk
+
+SYSTEM_LIBRARY_FOLDER = Path("/usr/lib")
+"""Where Debian's packages have their programs, without a word in the environment."""
+
+_BUILD_FOLDER = "build"
+_MAX_SHEBANG_BYTES = 256  # Linux itself reads no more of a first line
+_PYTHON_SUFFIX = ".py"
+
+
+def find_program(package: str, name: str, folder: Path | None, environ: Mapping[str, str]) -> Path:
+    """Return the program of a package; `folder` is the package's own, None where only programs are installed.
+
+    A name with a slash is a path below the folder. A Python file need not be marked executable.
+    Raises ConfigError when there is none, or more than one.
+    """
+    if "/" in name:
+        return _given_path(package, name, folder)
+    for library in library_folders(package, folder, environ):
+        program = library / name
+        if program.is_file() and os.access(program, os.X_OK):
+            return program
+    if folder is None:
+        raise ConfigError(f"package {package} is not here: put it below this folder, or on ROS_PACKAGE_PATH")
+    found = list(dict.fromkeys(_below(folder, name)))
+    runnable = [each for each in found if os.access(each, os.X_OK)] or [
+        each for each in found if is_python(each)
+    ]
+    if len(runnable) > 1:
+        choices = ", ".join(str(each.relative_to(folder)) for each in runnable)
+        raise ConfigError(f"package {package} has {name} more than once; name one of {choices}")
+    if runnable:
+        return runnable[0]
+    if found:
+        raise ConfigError(f"{found[0]} is not executable: type `chmod +x {found[0]}`")
+    raise ConfigError(_explain_missing(package, name, folder))
+
+
+def programs(folder: Path) -> list[Path]:
+    """Return the executable files and Python scripts below a package's folder that can be nodes, sorted."""
+    found = []
+    for file in _files(folder):
+        is_known = file.suffix == _PYTHON_SUFFIX and file.name not in ("setup.py", "__init__.py")
+        if os.access(file, os.X_OK) or (is_known and shebang(file)):
+            found.append(file)
+    return sorted(found)
+
+
+def library_folders(package: str, folder: Path | None, environ: Mapping[str, str]) -> Iterator[Path]:
+    """Yield the folders that may hold what was built of a package, the most specific first."""
+    if folder is not None:
+        workspace = workspace_of(folder)
+        if workspace is not None:
+            yield workspace / "devel" / "lib" / package
+            yield workspace / "devel" / ".private" / package / "lib" / package
+            yield workspace / "install" / "lib" / package
+        # Installed packages: PREFIX/share/PACKAGE has its programs in PREFIX/lib/PACKAGE.
+        if folder.parent.name == "share":
+            yield folder.parent.parent / "lib" / package
+    for prefix in environ.get("CMAKE_PREFIX_PATH", "").split(os.pathsep):
+        if prefix:
+            yield Path(prefix) / "lib" / package
+    yield SYSTEM_LIBRARY_FOLDER / package
+
+
+def is_python(file: Path) -> bool:
+    """Tell whether a file is a Python script, by its first line, or by its suffix where it has none."""
+    line = shebang(file)
+    return "python" in line if line else file.suffix == _PYTHON_SUFFIX
+
+
+def shebang(file: Path) -> str:
+    """Return the interpreter line of a script without `#!`; empty when there is none."""
+    try:
+        with file.open("rb") as stream:
+            line = stream.read(_MAX_SHEBANG_BYTES).split(b"\n", 1)[0]
+    except OSError:
+        return ""
+    return line[2:].decode(errors="replace").strip() if line.startswith(b"#!") else ""
+
+
+def _given_path(package: str, name: str, folder: Path | None) -> Path:
+    if folder is None:
+        raise ConfigError(f"package {package} is not here: put it below this folder, or on ROS_PACKAGE_PATH")
+    program = folder / name
+    if not program.is_file():
+        raise ConfigError(f"package {package} has no {name}: {program} is not there")
+    if not os.access(program, os.X_OK) and not is_python(program):
+        raise ConfigError(f"{program} is not executable: type `chmod +x {program}`")
+    return program
+
+
+def _below(folder: Path, name: str) -> Iterator[Path]:
+    for each in walk(folder, below_packages=True):
+        is_build = each.path.relative_to(folder).parts[:1] == (_BUILD_FOLDER,)
+        if name in each.files and not is_build and (each.path / name).is_file():
+            yield each.path / name
+
+
+def _files(folder: Path) -> Iterator[Path]:
+    for each in walk(folder, below_packages=True):
+        if each.path.relative_to(folder).parts[:1] != (_BUILD_FOLDER,):
+            yield from (each.path / file for file in each.files if (each.path / file).is_file())
+
+
+def _explain_missing(package: str, name: str, folder: Path) -> str:
+    from difflib import get_close_matches
+
+    there = [each.name for each in programs(folder)]
+    near = get_close_matches(name, there)
+    if near:
+        return f"package {package} has no program {name}; did you mean {' or '.join(near)}?"
+    if there:
+        return f"package {package} has no program {name}; it has {', '.join(there)}"
+    return f"package {package} has no program {name} below {folder}"
