@@ -44,6 +44,9 @@ class Transform:
         return Transform(rotate(conjugate, (-x, -y, -z)), conjugate)
 
 
+NO_TRANSFORM = Transform()
+
+
 @dataclass(frozen=True, slots=True)
 class StampedTransform:
     """Where the frame `child` stands in the frame `parent` at a moment, in nanoseconds since the epoch."""

@@ -1,4 +1,4 @@
-"""XML files of robots as a tree that knows its lines; DTDs and entities are refused before they are expanded."""
+"""XML files of robots as a tree that knows its lines; DTDs and entities are refused, not expanded."""
 
 from __future__ import annotations
 

@@ -1,0 +1,173 @@
+"""Joint positions as joint_state_publisher holds them: zeros, limits, sources, joints that follow others.
+
+No clock and no graph in here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from rostether.errors import RobotModelError
+from rostether.robot.robot_model import MOVED_BY_ONE_NUMBER, Joint, JointType, RobotModel
+
+
+@dataclass(frozen=True, slots=True)
+class Dependence:
+    """A joint that takes its position from another: factor * position + offset."""
+
+    parent: str
+    factor: float = 1.0
+    offset: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class JointStateSettings:
+    """Parameters of joint_state_publisher with its defaults; `delta` is added to each joint at each step."""
+
+    zeros: Mapping[str, float] = field(default_factory=dict)
+    dependent_joints: Mapping[str, Dependence] = field(default_factory=dict)
+    use_mimic_tags: bool = True
+    use_smallest_joint_limits: bool = True
+    publish_default_positions: bool = True
+    publish_default_velocities: bool = False
+    publish_default_efforts: bool = False
+    delta: float = 0.0
+
+
+@dataclass(slots=True)
+class FreeJoint:
+    """One joint that can be set: radians or metres within its limits; None is never told."""
+
+    lower: float
+    upper: float
+    zero: float
+    is_continuous: bool
+    position: float | None = None
+    velocity: float | None = None
+    effort: float | None = None
+    forward: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class JointStateValues:
+    """The fields of a sensor_msgs/JointState; lists that nothing is known for are empty."""
+
+    name: list[str]
+    position: list[float]
+    velocity: list[float]
+    effort: list[float]
+
+
+class JointStates:
+    """The joints of one robot; `free` are those that can be set. Raises RobotModelError for mimic circles."""
+
+    def __init__(self, model: RobotModel, settings: JointStateSettings | None = None) -> None:
+        self.settings = settings = JointStateSettings() if settings is None else settings
+        self.free: dict[str, FreeJoint] = {}
+        self._dependent = dict(settings.dependent_joints)
+        self._order: list[str] = []
+        for name, joint in model.joints.items():
+            if joint.type not in MOVED_BY_ONE_NUMBER:
+                continue
+            self._order.append(name)
+            if settings.use_mimic_tags and joint.mimic is not None:
+                mimic = joint.mimic
+                self._dependent[name] = Dependence(mimic.joint, mimic.multiplier, mimic.offset)
+            elif name not in self._dependent:
+                self.free[name] = self._free_joint(name, joint)
+        self._leaders = {name: self._leader(name) for name in self._order if name not in self.free}
+
+    def receive(
+        self,
+        names: Sequence[str],
+        positions: Sequence[float] = (),
+        velocities: Sequence[float] = (),
+        efforts: Sequence[float] = (),
+    ) -> None:
+        """Take over what a source says of our joints; lists that are too short say nothing of the rest."""
+        for values, attribute in ((positions, "position"), (velocities, "velocity"), (efforts, "effort")):
+            for name, value in zip(names, values, strict=False):
+                if name in self.free:
+                    setattr(self.free[name], attribute, value)
+
+    def set_position(self, name: str, position: float) -> None:
+        """Set a free joint, within its limits."""
+        joint = self.free[name]
+        joint.position = min(max(position, joint.lower), joint.upper)
+
+    def center(self) -> None:
+        """Set all free joints to their zeros."""
+        for joint in self.free.values():
+            joint.position = joint.zero
+
+    def step(self) -> None:
+        """Move all free joints by `delta`, to and fro between their limits, continuous ones around."""
+        delta = self.settings.delta
+        if delta <= 0:
+            return
+        for joint in self.free.values():
+            position = (joint.position or 0.0) + (delta if joint.forward else -delta)
+            if joint.forward and position > joint.upper:
+                position = joint.lower if joint.is_continuous else joint.upper
+                joint.forward = joint.is_continuous
+            elif not joint.forward and position < joint.lower:
+                position, joint.forward = joint.lower, True
+            joint.position = position
+
+    def values(self) -> JointStateValues:
+        """Return the state of all joints that one number moves, in the order of the robot's description."""
+        free = self.free.values()
+        has_position = bool(self._leaders) or any(each.position is not None for each in free)
+        has_velocity = any(each.velocity is not None for each in free)
+        has_effort = any(each.effort is not None for each in free)
+        values = JointStateValues(list(self._order), [], [], [])
+        for name in self._order:
+            factor, offset, leader = self._leaders.get(name, (1.0, 0.0, name))
+            joint = self.free[leader]
+            if has_position:
+                values.position.append(0.0 if joint.position is None else joint.position * factor + offset)
+            if has_velocity:
+                values.velocity.append(0.0 if joint.velocity is None else joint.velocity * factor)
+            if has_effort:
+                values.effort.append(0.0 if joint.effort is None else joint.effort)
+        return values
+
+    def _free_joint(self, name: str, joint: Joint) -> FreeJoint:
+        settings, limits = self.settings, joint.limits
+        if joint.type is JointType.CONTINUOUS or limits is None:
+            lower, upper = -math.pi, math.pi
+        else:
+            lower, upper = limits.lower, limits.upper
+        if settings.use_smallest_joint_limits and limits is not None:
+            lower = lower if limits.soft_lower is None else max(lower, limits.soft_lower)
+            upper = upper if limits.soft_upper is None else min(upper, limits.soft_upper)
+        zero = float(settings.zeros.get(name) or 0.0)
+        if not zero and (lower > 0 or upper < 0):
+            zero = (lower + upper) / 2
+        return FreeJoint(
+            lower,
+            upper,
+            zero,
+            joint.type is JointType.CONTINUOUS,
+            zero if settings.publish_default_positions else None,
+            0.0 if settings.publish_default_velocities else None,
+            0.0 if settings.publish_default_efforts else None,
+        )
+
+    def _leader(self, name: str) -> tuple[float, float, str]:
+        factor, offset, passed, leader = 1.0, 0.0, [name], name
+        while leader in self._dependent:
+            dependence = self._dependent[leader]
+            offset += factor * dependence.offset
+            factor *= dependence.factor
+            leader = dependence.parent
+            if leader in passed:
+                raise RobotModelError(f"joints mimic each other in a circle: {', '.join([*passed, leader])}")
+            passed.append(leader)
+        if leader not in self.free:
+            raise RobotModelError(
+                f"joint {name!r} follows {leader!r}, which is no joint of the robot that moves"
+            )
+        return factor, offset, leader

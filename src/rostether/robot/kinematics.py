@@ -1,0 +1,92 @@
+"""Forward kinematics: where links stand when joints do.
+
+Computed as KDL computes it, rotation matrices and all, so that robot_state_publisher's numbers come out.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from rostether.errors import RobotModelError
+from rostether.robot.robot_model import Joint, JointType, RobotModel
+from rostether.robot.transform import (
+    Transform,
+    Vector,
+    matrix_from_axis_angle,
+    matrix_from_quaternion,
+    matrix_product,
+    matrix_times_vector,
+    quaternion_from_matrix,
+)
+
+
+def joint_transform(joint: Joint, position: float = 0.0) -> Transform:
+    """Return where a joint's child stands in its parent; in radians or metres, where it has a position."""
+    turn = matrix_from_quaternion(joint.origin.rotation)
+    place = joint.origin.translation
+    if joint.type in (JointType.REVOLUTE, JointType.CONTINUOUS):
+        axis = matrix_times_vector(turn, _unit(joint.axis))
+        turn = matrix_product(matrix_from_axis_angle(axis, position), turn)
+    elif joint.type is JointType.PRISMATIC:
+        x, y, z = matrix_times_vector(turn, _unit(joint.axis))
+        place = (place[0] + x * position, place[1] + y * position, place[2] + z * position)
+    return Transform(place, quaternion_from_matrix(turn))
+
+
+def forward_kinematics(model: RobotModel, positions: Mapping[str, float]) -> dict[str, Transform]:
+    """Return where every link stands in the root link; joints that are not given stand at zero.
+
+    Joints that mimic another follow it, unless they are given themselves. Raises RobotModelError when they
+    mimic each other in a circle.
+    """
+    complete = with_mimics(model, positions)
+    stands = {model.root: Transform()}
+    waiting = [model.root]
+    while waiting:
+        link = waiting.pop()
+        for joint in model.joints_below(link):
+            stands[joint.child] = stands[link] @ joint_transform(joint, complete.get(joint.name, 0.0))
+            waiting.append(joint.child)
+    return stands
+
+
+def with_mimics(model: RobotModel, positions: Mapping[str, float]) -> dict[str, float]:
+    """Return the positions and those of the joints that follow them, also through several others.
+
+    Raises RobotModelError when joints mimic each other in a circle.
+    """
+    complete = dict(positions)
+    for name, joint in model.joints.items():
+        if joint.mimic is not None and name not in complete:
+            factor, offset, leader = mimic_chain(model, joint, positions)
+            if leader in positions:
+                complete[name] = factor * positions[leader] + offset
+            else:
+                complete[name] = offset
+    return complete
+
+
+def mimic_chain(
+    model: RobotModel, joint: Joint, given: Mapping[str, object] | None = None
+) -> tuple[float, float, str]:
+    """Return factor, offset and name of the joint that a mimicking joint follows in the end.
+
+    Joints in `given` end the chain. Raises RobotModelError for a circle.
+    """
+    factor, offset, passed = 1.0, 0.0, [joint.name]
+    current: Joint | None = joint
+    while current is not None and current.mimic is not None:
+        offset += factor * current.mimic.offset
+        factor *= current.mimic.multiplier
+        leader = current.mimic.joint
+        if leader in passed:
+            raise RobotModelError(f"joints mimic each other in a circle: {', '.join([*passed, leader])}")
+        passed.append(leader)
+        current = None if given is not None and leader in given else model.joints.get(leader)
+    return factor, offset, passed[-1]
+
+
+def _unit(vector: Vector) -> Vector:
+    length = math.sqrt(sum(each * each for each in vector))
+    return vector[0] / length, vector[1] / length, vector[2] / length

@@ -1,0 +1,114 @@
+"""What a URDF says of a robot, as values: links, joints between them, and the tree they form."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from rostether.robot.transform import NO_TRANSFORM, Transform, Vector
+
+
+class JointType(StrEnum):
+    """How a child link may move (source: URDF's `type`)."""
+
+    REVOLUTE = "revolute"
+    CONTINUOUS = "continuous"
+    PRISMATIC = "prismatic"
+    FIXED = "fixed"
+    FLOATING = "floating"
+    PLANAR = "planar"
+
+
+MOVED_BY_ONE_NUMBER = frozenset({JointType.REVOLUTE, JointType.CONTINUOUS, JointType.PRISMATIC})
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """How far a joint may go: radians or metres; `soft_*` of its safety controller, None where not said."""
+
+    lower: float = 0.0
+    upper: float = 0.0
+    effort: float = 0.0
+    velocity: float = 0.0
+    soft_lower: float | None = None
+    soft_upper: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Mimic:
+    """A joint that follows another: multiplier * position + offset."""
+
+    joint: str
+    multiplier: float = 1.0
+    offset: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """One joint; `origin` is where the child stands at position zero, `axis` is in the child's frame."""
+
+    name: str
+    type: JointType
+    parent: str
+    child: str
+    origin: Transform = NO_TRANSFORM
+    axis: Vector = (1.0, 0.0, 0.0)
+    limits: Limits | None = None
+    mimic: Mimic | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """One geometry of a link: `kind` is box, cylinder, sphere or mesh.
+
+    `size` is in metres: a box's edges, a cylinder's radius and length, a sphere's radius; a mesh's scale.
+    `color` is red, green, blue, alpha from 0 to 1; None where nothing is said.
+    """
+
+    kind: str
+    size: tuple[float, ...]
+    origin: Transform = NO_TRANSFORM
+    mesh: str = ""
+    material: str = ""
+    color: tuple[float, float, float, float] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Inertial:
+    """A link's mass in kg, about `origin` with the inertia ixx, ixy, ixz, iyy, iyz, izz in kg m²."""
+
+    mass: float
+    origin: Transform = NO_TRANSFORM
+    inertia: tuple[float, float, float, float, float, float] = (0.0,) * 6
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """One rigid body."""
+
+    name: str
+    visuals: tuple[Shape, ...] = ()
+    collisions: tuple[Shape, ...] = ()
+    inertial: Inertial | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class RobotModel:
+    """A tree of links; mappings are in the order of the file.
+
+    `problems` are what was wrong with shapes and inertias, which do not matter for where links stand.
+    """
+
+    name: str
+    root: str
+    links: dict[str, Link]
+    joints: dict[str, Joint]
+    problems: tuple[str, ...] = ()
+    _below: dict[str, list[Joint]] = field(default_factory=dict, repr=False, compare=False)
+
+    def joints_below(self, link: str) -> list[Joint]:
+        """Return the joints whose parent is a link, sorted by name."""
+        if not self._below:
+            for _, joint in sorted(self.joints.items()):
+                self._below.setdefault(joint.parent, []).append(joint)
+        return self._below.get(link, [])

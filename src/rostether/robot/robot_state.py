@@ -1,0 +1,125 @@
+"""From joint positions to transforms, as robot_state_publisher makes them. No clock and no graph in here.
+
+Joints that cannot move, and planar ones, which one number does not describe, are fixed; floating ones are
+left to whoever knows where the robot is. Moving joints are published as soon as a state tells them, but not
+more often than `publish_frequency_hz`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from rostether.robot.kinematics import joint_transform, with_mimics
+from rostether.robot.robot_model import MOVED_BY_ONE_NUMBER, Joint, JointType, RobotModel
+from rostether.robot.transform import StampedTransform
+from rostether.rostime import NS_PER_S
+
+OLD_STATE_NS = 30 * NS_PER_S
+"""A state older than this is probably stamped by another clock."""
+
+
+@dataclass(frozen=True, slots=True)
+class RobotStateSettings:
+    """Parameters of robot_state_publisher with its defaults."""
+
+    publish_frequency_hz: float = 50.0
+    use_tf_static: bool = True
+    ignore_timestamp: bool = False
+    tf_prefix: str = ""
+
+    @property
+    def interval_ns(self) -> int:
+        """The shortest time between two transforms of one joint."""
+        return round(NS_PER_S / max(self.publish_frequency_hz, 1.0))
+
+
+class RobotState:
+    """Turns the joint states of one robot into transforms; `problem` is what was wrong with the last state."""
+
+    def __init__(self, model: RobotModel, settings: RobotStateSettings | None = None) -> None:
+        self.settings = RobotStateSettings() if settings is None else settings
+        self._model = model
+        self._fixed: list[Joint] = []
+        self._moving: dict[str, Joint] = {}
+        for name, joint in sorted(model.joints.items()):
+            if joint.type in MOVED_BY_ONE_NUMBER:
+                self._moving[name] = joint
+            elif joint.type is not JointType.FLOATING:
+                self._fixed.append(joint)
+        self._published_ns: dict[str, int] = {}
+        self._last_call_ns = 0
+        self.problem = ""
+
+    def fixed_transforms(self, stamp_ns: int) -> list[StampedTransform]:
+        """Return the transforms of all joints that cannot move."""
+        return [self._stamped(joint, 0.0, stamp_ns) for joint in self._fixed]
+
+    def moving_transforms(
+        self, names: Sequence[str], positions: Sequence[float], stamp_ns: int, now_ns: int
+    ) -> list[StampedTransform]:
+        """Return the transforms that a joint state leads to, sorted by joint; none when it comes too early.
+
+        `problem` then says in one line what was wrong with the state, or is empty. Positions that mimicking
+        joints take from others are added.
+        """
+        self.problem = self._defect(names, positions, stamp_ns, now_ns)
+        if len(names) != len(positions):
+            return []
+        if self._last_call_ns > now_ns:
+            self._published_ns.clear()
+        self._last_call_ns = now_ns
+        # Of a joint that is told twice the first counts. Names that the robot lacks are not remembered: a peer
+        # could send any number of them.
+        told = reversed(list(zip(names, positions, strict=True)))
+        known = {name: at for name, at in told if name in self._moving}
+        last_ns = min((self._published_ns.get(name, 0) for name in known), default=now_ns)
+        if not self.settings.ignore_timestamp and stamp_ns < min(last_ns, now_ns) + self.settings.interval_ns:
+            return []
+        self._published_ns.update(dict.fromkeys(known, stamp_ns))
+        complete = self._followed(known)
+        return [
+            self._stamped(joint, complete[name], stamp_ns)
+            for name, joint in self._moving.items()
+            if name in complete
+        ]
+
+    def _followed(self, known: dict[str, float]) -> dict[str, float]:
+        complete = with_mimics(self._model, known)
+        return {name: at for name, at in complete.items() if name in known or self._is_led(name, known)}
+
+    def _is_led(self, name: str, known: dict[str, float]) -> bool:
+        joint: Joint | None = self._model.joints[name]
+        while joint is not None and joint.mimic is not None:
+            if joint.mimic.joint in known:
+                return True
+            joint = self._model.joints.get(joint.mimic.joint)
+        return False
+
+    def _defect(self, names: Sequence[str], positions: Sequence[float], stamp_ns: int, now_ns: int) -> str:
+        if len(names) != len(positions):
+            if not positions:
+                return f"ignored a JointState about {names[0]!r} and others whose position is empty"
+            return f"ignored a JointState with {len(names)} names and {len(positions)} positions"
+        if self._last_call_ns > now_ns:
+            return "time went backwards, probably because the clock was reset: publishing all joints again"
+        if stamp_ns + OLD_STATE_NS < now_ns:
+            return f"received a JointState that is {(now_ns - stamp_ns) / NS_PER_S:.3f} s old"
+        strange = [name for name in names if name not in self._model.joints]
+        return f"a JointState names joint {strange[0]!r}, which the robot does not have" if strange else ""
+
+    def _stamped(self, joint: Joint, position: float, stamp_ns: int) -> StampedTransform:
+        prefix = self.settings.tf_prefix
+        return StampedTransform(
+            prefixed(prefix, joint.parent),
+            prefixed(prefix, joint.child),
+            stamp_ns,
+            joint_transform(joint, position),
+        )
+
+
+def prefixed(prefix: str, frame: str) -> str:
+    """Return a frame's name under tf_prefix; one that starts with `/` stays as it is without it."""
+    if frame.startswith("/"):
+        return frame[1:]
+    return f"{prefix.removeprefix('/')}/{frame}" if prefix else frame

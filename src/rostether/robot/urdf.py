@@ -1,0 +1,186 @@
+"""URDF: the XML that describes a robot's links and joints.
+
+Read as urdfdom reads it: what is wrong with a joint or the tree refuses the robot, what is wrong with a
+shape leaves that out. Elements that are not URDF's are passed over, so a .xacro that was not expanded loads
+too as far as it says plain things.
+"""
+
+from __future__ import annotations
+
+import math
+
+from rostether.errors import RobotModelError
+from rostether.robot.robot_model import Joint, JointType, Limits, Link, Mimic, RobotModel
+from rostether.robot.transform import Vector
+from rostether.robot.urdf_link import read_colors, read_link
+from rostether.robot.urdf_numbers import Numbers
+from rostether.robot.xml_tree import XmlElement, parse_xml
+
+MAX_LINKS = 100_000  # three orders above real robots; the tree is walked for each of them
+
+_NEED_LIMITS = frozenset({JointType.REVOLUTE, JointType.PRISMATIC})
+
+
+def parse_urdf(text: str | bytes, *, file: str = "robot_description") -> RobotModel:
+    """Return the robot that a URDF describes. Raises RobotModelError with file and line."""
+    root = parse_xml(text, file=file)
+    if root.tag != "robot":
+        what = "COLLADA is not read here; convert it to URDF" if root.tag == "COLLADA" else "it is no URDF"
+        raise RobotModelError(
+            f"{file}:{root.line}: the outermost element is <{root.tag}>, not <robot>: {what}"
+        )
+    return _Reader(file, Numbers(file)).read(root)
+
+
+class _Reader:
+    def __init__(self, file: str, numbers: Numbers) -> None:
+        self._file = file
+        self._numbers = numbers
+
+    def read(self, robot: XmlElement) -> RobotModel:
+        name = robot.get("name")
+        if not name:
+            raise self._error(robot, 'the robot has no name; write <robot name="...">')
+        if robot.get("version") not in (None, "1.0", "1"):
+            raise self._error(robot, f"version {robot.get('version')} is not known; known is 1.0")
+        problems: list[str] = []
+        colors = read_colors(robot, self._numbers, problems)
+        links: dict[str, Link] = {}
+        for element in robot.all("link"):
+            link = read_link(element, self._numbers, colors, problems)
+            if link.name in links:
+                raise self._error(element, f"link {link.name!r} is not unique")
+            links[link.name] = link
+        if not links:
+            raise self._error(robot, f"no <link> is in the robot{self._xacro_hint(robot)}")
+        if len(links) > MAX_LINKS:
+            raise self._error(robot, f"more than {MAX_LINKS} links")
+        joints: dict[str, Joint] = {}
+        children: dict[str, str] = {}
+        for element in robot.all("joint"):
+            joint = self._joint(element)
+            if joint.name in joints:
+                raise self._error(element, f"joint {joint.name!r} is not unique")
+            for role, link_name in (("parent", joint.parent), ("child", joint.child)):
+                if link_name not in links:
+                    raise self._error(
+                        element,
+                        f"{role} link {link_name!r} of joint {joint.name!r} is not there"
+                        f"{self._xacro_hint(robot)}",
+                    )
+            if joint.child in children:
+                other = children[joint.child]
+                raise self._error(
+                    element, f"link {joint.child!r} is the child of two joints, {other!r} and {joint.name!r}"
+                )
+            children[joint.child] = joint.name
+            joints[joint.name] = joint
+        root = self._root(robot, links, children)
+        return RobotModel(name, root, links, joints, tuple(problems))
+
+    def _root(self, robot: XmlElement, links: dict[str, Link], children: dict[str, str]) -> str:
+        roots = [name for name in links if name not in children]
+        if not roots:
+            raise self._error(robot, "no root link: every link is the child of a joint, so they form a loop")
+        if len(roots) > 1:
+            raise self._error(
+                robot,
+                f"two root links, {roots[0]!r} and {roots[1]!r}; join them by a joint"
+                f"{self._xacro_hint(robot)}",
+            )
+        return roots[0]
+
+    def _joint(self, element: XmlElement) -> Joint:
+        name = element.get("name")
+        if not name:
+            raise self._error(element, "a joint has no name")
+        kind = element.get("type")
+        if kind is None:
+            raise self._error(element, f"joint {name!r} has no type; known are {', '.join(JointType)}")
+        try:
+            joint_type = JointType(kind)
+        except ValueError:
+            raise self._error(
+                element, f"joint {name!r} is of the type {kind!r}; known are {', '.join(JointType)}"
+            ) from None
+        ends = [self._end(element, name, role) for role in ("parent", "child")]
+        limits = self._limits(element, name)
+        if limits is None and joint_type in _NEED_LIMITS:
+            raise self._error(
+                element,
+                f"{kind} joint {name!r} has no limits; write "
+                '<limit lower="..." upper="..." effort="..." velocity="..."/>',
+            )
+        return Joint(
+            name=name,
+            type=joint_type,
+            parent=ends[0],
+            child=ends[1],
+            origin=self._numbers.origin(element, f"joint {name!r}"),
+            axis=self._axis(element, name, joint_type),
+            limits=limits,
+            mimic=self._mimic(element, name),
+        )
+
+    def _end(self, element: XmlElement, name: str, role: str) -> str:
+        end = element.first(role)
+        link = end.get("link") if end is not None else None
+        if link is None:
+            raise self._error(element, f'joint {name!r} has no {role} link; write <{role} link="..."/>')
+        return link
+
+    def _axis(self, element: XmlElement, name: str, joint_type: JointType) -> Vector:
+        axis = element.first("axis")
+        given = axis.get("xyz") if axis is not None else None
+        if axis is None or given is None or joint_type in (JointType.FIXED, JointType.FLOATING):
+            return 1.0, 0.0, 0.0
+        vector = self._numbers.vector(axis, given, f"the axis of joint {name!r}")
+        if not math.hypot(*vector):
+            raise self._error(axis, f"the axis of joint {name!r} is zero and so has no direction")
+        return vector
+
+    def _limits(self, element: XmlElement, name: str) -> Limits | None:
+        limit = element.first("limit")
+        safety = element.first("safety_controller")
+        if limit is None:
+            return None
+        number = self._numbers.attribute
+        what = f"joint {name!r}"
+        for needed in ("effort", "velocity"):
+            if limit.get(needed) is None:
+                raise self._error(limit, f"the limit of {what} has no {needed}")
+        return Limits(
+            lower=number(limit, "lower", what, 0.0),
+            upper=number(limit, "upper", what, 0.0),
+            effort=number(limit, "effort", what, 0.0),
+            velocity=number(limit, "velocity", what, 0.0),
+            soft_lower=self._optional(safety, "soft_lower_limit", what),
+            soft_upper=self._optional(safety, "soft_upper_limit", what),
+        )
+
+    def _optional(self, element: XmlElement | None, attribute: str, what: str) -> float | None:
+        if element is None or element.get(attribute) is None:
+            return None
+        return self._numbers.attribute(element, attribute, what, 0.0)
+
+    def _mimic(self, element: XmlElement, name: str) -> Mimic | None:
+        mimic = element.first("mimic")
+        if mimic is None:
+            return None
+        joint = mimic.get("joint")
+        if joint is None:
+            raise self._error(mimic, f'joint {name!r} mimics no joint; write <mimic joint="..."/>')
+        what = f"the mimic of joint {name!r}"
+        return Mimic(
+            joint,
+            self._numbers.attribute(mimic, "multiplier", what, 1.0),
+            self._numbers.attribute(mimic, "offset", what, 0.0),
+        )
+
+    def _xacro_hint(self, robot: XmlElement) -> str:
+        if any(child.tag.startswith("xacro:") for child in robot.children):
+            return '; this is xacro: expand it first, as with command="$(find xacro)/xacro FILE"'
+        return ""
+
+    def _error(self, element: XmlElement, text: str) -> RobotModelError:
+        return RobotModelError(f"{self._file}:{element.line}: {text}")
