@@ -83,4 +83,7 @@ def _text(value: DefaultValue) -> str:
         return f"[{', '.join(map(_text, value))}]"
     if isinstance(value, bool):
         return str(value).lower()
+    if isinstance(value, float) and value.is_integer():
+        # As people write it.
+        return str(int(value))
     return f'"{value}"' if isinstance(value, str) else str(value)

@@ -51,7 +51,10 @@ class ToolNode:
         quiet_s, loop = QUIET_S[self.middleware], asyncio.get_running_loop()
         view = await self.look()
         begin_s = changed_s = loop.time()
-        while loop.time() - changed_s < quiet_s and loop.time() - begin_s < PATIENCE_S[self.middleware]:
+        while loop.time() - begin_s < PATIENCE_S[self.middleware]:
+            # As long as nobody is there at all, nobody has been found yet.
+            if (view.nodes or not quiet_s) and loop.time() - changed_s >= quiet_s:
+                break
             await asyncio.sleep(LOOK_INTERVAL_S)
             latest = await self.look()
             if latest != view:

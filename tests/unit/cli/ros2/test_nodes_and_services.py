@@ -1,0 +1,98 @@
+from __future__ import annotations
+
+from unit.cli.ros2.zenoh_world import ZenohWorld
+from unit.cli.shell import Shell
+
+
+def test_node_list(world: ZenohWorld, shell: Shell) -> None:
+    assert shell.output("node", "list") == "/far/board\n"
+    assert shell.output("node", "list", "-c") == "1\n"
+    assert shell.output("node", "list", "/near") == ""
+    assert shell("node", "list", "--json").records == [{"node": "/far/board"}]
+    hidden = world.do(world.session.join("/_hidden"))
+    try:
+        assert shell.output("node", "list") == "/far/board\n"
+        assert shell.output("node", "list", "-a") == "/_hidden\n/far/board\n"
+    finally:
+        world.do(hidden.close())
+
+
+def test_node_info(world: ZenohWorld, shell: Shell) -> None:
+    services = "".join(
+        f"    /far/board/{verb}: rcl_interfaces/srv/{kind}\n"
+        for verb, kind in (
+            ("describe_parameters", "DescribeParameters"),
+            ("get_parameter_types", "GetParameterTypes"),
+            ("get_parameters", "GetParameters"),
+            ("list_parameters", "ListParameters"),
+            ("set_parameters", "SetParameters"),
+            ("set_parameters_atomically", "SetParametersAtomically"),
+        )
+    )
+    assert shell.output("node", "info", "/far/board") == (
+        "/far/board\n"
+        "  Subscribers:\n"
+        "    /cmd_vel: geometry_msgs/msg/Twist\n"
+        "    /goal: geometry_msgs/msg/Pose\n"
+        "  Publishers:\n"
+        "    /imu: sensor_msgs/msg/Imu\n"
+        "    /name: std_msgs/msg/String\n"
+        "    /parameter_events: rcl_interfaces/msg/ParameterEvent\n"
+        "    /rosout: rcl_interfaces/msg/Log\n"
+        "  Service Servers:\n"
+        f"{services}"
+        "    /set_led: std_srvs/srv/SetBool\n"
+        "  Service Clients:\n\n"
+        "  Action Servers:\n\n"
+        "  Action Clients:\n\n"
+    )
+    assert "/_raw" in shell.output("node", "info", "--include-hidden", "/far/board")
+    assert "Unable to find node '/nope'" in shell.failure("node", "info", "nope")
+
+
+def test_service_list(world: ZenohWorld, shell: Shell) -> None:
+    assert "/set_led [std_srvs/srv/SetBool]" in shell.output("service", "list", "-t").splitlines()
+    assert shell.output("service", "list", "-n", "/set_led") == "/set_led /far/board\n"
+    assert shell.output("service", "list", "-c") == "7\n"
+    assert shell.output("service", "type", "/set_led") == "std_srvs/srv/SetBool\n"
+    assert shell.output("service", "find", "std_srvs/SetBool") == "/set_led\n"
+    assert shell.output("service", "node", "/set_led") == "/far/board\n"
+    assert shell.output("service", "args", "/set_led") == "data\n"
+    assert shell.output("service", "info", "/set_led") == (
+        "Type: std_srvs/srv/SetBool\nClients count: 0\nServices count: 1\n"
+    )
+    assert "Unknown service '/nope'" in shell.failure("service", "type", "/nope")
+
+
+def test_service_call(world: ZenohWorld, shell: Shell) -> None:
+    expected = (
+        "requester: making request: std_srvs.srv.SetBool_Request(data=True)\n\n"
+        "response:\n"
+        "std_srvs.srv.SetBool_Response(success=True, message='it is on')\n\n"
+    )
+    assert shell.output("service", "call", "/set_led", "std_srvs/srv/SetBool", "{data: true}") == expected
+    assert shell.output("service", "call", "/set_led", "{data: true}") == expected
+    assert shell("service", "call", "--json", "/set_led", "std_srvs/SetBool").records == [
+        {"success": False, "message": ""}
+    ]
+    assert "nope" in shell.failure("service", "call", "/set_led", "{nope: 1}")
+    result = shell("service", "call", "--timeout", "0.3", "/nope")
+    assert (result.code, result.out) == (1, "waiting for service to become available...\n")
+    assert "nobody offered the service /nope within 0.3 s" in result.err
+
+
+def test_definitions(shell: Shell) -> None:
+    assert shell.output("msg", "show", "--ros2", "zenoh", "std_msgs/msg/Header") == (
+        "builtin_interfaces/Time stamp\n\tint32 sec\n\tuint32 nanosec\nstring frame_id\n"
+    )
+    assert shell.output("srv", "show", "--ros2", "zenoh", "std_srvs/SetBool") == (
+        "bool data\n---\nbool success\nstring message\n"
+    )
+    assert shell.output("msg", "show", "--ros2", "zenoh", "Quaternion") == (
+        "[geometry_msgs/msg/Quaternion]:\nfloat64 x 0\nfloat64 y 0\nfloat64 z 0\nfloat64 w 1\n"
+    )
+    assert shell.output("msg", "md5", "--ros2", "zenoh", "std_msgs/String").startswith("RIHS01_df668c74")
+    assert (
+        "std_srvs/srv/SetBool" in shell.output("srv", "package", "--ros2", "zenoh", "std_srvs").splitlines()
+    )
+    assert "did you mean" in shell.failure("msg", "show", "--ros2", "zenoh", "Strin")

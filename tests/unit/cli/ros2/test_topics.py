@@ -1,0 +1,164 @@
+from __future__ import annotations
+
+import re
+
+from unit.cli.ros2.zenoh_world import STORE, ZenohWorld
+from unit.cli.shell import Shell
+
+IMU_HASH = "RIHS01_7d9a00ff131080897a5ec7e26e315954b8eae3353c3f995c55faf71574000b5b"
+
+
+def test_list(world: ZenohWorld, shell: Shell) -> None:
+    assert shell.output("topic", "list").splitlines() == [
+        "/cmd_vel",
+        "/goal",
+        "/imu",
+        "/name",
+        "/parameter_events",
+        "/rosout",
+    ]
+    assert shell.output("topic", "list", "-c") == "6\n"
+    assert "/_raw" in shell.output("topic", "list", "--include-hidden-topics").splitlines()
+    assert "/imu [sensor_msgs/msg/Imu]" in shell.output("topic", "list", "-t").splitlines()
+    assert shell.output("topic", "list", "-v") == (
+        "Published topics:\n"
+        " * /imu [sensor_msgs/msg/Imu] 1 publisher\n"
+        " * /name [std_msgs/msg/String] 1 publisher\n"
+        " * /parameter_events [rcl_interfaces/msg/ParameterEvent] 1 publisher\n"
+        " * /rosout [rcl_interfaces/msg/Log] 1 publisher\n"
+        "\n"
+        "Subscribed topics:\n"
+        " * /cmd_vel [geometry_msgs/msg/Twist] 1 subscriber\n"
+        " * /goal [geometry_msgs/msg/Pose] 1 subscriber\n"
+        "\n"
+    )
+    assert shell.output("topic", "list", "-s").splitlines() == ["/cmd_vel", "/goal"]
+    records = {each["topic"]: each for each in shell("topic", "list", "--json").records}
+    assert records["/imu"] == {
+        "topic": "/imu",
+        "type": "sensor_msgs/msg/Imu",
+        "publishers": ["/far/board"],
+        "subscribers": [],
+    }
+
+
+def test_info(world: ZenohWorld, shell: Shell) -> None:
+    assert shell.output("topic", "info", "imu") == (
+        "Type: sensor_msgs/msg/Imu\nPublisher count: 1\nSubscription count: 0\n"
+    )
+    text = shell.output("topic", "info", "-v", "/name")
+    assert re.sub(r"GID: [0-9a-f]{2}(\.[0-9a-f]{2}){15}\n", "GID: x\n", text) == (
+        "Type: std_msgs/msg/String\n\n"
+        "Publisher count: 1\n\n"
+        "Node name: board\n"
+        "Node namespace: /far\n"
+        "Topic type: std_msgs/msg/String\n"
+        "Topic type hash: RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18\n"
+        "Endpoint type: PUBLISHER\n"
+        "GID: x\n"
+        "QoS profile:\n"
+        "  Reliability: RELIABLE\n"
+        "  History (Depth): KEEP_LAST (1)\n"
+        "  Durability: TRANSIENT_LOCAL\n"
+        "  Lifespan: Infinite\n"
+        "  Deadline: Infinite\n"
+        "  Liveliness: AUTOMATIC\n"
+        "  Liveliness lease duration: Infinite\n\n"
+        "Subscription count: 0\n\n"
+    )
+    (record,) = shell("topic", "info", "--json", "/imu").records
+    assert record["publishers"][0]["type_hash"] == IMU_HASH
+    assert "Unknown topic '/nope'" in shell.failure("topic", "info", "/nope")
+
+
+def test_type_and_find(world: ZenohWorld, shell: Shell) -> None:
+    assert shell.output("topic", "type", "/imu") == "sensor_msgs/msg/Imu\n"
+    for spelling in ("std_msgs/msg/String", "std_msgs/String"):
+        assert shell.output("topic", "find", spelling) == "/name\n"
+
+
+def test_echo(world: ZenohWorld, shell: Shell) -> None:
+    lines = shell.output("topic", "echo", "--once", "--no-arr", "/imu").splitlines()
+    assert lines[:5] == ["header:", "  stamp:", "    sec: 5", "    nanosec: 7", "  frame_id: base"]
+    assert "orientation_covariance: '<array type: double[9]>'" in lines
+    assert lines[-1] == "---"
+    # A latched message reaches a late comer.
+    assert shell.output("topic", "echo", "--once", "/name", "std_msgs/msg/String") == "data: arm\n---\n"
+
+
+def test_echo_of_fields(world: ZenohWorld, shell: Shell) -> None:
+    once = ("topic", "echo", "--once")
+    assert shell.output(*once, "--field", "header.stamp", "/imu") == "sec: 5\nnanosec: 7\n---\n"
+    assert shell.output(*once, "/imu/header/frame_id") == "base\n---\n"
+    assert shell.output(*once, "--field", "orientation_covariance[0]", "/imu") == "0.0\n---\n"
+    assert shell.output(*once, "--csv", "/imu").startswith("5,7,base,0.0,")
+    assert "has no field 'nope'" in shell.failure(*once, "--field", "nope", "/imu")
+    (record,) = shell(*once, "--json", "--filter", "m.angular_velocity.z > 0", "/imu").records
+    assert record["header"] == {"stamp": {"sec": 5, "nanosec": 7}, "frame_id": "base"}
+
+
+def test_echo_cuts_what_is_long(world: ZenohWorld, shell: Shell) -> None:
+    once = ("topic", "echo", "--once", "/_raw")
+    assert shell.output(*once) == f"data: {'x' * 128}...\n---\n"
+    assert shell.output(*once, "-l", "3") == "data: xxx...\n---\n"
+    assert shell.output(*once, "--full-length") == f"data: {'x' * 200}\n---\n"
+    assert shell.output(*once, "--no-str") == "data: '<string length: <200>>'\n---\n"
+
+
+def test_echo_of_nothing_ends_in_time(world: ZenohWorld, shell: Shell) -> None:
+    assert "no message came on /cmd_vel" in shell.failure(
+        "topic", "echo", "--timeout", "0.2", "/cmd_vel", "geometry_msgs/Twist"
+    )
+
+
+def test_pub(world: ZenohWorld, shell: Shell) -> None:
+    out = shell.output("topic", "pub", "-1", "/cmd_vel", "geometry_msgs/msg/Twist", "{linear: {x: 2}}")
+    # Whom it waits for is known at once, or a moment later.
+    assert out.removeprefix("Waiting for at least 1 matching subscription(s)...\n") == (
+        "publisher: beginning loop\n"
+        "publishing #1: geometry_msgs.msg.Twist(linear=geometry_msgs.msg.Vector3(x=2.0, y=0.0, z=0.0), "
+        "angular=geometry_msgs.msg.Vector3(x=0.0, y=0.0, z=0.0))\n\n"
+    )
+    (payload,) = world.heard
+    assert STORE.codec("geometry_msgs/Twist").decode(payload).linear.x == 2.0
+
+
+def test_pub_fills_defaults_and_counts(world: ZenohWorld, shell: Shell) -> None:
+    out = shell.output(
+        "topic", "pub", "-t", "3", "-r", "100", "-p", "2", "/goal", "geometry_msgs/Pose", "{position: {x: 1}}"
+    )
+    assert next(line for line in out.splitlines() if line.startswith("publishing")).startswith(
+        "publishing #2: geometry_msgs.msg.Pose("
+    )
+    poses = [STORE.codec("geometry_msgs/Pose").decode(payload) for payload in world.heard]
+    assert [(pose.position.x, pose.orientation.w) for pose in poses] == [(1.0, 1.0)] * 3
+
+
+def test_pub_of_mistakes(world: ZenohWorld, shell: Shell) -> None:
+    pub = ("topic", "pub", "-1")
+    assert "nope" in shell.failure(*pub, "/x", "std_msgs/msg/String", "{nope: 1}")
+    assert "std_msgs" in shell.failure(*pub, "/x", "std_msgs/msg/Strin", "{}")
+    assert "nobody subscribed" in shell.failure(
+        *pub, "--max-wait-time-secs", "0.05", "/x", "std_msgs/msg/String", "{}"
+    )
+
+
+def test_rates(world: ZenohWorld, shell: Shell) -> None:
+    assert re.fullmatch(
+        r"Subscribed to \[/imu\]\naverage rate: \d+\.\d{3}\n\tmin: .*s max: .*s std dev: .*s window: \d+\n",
+        shell.output("topic", "hz", "-n", "1", "/imu"),
+    )
+    assert re.search(
+        r"KB/s from \d+ messages\n\tMessage size mean: 0\.3\d KB min: 0\.3\d KB max: 0\.3\d KB\n",
+        shell.output("topic", "bw", "-n", "1", "/imu"),
+    )
+    (record,) = shell("topic", "delay", "-n", "1", "--json", "/imu").records
+    assert record["min_s"] > 1e9
+
+
+def test_what_is_of_one_ros_only(world: ZenohWorld, shell: Shell) -> None:
+    assert "--host is of ROS 1" in shell.failure("topic", "list", "--host", code=2)
+    assert "--master is of ROS 1" in shell.failure("topic", "echo", "--master", "http://x:1", "/x", code=2)
+    assert "--csv is of ROS 2" in shell.failure("topic", "echo", "--ros1", "--csv", "/x", code=2)
+    assert "node kill` is of ROS 1" in shell.failure("node", "kill", "/far/board", code=2)
+    assert "service uri` is of ROS 1" in shell.failure("service", "uri", "/set_led", code=2)
