@@ -6,7 +6,6 @@ inside only; an included file sees just the arguments that it is given.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
@@ -179,13 +178,9 @@ class _Loader:
         except LaunchError as error:
             if " (included " in str(error) or not error.file:
                 raise
-            raise LaunchError(
-                f"{error} (included at {element.file}:{element.line})".removeprefix(
-                    f"{error.file}:{error.line}: "
-                ),
-                file=error.file,
-                line=error.line,
-            ) from None
+            text = str(error).removeprefix(f"{error.file}:{error.line}: ")
+            place = f"{element.file}:{element.line}"
+            raise LaunchError(f"{text} (included at {place})", file=error.file, line=error.line) from None
         finally:
             self._depth -= 1
 
@@ -193,8 +188,6 @@ class _Loader:
 def _read(file: str) -> bytes:
     try:
         with open(file, "rb") as stream:  # noqa: PTH123 - an empty name is no Path
-            if os.path.isdir(file):  # noqa: PTH112
-                raise LaunchError(f"{file} is a folder, not a launch file")
             return stream.read(MAX_FILE_BYTES + 1)
     except OSError as error:
         raise LaunchError(f"cannot read {file!r}: {error.strerror or error}") from None

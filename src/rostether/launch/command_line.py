@@ -1,0 +1,56 @@
+"""From a node of a plan to the process to start: its words, its environment, its folder."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TypeAlias
+
+from rostether.launch.log_folder import ros_home
+from rostether.launch.plan import LaunchNode, WorkingFolder
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """What to run for a package's node, and what its environment needs on top of the node's."""
+
+    words: list[str]
+    environ: dict[str, str] = field(default_factory=dict)
+
+
+Locate: TypeAlias = Callable[[str, str, Mapping[str, str]], Program]
+"""(package, type, environment) -> program. Raises RostetherError where there is none."""
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """A process to start."""
+
+    words: list[str]
+    environ: dict[str, str]
+    folder: Path
+
+
+def node_environment(node: LaunchNode, environ: Mapping[str, str], master_uri: str) -> dict[str, str]:
+    """Return a node's environment: the caller's, the master, its namespace, and its <env> tags."""
+    variables = {name: value for name, value in environ.items() if name != "ROS_NAMESPACE"}
+    variables["ROS_MASTER_URI"] = master_uri
+    if node.namespace != "/":
+        variables["ROS_NAMESPACE"] = node.namespace
+    return variables | dict(node.environment)
+
+
+def command_of(node: LaunchNode, environ: Mapping[str, str], master_uri: str, locate: Locate) -> Command:
+    """Return how a node is started, without what the runner adds. Raises what `locate` raises."""
+    variables = node_environment(node, environ, master_uri)
+    program = locate(node.package, node.type, variables)
+    words = [*shlex.split(node.launch_prefix), *program.words, *node.arguments]
+    if node.working_folder is WorkingFolder.NODE:
+        # A script stands behind its interpreter.
+        files = (Path(word) for word in reversed(program.words) if Path(word).is_absolute())
+        folder = next(files, Path(program.words[0])).parent
+    else:
+        folder = ros_home(environ)
+    return Command(words, variables | program.environ, folder)

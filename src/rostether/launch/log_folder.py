@@ -1,0 +1,33 @@
+"""Where logs are kept: ROS_LOG_DIR, else `log` of ROS_HOME (~/.ros), in a folder for each run."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Mapping
+from pathlib import Path
+
+from rostether.errors import ConfigError
+
+_LATEST = "latest"
+
+
+def ros_home(environ: Mapping[str, str]) -> Path:
+    """Return the folder in which nodes start unless told otherwise."""
+    return Path(environ["ROS_HOME"]) if environ.get("ROS_HOME") else Path.home() / ".ros"
+
+
+def log_folder(environ: Mapping[str, str], run_id: str) -> Path:
+    """Make and return the folder of a run's logs; `latest` beside it leads there. Raises ConfigError."""
+    parent = Path(environ["ROS_LOG_DIR"]) if environ.get("ROS_LOG_DIR") else ros_home(environ) / "log"
+    # The id comes from a master: it must not lead out of the folder.
+    folder = parent.absolute() / run_id.replace("/", "-").strip(".")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ConfigError(f"cannot make {folder}: {error.strerror}; name another in ROS_LOG_DIR") from None
+    latest = parent / _LATEST
+    with contextlib.suppress(OSError):
+        if latest.is_symlink() or not latest.exists():
+            latest.unlink(missing_ok=True)
+            latest.symlink_to(folder)
+    return folder

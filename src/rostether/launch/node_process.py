@@ -1,0 +1,168 @@
+"""One process of a launch: started, started again, ended with all that it has started itself.
+
+Each is the leader of a session of its own, so that Ctrl-C in the terminal reaches only the launch, which then
+ends the processes in order. On Linux a process also gets SIGTERM when the launch is killed outright.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import ctypes
+import os
+import shlex
+import signal
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO
+
+from rostether.errors import LaunchError
+from rostether.graph.ports import Level
+from rostether.launch.command_line import Command
+from rostether.launch.plan import LaunchNode, Output
+
+SIGINT_LIMIT_S = 15.0  # as roslaunch: a node may have a robot to bring to a stop
+SIGTERM_LIMIT_S = 2.0
+# A node that ends at once must not keep a processor busy with starting it.
+_RESPAWN_PAUSE_S = 0.1
+_GROUP_POLL_S = 0.02  # nothing tells when the last process of a group that is not our child has ended
+_KILL_LIMIT_S = 1.0  # the kernel ends a killed group at once, unless a driver holds a process
+_PR_SET_PDEATHSIG = 1
+# Found before any fork: the child must not load anything.
+_prctl = ctypes.CDLL(None).prctl if sys.platform == "linux" else None
+
+
+@dataclass(frozen=True, slots=True)
+class StopLimits:
+    """How long a process gets to end after SIGINT, and after SIGTERM, before SIGKILL."""
+
+    sigint_s: float = SIGINT_LIMIT_S
+    sigterm_s: float = SIGTERM_LIMIT_S
+
+
+class NodeProcess:
+    """A node's process; `name` is that of its lines and logs, such as `arm/mover-2`."""
+
+    def __init__(
+        self,
+        node: LaunchNode,
+        command: Command,
+        name: str,
+        logs: Path,
+        report: Callable[[Level, str], None],
+        limits: StopLimits,
+    ) -> None:
+        self.node = node
+        self.name = name
+        self.exit_code: int | None = None
+        self._command = command
+        self._log = logs / f"{name.replace('/', '-')}.log"
+        self._report = report
+        self._limits = limits
+        self._process: asyncio.subprocess.Process | None = None
+        # Its process group; None when no process of it is left, as the number may then be another's.
+        self._group: int | None = None
+
+    async def start(self) -> None:
+        """Start it. Raises LaunchError when that is impossible."""
+        words = [*self._command.words, f"__log:={self._log}"]
+        try:
+            self._command.folder.mkdir(parents=True, exist_ok=True)
+            with self._output() as output:
+                self._process = await asyncio.create_subprocess_exec(
+                    *words,
+                    cwd=self._command.folder,
+                    env=self._command.environ,
+                    stdout=output,
+                    start_new_session=True,
+                    preexec_fn=_end_with_parent if sys.platform == "linux" else None,
+                )
+        except OSError as error:
+            raise LaunchError(
+                f"cannot run {words[0]}: {error.strerror or error}; look at the first line of the script, "
+                "and at launch-prefix=",
+                file=self.node.file,
+                line=self.node.line,
+            ) from None
+        self._group = self._process.pid
+        self._report(Level.INFO, f"process[{self.name}]: started with pid [{self._process.pid}]")
+
+    async def keep(self) -> None:
+        """Wait for its end; one with respawn= is started again and again. Raises LaunchError."""
+        while True:
+            assert self._process is not None
+            self.exit_code = await self._process.wait()
+            await self._end_group()
+            self._say_ended(self._process.pid)
+            if not self.node.respawn:
+                return
+            await asyncio.sleep(max(self.node.respawn_delay_s, _RESPAWN_PAUSE_S))
+            self._report(Level.INFO, f"[{self.name}] restarting process")
+            await self.start()
+
+    async def stop(self) -> None:
+        """End it and what it started: SIGINT, then SIGTERM, then SIGKILL. `keep` must not run any more."""
+        process = self._process
+        if process is None:
+            return
+        steps = ((signal.SIGINT, self._limits.sigint_s), (signal.SIGTERM, self._limits.sigterm_s))
+        for number, limit_s in steps:
+            if process.returncode is not None:
+                break
+            _signal_group(process.pid, number)
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(process.wait(), limit_s)
+                break
+            self._report(Level.WARN, f"[{self.name}] did not end within {limit_s:g} s of {number.name}")
+        if process.returncode is None:
+            _signal_group(process.pid, signal.SIGKILL)
+            await process.wait()
+        await self._end_group()
+
+    async def _end_group(self) -> None:
+        group, self._group = self._group, None
+        if group is None:
+            return
+        for number, limit_s in ((signal.SIGTERM, self._limits.sigterm_s), (signal.SIGKILL, _KILL_LIMIT_S)):
+            if not _signal_group(group, number):
+                return
+            deadline = asyncio.get_running_loop().time() + limit_s
+            while _signal_group(group, 0) and asyncio.get_running_loop().time() < deadline:
+                await asyncio.sleep(_GROUP_POLL_S)
+
+    @contextlib.contextmanager
+    def _output(self) -> Iterator[IO[bytes] | None]:
+        if self.node.output is Output.SCREEN:
+            yield None
+            return
+        # What a node printed before it was started again stays readable.
+        mode = "ab" if self._process is not None else "wb"
+        with self._log.with_name(f"{self._log.stem}-stdout.log").open(mode) as file:
+            yield file
+
+    def _say_ended(self, pid: int) -> None:
+        if self.exit_code == 0:
+            self._report(Level.INFO, f"[{self.name}] process has finished cleanly")
+            return
+        words = shlex.join(self._command.words)
+        self._report(
+            Level.ERROR,
+            f"[{self.name}] process has died [pid {pid}, exit code {self.exit_code}, cmd {words}]; "
+            f"log files: {self._log.with_suffix('')}*.log",
+        )
+
+
+def _signal_group(group: int, number: int) -> bool:
+    """Signal all processes of a group; False when there is none left."""
+    try:
+        os.killpg(group, number)
+    except (ProcessLookupError, PermissionError):
+        return False
+    return True
+
+
+def _end_with_parent() -> None:
+    if _prctl is not None:
+        _prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)

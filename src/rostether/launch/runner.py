@@ -1,0 +1,138 @@
+"""Running a plan: parameters first, then the nodes in their order, until all or a required one have ended."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from rostether.errors import LaunchError, RostetherError
+from rostether.graph.ports import Level
+from rostether.launch.command_line import Locate, command_of
+from rostether.launch.log_folder import log_folder
+from rostether.launch.node_process import NodeProcess, StopLimits
+from rostether.launch.parameter_upload import CALLER_ID, ensure_run_id, upload
+from rostether.launch.plan import LaunchNode, LaunchPlan, Output
+from rostether.ros1.node.master_client import MasterClient
+
+
+@dataclass(frozen=True, slots=True)
+class RunOptions:
+    """What the command line says about all nodes.
+
+    `output` and `all_required` win over the files. With `stays`, the launch goes on when all nodes have
+    ended: it is the master of others.
+    """
+
+    output: Output | None = None
+    all_required: bool = False
+    stays: bool = False
+    stop_limits: StopLimits = field(default_factory=StopLimits)
+
+
+async def run_plan(
+    plan: LaunchPlan,
+    *,
+    master_uri: str,
+    environ: Mapping[str, str],
+    locate: Locate,
+    report: Callable[[Level, str], None],
+    options: RunOptions = RunOptions(),
+) -> bool:
+    """Run a plan to its end, and end every process that was started, also when cancelled.
+
+    Returns False when a required node failed, or none of the nodes could be started.
+    Raises MasterUnreachableError, GraphError, ConfigError, before any node has been started.
+    """
+    client = MasterClient(master_uri, CALLER_ID)
+    try:
+        logs = log_folder(environ, await ensure_run_id(client))
+        report(Level.INFO, f"logs: {logs}")
+        await upload(plan, client, report)
+    finally:
+        await client.close()
+    launch = _Launch(master_uri, environ, locate, report, options, logs)
+    try:
+        return await launch.run([_with_options(node, options) for node in plan.nodes])
+    finally:
+        await launch.stop()
+
+
+class _Launch:
+    def __init__(
+        self,
+        master_uri: str,
+        environ: Mapping[str, str],
+        locate: Locate,
+        report: Callable[[Level, str], None],
+        options: RunOptions,
+        logs: Path,
+    ) -> None:
+        self._master_uri = master_uri
+        # A script's last words must be in its log when it is killed.
+        self._environ = {"PYTHONUNBUFFERED": "1", **environ}
+        self._locate = locate
+        self._report = report
+        self._options = options
+        self._logs = logs
+        self._processes: list[NodeProcess] = []
+        self._keepers: dict[asyncio.Task[None], NodeProcess] = {}
+
+    async def run(self, nodes: list[LaunchNode]) -> bool:
+        for number, node in enumerate(nodes, 1):
+            if not await self._start(node, number) and node.required:
+                return False
+        if nodes and not self._processes:
+            return False
+        if not nodes:
+            self._report(Level.INFO, "the parameters are set, and there is no node to start")
+        waiting = set(self._keepers)
+        while waiting:
+            ended, waiting = await asyncio.wait(waiting, return_when=asyncio.FIRST_COMPLETED)
+            for task in ended:
+                process = self._keepers[task]
+                if task.exception() is not None:
+                    self._report(Level.ERROR, str(task.exception()))
+                if process.node.required:
+                    self._report(
+                        Level.ERROR, f"[{process.name}] is required and has ended: all nodes are stopped"
+                    )
+                    return task.exception() is None and process.exit_code == 0
+        if self._options.stays:
+            self._report(Level.INFO, "no node is left; the master goes on until Ctrl-C")
+            await asyncio.Event().wait()
+        return True
+
+    async def _start(self, node: LaunchNode, number: int) -> bool:
+        name = f"{node.full_name.removeprefix('/')}-{number}"
+        try:
+            command = command_of(node, self._environ, self._master_uri, self._locate)
+            process = NodeProcess(node, command, name, self._logs, self._report, self._options.stop_limits)
+            await process.start()
+        except LaunchError as error:
+            self._report(Level.ERROR, str(error))
+            return False
+        except RostetherError as error:
+            self._report(Level.ERROR, f"{node.file}:{node.line}: {error}")
+            return False
+        self._processes.append(process)
+        self._keepers[asyncio.create_task(process.keep())] = process
+        return True
+
+    async def stop(self) -> None:
+        """End what still runs, all at the same time."""
+        for task in self._keepers:
+            task.cancel()
+        if self._keepers:
+            await asyncio.wait(self._keepers)
+        await asyncio.gather(*(process.stop() for process in self._processes))
+
+
+def _with_options(node: LaunchNode, options: RunOptions) -> LaunchNode:
+    if options.output is not None:
+        node = replace(node, output=options.output)
+    # A node that is started again is there to stay in its own way.
+    if options.all_required and not node.respawn:
+        node = replace(node, required=True)
+    return node
