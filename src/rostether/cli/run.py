@@ -5,16 +5,18 @@ from __future__ import annotations
 import os
 import shlex
 import sys
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import click
 
-from rostether.cli.node_command import NodeCommand, node_command
+from rostether.cli.node_command import node_command
 from rostether.cli.output import warn, write_line
 from rostether.cli.served_nodes import replacement_line
 from rostether.cli.verbs import Verb
 from rostether.errors import ConfigError
 from rostether.packages.locate import package_folders
+from rostether.rospy_facade.environment import node_environment
 
 
 @click.command(
@@ -45,22 +47,21 @@ def run(prefix: str, debug: bool, package: str, program: str, arguments: tuple[s
     if line := replacement_line(package, os.environ):
         warn(line)
         return
-    found = node_command(
-        package, program, packages=package_folders(os.environ, Path.cwd()), environ=os.environ
-    )
-    words = [*shlex.split(prefix), *found.words, *arguments]
+    packages = package_folders(os.environ, Path.cwd())
+    found = node_command(package, program, packages=packages, environ=os.environ)
+    words = [*shlex.split(prefix), *found, *arguments]
     if debug:
         write_line(shlex.join(words))
-    become(NodeCommand(words, found.environ))
+    become(words, node_environment(os.environ, packages))
 
 
-def become(command: NodeCommand) -> None:
+def become(words: Sequence[str], environ: Mapping[str, str]) -> None:
     """Become another process: signals and the exit code are then the node's own. Raises ConfigError."""
     sys.stdout.flush()
     sys.stderr.flush()
     try:
-        os.execvpe(command.words[0], command.words, {**os.environ, **command.environ})  # noqa: S606
+        os.execvpe(words[0], list(words), environ)  # noqa: S606
     except OSError as error:
         raise ConfigError(
-            f"{command.words[0]} cannot be run: {error.strerror}; its first line may name a missing program"
+            f"{words[0]} cannot be run: {error.strerror}; its first line may name a missing program"
         ) from error

@@ -30,6 +30,8 @@ from rostether.packages.package_xml import is_package_name
 from rostether.packages.search_path import ros_package_path
 
 MAX_LEARNED_TYPES = 4096  # peers' definitions must not fill memory; a large system has some hundred types
+# Bundled for our examples; who has the robot has its package too, perhaps changed.
+ROBOTS_OWN_PACKAGES = frozenset({"mearm_model", "turtlebot3_msgs"})
 MAX_NAME_CHARACTERS = 256  # boards announce names; those in use are below 60
 
 
@@ -204,10 +206,10 @@ class Registry:
         if on_path is not None and (file := on_path.of(kind).get(short_name)):
             return file
         bundled = bundled_file(package, kind, short_name) if self._bundled else None
-        if bundled is not None:
+        if bundled is not None and package not in ROBOTS_OWN_PACKAGES:
             return bundled
         around = self._around().get(package)
-        return around.of(kind).get(short_name) if around is not None else None
+        return (around.of(kind).get(short_name) if around is not None else None) or bundled
 
     def _names(self, kind: Kind, package: str) -> set[str]:
         names: set[str] = set()

@@ -241,3 +241,27 @@ def test_what_cannot_be_learned_changes_nothing(monkeypatch: pytest.MonkeyPatch)
     registry.add_full_text("far/Two", "int8 a")
     with pytest.raises(DefinitionError, match="more than 2 types"):
         registry.add_full_text("far/Three", "int8 a")
+
+
+def test_packages_around_the_current_folder_are_asked_last(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for package in ("my_msgs", "std_msgs", "mearm_model"):
+        write(tmp_path / "ws" / "src" / package / "package.xml", f"<package><name>{package}</name></package>")
+    write(tmp_path / "ws" / "src" / "my_msgs" / "msg" / "Foo.msg", "int8 near\n")
+    write(tmp_path / "ws" / "src" / "my_msgs" / "srv" / "Bar.srv", "---\n")
+    write(tmp_path / "ws" / "src" / "std_msgs" / "msg" / "String.msg", "int8 not_this\n")
+    write(tmp_path / "ws" / "src" / "mearm_model" / "msg" / "ServoAngles.msg", "int8 mine\n")
+    write(tmp_path / "path" / "my_msgs" / "package.xml", "<package><name>my_msgs</name></package>")
+    monkeypatch.chdir(tmp_path / "ws")
+    registry = Registry.from_environment((), {})
+    assert registry.message("std_msgs/String").fields[0].name == "data"
+    assert registry.message("my_msgs/Foo").fields[0].name == "near"
+    assert registry.messages("my_msgs") == ["my_msgs/Foo"]
+    assert registry.services("my_msgs") == ["my_msgs/Bar"]
+    assert "my_msgs" in registry.packages()
+    # A robot's own package is the user's, though we bring the one of our example.
+    assert registry.message("mearm_model/ServoAngles").fields[0].name == "mine"
+    write(tmp_path / "path" / "my_msgs" / "msg" / "Foo.msg", "int8 on_path\n")
+    on_path = Registry.from_environment((), {"ROS_PACKAGE_PATH": str(tmp_path / "path")})
+    assert on_path.message("my_msgs/Foo").fields[0].name == "on_path"

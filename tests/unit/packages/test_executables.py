@@ -1,0 +1,106 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rostether.errors import ConfigError
+from rostether.packages.executables import find_program, is_python, programs, shebang
+
+
+@pytest.fixture
+def arm(tmp_path: Path) -> Path:
+    folder = tmp_path / "ws" / "src" / "arm"
+    folder.mkdir(parents=True)
+    (folder / "package.xml").write_text("<package><name>arm</name></package>")
+    return folder
+
+
+def write(file: Path, text: str = "#!/usr/bin/env python3\n", *, executable: bool = True) -> Path:
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(text)
+    file.chmod(0o755 if executable else 0o644)
+    return file
+
+
+def find(folder: Path | None, name: str, **environ: str) -> Path:
+    return find_program("arm", name, folder, environ)
+
+
+def test_a_script_is_found_anywhere_in_its_package(arm: Path) -> None:
+    script = write(arm / "src" / "nodes" / "move.py")
+    assert find(arm, "move.py") == script
+
+
+def test_what_was_built_wins_over_the_source(arm: Path) -> None:
+    write(arm / "scripts" / "move.py")
+    relay = write(arm.parents[1] / "devel" / "lib" / "arm" / "move.py")
+    assert find(arm, "move.py") == relay
+
+
+def test_installed_programs_are_found_by_the_prefix_path_and_beside_share(tmp_path: Path, arm: Path) -> None:
+    program = write(tmp_path / "opt" / "lib" / "arm" / "driver", "\x7fELF")
+    assert find(arm, "driver", CMAKE_PREFIX_PATH=str(tmp_path / "opt")) == program
+    assert find(None, "driver", CMAKE_PREFIX_PATH=str(tmp_path / "opt")) == program
+    share = tmp_path / "opt" / "share" / "arm"
+    share.mkdir(parents=True)
+    assert find(share, "driver") == program
+
+
+def test_a_python_script_that_is_not_marked_executable_still_runs(arm: Path) -> None:
+    script = write(arm / "scripts" / "move.py", executable=False)
+    assert find(arm, "move.py") == script
+
+
+def test_other_files_must_be_executable(arm: Path) -> None:
+    write(arm / "scripts" / "move.sh", "#!/bin/sh\n", executable=False)
+    with pytest.raises(ConfigError, match=r"not executable: type `chmod \+x .*move.sh`"):
+        find(arm, "move.sh")
+
+
+def test_two_of_a_name_are_asked_about_and_a_path_answers(arm: Path) -> None:
+    write(arm / "a" / "move.py")
+    second = write(arm / "b" / "move.py")
+    with pytest.raises(ConfigError, match=r"more than once; name one of a/move.py, b/move.py"):
+        find(arm, "move.py")
+    assert find(arm, "b/move.py") == second
+
+
+def test_build_folders_are_left_out(arm: Path) -> None:
+    write(arm / "build" / "move.py")
+    script = write(arm / "scripts" / "move.py")
+    assert find(arm, "move.py") == script
+    assert programs(arm) == [script]
+
+
+def test_what_is_missing_is_told_with_what_is_near(arm: Path) -> None:
+    with pytest.raises(ConfigError, match=f"has no program move.py below {arm}"):
+        find(arm, "move.py")
+    write(arm / "scripts" / "move.py")
+    with pytest.raises(ConfigError, match=r"has no program moves.py; did you mean move.py\?"):
+        find(arm, "moves.py")
+    with pytest.raises(ConfigError, match=r"has no program x; it has move.py"):
+        find(arm, "x")
+    with pytest.raises(ConfigError, match=r"package arm is not here"):
+        find(None, "x")
+    with pytest.raises(ConfigError, match=r"package arm has no scripts/x"):
+        find(arm, "scripts/x")
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "expected"),
+    [
+        ("a.py", "import rospy\n", True),
+        ("a.py", "#!/bin/sh\n", False),
+        ("a", "#!/usr/bin/env python\n", True),
+        ("a", "#!/usr/bin/python3 -u\r\n", True),
+        ("a", "text", False),
+    ],
+)
+def test_python_is_known_by_its_first_line(tmp_path: Path, name: str, text: str, expected: bool) -> None:
+    assert is_python(write(tmp_path / name, text)) is expected
+
+
+def test_a_first_line_has_no_line_end(tmp_path: Path) -> None:
+    assert shebang(write(tmp_path / "a", "#!/usr/bin/env python3\r\nx")) == "/usr/bin/env python3"
+    assert shebang(tmp_path / "missing") == ""
