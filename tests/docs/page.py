@@ -3,7 +3,8 @@
 Fenced blocks count when their language is `sh` (commands, one a line, `\\` continues), followed or not by a
 `text` block (lines that must appear in that order; `...` stands for anything). A title that begins with
 "Terminal 1" means that the last command is left running, as the reader would leave it; the title
-"not run" marks commands that need a board.
+"not run" marks commands that need a board, "on NAME" those that need a machine of that name, and titles that
+are names of files mark what the reader is to save.
 """
 
 from __future__ import annotations
@@ -13,6 +14,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 _FENCE = re.compile(r"^```(?P<language>\w+)(?P<info>[^\n]*)\n(?P<body>.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+_NOT_TYPED_HERE = re.compile(r'not run|title="on |title="[\w.]+\.sh"')
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +35,7 @@ def steps(page: Path) -> list[Step]:
     ]
     found: list[Step] = []
     for index, (language, info, body) in enumerate(blocks):
-        if language != "sh" or "not run" in info:
+        if language != "sh" or _NOT_TYPED_HERE.search(info):
             continue
         commands = [
             line for line in body.replace("\\\n", " ").splitlines() if line and not line.startswith("#")
@@ -44,12 +48,21 @@ def steps(page: Path) -> list[Step]:
 
 
 def programs(page: Path) -> dict[str, str]:
-    """Return the Python programs and sketches that the page tells to save, by file name."""
+    """Return the programs, sketches and settings that the page tells to save, by file name."""
     titled = (
-        (re.search(r'title="([\w.]+\.(?:py|ino))"', match["info"]), match)
+        (re.search(r'title="([\w.]+\.(?:py|ino|yaml|json5|sh))"', match["info"]), match)
         for match in _FENCE.finditer(page.read_text())
     )
     return {title[1]: match["body"] for title, match in titled if title is not None}
+
+
+def on_machines(page: Path) -> dict[str, tuple[str, ...]]:
+    """Return the commands of blocks titled "on NAME...", by title."""
+    found = {}
+    for match in _FENCE.finditer(page.read_text()):
+        if title := re.search(r'title="(on [^"]+)"', match["info"]):
+            found[title[1]] = tuple(match["body"].splitlines())
+    return found
 
 
 def missing_lines(expected: tuple[str, ...], printed: str) -> list[str]:

@@ -46,7 +46,9 @@ class Terminal:
         self._home = home
         self._running: list[subprocess.Popen[bytes]] = []
         self._environment = {
-            name: value for name, value in os.environ.items() if not name.startswith(("ROS", "PYTEST"))
+            name: value
+            for name, value in os.environ.items()
+            if not name.startswith(("ROS", "RMW", "ZENOH", "PYTEST"))
         } | {
             "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}",
             "ROS_MASTER_URI": f"http://localhost:{free_port()}",

@@ -41,11 +41,11 @@ class Machines:
 
     def __init__(self, names: Sequence[str], holder: subprocess.Popen[bytes]) -> None:
         self._names = names
-        self._enter = (*_ENTER, "--target", str(holder.pid))
+        self._enter = (*_ENTER, "--wd=.", "--target", str(holder.pid))
 
     def address(self, name: str) -> str:
-        """Return the address of a machine."""
-        return f"10.77.0.{self._names.index(name) + 1}"
+        """Return the address of a machine; each knows the others by name."""
+        return "127.0.0.1" if name == "localhost" else f"10.77.0.{self._names.index(name) + 1}"
 
     def on(self, name: str) -> tuple[str, ...]:
         """Return what a command begins with that runs on a machine."""
@@ -53,7 +53,14 @@ class Machines:
 
     def build(self) -> None:
         """Make the machines, and plug them into a switch."""
-        lines = ["mount -t tmpfs none /run", "ip link add switch type bridge", "ip link set switch up"]
+        hosts = "".join(f"{self.address(name)} {name}\\n" for name in ("localhost", *self._names))
+        lines = [
+            "mount -t tmpfs none /run",
+            f"printf '{hosts}' > /run/hosts",
+            "mount --bind /run/hosts /etc/hosts",
+            "ip link add switch type bridge",
+            "ip link set switch up",
+        ]
         for name in self._names:
             lines += [
                 f"ip netns add {name}",

@@ -1,0 +1,158 @@
+"""The page on fleets: its commands and files, on machines that are network namespaces."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from docs.page import on_machines, programs
+from firmware.examples.stage import build_example
+from interop.machines import Machines, machines, missing_namespaces
+
+HOW_TO = Path(__file__).parents[2] / "docs" / "how-to"
+PAGE = HOW_TO / "fleet-of-robots.md"
+COMMANDS = on_machines(PAGE)
+PATIENCE_S = 20.0
+LAMP = 'rostether service call --ros2 zenoh /robot1/lamp std_srvs/srv/SetBool "{data: true}"'
+TWISTS = "/robot1/cmd_vel geometry_msgs/msg/Twist"
+ECHO = "rostether topic echo --ros2 zenoh --once /robot1/chatter"
+
+pytestmark = [
+    pytest.mark.simavr,
+    pytest.mark.timeout(120),
+    pytest.mark.skipif(bool(missing_namespaces()), reason=missing_namespaces()),
+]
+
+
+class Terminals:
+    """Types the page's commands on its machines, with a simulated board for the port."""
+
+    def __init__(self, network: Machines, folder: Path, board: Path) -> None:
+        self._network = network
+        self._folder = folder
+        self._board = board
+        self._running: list[subprocess.Popen[bytes]] = []
+        self._environment = {
+            name: value
+            for name, value in os.environ.items()
+            if not name.startswith(("ROS", "RMW", "ZENOH", "PYTEST"))
+        } | {"PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}", "PYTHONUNBUFFERED": "1"}
+
+    def start(self, machine: str, command: str, expected: str) -> Path:
+        """Type a command that stays, and wait until it has printed something; returns where it prints."""
+        printed = self._folder / f"output-{len(self._running)}"
+        command = command.replace("/dev/ttyACM0?", f"sim:{self._board}?board=uno&name=arm&")
+        with printed.open("wb") as output:
+            process = subprocess.Popen(
+                [*self._network.on(machine), "bash", "-c", f"exec env {command}"],
+                cwd=self._folder,
+                env=self._environment,
+                stdin=subprocess.DEVNULL,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+            )
+        self._running.append(process)
+        deadline_s = time.monotonic() + PATIENCE_S
+        while expected not in printed.read_text(errors="replace"):
+            assert process.poll() is None, printed.read_text()
+            assert time.monotonic() < deadline_s, printed.read_text()
+            time.sleep(0.02)
+        return printed
+
+    def type(self, machine: str, command: str, timeout_s: float = PATIENCE_S) -> str:
+        """Type a command that ends by itself, or is ended; returns what it printed."""
+        done = subprocess.run(
+            [*self._network.on(machine), "timeout", "-s", "INT", str(timeout_s), "bash", "-c", command],
+            cwd=self._folder,
+            env=self._environment,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            check=False,
+        )
+        return done.stdout
+
+    def end(self) -> None:
+        """End what was left running."""
+        for process in reversed(self._running):
+            if process.poll() is None:
+                os.killpg(process.pid, signal.SIGINT)
+        for process in self._running:
+            try:
+                process.wait(5)
+            except subprocess.TimeoutExpired:
+                os.killpg(process.pid, signal.SIGKILL)
+                process.wait()
+
+
+@pytest.fixture(scope="module")
+def network() -> Iterator[Machines]:
+    with machines("robot1", "robot2", "laptop", "visitor") as network:
+        yield network
+
+
+@pytest.fixture
+async def board(tmp_path: Path) -> Path:
+    """The sketch of the page on ROS 2."""
+    sketch = tmp_path / "Lamp" / "Lamp.ino"
+    sketch.parent.mkdir()
+    sketch.write_text(programs(HOW_TO / "ros2.md")["Lamp.ino"])
+    return (await build_example(sketch, "uno")).elf
+
+
+@contextmanager
+def terminals(network: Machines, folder: Path, board: Path) -> Iterator[Terminals]:
+    typing = Terminals(network, folder, board)
+    try:
+        yield typing
+    finally:
+        typing.end()
+
+
+def test_machines_are_joined(network: Machines, tmp_path: Path, board: Path) -> None:
+    with terminals(network, tmp_path, board) as typing:
+        for machine in ("robot1", "robot2"):
+            typing.start(machine, COMMANDS[f"on {machine}"][0], "Setup publisher on chatter")
+        typing.start("laptop", COMMANDS["on laptop"][0], "Press Ctrl-C")
+        for command in COMMANDS["on laptop, and ended"]:
+            assert "data: hello world!" in typing.type("laptop", command)
+
+
+def test_only_those_whom_you_know_are_let_in(network: Machines, tmp_path: Path, board: Path) -> None:
+    files = programs(PAGE)
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    (tmp_path / "visitor.json5").write_text(files["laptop.json5"].replace("laptop.", "visitor."))
+    subprocess.run(["bash", "-e", "certificates.sh"], cwd=tmp_path, check=True, capture_output=True)
+    with terminals(network, tmp_path, board) as typing:
+        typing.start("robot1", COMMANDS["on robot1, with certificates"][0], "Setup publisher on chatter")
+        (command,) = COMMANDS["on laptop, with certificates"]
+        typing.start("laptop", command, "Press Ctrl-C")
+        typing.start("visitor", command.replace("laptop", "visitor"), "Press Ctrl-C")
+        assert "data: hello world!" in typing.type("laptop", ECHO)
+        assert "message='lit'" in typing.type("laptop", LAMP)
+        assert "data: hello world!" in typing.type("visitor", ECHO)
+        assert "message=" not in typing.type("visitor", LAMP, 3.0)
+        orders = typing.start("robot1", f"rostether topic echo --ros2 zenoh {TWISTS}", "")
+        pub = f"rostether topic pub --ros2 zenoh -r 10 {TWISTS}"
+        typing.start("visitor", f"{pub} '{{linear: {{x: 1.0}}}}'", "publishing #5")
+        typing.start("laptop", f"{pub} '{{linear: {{x: 2.0}}}}'", "publishing #5")
+        deadline_s = time.monotonic() + PATIENCE_S
+        while "x: 2.0" not in orders.read_text():
+            assert time.monotonic() < deadline_s
+            time.sleep(0.02)
+        assert "x: 1.0" not in orders.read_text()
+        # A stranger finds a port and nobody behind it.
+        for address in ("tcp/robot1:7447", "tls/robot1:7448"):
+            place = f"ZENOH_CONFIG_OVERRIDE='connect/endpoints=[\"{address}\"]'"
+            assert "data:" not in typing.type("robot2", f"{place} {ECHO}", 2.0)
