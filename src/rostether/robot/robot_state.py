@@ -35,7 +35,7 @@ class RobotStateSettings:
 
 
 class RobotState:
-    """Turns the joint states of one robot into transforms; `problem` is what was wrong with the last state."""
+    """Turns a robot's joint states into transforms; `problem` is what was wrong with the last state."""
 
     def __init__(self, model: RobotModel, settings: RobotStateSettings | None = None) -> None:
         self.settings = RobotStateSettings() if settings is None else settings
@@ -69,8 +69,8 @@ class RobotState:
         if self._last_call_ns > now_ns:
             self._published_ns.clear()
         self._last_call_ns = now_ns
-        # Of a joint that is told twice the first counts. Names that the robot lacks are not remembered: a peer
-        # could send any number of them.
+        # Of a joint that is told twice the first counts. Names that the robot lacks are not remembered: a
+        # peer could send any number of them.
         told = reversed(list(zip(names, positions, strict=True)))
         known = {name: at for name, at in told if name in self._moving}
         last_ns = min((self._published_ns.get(name, 0) for name in known), default=now_ns)

@@ -1,0 +1,120 @@
+"""The node joint_state_publisher: positions from sources, sliders or its zeros, published at a rate."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from contextlib import aclosing
+
+from rostether.errors import ConfigError
+from rostether.graph.ports import ParamValue
+from rostether.graph.typed_graph import TypedGraph
+from rostether.robot.joint_states import Dependence, JointStates, JointStateSettings
+from rostether.robot.node_parameters import (
+    node_bool,
+    node_mapping,
+    node_number,
+    node_parameter,
+    number,
+    read_model,
+)
+from rostether.robot.robot_model import RobotModel
+
+STATE_TYPE = "sensor_msgs/JointState"
+DEFAULT_RATE_HZ = 10.0
+
+MAX_RATE_HZ = 10_000.0
+"""More than a process can send; a rate beyond it is a mistake."""
+
+
+async def read_joint_states(graph: TypedGraph) -> JointStates:
+    """Return the robot's joints as the parameters set them. Raises ConfigError, RobotModelError."""
+    model = await read_model(graph)
+    settings = JointStateSettings(
+        zeros=await _zeros(graph, model),
+        dependent_joints={
+            name: _dependence(name, value)
+            for name, value in (await node_mapping(graph, "dependent_joints")).items()
+        },
+        use_mimic_tags=await node_bool(graph, "use_mimic_tags", True),
+        use_smallest_joint_limits=await node_bool(graph, "use_smallest_joint_limits", True),
+        publish_default_positions=await node_bool(graph, "publish_default_positions", True),
+        publish_default_velocities=await node_bool(graph, "publish_default_velocities", False),
+        publish_default_efforts=await node_bool(graph, "publish_default_efforts", False),
+        delta=await node_number(graph, "delta", 0.0),
+    )
+    return JointStates(model, settings)
+
+
+async def publish_joint_states(
+    graph: TypedGraph, states: JointStates, on_source: Callable[[], None] | None = None
+) -> None:
+    """Publish until cancelled or the node is told to leave; `on_source` hears that a source has spoken.
+
+    Raises ConfigError when a parameter makes no sense.
+    """
+    rate_hz = await node_number(graph, "rate", DEFAULT_RATE_HZ)
+    if not 0 < rate_hz <= MAX_RATE_HZ:
+        raise ConfigError(f"the parameter rate must lie between 0 and {MAX_RATE_HZ:g} Hz, not {rate_hz:g}")
+    sources = await node_parameter(graph, "source_list", [])
+    if not isinstance(sources, list) or not all(isinstance(each, str) for each in sources):
+        raise ConfigError(f"the parameter source_list must be a list of topics, not {sources!r}")
+    publisher = await graph.publisher("joint_states", STATE_TYPE)
+    left = asyncio.ensure_future(graph.raw.wait_closed())
+    async with asyncio.TaskGroup() as tasks:
+        listening = [tasks.create_task(_listen(graph, str(source), states, on_source)) for source in sources]
+        loop = asyncio.get_running_loop()
+        due_s = loop.time()
+        try:
+            while not left.done():
+                states.step()
+                values = states.values()
+                if values.name:
+                    publisher.publish(
+                        header={"stamp": graph.now()},
+                        name=values.name,
+                        position=values.position,
+                        velocity=values.velocity,
+                        effort=values.effort,
+                    )
+                # Late after a busy moment: go on from now instead of catching up in a burst.
+                due_s = max(due_s + 1 / rate_hz, loop.time())
+                await asyncio.wait([left], timeout=due_s - loop.time())
+        finally:
+            left.cancel()
+            for task in listening:
+                task.cancel()
+
+
+async def _listen(
+    graph: TypedGraph, topic: str, states: JointStates, on_source: Callable[[], None] | None
+) -> None:
+    async with aclosing(aiter(graph.messages(topic, STATE_TYPE))) as messages:
+        async for message in messages:
+            states.receive(message.name, message.position, message.velocity, message.effort)
+            if on_source is not None:
+                on_source()
+
+
+async def _zeros(graph: TypedGraph, model: RobotModel) -> dict[str, float]:
+    zeros = {}
+    for name in ("zeros", "~zeros"):
+        if await graph.has_param(name):
+            value = await graph.get_param(name)
+            if not isinstance(value, dict):
+                raise ConfigError(f"the parameter {name} must map joints to positions, not {value!r}")
+            zeros.update(
+                {joint: number(at, f"{name}/{joint}") for joint, at in value.items() if joint in model.joints}
+            )
+    return zeros
+
+
+def _dependence(name: str, value: ParamValue) -> Dependence:
+    if not isinstance(value, dict) or not isinstance(value.get("parent"), str):
+        raise ConfigError(f"dependent_joints/{name} must say parent, and may say factor and offset")
+    where = f"dependent_joints/{name}"
+    return Dependence(
+        str(value["parent"]),
+        number(value.get("factor", 1.0), f"{where}/factor"),
+        number(value.get("offset", 0.0), f"{where}/offset"),
+    )

@@ -1,0 +1,75 @@
+"""The node robot_state_publisher: joint states in, the robot's transforms out."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from contextlib import aclosing
+
+from rostether.graph.typed_graph import TypedGraph
+from rostether.robot.node_parameters import number, read_model
+from rostether.robot.robot_state import RobotState, RobotStateSettings
+from rostether.robot.tf_messages import tf_publisher, tf_static_publisher, to_message
+from rostether.rostime import NS_PER_S
+
+WARNING_INTERVAL_S = 10.0
+"""As robot_state_publisher: joint states come fifty times a second, and so would what is wrong with them."""
+
+_FIXED_AHEAD_NS = NS_PER_S // 2  # so that fixed transforms on /tf hold until the next ones come
+_QUEUE_MESSAGES = 100  # two seconds of one source; several may each tell some of the joints
+
+
+async def publish_robot_state(graph: TypedGraph, warn: Callable[[str], None]) -> None:
+    """Publish until cancelled or the node is told to leave; `warn` takes what is wrong with joint states.
+
+    Raises ConfigError and RobotModelError when robot_description or a parameter makes no sense.
+    """
+    state = RobotState(await read_model(graph), await read_settings(graph))
+    publisher = await tf_publisher(graph)
+    fixed: asyncio.Task[None] | None = None
+    if state.settings.use_tf_static:
+        static = await tf_static_publisher(graph)
+        static.publish(to_message(state.fixed_transforms(graph.now().to_ns())))
+    else:
+        fixed = asyncio.create_task(_publish_fixed(graph, state))
+    loop = asyncio.get_running_loop()
+    warn_again_s = 0.0
+    stream = graph.messages("joint_states", "sensor_msgs/JointState", queue_size=_QUEUE_MESSAGES)
+    try:
+        async with aclosing(aiter(stream)) as messages:
+            async for message in messages:
+                stamp_ns, now_ns = message.header.stamp.to_ns(), graph.now().to_ns()
+                transforms = state.moving_transforms(message.name, message.position, stamp_ns, now_ns)
+                if transforms:
+                    publisher.publish(to_message(transforms))
+                if state.problem and loop.time() >= warn_again_s:
+                    warn_again_s = loop.time() + WARNING_INTERVAL_S
+                    warn(state.problem)
+    finally:
+        if fixed is not None:
+            fixed.cancel()
+
+
+async def read_settings(graph: TypedGraph) -> RobotStateSettings:
+    """Return the node's settings from its parameters. Raises ConfigError."""
+    prefix_name = await graph.search_param("tf_prefix")
+    prefix = await graph.get_param(prefix_name) if prefix_name else ""
+    return RobotStateSettings(
+        publish_frequency_hz=number(await graph.get_param("~publish_frequency", 50.0), "publish_frequency"),
+        use_tf_static=bool(await _own(graph, "use_tf_static", default=True)),
+        ignore_timestamp=bool(await _own(graph, "ignore_timestamp", default=False)),
+        tf_prefix=str(prefix),
+    )
+
+
+async def _own(graph: TypedGraph, name: str, *, default: bool) -> object:
+    return await graph.get_param(f"~{name}", default)
+
+
+async def _publish_fixed(graph: TypedGraph, state: RobotState) -> None:
+    publisher = await tf_publisher(graph)
+    while True:
+        transforms = state.fixed_transforms(graph.now().to_ns() + _FIXED_AHEAD_NS)
+        if transforms:
+            publisher.publish(to_message(transforms))
+        await asyncio.sleep(state.settings.interval_ns / NS_PER_S)

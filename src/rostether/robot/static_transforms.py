@@ -1,0 +1,122 @@
+"""static_transform_publisher: a transform typed as arguments, or kept as a parameter, for as long as it runs.
+
+X Y Z YAW PITCH ROLL PARENT CHILD            on /tf_static (tf2_ros)
+X Y Z QX QY QZ QW PARENT CHILD               likewise
+PARAMETER                                    likewise: a geometry_msgs/TransformStamped as YAML
+X Y Z YAW PITCH ROLL PARENT CHILD PERIOD_MS  on /tf, again and again (tf)
+X Y Z QX QY QZ QW PARENT CHILD PERIOD_MS     likewise
+"""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from rostether.errors import ConfigError
+from rostether.graph.ports import ParamValue
+from rostether.graph.typed_graph import TypedGraph
+from rostether.robot.tf_messages import tf_publisher, tf_static_publisher, to_message
+from rostether.robot.transform import Quaternion, StampedTransform, Transform, quaternion_from_rpy
+
+USAGE = "write X Y Z YAW PITCH ROLL PARENT CHILD, or X Y Z QX QY QZ QW PARENT CHILD"
+
+_NORM_TOLERANCE = 10e-3  # what tf buffers accept, on the square of the length
+
+
+@dataclass(frozen=True, slots=True)
+class StaticTransform:
+    """What is to be published; with a period on /tf, again and again, without one on /tf_static."""
+
+    parent: str
+    child: str
+    transform: Transform
+    period_s: float | None = None
+
+
+def parse_static_transform(words: Sequence[str]) -> StaticTransform:
+    """Read the arguments in any of the forms above but the parameter's. Raises ConfigError."""
+    count = len(words)
+    has_quaternion = count == 10 or (count == 9 and _is_number(words[6]))
+    if not 8 <= count <= 10:
+        raise ConfigError(f"{count} arguments are no transform; {USAGE}")
+    numbers = [_number(word) for word in words[: 7 if has_quaternion else 6]]
+    names = words[len(numbers) :]
+    if has_quaternion:
+        rotation: Quaternion = (numbers[3], numbers[4], numbers[5], numbers[6])
+    else:
+        rotation = quaternion_from_rpy(numbers[5], numbers[4], numbers[3])
+    period_s = None
+    if len(names) == 3:
+        period_s = _number(names[2]) / 1000.0
+        if period_s <= 0:
+            raise ConfigError(f"the period {names[2]!r} must be a positive number of milliseconds")
+    transform = Transform((numbers[0], numbers[1], numbers[2]), rotation)
+    return _checked(StaticTransform(names[0], names[1], transform, period_s))
+
+
+def static_transform_of(value: ParamValue, name: str) -> StaticTransform:
+    """Read a parameter with the fields of a geometry_msgs/TransformStamped. Raises ConfigError."""
+    try:
+        assert isinstance(value, dict)
+        header, fields = value["header"], value["transform"]
+        assert isinstance(header, dict)
+        assert isinstance(fields, dict)
+        place, turn = fields["translation"], fields["rotation"]
+        assert isinstance(place, dict)
+        assert isinstance(turn, dict)
+        x, y, z = (_number(str(place[axis])) for axis in "xyz")
+        qx, qy, qz, qw = (_number(str(turn[axis])) for axis in "xyzw")
+        transform = Transform((x, y, z), (qx, qy, qz, qw))
+        parent, child = str(header["frame_id"]), str(value["child_frame_id"])
+    except (AssertionError, KeyError) as error:
+        raise ConfigError(
+            f"the parameter {name} does not have the fields of a geometry_msgs/TransformStamped ({error})"
+        ) from None
+    return _checked(StaticTransform(parent, child, transform))
+
+
+async def publish_static_transform(graph: TypedGraph, static: StaticTransform) -> None:
+    """Publish until cancelled or the node is told to leave."""
+    left = asyncio.ensure_future(graph.raw.wait_closed())
+    try:
+        if static.period_s is None:
+            publisher = await tf_static_publisher(graph)
+            publisher.publish(to_message([_stamped(static, graph.now().to_ns())]))
+            await left
+            return
+        publisher = await tf_publisher(graph)
+        while not left.done():
+            # As tf's own: stamped ahead, so that it holds until the next one comes.
+            ahead_ns = graph.now().to_ns() + round(static.period_s * 1e9)
+            publisher.publish(to_message([_stamped(static, ahead_ns)]))
+            await asyncio.wait([left], timeout=static.period_s)
+    finally:
+        left.cancel()
+
+
+def _stamped(static: StaticTransform, stamp_ns: int) -> StampedTransform:
+    return StampedTransform(static.parent, static.child, stamp_ns, static.transform)
+
+
+def _checked(static: StaticTransform) -> StaticTransform:
+    if not static.parent or not static.child or static.parent == static.child:
+        raise ConfigError(f"parent and child frame must be two names, not {static.parent!r} twice")
+    if abs(sum(each * each for each in static.transform.rotation) - 1.0) >= _NORM_TOLERANCE:
+        shown = " ".join(f"{each:g}" for each in static.transform.rotation)
+        raise ConfigError(f"the quaternion {shown} does not have the length 1; tf would refuse it")
+    return static
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return math.isfinite(float(text))
+    except ValueError:
+        return False
+
+
+def _number(text: str) -> float:
+    if not _is_number(text):
+        raise ConfigError(f"{text!r} is no number; {USAGE}")
+    return float(text)

@@ -1,0 +1,98 @@
+"""Filling a tf buffer from /tf and /tf_static."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
+from contextlib import asynccontextmanager
+from typing import Any
+
+from rostether.errors import RostetherError
+from rostether.graph.ports import OnMessages
+from rostether.graph.typed_graph import TypedGraph
+from rostether.robot.tf_buffer import TransformBuffer
+from rostether.robot.tf_messages import TF_STATIC_TOPIC, TF_TOPIC, TF_TYPE, from_message
+from rostether.robot.transform import StampedTransform
+from rostether.serde.codec import Codec
+
+UNKNOWN_AUTHORITY = "unknown_publisher"
+"""What tf2 calls a publisher that has not said its name."""
+
+OnTransform = Callable[[StampedTransform, str, bool], None]
+"""Gets a transform, the node it came from, and whether it is static."""
+
+
+class TfListener:
+    """Takes tf messages into `buffer`; `arrived` is set by each that changes it.
+
+    A jump of ROS time into the past, as of a bag that starts over, empties the buffer.
+    """
+
+    def __init__(self, buffer: TransformBuffer, on_refusal: Callable[[str], None]) -> None:
+        self.buffer = buffer
+        self.arrived = asyncio.Event()
+        self.on_transform: OnTransform | None = None
+        self._on_refusal = on_refusal
+        self._last_now_ns = 0
+
+    def taker(self, graph: TypedGraph, codec: Codec, authority: str, *, is_static: bool) -> OnMessages:
+        """Return what takes one publisher's messages; ones that do not fit the type are passed over."""
+
+        def take(payloads: Sequence[bytes]) -> None:
+            self._notice_jump(graph.now().to_ns())
+            for payload in payloads:
+                try:
+                    message = codec.decode(payload)
+                except RostetherError as error:
+                    self._on_refusal(str(error))
+                    continue
+                self._take(message, authority, is_static)
+            self.arrived.set()
+
+        return take
+
+    def _take(self, message: Any, authority: str, is_static: bool) -> None:
+        for stamped in from_message(message):
+            refusal = self.buffer.set_transform(stamped, authority=authority, is_static=is_static)
+            if refusal:
+                self._on_refusal(refusal)
+            elif self.on_transform is not None:
+                self.on_transform(stamped, authority, is_static)
+
+    def _notice_jump(self, now_ns: int) -> None:
+        if now_ns < self._last_now_ns:
+            self._on_refusal("Detected jump back in time. Clearing TF buffer.")
+            self.buffer.clear()
+        self._last_now_ns = now_ns
+
+
+@asynccontextmanager
+async def tf_listener(
+    graph: TypedGraph,
+    buffer: TransformBuffer | None = None,
+    on_refusal: Callable[[str], None] = lambda _: None,
+) -> AsyncIterator[TfListener]:
+    """Listen to tf as long as the block lasts; `on_refusal` gets a line about each transform left out."""
+    listener = TfListener(TransformBuffer() if buffer is None else buffer, on_refusal)
+    codec = graph.store.codec(TF_TYPE)
+    message_type = graph.store.registry.message_type(TF_TYPE)
+    subscribers = []
+    try:
+        for topic, is_static in ((TF_STATIC_TOPIC, True), (TF_TOPIC, False)):
+
+            def name_publisher(header: Mapping[str, str], is_static: bool = is_static) -> OnMessages:
+                authority = header.get("callerid", UNKNOWN_AUTHORITY)
+                return listener.taker(graph, codec, authority, is_static=is_static)
+
+            subscribers.append(
+                await graph.raw.subscribe(
+                    topic,
+                    message_type,
+                    listener.taker(graph, codec, UNKNOWN_AUTHORITY, is_static=is_static),
+                    on_connection=name_publisher,  # type: ignore[arg-type]
+                )
+            )
+        yield listener
+    finally:
+        for subscriber in subscribers:
+            await subscriber.close()

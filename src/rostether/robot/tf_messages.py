@@ -1,0 +1,54 @@
+"""Transforms as tf's messages carry them, and the topics they are on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from rostether.graph.typed_graph import TypedGraph, TypedPublisher
+from rostether.robot.transform import StampedTransform, Transform
+from rostether.rostime import Time
+
+TF_TOPIC = "/tf"
+TF_STATIC_TOPIC = "/tf_static"
+TF_TYPE = "tf2_msgs/TFMessage"
+
+
+def to_message(transforms: Iterable[StampedTransform]) -> dict[str, Any]:
+    """Return the fields of a tf2_msgs/TFMessage."""
+    return {"transforms": [_to_fields(each) for each in transforms]}
+
+
+def from_message(message: Any) -> Iterator[StampedTransform]:
+    """Yield the transforms of a tf2_msgs/TFMessage, or of a tf/tfMessage, which has the same fields."""
+    for each in message.transforms:
+        place, turn = each.transform.translation, each.transform.rotation
+        yield StampedTransform(
+            each.header.frame_id,
+            each.child_frame_id,
+            each.header.stamp.to_ns(),
+            Transform((place.x, place.y, place.z), (turn.x, turn.y, turn.z, turn.w)),
+        )
+
+
+async def tf_publisher(graph: TypedGraph) -> TypedPublisher:
+    """Advertise transforms that move."""
+    return await graph.publisher(TF_TOPIC, TF_TYPE)
+
+
+async def tf_static_publisher(graph: TypedGraph) -> TypedPublisher:
+    """Advertise transforms that stay; the last message holds for who comes later, so send all in one."""
+    return await graph.publisher(TF_STATIC_TOPIC, TF_TYPE, latch=True)
+
+
+def _to_fields(stamped: StampedTransform) -> dict[str, Any]:
+    tx, ty, tz = stamped.transform.translation
+    x, y, z, w = stamped.transform.rotation
+    return {
+        "header": {"stamp": Time.from_ns(stamped.stamp_ns), "frame_id": stamped.parent},
+        "child_frame_id": stamped.child,
+        "transform": {
+            "translation": {"x": tx, "y": ty, "z": tz},
+            "rotation": {"x": x, "y": y, "z": z, "w": w},
+        },
+    }

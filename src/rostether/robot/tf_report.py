@@ -1,0 +1,150 @@
+"""What a tf buffer knows, as text: the tree of frames, tf2's YAML and dot forms, a transform as tf_echo has it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from rostether.robot.tf_buffer import MAX_DEPTH, TransformBuffer
+from rostether.robot.transform import StampedTransform, rpy_from_quaternion
+from rostether.rostime import NS_PER_S
+
+
+@dataclass(frozen=True, slots=True)
+class FrameFacts:
+    """One frame that has a parent: who tells of it, how often, and for which span of time."""
+
+    frame: str
+    parent: str
+    broadcaster: str
+    rate_hz: float
+    latest_s: float
+    oldest_s: float
+    is_static: bool
+
+    @property
+    def buffer_length_s(self) -> float:
+        """The span that is remembered."""
+        return self.latest_s - self.oldest_s
+
+
+def frame_facts(buffer: TransformBuffer) -> list[FrameFacts]:
+    """Return the facts of all frames with a parent, in the order in which they were first told of."""
+    facts = []
+    for frame in buffer.children:
+        cache = buffer.cache_of(frame)
+        assert cache is not None
+        facts.append(
+            FrameFacts(
+                frame,
+                cache.latest.parent,
+                cache.latest.authority,
+                cache.rate_hz,
+                cache.latest_ns / NS_PER_S,
+                cache.oldest_ns / NS_PER_S,
+                cache.is_static,
+            )
+        )
+    return facts
+
+
+def frames_as_yaml(buffer: TransformBuffer) -> str:
+    """Return tf2's all_frames_as_yaml."""
+    return "".join(
+        f"{each.frame}: \n"
+        f"  parent: '{each.parent}'\n"
+        f"  broadcaster: '{each.broadcaster}'\n"
+        f"  rate: {each.rate_hz:.3f}\n"
+        f"  most_recent_transform: {each.latest_s:.3f}\n"
+        f"  oldest_transform: {each.oldest_s:.3f}\n"
+        f"  buffer_length: {each.buffer_length_s:.3f}\n"
+        for each in frame_facts(buffer)
+    )
+
+
+def frames_as_string(buffer: TransformBuffer) -> str:
+    """Return tf2's all_frames_as_string."""
+    return "".join(f"Frame {each.frame} exists with parent {each.parent}.\n" for each in frame_facts(buffer))
+
+
+def frames_as_dot(buffer: TransformBuffer) -> str:
+    """Return the tree as view_frames draws it, in the language of graphviz."""
+    lines = ["digraph G {"]
+    for each in frame_facts(buffer):
+        label = "\\n".join(
+            (
+                f"Broadcaster: {each.broadcaster}",
+                "static" if each.is_static else f"Average rate: {each.rate_hz:.3f} Hz",
+                f"Most recent transform: {each.latest_s:.3f}",
+                f"Buffer length: {each.buffer_length_s:.3f} sec",
+            )
+        )
+        lines.append(f'"{_quoted(each.parent)}" -> "{_quoted(each.frame)}" [label="{_quoted_label(label)}"];')
+    return "\n".join([*lines, "}"])
+
+
+def frame_tree(buffer: TransformBuffer) -> Iterator[str]:
+    """Yield the tree of frames line by line, each below its parent; frames in a loop come last."""
+    facts = {each.frame: each for each in frame_facts(buffer)}
+    below: dict[str, list[str]] = {}
+    for each in facts.values():
+        below.setdefault(each.parent, []).append(each.frame)
+    shown: set[str] = set()
+
+    def show(root: str) -> Iterator[str]:
+        waiting = [(root, "", "")]
+        while waiting:
+            frame, lead, below_lead = waiting.pop()
+            shown.add(frame)
+            yield lead + frame + _described(facts.get(frame))
+            children = [child for child in sorted(below.get(frame, ())) if child not in shown]
+            if len(below_lead) > 3 * MAX_DEPTH:
+                continue
+            for place, child in reversed(list(enumerate(children))):
+                last = place == len(children) - 1
+                waiting.append(
+                    (child, below_lead + ("└─ " if last else "├─ "), below_lead + ("   " if last else "│  "))
+                )
+
+    for frame in buffer.frames:
+        if frame not in facts:
+            yield from show(frame)
+    for frame in facts:
+        if frame not in shown:
+            yield f"(loop: {frame} is above itself)"
+            yield from show(frame)
+
+
+def format_transform(stamped: StampedTransform) -> str:
+    """Return a transform as tf_echo prints it."""
+    rotation = stamped.transform.rotation
+    rpy = rpy_from_quaternion(rotation)
+    return "\n".join(
+        (
+            f"At time {stamped.stamp_ns / NS_PER_S:.3f}",
+            f"- Translation: {_numbers(stamped.transform.translation)}",
+            f"- Rotation: in Quaternion {_numbers(rotation)}",
+            f"            in RPY (radian) {_numbers(rpy)}",
+            f"            in RPY (degree) {_numbers(tuple(map(math.degrees, rpy)))}",
+        )
+    )
+
+
+def _described(facts: FrameFacts | None) -> str:
+    if facts is None:
+        return ""
+    how = "static" if facts.is_static else f"{facts.rate_hz:.1f} Hz" if facts.buffer_length_s else "once"
+    return f"  ({how}, {facts.broadcaster})"
+
+
+def _numbers(numbers: tuple[float, ...]) -> str:
+    return f"[{', '.join(f'{each:.3f}' for each in numbers)}]"
+
+
+def _quoted(text: str) -> str:
+    return text.replace("\\", "\\\\").replace('"', '\\"')
+
+
+def _quoted_label(text: str) -> str:
+    return text.replace('"', '\\"')
