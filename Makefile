@@ -42,7 +42,10 @@ docs: $(VENV)/.dev
 
 $(VENV)/.installed: pyproject.toml
 	scripts/make-venv "$(PYTHON)" $(VENV)
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --retries 1 --editable . || \
+	@# The demo is in ROS 2 as well where zenoh has a wheel; elsewhere building it would need Rust.
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --retries 1 \
+		--only-binary eclipse-zenoh,xxhash --editable ".[zenoh]" 2>/dev/null || \
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --retries 1 --editable . || \
 		{ echo "pip could not install what rostether needs; is the network up?" >&2; exit 1; }
 	touch $@
 

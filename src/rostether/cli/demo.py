@@ -9,23 +9,27 @@ import sys
 from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 
 import click
 
+from rostether.bridge.reporter import Reporter
 from rostether.bridge.supervisor import Supervisor
 from rostether.cli.bridge_lines import ConsoleReporter
-from rostether.cli.demo_view import DemoView, RecentLines
+from rostether.cli.demo_view import DemoView, RecentLines, our_command
 from rostether.cli.device_options import config_option, read_devices
 from rostether.cli.graph_access import read_environment
 from rostether.cli.output import write_line
+from rostether.cli.ros_choice import Middleware, ros1_option, typed_ros1
 from rostether.cli.running import run
 from rostether.cli.serving import bridge, joining_ros1
 from rostether.cli.verbs import Verb
 from rostether.cli.which_master import used_master
 from rostether.devices.device_book import DeviceBook
-from rostether.errors import GraphError, UnknownNameError
-from rostether.graph.ports import Level, ParamValue
+from rostether.errors import GraphError, RostetherError, UnknownNameError
+from rostether.graph.joint_join import JointJoin
+from rostether.graph.ports import JoinGraph, Level, ParamValue
 from rostether.msgdef.registry import Registry
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.master_client import MasterClient
@@ -56,8 +60,11 @@ PLAIN_LINE_S = 1.0
 )
 @click.option("--seconds", type=click.FloatRange(min=0.1), help="End after that time (default: Ctrl-C).")
 @config_option
+@ros1_option
 def demo(seconds: float | None, config: Path | None) -> None:
     """Show a simulated board at work: no hardware, no ROS, nothing to set up.
+
+    The board is a node of a ROS 1 graph, and of a ROS 2 graph where zenoh is installed (without --ros1).
 
     Only a file of settings that is named with --config is read: here they can be tried, on virtual_board.
     """
@@ -76,11 +83,18 @@ async def _demo(environment: RosEnvironment, seconds: float | None, devices: Dev
         reporter.line(Level.INFO, used.line)
         board_name = await _free_name(used.environment)
         address = parse_address(f"tcp://127.0.0.1:0?name={board_name}")
-        supervisor = await stack.enter_async_context(
-            bridge(joining_ros1(used.environment), [address], reporter, devices=devices)
-        )
+        joins = [joining_ros1(used.environment)]
+        ros2 = None if typed_ros1() else await _joining_ros2(stack, reporter)
+        if ros2 is not None:
+            joins.append(ros2)
+        join = joins[0] if ros2 is None else JointJoin(joins)
+        supervisor = await stack.enter_async_context(bridge(join, [address], reporter, devices=devices))
         view = DemoView(
-            supervisor.boards, asyncio.get_running_loop().time, recent, used.environment.master_uri
+            supervisor.boards,
+            asyncio.get_running_loop().time,
+            recent,
+            used.environment.master_uri,
+            is_in_ros2=ros2 is not None,
         )
         await stack.enter_async_context(_watch(used.environment, store, view, board_name))
         await stack.enter_async_context(_virtual_board(supervisor))
@@ -89,6 +103,22 @@ async def _demo(environment: RosEnvironment, seconds: float | None, devices: Dev
             await asyncio.wait_for(show, seconds)
     if not view.has_flowed:
         raise GraphError("no message of the simulated board came through the ROS graph; please report it")
+
+
+async def _joining_ros2(stack: AsyncExitStack, reporter: Reporter) -> JoinGraph | None:
+    """Return what makes nodes of ROS 2 over zenoh; None, with a line why, where that cannot be."""
+    if find_spec("zenoh") is None:
+        reporter.line(Level.INFO, "Not in ROS 2: pip install 'rostether[zenoh]' puts the board there as well")
+        return None
+    from rostether.cli.ros2_graph import ros2_access
+
+    try:
+        access = await stack.enter_async_context(ros2_access(Middleware.ZENOH))
+    except RostetherError as error:
+        reporter.line(Level.WARN, f"Not in ROS 2: {error}")
+        return None
+    reporter.line(Level.INFO, f"{access.line}; watch it: {our_command()} topic echo --ros2 zenoh /ultrasound")
+    return access.join
 
 
 async def _free_name(environment: RosEnvironment) -> str:

@@ -25,6 +25,9 @@ NEXT_STEPS = """In a second terminal:
   {us} topic echo /ultrasound
   {us} topic pub -1 /toggle_led std_msgs/Empty"""
 
+NEXT_STEP_ROS2 = """
+  {us} topic echo --ros2 zenoh /ultrasound"""
+
 SUMMARIES: Mapping[str, Callable[[Any], str]] = {
     "sensor_msgs/Range": lambda message: f"{message.range:.2f} m",
     "std_msgs/Bool": lambda message: "on" if message.data else "off",
@@ -60,12 +63,15 @@ class DemoView:
         clock: Callable[[], float],
         recent: RecentLines,
         master_uri: str,
+        *,
+        is_in_ros2: bool = False,
     ) -> None:
         self.has_flowed = False
         self._boards = boards
         self._clock = clock
         self._recent = recent
         self._master_uri = master_uri
+        self._is_in_ros2 = is_in_ros2
         self._board: BoardView | None = None
         self._last: dict[str, tuple[Codec, bytes]] = {}
         self._history: dict[str, deque[tuple[float, int]]] = {}
@@ -135,9 +141,10 @@ class DemoView:
                 self._health(),
                 Text("\n".join(self._recent.lines), style="dim"),
                 "",
-                NEXT_STEPS.format(us=_our_command()),
+                (NEXT_STEPS + (NEXT_STEP_ROS2 if self._is_in_ros2 else "")).format(us=our_command()),
             ),
-            title=f"a simulated board in the ROS graph of {self._master_uri}",
+            title=f"a simulated board in the ROS graph of {self._master_uri}"
+            + (" and in ROS 2" if self._is_in_ros2 else ""),
             subtitle="Ctrl-C ends it",
         )
 
@@ -166,7 +173,7 @@ class DemoView:
         return SUMMARIES[endpoint.type](codec.decode(payload))
 
 
-def _our_command() -> str:
+def our_command() -> str:
     """Return what to type to run us again: our name where PATH has it, else the path we were run by."""
     return "rostether" if shutil.which("rostether") else sys.argv[0]
 

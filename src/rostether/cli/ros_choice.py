@@ -90,6 +90,11 @@ def chosen_ros2(environ: Mapping[str, str] | None = None) -> Middleware | None:
     return Middleware.RCLPY if find_spec("rclpy") is not None else Middleware.ZENOH
 
 
+def typed_ros1() -> bool:
+    """Tell whether `--ros1` was typed."""
+    return "ros1" in _typed()
+
+
 def chosen_ros1() -> bool:
     """Tell whether this command line means the ROS 1 graph, alone or beside ROS 2."""
     return "ros1" in _typed() or chosen_ros2() is None

@@ -8,6 +8,12 @@ import pytest
 from unit.cli.shell import LiveGraph, Shell
 
 
+@pytest.fixture(autouse=True)
+def no_router(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Demos that run at once do not meet at the one port of this machine's zenoh router."""
+    monkeypatch.setenv("ZENOH_CONFIG_OVERRIDE", 'connect/endpoints=["tcp/127.0.0.1:9"]')
+
+
 @pytest.fixture
 def shell(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Shell:
     """Commands, in an environment without ROS; nobody answers at its master's address."""

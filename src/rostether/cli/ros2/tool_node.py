@@ -104,7 +104,7 @@ async def _warn_without_router() -> None:
     if not names_its_own_place(Ros2Environment.read()) and not await is_router_there():
         warn(
             f"no zenoh router answers at {ROUTER_ENDPOINT}, so nodes cannot be found; start one with "
-            "`rostether serve --ros2 zenoh`, `zenohd` or `ros2 run rmw_zenoh_cpp rmw_zenohd`"
+            "`rostether core --ros2 zenoh` or `rostether serve --ros2 zenoh`, or use ROS 2's own"
         )
 
 

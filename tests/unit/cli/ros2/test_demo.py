@@ -1,0 +1,48 @@
+from __future__ import annotations
+
+import importlib.util
+from contextlib import AsyncExitStack
+
+import pytest
+
+from rostether.cli import demo
+from rostether.cli.demo_view import RecentLines
+from unit.cli.processes import read_until, started
+from unit.cli.ros2.zenoh_world import ZenohWorld
+from unit.cli.shell import LiveGraph, Shell
+
+
+def test_the_demo_is_in_both_ros(graph: LiveGraph, world: ZenohWorld, shell: Shell) -> None:
+    with started(graph.uri, "demo", "--seconds", "20") as process:
+        lines = read_until(process, "virtual board ready")
+        assert any("Joining ROS 2 domain 0 over zenoh" in line for line in lines)
+        assert any("topic echo --ros2 zenoh /ultrasound" in line for line in lines)
+        text = shell.output("topic", "echo", "--once", "/ultrasound")
+        assert "  frame_id: ultrasound\nradiation_type: 0\n" in text
+        assert "/set_led" in shell.output("service", "list").splitlines()
+        call = shell.output("service", "call", "/set_led", "std_srvs/srv/SetBool", "{data: true}")
+        assert "success=True" in call
+        assert "header" in shell.output("topic", "echo", "--ros1", "-n", "1", "/ultrasound")
+
+
+def test_the_demo_stays_in_ros1_when_told_to(graph: LiveGraph, world: ZenohWorld) -> None:
+    with started(graph.uri, "demo", "--ros1", "--seconds", "20") as process:
+        lines = read_until(process, "virtual board ready")
+    assert not any("ROS 2" in line for line in lines)
+
+
+async def test_a_demo_without_zenoh_says_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(demo, "find_spec", lambda _: None)
+    lines = RecentLines()
+    async with AsyncExitStack() as stack:
+        assert await demo._joining_ros2(stack, lines) is None
+    assert "pip install 'rostether[zenoh]'" in lines.lines[0]
+
+
+@pytest.mark.skipif(importlib.util.find_spec("zenoh") is None, reason="zenoh is not installed")
+async def test_a_demo_that_cannot_join_ros2_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_DOMAIN_ID", "900")
+    lines = RecentLines()
+    async with AsyncExitStack() as stack:
+        assert await demo._joining_ros2(stack, lines) is None
+    assert "Not in ROS 2: ROS_DOMAIN_ID" in lines.lines[0]
