@@ -7,12 +7,16 @@ import random
 from collections.abc import AsyncIterator, Iterable, Mapping
 from contextlib import asynccontextmanager
 from pathlib import Path
+from typing import Literal, TypeAlias
 
+from rostether.errors import ConfigError
 from rostether.graph.typed_graph import TypedGraph
 from rostether.msgdef.registry import Registry
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.node import join_ros1
 from rostether.serde.store import TypeStore
+
+Ros2Middleware: TypeAlias = Literal["zenoh", "rclpy"]
 
 
 @asynccontextmanager
@@ -25,14 +29,25 @@ async def join(
     msg_paths: Iterable[Path | str] = (),
     environ: Mapping[str, str] | None = None,
     allow: Iterable[str] = (),
+    ros2: Ros2Middleware | None = None,
 ) -> AsyncIterator[TypedGraph]:
     """Be a node of a ROS graph as long as the block lasts.
 
     Without a name the node gets one that nobody else has. `master` and `namespace` win over ROS_MASTER_URI
     and ROS_NAMESPACE; `msg_paths` are folders with message definitions of your own. With `allow` only
     machines in these networks (`192.168.1.0/24`) may connect to the node, and this one.
+
+    With `ros2` it is a node of a ROS 2 graph, over zenoh or an installed rclpy: ROS_DOMAIN_ID and the
+    variables of that middleware say which. Messages have ROS 2's fields then (a stamp's `sec` and `nanosec`,
+    no `seq`), types may be spelled `std_msgs/msg/String`, and parameters are those of nodes.
     Raises MasterUnreachableError, InvalidNameError, ConfigError.
     """
+    if ros2 is not None:
+        if master is not None or allow:
+            raise ConfigError("master= and allow= are of ROS 1: leave them out with ros2=")
+        async with _joined_ros2(ros2, node_name, namespace, remappings, msg_paths, environ) as typed:
+            yield typed
+        return
     environment = RosEnvironment.read(environ).allowing(allow)
     if master is not None:
         environment = environment.with_master(master)
@@ -47,6 +62,34 @@ async def join(
         yield TypedGraph(graph, store)
     finally:
         await graph.close()
+
+
+@asynccontextmanager
+async def _joined_ros2(
+    middleware: Ros2Middleware,
+    node_name: str | None,
+    namespace: str | None,
+    remappings: Mapping[str, str] | None,
+    msg_paths: Iterable[Path | str],
+    environ: Mapping[str, str] | None,
+) -> AsyncIterator[TypedGraph]:
+    # Not at import: programs on ROS 1 alone need none of it.
+    from rostether.ros2.native_registry import NativeRegistry
+    from rostether.ros2.session import open_ros2
+    from rostether.ros2.type_support import Ros2Types
+
+    registry = NativeRegistry.from_environment(msg_paths, environ)
+    types = Ros2Types(registry, registry.definitions)
+    async with open_ros2(middleware, types, environ) as join_graph:
+        graph = await join_graph(
+            node_name if node_name is not None else anonymous_name("rostether"),
+            namespace=namespace or "/",
+            remappings=remappings,
+        )
+        try:
+            yield TypedGraph(graph, TypeStore(registry))
+        finally:
+            await graph.close()
 
 
 def anonymous_name(base_name: str) -> str:

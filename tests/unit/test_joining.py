@@ -8,7 +8,8 @@ import pytest
 import pytest_asyncio
 
 import rostether
-from rostether.errors import MasterUnreachableError
+from interop.ros1_peers import free_port
+from rostether.errors import ConfigError, MasterUnreachableError
 from rostether.ros1.master.server import MasterServer
 
 
@@ -65,3 +66,30 @@ def test_the_package_starts_without_what_is_not_asked_for() -> None:
 def test_an_unknown_name() -> None:
     with pytest.raises(AttributeError, match="nope"):
         _ = rostether.nope
+
+
+async def test_join_a_ros2_graph() -> None:
+    pytest.importorskip("zenoh")
+    router = {
+        "ZENOH_CONFIG_OVERRIDE": f'mode="router"; listen/endpoints=["tcp/127.0.0.1:{free_port()}"]; '
+        "connect/endpoints=[]"
+    }
+    endpoint = router["ZENOH_CONFIG_OVERRIDE"].partition("listen/endpoints=")[2].partition(";")[0]
+    peer = {"ZENOH_CONFIG_OVERRIDE": f"connect/endpoints={endpoint}"}
+    async with (
+        rostether.join("talker", ros2="zenoh", environ=router) as talker,
+        rostether.join(ros2="zenoh", namespace="/ns", environ=peer) as listener,
+    ):
+        assert talker.node_name == "/talker"
+        assert listener.node_name.startswith("/ns/rostether_")
+        publisher = await talker.publisher("/pose", "geometry_msgs/msg/PoseStamped", latch=True)
+        publisher.publish({"header": {"stamp": {"sec": 5, "nanosec": 7}, "frame_id": "map"}})
+        message = await listener.wait_for_message("/pose", timeout_s=10.0)
+        assert (message.header.stamp.sec, message.header.frame_id) == (5, "map")
+        assert (await listener.snapshot()).topics["/pose"].type == "geometry_msgs/msg/PoseStamped"
+
+
+async def test_join_ros2_takes_nothing_of_ros1() -> None:
+    with pytest.raises(ConfigError, match="of ROS 1"):
+        async with rostether.join(ros2="zenoh", master="http://127.0.0.1:9"):
+            pass

@@ -1,0 +1,44 @@
+"""Being on a ROS 2 graph from a program, over the middleware that it names."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Mapping
+from contextlib import asynccontextmanager
+
+from rostether.errors import ConfigError
+from rostether.graph.ports import JoinGraph
+from rostether.ros2.environment import Ros2Environment
+from rostether.ros2.type_support import Ros2Types
+
+
+@asynccontextmanager
+async def open_ros2(
+    middleware: str, types: Ros2Types, environ: Mapping[str, str] | None = None
+) -> AsyncIterator[JoinGraph]:
+    """Yield what makes nodes, as long as the block lasts; `middleware` is zenoh or rclpy.
+
+    Raises ConfigError saying what to install, GraphError where the graph cannot be joined.
+    """
+    environment = Ros2Environment.read(environ)
+    if middleware == "rclpy":
+        from rostether.ros2.rclpy.context import RclpyContext
+
+        context = await RclpyContext.open(types, domain_id=environment.domain_id)
+        try:
+            yield context.join
+        finally:
+            await context.close()
+        return
+    if middleware != "zenoh":
+        raise ConfigError(f"there is no way to ROS 2 over {middleware!r}: give zenoh or rclpy")
+    try:
+        from rostether.ros2.zenoh.session import ZenohSession
+    except ModuleNotFoundError as error:
+        if error.name not in ("zenoh", "xxhash"):
+            raise
+        raise ConfigError("ROS 2 over zenoh is not installed; type: pip install 'rostether[zenoh]'") from None
+    session = await ZenohSession.open(environment, types)
+    try:
+        yield session.join
+    finally:
+        await session.close()
