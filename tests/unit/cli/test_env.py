@@ -21,7 +21,7 @@ def _cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def tell(shell: str, code: str, path: str, script: str, **environ: str) -> list[str]:
     return subprocess.run(
-        [shutil.which(shell) or shell, "-c", f"{code}\n{script}"],
+        [shutil.which(shell, path=os.defpath) or shell, "-c", f"{code}\n{script}"],
         env={"PATH": path, **environ},
         capture_output=True,
         text=True,
