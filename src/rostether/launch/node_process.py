@@ -129,7 +129,7 @@ class NodeProcess:
             if not _signal_group(group, number):
                 return
             deadline = asyncio.get_running_loop().time() + limit_s
-            while _signal_group(group, 0) and asyncio.get_running_loop().time() < deadline:
+            while _signal_group(group, 0) and asyncio.get_running_loop().time() < deadline:  # noqa: ASYNC110
                 await asyncio.sleep(_GROUP_POLL_S)
 
     @contextlib.contextmanager

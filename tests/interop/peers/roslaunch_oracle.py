@@ -1,0 +1,62 @@
+"""What Debian's roslaunch makes of launch files: JSON cases on stdin, JSON results on stdout."""
+
+import contextlib
+import json
+import sys
+import xmlrpc.client
+
+from roslaunch.config import ROSLaunchConfig
+from roslaunch.core import local_machine, setup_env
+from roslaunch.xmlloader import XmlLoader
+
+MASTER_URI = "http://localhost:11311"
+
+
+def plain(value):
+    return {"binary": value.data.hex()} if isinstance(value, xmlrpc.client.Binary) else value
+
+
+def describe_node(node):
+    variables = setup_env(node, local_machine(), MASTER_URI, env={"ROS_NAMESPACE": "/callers"})
+    return {
+        "package": node.package,
+        "type": node.type,
+        "name": node.name,
+        "namespace": node.namespace,
+        "args": node.args,
+        "remaps": [list(each) for each in node.remap_args],
+        "environment": variables,
+        "respawn": node.respawn,
+        "respawn_delay_s": node.respawn_delay,
+        "required": node.required,
+        "output": node.output or "log",
+        "cwd": node.cwd or "ROS_HOME",
+        "launch_prefix": node.launch_prefix or "",
+    }
+
+
+def describe(file, argv):
+    config = ROSLaunchConfig()
+    loader = XmlLoader()
+    loader.ignore_unset_args = False
+    try:
+        loader.load(file, config, argv=argv, verbose=False)
+        config.assign_machines()
+    except BaseException as error:
+        return {"error": "%s: %s" % (type(error).__name__, error)}
+    return {
+        "parameters": {key: plain(param.value) for key, param in config.params.items()},
+        "nodes": [describe_node(node) for node in config.nodes],
+        "cleared": config.clear_params,
+        "before": [list(each.args) for each in config.executables],
+        "warnings": len(config.config_errors),
+        "arguments": {
+            name: [default, doc]
+            for name, (doc, default) in loader.root_context.resolve_dict.get("arg_doc", {}).items()
+        },
+    }
+
+
+with contextlib.redirect_stdout(sys.stderr):
+    results = [describe(case["file"], case["argv"]) for case in json.load(sys.stdin)]
+json.dump(results, sys.stdout)

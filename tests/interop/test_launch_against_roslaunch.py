@@ -1,0 +1,72 @@
+"""Debian's roslaunch and our loader read the same corpus: parameters, nodes, remaps, environments, errors."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from interop.ros1_peers import DEBIAN_PYTHON, ros_environment
+from unit.launch.corpus import (
+    ENVIRON,
+    FOLDER,
+    RIGHT,
+    WRONG,
+    described,
+    exact,
+    expected,
+    given_words,
+    load,
+    neutral,
+)
+
+ORACLE = Path(__file__).parent / "peers" / "roslaunch_oracle.py"
+
+
+def ask_roslaunch(home: Path) -> dict[str, Any]:
+    environment = ros_environment("http://localhost:11311", home) | ENVIRON
+    environment["ROS_PACKAGE_PATH"] = str(FOLDER)
+    cases = [{"file": str(file), "argv": ["roslaunch", *given_words(file)]} for file in (*RIGHT, *WRONG)]
+    done = subprocess.run(
+        [DEBIAN_PYTHON, str(ORACLE)],
+        input=json.dumps(cases),
+        capture_output=True,
+        text=True,
+        env=environment,
+        cwd=home,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return {
+        file.stem: neutral(result)
+        for file, result in zip((*RIGHT, *WRONG), json.loads(done.stdout), strict=True)
+    }
+
+
+@pytest.fixture(scope="module")
+def roslaunch(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    return ask_roslaunch(tmp_path_factory.mktemp("home"))
+
+
+@pytest.mark.parametrize("file", RIGHT, ids=lambda file: file.stem)
+def test_plan_is_that_of_roslaunch(file: Path, roslaunch: dict[str, Any]) -> None:
+    theirs = roslaunch[file.stem]
+    theirs.pop("warnings", None)
+    assert exact(described(load(file))) == exact(theirs)
+
+
+def test_what_is_noted_down_is_what_roslaunch_says(roslaunch: dict[str, Any]) -> None:
+    noted = expected()
+    assert noted.keys() == {file.stem for file in RIGHT}
+    said = {name: {**roslaunch[name]} for name in noted}
+    for result in said.values():
+        result.pop("warnings", None)
+    assert exact(noted) == exact(said)
+
+
+@pytest.mark.parametrize("file", WRONG, ids=lambda file: file.stem)
+def test_roslaunch_refuses_what_we_refuse(file: Path, roslaunch: dict[str, Any]) -> None:
+    assert "error" in roslaunch[file.stem]

@@ -1,0 +1,163 @@
+"""Launch files: the corpus against what roslaunch makes of it, errors with their place, warnings, limits."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rostether.errors import LaunchError
+from rostether.launch.loading import STDIN_NAME, load_launch
+from rostether.launch.plan import LaunchPlan
+from rostether.launch.substitution import SERVED_ROOT
+from unit.launch.corpus import RIGHT, ROBOT, WRONG, described, exact, expected, load
+
+# Whose mistake stands in the file that is included.
+IN_THE_INCLUDED = {"include_missing_argument": "args.xml:4", "include_fixed_argument": "fixed.xml:2"}
+LINES = {
+    "arg_unset": (3, "argument 'x' has no value; give x:=VALUE, or a default in its <arg>"),
+    "node_twice": (3, "two nodes are called /n, one at"),
+    "no_space": (2, "not XML: not well-formed"),
+    "not_closed": (3, "not XML: mismatched tag"),
+    "find_missing_package": (2, "there is no package 'no_such_package'"),
+    "param_failing_command": (2, "the command 'false' failed with code 1"),
+    "rosparam_broken_file": (2, "broken.yaml:2:1: this is not YAML"),
+    "eval_division": (2, "division by zero"),
+    "include_itself": (2, "is included again and again"),
+}
+
+
+def loads(body: str, arguments: dict[str, str] | None = None, **options: object) -> LaunchPlan:
+    text = f"<launch>\n{body}\n</launch>".encode()
+    return load_launch([], arguments or {}, {"PATH": "/usr/bin:/bin"}, {}, text=text, **options)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("file", RIGHT, ids=lambda file: file.stem)
+def test_plan_is_what_roslaunch_was_seen_to_make(file: Path) -> None:
+    assert exact(described(load(file))) == exact(expected()[file.stem])
+
+
+def test_corpus_is_large_enough_to_mean_something() -> None:
+    assert len(RIGHT) >= 40
+    assert len(WRONG) >= 40
+
+
+@pytest.mark.parametrize("file", WRONG, ids=lambda file: file.stem)
+def test_what_is_wrong_is_refused_in_one_line_with_its_place(file: Path) -> None:
+    with pytest.raises(LaunchError) as caught:
+        load(file)
+    text = str(caught.value)
+    place = IN_THE_INCLUDED.get(file.stem, f"{file.name}:")
+    assert place in text.split(": ")[0] + ":"
+    assert "\n" not in text
+    assert caught.value.line > 0
+
+
+@pytest.mark.parametrize("name", LINES)
+def test_error_says_line_and_reason(name: str) -> None:
+    with pytest.raises(LaunchError) as caught:
+        load(ROBOT / "wrong" / f"{name}.launch")
+    line, words = LINES[name]
+    assert caught.value.line == line
+    assert words in str(caught.value)
+
+
+def test_error_in_an_included_file_says_who_included_it() -> None:
+    with pytest.raises(
+        LaunchError, match=r"args\.xml:4: .*\(included at .*include_missing_argument\.launch:2\)"
+    ):
+        load(ROBOT / "wrong" / "include_missing_argument.launch")
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("deprecated", "deprecated: use the other"),
+        ("parent_conflict", "parameter /a/b lies below /a"),
+        ("names_that_warn", "'my-node' is not a ROS name"),
+    ],
+)
+def test_what_stops_nobody_is_warned_of_with_its_place(name: str, words: str) -> None:
+    (warning,) = load(ROBOT / "launch" / f"{name}.launch").warnings
+    assert f"{name}.launch:" in warning
+    assert words in warning
+
+
+def test_unknown_tags_and_attributes_are_warned_of() -> None:
+    warnings = "\n".join(load(ROBOT / "launch" / "unknown_things.launch").warnings)
+    for words in ("no attribute colour=", "<group> means nothing", "no tag <somewhat>", "<master>", "unit="):
+        assert words in warnings
+
+
+def test_document_type_is_refused_before_entities_are_read() -> None:
+    bomb = b'<!DOCTYPE x [<!ENTITY a "aaaa">]>\n<launch><param name="x" value="&a;"/></launch>'
+    with pytest.raises(LaunchError, match="DTD"):
+        load_launch([], {}, {}, {}, text=bomb)
+
+
+def test_two_includes_of_itself_end() -> None:
+    with pytest.raises(LaunchError, match="again and again"):
+        load_launch([ROBOT / "wrong" / "include_itself.launch"], {}, {}, {"corpus_robot": ROBOT})
+
+
+@pytest.mark.parametrize("value", ["3000000000", "-2147483649"])
+def test_number_that_no_parameter_holds_is_refused_with_its_place(value: str) -> None:
+    with pytest.raises(LaunchError, match=rf"{STDIN_NAME}:2: parameter /x: .* 32 bits"):
+        loads(f'<param name="x" value="{value}"/>')
+
+
+def test_null_is_refused() -> None:
+    with pytest.raises(LaunchError, match="null"):
+        loads("<rosparam>x: null</rosparam>")
+
+
+def test_machine_elsewhere_is_refused_with_what_to_do() -> None:
+    with pytest.raises(
+        LaunchError, match=r":2: machine 'arm' at 192\.0\.2\.7 is not this one.*ROS_MASTER_URI"
+    ):
+        loads('<machine name="arm" address="192.0.2.7"/>')
+
+
+def test_files_and_arguments_are_listed() -> None:
+    plan = load(ROBOT / "launch" / "include_pass_all.launch")
+    assert [Path(file).name for file in plan.files] == ["include_pass_all.launch", "args.xml", "fixed.xml"]
+    assert [each.name for each in plan.arguments] == ["required", "optional", "extra"]
+
+
+def test_anonymous_names_may_stay_as_they_are() -> None:
+    plan = loads('<node name="$(anon n)" pkg="p" type="t" args="$(anon n)"/>', resolves_anonymous=False)
+    assert (plan.nodes[0].name, plan.nodes[0].args) == ("$(anon n)", "$(anon n)")
+
+
+def test_program_of_a_package_that_is_served_runs_as_ours() -> None:
+    programs = {("xacro", "xacro"): ("printf", "%s")}
+    for name in ("xacro", "xacro.py"):
+        plan = loads(f'<param name="x" command="$(find xacro)/{name} model.xacro"/>', programs=programs)
+        assert plan.parameters == {"/x": "model.xacro"}
+    with pytest.raises(LaunchError, match="not installed") as caught:
+        loads('<param name="x" command="$(find xacro)/other"/>', programs=programs)
+    assert SERVED_ROOT not in str(caught.value)
+
+
+def test_later_file_replaces_parameters_of_an_earlier_one(tmp_path: Path) -> None:
+    for name, value in (("a", 1), ("b", 2)):
+        (tmp_path / name).write_text(f'<launch><param name="x" value="{value}"/></launch>')
+    plan = load_launch([tmp_path / "a", tmp_path / "b"], {}, {}, {})
+    assert plan.parameters == {"/x": 2}
+
+
+def test_near_package_is_named(tmp_path: Path) -> None:
+    file = tmp_path / "x.launch"
+    file.write_text('<launch><param name="x" value="$(find corpus_robt)"/></launch>')
+    with pytest.raises(LaunchError, match=r"did you mean corpus_robot\?"):
+        load_launch([file], {}, {}, {"corpus_robot": ROBOT})
+
+
+def test_unbalanced_quote_in_args_is_refused() -> None:
+    with pytest.raises(LaunchError, match=r":2: .*no closing quotation"):
+        loads('<node name="n" pkg="p" type="t" args="&quot;open"/>')
+
+
+def test_text_cannot_grow_without_end() -> None:
+    with pytest.raises(LaunchError, match="longer than"):
+        loads("""<param name="x" value="$(eval 'a' * 10**10)"/>""")
