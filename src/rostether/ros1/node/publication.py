@@ -15,6 +15,8 @@ from rostether.tcpros.header import encode_header
 from rostether.tcpros.message_framing import encode_messages
 
 Report = Callable[[Level, str], None]
+OnSubscriber = Callable[[SubscriberConnection, bool], None]
+"""Hears of a subscriber that has come (True) or gone (False)."""
 
 
 class Publication:
@@ -36,6 +38,7 @@ class Publication:
         self.byte_count = 0
         self.connections: list[SubscriberConnection] = []
         self.handle_count = 0
+        self.watchers: list[OnSubscriber] = []
         self._node_name = node_name
         self._report = report
         self._is_latching = latch
@@ -50,7 +53,12 @@ class Publication:
                 f"this node publishes {self.topic} as {self.type.name} already, not as {message_type.name}: "
                 "choose another topic"
             )
-        self._is_latching = self._is_latching or latch
+        if latch:
+            self.latch()
+
+    def latch(self) -> None:
+        """Keep the last message from now on."""
+        self._is_latching = True
 
     def publish(self, payloads: Sequence[bytes]) -> bool:
         """Send or queue a batch; False when a subscriber is behind, see `Publisher.publish_raw`."""
@@ -83,14 +91,24 @@ class Publication:
             greeting=encode_header(answer) + latched,
             queue_bytes=self._queue_bytes,
             on_drop=self._tell_drop,
-            on_lost=self.connections.remove,
+            on_lost=self._forget,
         )
         self.connections.append(connection)
+        # Soon: who hears of it may send to it, once it has been greeted.
+        asyncio.get_running_loop().call_soon(self._tell_watchers, connection, True)
         return connection
 
     async def close(self) -> None:
         """End all connections, after what is queued has left."""
         await asyncio.gather(*(connection.close() for connection in self.connections))
+
+    def _forget(self, connection: SubscriberConnection) -> None:
+        self.connections.remove(connection)
+        self._tell_watchers(connection, False)
+
+    def _tell_watchers(self, connection: SubscriberConnection, is_connected: bool) -> None:
+        for watcher in list(self.watchers):
+            watcher(connection, is_connected)
 
     def _tell_drop(self, connection: SubscriberConnection) -> None:
         self._report(
@@ -132,6 +150,14 @@ class Publisher:
     def publish_raw(self, payloads: Sequence[bytes]) -> bool:
         """Queue the payloads for every subscriber; False asks the caller to await `drained`."""
         return self._is_closed or self._publication.publish(payloads)
+
+    def latch(self) -> None:
+        """Keep the last message from now on for those who come later."""
+        self._publication.latch()
+
+    def watch_subscribers(self, on_subscriber: OnSubscriber) -> None:
+        """Call back for each subscriber that comes or goes, as long as the topic is advertised."""
+        self._publication.watchers.append(on_subscriber)
 
     async def drained(self, timeout_s: float) -> None:
         """Wait until no subscriber is above its high-water mark; who is not by then counts as slow."""
