@@ -163,6 +163,21 @@ def message_bytes(message: Message) -> bytes:
     return buffer.getvalue()
 
 
+def read_message(message_class: type[Message], payload: bytes) -> Message:
+    """Return the message that a payload holds, through `deserialize` where a class has its own.
+
+    Raises DeserializationError.
+    """
+    if message_class.deserialize is not Message.deserialize:
+        return message_class().deserialize(payload)
+    found: Any
+    try:
+        found = message_class._codec.decode(payload)
+    except _Misfit as error:
+        raise DeserializationError(f"{error}") from None
+    return found  # type: ignore[no-any-return]
+
+
 def strify_message(
     val: Any,
     indent: str = "",

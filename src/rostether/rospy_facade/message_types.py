@@ -8,6 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from rostether.errors import DefinitionError, UnknownTypeError
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.msgdef.registry import Registry
 from rostether.rospy_facade.message import AnyMsg, Message
@@ -165,3 +166,21 @@ def all_types() -> MessageTypes:
             path = [Path(part) for part in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if part]
             _types = MessageTypes(Registry(package_path=[*path, *found]))
         return _types
+
+
+def get_message_class(message_type: str, reload_on_error: bool = False) -> Any:
+    """Return the class of a type name, or None where nobody knows it."""
+    if message_type in ("time", "duration"):
+        return Time if message_type == "time" else Duration
+    try:
+        return all_types().message_class("std_msgs/Header" if message_type == "Header" else message_type)
+    except (UnknownTypeError, DefinitionError):
+        return None
+
+
+def get_service_class(service_type: str, reload_on_error: bool = False) -> Any:
+    """Return the class of a service's type name, or None where nobody knows it."""
+    try:
+        return all_types().service_class(service_type)
+    except (UnknownTypeError, DefinitionError):
+        return None

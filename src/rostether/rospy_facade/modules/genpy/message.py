@@ -1,0 +1,11 @@
+"""genpy.message."""
+
+# ruff: noqa: F401
+from rostether.rospy_facade.message import (
+    DeserializationError,
+    Message,
+    MessageException,
+    SerializationError,
+    strify_message,
+)
+from rostether.rospy_facade.message_types import get_message_class, get_service_class

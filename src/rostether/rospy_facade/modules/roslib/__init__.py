@@ -1,0 +1,13 @@
+"""roslib: what was needed before catkin, and what turns type names into classes."""
+
+# ruff: noqa: F401
+from . import message
+
+
+def load_manifest(package_name: str) -> None:
+    """Do nothing: packages are importable as they are."""
+
+
+def is_interactive() -> bool:
+    """Tell that no interpreter session is meant."""
+    return False

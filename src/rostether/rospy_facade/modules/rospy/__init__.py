@@ -1,0 +1,70 @@
+"""rospy on rostether's graph, for scripts that `rostether run` or `launch` starts where there is no real one."""
+
+# ruff: noqa: F401
+from rostether.rospy_facade.client import init_node, myargv, spin, wait_for_message
+from rostether.rospy_facade.exceptions import (
+    ROSException,
+    ROSInitException,
+    ROSInternalException,
+    ROSInterruptException,
+    ROSSerializationException,
+    ROSTimeMovedBackwardsException,
+    ServiceException,
+    TransportException,
+    TransportInitError,
+    TransportTerminated,
+)
+from rostether.rospy_facade.logs import (
+    DEBUG,
+    ERROR,
+    FATAL,
+    INFO,
+    WARN,
+    logdebug,
+    logdebug_once,
+    logdebug_throttle,
+    logdebug_throttle_identical,
+    logerr,
+    logerr_once,
+    logerr_throttle,
+    logerr_throttle_identical,
+    logerror,
+    logfatal,
+    logfatal_once,
+    logfatal_throttle,
+    logfatal_throttle_identical,
+    loginfo,
+    loginfo_once,
+    loginfo_throttle,
+    loginfo_throttle_identical,
+    logout,
+    logwarn,
+    logwarn_once,
+    logwarn_throttle,
+    logwarn_throttle_identical,
+)
+from rostether.rospy_facade.message import AnyMsg, Message
+from rostether.rospy_facade.message_types import all_types as _all_types
+from rostether.rospy_facade.names import get_caller_id, get_name, get_namespace, remap_name, resolve_name
+from rostether.rospy_facade.node import get_node_uri
+from rostether.rospy_facade.parameters import (
+    MasterProxy,
+    delete_param,
+    get_master,
+    get_param,
+    get_param_cached,
+    get_param_names,
+    get_published_topics,
+    has_param,
+    search_param,
+    set_param,
+)
+from rostether.rospy_facade.publisher import Publisher, SubscribeListener
+from rostether.rospy_facade.ros_time import Duration, Rate, Time, Timer, get_rostime, get_time, sleep
+from rostether.rospy_facade.services import Service, ServiceProxy, wait_for_service
+from rostether.rospy_facade.shutdown import is_shutdown, on_shutdown, signal_shutdown
+from rostether.rospy_facade.subscriber import Subscriber
+
+from . import client, core, exceptions, msg, names, rostime, service, timer, topics
+
+Header = _all_types().message_class("std_msgs/Header")

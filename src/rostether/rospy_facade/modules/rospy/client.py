@@ -1,0 +1,17 @@
+"""rospy.client, as some programs import it."""
+
+# ruff: noqa: F401
+from rostether.rospy_facade.client import init_node, myargv, spin, wait_for_message
+from rostether.rospy_facade.logs import DEBUG, ERROR, FATAL, INFO, WARN
+from rostether.rospy_facade.parameters import (
+    delete_param,
+    get_master,
+    get_param,
+    get_param_cached,
+    get_param_names,
+    get_published_topics,
+    has_param,
+    search_param,
+    set_param,
+)
+from rostether.rospy_facade.shutdown import on_shutdown

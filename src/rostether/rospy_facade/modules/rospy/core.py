@@ -1,0 +1,13 @@
+"""rospy.core, as some programs import it."""
+
+# ruff: noqa: F401
+from rostether.rospy_facade.logs import logdebug, logerr, logerror, logfatal, loginfo, logout, logwarn
+from rostether.rospy_facade.node import get_node_uri, is_initialized
+from rostether.rospy_facade.shutdown import (
+    add_preshutdown_hook,
+    add_shutdown_hook,
+    is_shutdown,
+    is_shutdown_requested,
+    signal_shutdown,
+)
+from rostether.rospy_facade.shutdown import on_shutdown as add_client_shutdown_hook
