@@ -178,6 +178,14 @@ class Peer:
             )
         ]
 
+    def described(self, topic: str) -> Any:
+        """Tell of a topic's ends in rclpy's own text."""
+        ends = (
+            *self.node.get_publishers_info_by_topic(topic),
+            *self.node.get_subscriptions_info_by_topic(topic),
+        )
+        return {each.node_name: str(each) for each in ends}
+
     def of_node(self, name: str, namespace: str) -> Any:
         return {
             "publishers": self.node.get_publisher_names_and_types_by_node(name, namespace),

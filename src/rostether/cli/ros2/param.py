@@ -127,7 +127,9 @@ def list_params(
 
 
 async def _types(client: ParameterClient, node: str, names: list[str]) -> dict[str, str]:
-    return {each.name: _type_word(each.type) for each in await client.describe(node, names)}
+    # Not from descriptions: rclpy has none of parameters that were never declared.
+    values = await client.get(node, names) if names else {}
+    return {name: _TYPE_WORDS[values.get(name, NOT_SET).type] for name in names}
 
 
 def _type_word(number: int) -> str:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeVar, cast
 
 from rostether.cli.graph_access import special_arguments
 from rostether.cli.output import warn
-from rostether.cli.ros2.graph_view import GraphView
+from rostether.cli.ros2.graph_view import GraphView, is_hidden
 from rostether.cli.ros2_graph import ZenohReach, ros2_access
 from rostether.cli.ros_choice import Middleware
 from rostether.joining import anonymous_name
@@ -52,8 +52,7 @@ class ToolNode:
         view = await self.look()
         begin_s = changed_s = loop.time()
         while loop.time() - begin_s < PATIENCE_S[self.middleware]:
-            # As long as nobody is there at all, nobody has been found yet.
-            if (view.nodes or not quiet_s) and loop.time() - changed_s >= quiet_s:
+            if (not quiet_s or _looks_complete(view)) and loop.time() - changed_s >= quiet_s:
                 break
             await asyncio.sleep(LOOK_INTERVAL_S)
             latest = await self.look()
@@ -69,6 +68,12 @@ class ToolNode:
             await asyncio.sleep(LOOK_INTERVAL_S)
             view = await self.look()
         return view
+
+
+def _looks_complete(view: GraphView) -> bool:
+    """Tell whether somebody has been found, and what belongs to each node: DDS tells of nodes first."""
+    with_ends = {end.node_name for end in view.ends}
+    return any(not is_hidden(node) for node in view.nodes) and with_ends.issuperset(view.nodes)
 
 
 @asynccontextmanager
