@@ -11,6 +11,8 @@ from rostether.cli.verbs import LazyGroup, VerbEntry
 
 _LIBRARIES = "rostether.cli.make_libraries"
 _SERVERS = "rostether.cli.rosserial_server"
+_JOINTS = "rostether.cli.joint_state_role"
+_STATIC = "rostether.cli.tf_static"
 
 ROLES = {
     "make-libraries": VerbEntry(
@@ -21,6 +23,19 @@ ROLES = {
         f"{_SERVERS}:socket", "Bridge boards over TCP, like rosserial_server's."
     ),
     "rosserial-server-udp": VerbEntry(f"{_SERVERS}:udp", "Bridge a board over UDP, like rosserial_server's."),
+    "robot-state-publisher": VerbEntry(
+        "rostether.cli.robot_state_role:robot_state_publisher", "Turn joint states into transforms."
+    ),
+    "joint-state-publisher": VerbEntry(f"{_JOINTS}:joint_state_publisher", "Publish joint states."),
+    "joint-state-publisher-gui": VerbEntry(
+        f"{_JOINTS}:joint_state_publisher_gui", "Publish joint states set by sliders in the terminal."
+    ),
+    "static-transform-publisher": VerbEntry(
+        f"{_STATIC}:static_transform_publisher", "Publish a transform that stays, like tf2_ros's."
+    ),
+    "tf-static-transform-publisher": VerbEntry(
+        f"{_STATIC}:static_transform_publisher", "Publish a transform that stays, like tf's."
+    ),
 }
 
 

@@ -1,4 +1,4 @@
-"""What a tf buffer knows, as text: the tree of frames, tf2's YAML and dot forms, a transform as tf_echo has it."""
+"""What a tf buffer knows, as text: the tree of frames, tf2's YAML, dot, and transforms as of tf_echo."""
 
 from __future__ import annotations
 

@@ -1,0 +1,64 @@
+"""How late and how often transforms come: for each frame and for each node that broadcasts them."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field
+
+from rostether.robot.transform import StampedTransform
+from rostether.rostime import NS_PER_S
+
+WINDOW = 1_000
+"""Delays that are averaged, as in tf_monitor."""
+
+MAX_ROWS = 10_000
+"""Frames and nodes are a peer's to name; as many as a buffer holds."""
+
+
+@dataclass(slots=True)
+class Delays:
+    """The last delays of one frame or node, in seconds, and when the messages came."""
+
+    delays_s: deque[float] = field(default_factory=lambda: deque(maxlen=WINDOW))
+    arrivals_ns: deque[int] = field(default_factory=lambda: deque(maxlen=WINDOW))
+    broadcaster: str = ""
+
+    def add(self, delay_s: float, now_ns: int) -> None:
+        """Take one message."""
+        self.delays_s.append(delay_s)
+        self.arrivals_ns.append(now_ns)
+
+    @property
+    def average_s(self) -> float:
+        """The mean delay."""
+        return sum(self.delays_s) / len(self.delays_s) if self.delays_s else 0.0
+
+    @property
+    def max_s(self) -> float:
+        """The longest delay."""
+        return max(self.delays_s, default=0.0)
+
+    @property
+    def rate_hz(self) -> float:
+        """Messages a second; zero where one came."""
+        if len(self.arrivals_ns) < 2:
+            return 0.0
+        span_ns = self.arrivals_ns[-1] - self.arrivals_ns[0]
+        return (len(self.arrivals_ns) - 1) * NS_PER_S / span_ns if span_ns > 0 else 0.0
+
+
+class TfStatistics:
+    """Counts what a listener takes in; a static transform has no delay."""
+
+    def __init__(self) -> None:
+        self.frames: dict[str, Delays] = {}
+        self.nodes: dict[str, Delays] = {}
+
+    def add(self, stamped: StampedTransform, authority: str, is_static: bool, now_ns: int) -> None:
+        """Take one transform."""
+        delay_s = 0.0 if is_static else (now_ns - stamped.stamp_ns) / NS_PER_S
+        for table, key in ((self.frames, stamped.child.removeprefix("/")), (self.nodes, authority)):
+            if key in table or len(table) < MAX_ROWS:
+                row = table.setdefault(key, Delays())
+                row.add(delay_s, now_ns)
+                row.broadcaster = authority
