@@ -13,7 +13,8 @@ from pathlib import Path
 import pytest
 import pytest_asyncio
 
-from firmware.ros2.serving import SKETCHES, serving, sim_address, started
+from firmware.ros2.serving import SKETCHES, serving, sim_address
+from interop.command_line import started
 from interop.machines import Machines, machines, missing_namespaces
 from interop.ros1_peers import Peer
 from interop.zenoh_peers import SdkPeer, missing_sdk, sdk_peer

@@ -1,0 +1,143 @@
+"""`rostether relay` as its users run it, between Debian's ROS 1 and real rclpy: neither knows of it."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Iterator
+from contextlib import AsyncExitStack
+from dataclasses import dataclass
+from typing import Any
+
+import pytest
+import pytest_asyncio
+
+from interop.command_line import started
+from interop.ros1_peers import Ros1Peers, debian_roscore
+from interop_ros2.rclpy_peer import RclpyPeer, rclpy_peer
+from interop_ros2.samples import MESSAGES
+
+pytestmark = [
+    pytest.mark.ros1,
+    pytest.mark.rclpy,
+    pytest.mark.asyncio(loop_scope="module"),
+    pytest.mark.timeout(60),
+]
+
+PATIENCE_S = 30.0
+SERVER = """
+import rospy
+from std_srvs.srv import SetBool, SetBoolResponse
+rospy.init_node("server")
+rospy.Service("/enable", SetBool, lambda asked: SetBoolResponse(asked.data, "from ROS 1"))
+print("serving", flush=True)
+rospy.spin()
+"""
+COUNTER = """
+import rospy
+from sensor_msgs.msg import JointState
+rospy.init_node("counter")
+publisher = rospy.Publisher("/sensors/joints", JointState, queue_size=1000)
+number = 0
+while not rospy.is_shutdown():
+    number += 1
+    publisher.publish(JointState(name=["left", "right"], position=[number, 0.5]))
+    rospy.sleep(0.02)
+"""
+TALKER = """
+import rospy
+from std_msgs.msg import String
+rospy.init_node("talker")
+publisher = rospy.Publisher("/chatter", String, queue_size=1000)
+number = 0
+while not rospy.is_shutdown():
+    number += 1
+    publisher.publish("from ROS 1: %d" % number)
+    rospy.sleep(0.02)
+"""
+
+
+@dataclass
+class Sides:
+    """What is on both sides of the relay."""
+
+    ros1: Ros1Peers
+    ros2: RclpyPeer
+
+
+@pytest.fixture(scope="module")
+def peer() -> Iterator[RclpyPeer]:
+    with rclpy_peer() as peer:
+        yield peer
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def sides(peer: RclpyPeer, tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Sides]:
+    async with AsyncExitStack() as stack:
+        ros1 = await stack.enter_async_context(debian_roscore(tmp_path_factory.mktemp("home")))
+        command = ("relay", "--ros2", "rclpy", "/chatter", "--to-ros2", "/sensors/*", "--to-ros1", "/cmd_vel")
+        services = ("--service", "/enable", "--service", "/pull")
+        relay = await started(*command, *services, "--master", ros1.master_uri)
+        stack.push_async_callback(relay.stop)
+        await relay.wait_for("Joining ROS 2", PATIENCE_S)
+        yield Sides(ros1, peer)
+
+
+async def heard(peer: RclpyPeer, topic: str, count: int) -> list[Any]:
+    """Wait until ROS 2 has heard so many messages."""
+    while len(found := await peer.ask("receive", topic=topic, count=0)) < count:
+        await asyncio.sleep(0.05)
+    assert isinstance(found, list)
+    return found
+
+
+async def test_ros1_is_heard_in_ros2_and_nothing_is_lost_or_twice(sides: Sides) -> None:
+    await sides.ros2.ask("subscribe", topic="/sensors/joints", type="sensor_msgs/msg/JointState")
+    counter = await sides.ros1.rospy(COUNTER)
+    joints = await heard(sides.ros2, "/sensors/joints", 100)
+    await counter.stop()
+    assert joints[0]["name"] == ["left", "right"]
+    numbers = [each["position"][0] for each in joints]
+    assert numbers == [numbers[0] + index for index in range(len(numbers))]
+
+
+async def test_ros2_is_heard_in_ros1(sides: Sides) -> None:
+    echo = await sides.ros1.start("rostopic", "echo", "/cmd_vel")
+    await sides.ros2.ask("advertise", topic="/cmd_vel", type="geometry_msgs/msg/Twist")
+    while "z: 3.0" not in echo.text:
+        await sides.ros2.ask("publish", topic="/cmd_vel", messages=[MESSAGES["geometry_msgs/Twist"]])
+        await asyncio.sleep(0.1)
+    await echo.stop()
+
+
+async def test_both_ways_without_an_echo(sides: Sides) -> None:
+    await sides.ros2.ask("subscribe", topic="/chatter", type="std_msgs/msg/String")
+    echo = await sides.ros1.start("rostopic", "echo", "/chatter")
+    talker = await sides.ros1.rospy(TALKER)
+    await heard(sides.ros2, "/chatter", 20)
+    await talker.stop()
+    await sides.ros2.ask("advertise", topic="/chatter", type="std_msgs/msg/String")
+    said = 0
+    while "from ROS 2" not in echo.text:
+        said += 1
+        await sides.ros2.ask("publish", topic="/chatter", messages=[{"data": f"from ROS 2: {said}"}])
+        await asyncio.sleep(0.1)
+    texts = [each["data"] for each in await sides.ros2.ask("receive", topic="/chatter", count=0)]
+    assert len(texts) == len(set(texts))
+    printed = [line for line in echo.lines if line.startswith("data")]
+    assert len(printed) == len(set(printed))
+    await echo.stop()
+
+
+async def test_services_of_each_are_called_in_the_other(sides: Sides) -> None:
+    server = await sides.ros1.rospy(SERVER)
+    await server.wait_for("serving")
+    answered = await sides.ros2.ask(
+        "call", service="/enable", type="std_srvs/srv/SetBool", request={"data": True}
+    )
+    assert answered == {"success": True, "message": "from ROS 1"}
+    response = {"success": True, "message": "from ROS 2"}
+    await sides.ros2.ask("serve", service="/pull", type="std_srvs/srv/Trigger", response=response)
+    while "/pull" not in (await sides.ros1.run("rosservice", "list")).split():
+        await asyncio.sleep(0.1)
+    assert '"from ROS 2"' in await sides.ros1.run("rosservice", "call", "/pull")
+    await server.stop()
