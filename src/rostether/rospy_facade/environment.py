@@ -6,7 +6,8 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 
-from rostether.rospy_facade.message_types import PACKAGES_VARIABLE
+PACKAGES_VARIABLE = "ROSTETHER_PACKAGE_FOLDERS"
+"""Folders of packages that whoever starts a script has found, besides those of ROS_PACKAGE_PATH."""
 
 PATH_FOLDER = Path(__file__).with_name("path")
 """Goes on PYTHONPATH. It only holds a sitecustomize.py, which adds our rospy where there is no real one."""

@@ -79,7 +79,7 @@ class PackageFinder(MetaPathFinder):
 def package_folders() -> dict[str, Path]:
     """Map packages to their folders: those of ROS_PACKAGE_PATH, and what this process' starter found."""
     from rostether.packages.search_path import find_packages, ros_package_path
-    from rostether.rospy_facade.message_types import PACKAGES_VARIABLE
+    from rostether.rospy_facade.environment import PACKAGES_VARIABLE
 
     found = [Path(part) for part in os.environ.get(PACKAGES_VARIABLE, "").split(os.pathsep) if part]
     return find_packages([*ros_package_path(os.environ), *found])

@@ -11,6 +11,7 @@ from typing import Any
 from rostether.errors import DefinitionError, UnknownTypeError
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.msgdef.registry import Registry
+from rostether.rospy_facade.environment import PACKAGES_VARIABLE
 from rostether.rospy_facade.message import AnyMsg, Message
 from rostether.rospy_facade.stamps import Duration, Time, new_stamp
 from rostether.serde.codec import Codec
@@ -18,9 +19,6 @@ from rostether.serde.store import TypeStore
 from rostether.serde.type_tree import Node, Stamp, Struct
 from rostether.serde.values import Message as SerdeMessage
 from rostether.serde.values import MessageClasses
-
-PACKAGES_VARIABLE = "ROSTETHER_PACKAGE_FOLDERS"
-"""Folders of packages that whoever starts a script has found, besides those of ROS_PACKAGE_PATH."""
 
 
 class ServiceClass:

@@ -1,4 +1,4 @@
-"""rospy on rostether's graph, for scripts that `rostether run` or `launch` starts where there is no real one."""
+"""rospy on rostether's graph, for scripts that `run` or `launch` starts where there is no real one."""
 
 # ruff: noqa: F401
 from rostether.rospy_facade.client import init_node, myargv, spin, wait_for_message
