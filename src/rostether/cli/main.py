@@ -39,6 +39,7 @@ VERBS = {
     "msg": VerbEntry("rostether.cli.definitions:msg", "Show message definitions."),
     "srv": VerbEntry("rostether.cli.definitions:srv", "Show service definitions."),
     "run": VerbEntry("rostether.cli.run:run", "Run a node of a package, like rosrun."),
+    "launch": VerbEntry("rostether.cli.launch:launch", "Start what launch files ask for, like roslaunch."),
     "pkg": VerbEntry("rostether.cli.pkg:pkg", "Create, list and find packages."),
     "role": VerbEntry("rostether.cli.role:role", "Be one of the nodes that launch files name."),
     "firmware": VerbEntry(

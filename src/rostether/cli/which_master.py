@@ -22,10 +22,11 @@ _ANSWER_LIMIT_S = 2.0
 
 @dataclass(frozen=True, slots=True)
 class UsedMaster:
-    """The environment to join with, and a line for people about the master in it."""
+    """The environment to join with, a line for people about the master in it, and whether that is us."""
 
     environment: RosEnvironment
     line: str
+    is_ours: bool = False
 
 
 @asynccontextmanager
@@ -56,7 +57,8 @@ async def used_master(
         yield UsedMaster(environment, f"Joining the ROS master at {environment.master_uri}")
         return
     try:
-        yield UsedMaster(environment, f"Being the ROS master: ROS_MASTER_URI={core.uri.rstrip('/')}")
+        line = f"Being the ROS master: ROS_MASTER_URI={core.uri.rstrip('/')}"
+        yield UsedMaster(environment, line, is_ours=True)
     finally:
         await core.close()
 

@@ -14,13 +14,20 @@ from rostether.launch.plan import LaunchNode, WorkingFolder
 
 @dataclass(frozen=True, slots=True)
 class Program:
-    """What to run for a package's node, and what its environment needs on top of the node's."""
+    """What to run for a package's node, and the variables that this changes in the node's environment."""
 
     words: list[str]
     environ: dict[str, str] = field(default_factory=dict)
 
 
-Locate: TypeAlias = Callable[[str, str, Mapping[str, str]], Program]
+@dataclass(frozen=True, slots=True)
+class Replaced:
+    """A program that is not installed, and a line about what takes its place; that is no failure."""
+
+    line: str
+
+
+Locate: TypeAlias = Callable[[str, str, Mapping[str, str]], Program | Replaced]
 """(package, type, environment) -> program. Raises RostetherError where there is none."""
 
 
@@ -42,10 +49,14 @@ def node_environment(node: LaunchNode, environ: Mapping[str, str], master_uri: s
     return variables | dict(node.environment)
 
 
-def command_of(node: LaunchNode, environ: Mapping[str, str], master_uri: str, locate: Locate) -> Command:
+def command_of(
+    node: LaunchNode, environ: Mapping[str, str], master_uri: str, locate: Locate
+) -> Command | Replaced:
     """Return how a node is started, without what the runner adds. Raises what `locate` raises."""
     variables = node_environment(node, environ, master_uri)
     program = locate(node.package, node.type, variables)
+    if isinstance(program, Replaced):
+        return program
     words = [*shlex.split(node.launch_prefix), *program.words, *node.arguments]
     if node.working_folder is WorkingFolder.NODE:
         # A script stands behind its interpreter.

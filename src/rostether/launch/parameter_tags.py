@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shlex
+import shutil
 import subprocess
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -141,7 +142,12 @@ class ParameterTags:
             if served is None:
                 raise LaunchError(f"package {path.parent.name!r} is not installed; install it")
             return served
+        if (word, word) in self._programs and shutil.which(word, path=self._search_path()) is None:
+            return self._programs[word, word]
         return [word]
+
+    def _search_path(self) -> str | None:
+        return self._reader.surroundings.environ.get("PATH")
 
 
 def _split(text: str) -> list[str]:

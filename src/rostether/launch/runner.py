@@ -9,7 +9,7 @@ from pathlib import Path
 
 from rostether.errors import LaunchError, RostetherError
 from rostether.graph.ports import Level
-from rostether.launch.command_line import Locate, command_of
+from rostether.launch.command_line import Locate, Replaced, command_of
 from rostether.launch.log_folder import log_folder
 from rostether.launch.node_process import NodeProcess, StopLimits
 from rostether.launch.parameter_upload import CALLER_ID, ensure_run_id, upload
@@ -80,10 +80,13 @@ class _Launch:
         self._keepers: dict[asyncio.Task[None], NodeProcess] = {}
 
     async def run(self, nodes: list[LaunchNode]) -> bool:
+        failed = False
         for number, node in enumerate(nodes, 1):
-            if not await self._start(node, number) and node.required:
-                return False
-        if nodes and not self._processes:
+            if not await self._start(node, number):
+                failed = True
+                if node.required:
+                    return False
+        if failed and not self._processes:
             return False
         if not nodes:
             self._report(Level.INFO, "the parameters are set, and there is no node to start")
@@ -108,6 +111,9 @@ class _Launch:
         name = f"{node.full_name.removeprefix('/')}-{number}"
         try:
             command = command_of(node, self._environ, self._master_uri, self._locate)
+            if isinstance(command, Replaced):
+                self._report(Level.WARN, command.line)
+                return True
             process = NodeProcess(node, command, name, self._logs, self._report, self._options.stop_limits)
             await process.start()
         except LaunchError as error:

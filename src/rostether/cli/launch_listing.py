@@ -1,0 +1,104 @@
+"""What `rostether launch` prints without starting anything, and its summary of what it is about to do."""
+
+from __future__ import annotations
+
+import os
+import shlex
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from rostether.errors import ConfigError
+from rostether.graph.ports import ParamValue
+from rostether.launch.command_line import Locate, Replaced, command_of
+from rostether.launch.plan import LaunchNode, LaunchPlan
+from rostether.names.graph_name import join
+from rostether.param_yaml import dump
+
+_MAX_VALUE_CHARS = 20  # as roslaunch: a summary shows which parameters there are, not what a URDF holds
+
+
+def parameter_lines(plan: LaunchPlan) -> str:
+    """Return the parameters as YAML, full names to values."""
+    return dump(plan.parameters)
+
+
+def node_lines(plan: LaunchPlan) -> list[str]:
+    """Return the nodes' full names; one with `$(anon x)` is named so."""
+    return [node.name if node.name.startswith("$") else node.full_name for node in plan.nodes]
+
+
+def argument_lines(plan: LaunchPlan) -> Iterator[str]:
+    """Yield what arguments the files take, those that have to be given first."""
+    known = sorted((each for each in plan.arguments if not each.is_fixed), key=lambda each: each.name)
+    required = [each for each in known if not each.default]
+    optional = [each for each in known if each.default]
+    if not known:
+        yield "No arguments."
+    if required:
+        yield "Required Arguments:"
+    for each in required:
+        yield f"  {each.name}: {each.doc or 'undocumented'}"
+    if optional:
+        yield "Optional Arguments:"
+    for each in optional:
+        yield f'  {each.name} (default "{each.default}"): {each.doc or "undocumented"}'
+
+
+def file_lines(plan: LaunchPlan) -> list[str]:
+    """Return the absolute paths of all files read."""
+    return [str(Path(file).absolute()) for file in plan.files]
+
+
+def find_node(plan: LaunchPlan, name: str, namespace: str) -> LaunchNode:
+    """Return the node of a name, in `namespace` where the name is relative. Raises ConfigError."""
+    full_name = join(namespace, name)
+    for node in plan.nodes:
+        if full_name == node.full_name or name == node.name:
+            return node
+    names = ", ".join(node_lines(plan)) or "none"
+    raise ConfigError(f"there is no node {name} in these files; there are {names}")
+
+
+def command_words(node: LaunchNode, environ: Mapping[str, str], master_uri: str, locate: Locate) -> str:
+    """Return what a shell would be told to start a node: what differs in the environment, and the command.
+
+    Raises RostetherError where there is no such program.
+    """
+    command = command_of(node, environ, master_uri, locate)
+    if isinstance(command, Replaced):
+        raise ConfigError(command.line)
+    differing = [
+        f"{name}={shlex.quote(value)}"
+        for name, value in command.environ.items()
+        if os.environ.get(name) != value
+    ]
+    return " ".join([*differing, shlex.join(command.words)])
+
+
+def summary_lines(plan: LaunchPlan) -> Iterator[str]:
+    """Yield what is going to be done, as roslaunch sums it up."""
+    yield from ("", "SUMMARY", "========", "")
+    if plan.cleared:
+        yield "CLEAR PARAMETERS"
+        yield from sorted(f" * {name}" for name in plan.cleared)
+        yield ""
+    if plan.parameters:
+        yield "PARAMETERS"
+        yield from sorted(f" * {name}: {_short(value)}" for name, value in plan.parameters.items())
+        yield ""
+    yield "NODES"
+    for namespace in sorted({node.namespace for node in plan.nodes}):
+        yield f"  {namespace.rstrip('/')}/"
+        yield from sorted(
+            f"    {node.name} ({node.package}/{node.type})"
+            for node in plan.nodes
+            if node.namespace == namespace
+        )
+    yield ""
+
+
+def _short(value: ParamValue) -> str:
+    text = str(value).strip()
+    if len(text) > _MAX_VALUE_CHARS:
+        text = text[: _MAX_VALUE_CHARS - 3] + "..."
+    return text if text.isprintable() else "<...>"

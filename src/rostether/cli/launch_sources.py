@@ -1,0 +1,107 @@
+"""What the words behind `launch` mean: a launch file of a package, files by path, `name:=value` arguments."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from rostether.errors import ConfigError
+from rostether.names.remap import ASSIGNMENT
+from rostether.packages.search_path import walk
+
+STDIN = "-"
+_ARGUMENT = re.compile(r"[~/A-Za-z_][\w/]*:=.*", re.DOTALL)
+_LAUNCH_SUFFIXES = (".launch", ".xml", ".test")
+_MAX_LISTED = 8  # a line that people still read
+
+
+@dataclass(frozen=True, slots=True)
+class LaunchSources:
+    """Files in their order, whether standard input is one of them, and the arguments; the last one counts."""
+
+    files: list[Path] = field(default_factory=list)
+    reads_stdin: bool = False
+    arguments: dict[str, str] = field(default_factory=dict)
+    empty_arguments: list[str] = field(default_factory=list)
+
+
+def split_arguments(words: Sequence[str]) -> tuple[list[str], dict[str, str], list[str]]:
+    """Sort words into others, arguments, and the names of arguments with an empty value.
+
+    Those say nothing, as with roslaunch.
+    """
+    rest: list[str] = []
+    arguments: dict[str, str] = {}
+    empty: list[str] = []
+    for word in words:
+        if not _ARGUMENT.fullmatch(word):
+            rest.append(word)
+            continue
+        name, _, value = (part.strip() for part in word.partition(ASSIGNMENT))
+        if not value:
+            empty.append(name)
+        elif not name.startswith("_") or name.startswith("__"):
+            arguments[name] = value
+    return rest, arguments, empty
+
+
+def find_sources(words: Sequence[str], packages: Mapping[str, Path]) -> LaunchSources:
+    """Find what is to be launched: `PACKAGE FILE`, or paths; `-` is standard input. Raises ConfigError."""
+    rest, arguments, empty = split_arguments(words)
+    if not rest:
+        raise ConfigError("name a launch file: `rostether launch PACKAGE FILE`, or a path")
+    if len(rest) >= 2 and rest[0] in packages and rest[0] != STDIN:
+        found = in_package(rest[0], rest[1], packages[rest[0]])
+        if found is not None:
+            rest[:2] = [str(found)]
+    missing = [each for each in rest if each != STDIN and not Path(each).is_file()]
+    if missing:
+        raise ConfigError(_explain_missing(rest, missing[0], packages))
+    if rest.count(STDIN) > 1:
+        raise ConfigError("standard input (-) can be read once only")
+    files = [Path(each) for each in rest if each != STDIN]
+    return LaunchSources(files, STDIN in rest, arguments, empty)
+
+
+def in_package(package: str, name: str, folder: Path) -> Path | None:
+    """Return the file of a name, or of a path, in a package; None if there is none.
+
+    Raises ConfigError when there are two.
+    """
+    if "/" in name:
+        return folder / name if (folder / name).is_file() else None
+    found = [each.path / name for each in walk(folder, below_packages=True) if name in each.files]
+    if len(found) > 1:
+        places = ", ".join(str(each.relative_to(folder)) for each in found)
+        raise ConfigError(f"package {package} has {name} more than once; name one of {places}")
+    return found[0] if found else None
+
+
+def launch_files(folder: Path) -> list[str]:
+    """Return the names of the launch files in a package."""
+    return sorted(
+        name
+        for each in walk(folder, below_packages=True)
+        for name in each.files
+        if name.endswith(_LAUNCH_SUFFIXES) and name not in ("package.xml", "manifest.xml")
+    )
+
+
+def _explain_missing(words: list[str], missing: str, packages: Mapping[str, Path]) -> str:
+    from difflib import get_close_matches
+
+    if len(words) < 2 or missing != words[0]:
+        return f"there is no launch file {missing}"
+    package, name = words[0], words[1]
+    if package not in packages:
+        near = get_close_matches(package, packages, n=1)
+        hint = f"did you mean {near[0]}?" if near else "`rostether pkg list` shows the packages found"
+        return f"there is neither a package nor a launch file {package}; {hint}"
+    there = launch_files(packages[package])
+    near = get_close_matches(name, there, n=1)
+    if near:
+        return f"package {package} has no launch file {name}; did you mean {near[0]}?"
+    listed = ", ".join(there[:_MAX_LISTED]) + (", ..." if len(there) > _MAX_LISTED else "")
+    return f"package {package} has no launch file {name}; it has {listed or 'none'}"
