@@ -178,7 +178,7 @@ def sizes_table() -> Table:
 
 def zenoh_table() -> Table:
     """Measure the bridge into ROS 2 over zenoh: floods out of it, and round trips."""
-    from benchmarks import zenoh_flows  # The extra may be missing.
+    from benchmarks import zenoh_flows, zenoh_line  # The extra may be missing.
 
     table = Table("ROS 2 over zenoh", "measured", "lost", "CPU s/100k", "wanted", title="ROS 2 over zenoh")
     for type_name, count, wanted in (
@@ -202,6 +202,15 @@ def zenoh_table() -> Table:
             str(trips.sent - len(trips.times_s)),
             "",
             "p50 1 ms",
+        )
+    for payload_bytes in (8, 64):
+        trips = zenoh_line.round_trips(payload_bytes, 300)
+        table.add_row(
+            f"round trip zenoh, Uno at 115200 baud, zenoh, {payload_bytes} B",
+            f"p50 {trips.percentile_ms(50):.2f} ms, p99 {trips.percentile_ms(99):.2f} ms",
+            str(trips.sent - len(trips.times_s)),
+            "",
+            f"the line: {zenoh_line.line_ms(payload_bytes):.2f} ms",
         )
     return table
 
