@@ -47,8 +47,12 @@ def round_trips(payload_bytes: int, count: int) -> RoundTrips:
         stack.enter_context(_serving(port, f"sim:{elf}?board=uno&name=repeating_board"))
         session = stack.enter_context(open_session(str(port)))
         came = threading.Event()
+
+        def take(_: zenoh.Sample) -> None:
+            came.set()
+
         session.declare_subscriber(
-            wait_for(session, "MP", "out"), zenoh.handlers.Callback(lambda _: came.set(), indirect=False)
+            wait_for(session, "MP", "out"), zenoh.handlers.Callback(take, indirect=False)
         )
         publisher = session.declare_publisher(wait_for(session, "MS", "in"))
         text = b"x" * (payload_bytes - 4)
