@@ -1,0 +1,230 @@
+"""Where the vertices of a directed graph stand: in columns from left to right, with few crossings.
+
+Sugiyama's method: edges that close a cycle are turned, every vertex goes to the column behind its farthest
+source, edges over several columns get a bend in each of them, columns are ordered by the middle of their
+neighbours, and heights are the nearest to those middles that leave room for all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TypeAlias
+
+from rostether.errors import ConfigError
+
+Size: TypeAlias = tuple[float, float]
+Point: TypeAlias = tuple[float, float]
+Ends: TypeAlias = tuple[str, str]
+
+MAX_VERTICES = 2_000
+"""The time grows with the square of it, and no one reads a larger picture."""
+
+_ROW_GAP = 16.0
+_BEND_HEIGHT = 6.0
+_TURNED_SHIFT = 6.0  # down, for edges that lead back: so that they can be told from those that lead on
+_ORDERING_SWEEPS = 12
+_PLACING_SWEEPS = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """Middles of the vertices, and the points of each edge from its source's edge to its target's."""
+
+    width: float
+    height: float
+    places: Mapping[str, Point]
+    routes: Mapping[Ends, Sequence[Point]]
+
+
+def lay_out(sizes: Mapping[str, Size], edges: Sequence[Ends], *, column_gap: float = 60.0) -> Layout:
+    """Place vertices of these sizes. Edges from a vertex to itself have no route.
+
+    Raises ConfigError when there are too many vertices.
+    """
+    if len(sizes) > MAX_VERTICES:
+        raise ConfigError(f"a graph of {len(sizes)} vertices is too large to be drawn; use --format dot")
+    forward = _without_cycles(sizes, edges)
+    columns = _Columns(sizes, forward)
+    columns.order()
+    xs = columns.across(column_gap)
+    ys = columns.heights()
+    places = {key: (xs[key], ys[key]) for key in sizes}
+    routes = {}
+    for ends in dict.fromkeys(ends for ends in edges if ends[0] != ends[1]):
+        is_turned = ends not in columns.chains
+        chain = columns.chains[ends[::-1] if is_turned else ends]
+        # Beside its counterpart, where there is one.
+        down = _TURNED_SHIFT if is_turned else 0.0
+        points = [(xs[key], ys[key] + down) for key in chain]
+        points[0] = (points[0][0] + sizes[chain[0]][0] / 2, points[0][1])
+        points[-1] = (points[-1][0] - sizes[chain[-1]][0] / 2, points[-1][1])
+        routes[ends] = points[::-1] if is_turned else points
+    right = max((xs[key] + size[0] / 2 for key, size in sizes.items()), default=0.0)
+    bottom = max((ys[key] + size[1] / 2 for key, size in sizes.items()), default=0.0)
+    return Layout(right, bottom, places, routes)
+
+
+def _without_cycles(sizes: Mapping[str, Size], edges: Sequence[Ends]) -> list[Ends]:
+    """Return the edges with those turned that lead back, found by a walk in depth; loops are left out."""
+    following: dict[str, list[str]] = {key: [] for key in sizes}
+    entered: dict[str, int] = dict.fromkeys(sizes, 0)
+    for source, target in edges:
+        if source != target:
+            following[source].append(target)
+            entered[target] += 1
+    turned: set[Ends] = set()
+    done: set[str] = set()
+    # Those nobody leads to first: then only true cycles are cut.
+    for start in sorted(sizes, key=lambda key: entered[key] > 0):
+        if start in done:
+            continue
+        on_path = {start}
+        walk = [(start, iter(following[start]))]
+        while walk:
+            key, rest = walk[-1]
+            step = next(rest, None)
+            if step is None:
+                walk.pop()
+                on_path.discard(key)
+                done.add(key)
+            elif step in on_path:
+                turned.add((key, step))
+            elif step not in done:
+                on_path.add(step)
+                walk.append((step, iter(following[step])))
+    oriented = (ends[::-1] if ends in turned else ends for ends in edges if ends[0] != ends[1])
+    return list(dict.fromkeys(oriented))
+
+
+class _Columns:
+    """Vertices and bends in columns; a bend's key is a tuple's text that no vertex has."""
+
+    def __init__(self, sizes: Mapping[str, Size], edges: Sequence[Ends]) -> None:
+        self._sizes = dict(sizes)
+        self._column = _longest_ways(sizes, edges)
+        self.chains: dict[Ends, list[str]] = {}
+        self._before: dict[str, list[str]] = {key: [] for key in sizes}
+        self._behind: dict[str, list[str]] = {key: [] for key in sizes}
+        count = 1 + max(self._column.values(), default=0)
+        self._rows: list[list[str]] = [[] for _ in range(count)]
+        for key in sizes:
+            self._rows[self._column[key]].append(key)
+        for number, (source, target) in enumerate(edges):
+            chain = [source]
+            for column in range(self._column[source] + 1, self._column[target]):
+                bend = f"\0{number} {column}"
+                self._sizes[bend] = (0.0, _BEND_HEIGHT)
+                self._before[bend], self._behind[bend] = [], []
+                self._rows[column].append(bend)
+                chain.append(bend)
+            chain.append(target)
+            self.chains[source, target] = chain
+            for left, right in pairwise(chain):
+                self._behind[left].append(right)
+                self._before[right].append(left)
+
+    def order(self) -> None:
+        """Order each column by the middle of its neighbours, to and fro; the best order seen is kept."""
+        best, fewest = [list(row) for row in self._rows], self._crossings()
+        for sweep in range(_ORDERING_SWEEPS):
+            is_forward = sweep % 2 == 0
+            neighbours = self._before if is_forward else self._behind
+            for row in self._rows if is_forward else reversed(self._rows):
+                self._sort(row, neighbours)
+            crossings = self._crossings()
+            if crossings < fewest:
+                best, fewest = [list(row) for row in self._rows], crossings
+        self._rows = best
+
+    def _sort(self, row: list[str], neighbours: Mapping[str, list[str]]) -> None:
+        places = self._places()
+        middles = {}
+        for place, key in enumerate(row):
+            near = [places[each] for each in neighbours[key]]
+            middles[key] = sum(near) / len(near) if near else float(place)
+        row.sort(key=lambda key: middles[key])
+
+    def _places(self) -> dict[str, int]:
+        return {key: place for row in self._rows for place, key in enumerate(row)}
+
+    def _crossings(self) -> int:
+        places, count = self._places(), 0
+        for row in self._rows:
+            targets: list[int] = []
+            for key in row:
+                ends = sorted(places[each] for each in self._behind[key])
+                count += sum(earlier > end for end in ends for earlier in targets)
+                targets += ends
+        return count
+
+    def across(self, gap: float) -> dict[str, float]:
+        """Return the horizontal middles."""
+        xs, left = {}, 0.0
+        for row in self._rows:
+            width = max((self._sizes[key][0] for key in row), default=0.0)
+            xs.update(dict.fromkeys(row, left + width / 2))
+            left += width + gap
+        return xs
+
+    def heights(self) -> dict[str, float]:
+        """Return the vertical middles; the uppermost vertex begins at 0."""
+        ys = {}
+        for row in self._rows:
+            ys.update(_spread(self._distances(row), dict.fromkeys(row, 0.0)))
+        for sweep in range(_PLACING_SWEEPS):
+            is_forward = sweep % 2 == 0
+            for row in self._rows if is_forward else reversed(self._rows):
+                wanted = {key: self._middle(key, ys) for key in row}
+                ys.update(_spread(self._distances(row), wanted))
+        top = min((ys[key] - self._sizes[key][1] / 2 for key in ys), default=0.0)
+        return {key: y - top for key, y in ys.items()}
+
+    def _middle(self, key: str, ys: Mapping[str, float]) -> float:
+        near = [ys[each] for each in (*self._before[key], *self._behind[key])]
+        return sum(near) / len(near) if near else ys[key]
+
+    def _distances(self, row: Sequence[str]) -> list[tuple[str, float]]:
+        """Return each key of a column with its least distance from the one above."""
+        found = [(key, 0.0) for key in row[:1]]
+        for upper, lower in pairwise(row):
+            found.append((lower, (self._sizes[upper][1] + self._sizes[lower][1]) / 2 + _ROW_GAP))
+        return found
+
+
+def _longest_ways(sizes: Mapping[str, Size], edges: Sequence[Ends]) -> dict[str, int]:
+    """Return each vertex's column: behind its last source; those without sources stand before a target."""
+    following: dict[str, list[str]] = {key: [] for key in sizes}
+    waiting = dict.fromkeys(sizes, 0)
+    for source, target in edges:
+        following[source].append(target)
+        waiting[target] += 1
+    sources = [key for key in sizes if not waiting[key]]
+    ready, column = list(sources), dict.fromkeys(sizes, 0)
+    for key in ready:
+        for target in following[key]:
+            column[target] = max(column[target], column[key] + 1)
+            waiting[target] -= 1
+            if not waiting[target]:
+                ready.append(target)
+    for key in sources:
+        if following[key]:
+            column[key] = min(column[target] for target in following[key]) - 1
+    return column
+
+
+def _spread(distances: Sequence[tuple[str, float]], wanted: Mapping[str, float]) -> dict[str, float]:
+    """Return the places nearest to those wanted (least squares) that keep order and distances.
+
+    Without the distances it is an isotonic regression; neighbours that would overlap form blocks.
+    """
+    shift, blocks = 0.0, []
+    for key, distance in distances:
+        shift += distance
+        blocks.append((wanted[key] - shift, [(key, shift)]))
+        while len(blocks) > 1 and blocks[-2][0] > blocks[-1][0]:
+            (upper, above), (lower, below) = blocks[-2:]
+            mean = (upper * len(above) + lower * len(below)) / (len(above) + len(below))
+            blocks[-2:] = [(mean, above + below)]
+    return {key: level + offset for level, members in blocks for key, offset in members}

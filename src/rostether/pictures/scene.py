@@ -1,0 +1,94 @@
+"""What a picture consists of: lines, areas and text, in pixels from the upper left.
+
+Text is set in a monospaced face, so that its width is known before anything draws it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import TypeAlias
+
+Point: TypeAlias = tuple[float, float]
+Color: TypeAlias = tuple[int, int, int]
+
+WHITE: Color = (255, 255, 255)
+ADVANCE = 0.6
+"""The width of a character, in font sizes: that of the usual monospaced faces."""
+
+_ELLIPSE_POINTS = 64  # corners that nobody sees at the sizes of labels
+
+
+class Anchor(StrEnum):
+    """Which end of a text its place is."""
+
+    START = "start"
+    MIDDLE = "middle"
+    END = "end"
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A line through points; with `fill` the convex area within is painted too, and the line closed."""
+
+    points: tuple[Point, ...]
+    color: Color
+    width: float = 1.0
+    fill: Color | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """One line of text; `y` is its base line."""
+
+    x: float
+    y: float
+    text: str
+    size: float
+    color: Color
+    anchor: Anchor = Anchor.START
+
+
+Item: TypeAlias = Line | Text
+
+
+@dataclass(slots=True)
+class Scene:
+    """A picture; later items cover earlier ones."""
+
+    width: int
+    height: int
+    background: Color = WHITE
+    items: list[Item] = field(default_factory=list)
+
+    def line(self, points: Iterable[Point], color: Color, width: float = 1.0) -> None:
+        """Draw a line through points."""
+        self.items.append(Line(tuple(points), color, width))
+
+    def area(self, points: Iterable[Point], fill: Color, color: Color, width: float = 1.0) -> None:
+        """Paint a convex area and draw its edge."""
+        self.items.append(Line(tuple(points), color, width, fill))
+
+    def text(
+        self, x: float, y: float, text: str, size: float, color: Color, anchor: Anchor = Anchor.START
+    ) -> None:
+        """Write one line of text."""
+        self.items.append(Text(x, y, text, size, color, anchor))
+
+
+def text_width(text: str, size: float) -> float:
+    """Return how wide a text is, in pixels."""
+    return len(text) * size * ADVANCE
+
+
+def rectangle(x: float, y: float, width: float, height: float) -> Sequence[Point]:
+    """Return the corners of a rectangle, from the upper left."""
+    return ((x, y), (x + width, y), (x + width, y + height), (x, y + height))
+
+
+def ellipse(x: float, y: float, width: float, height: float) -> Sequence[Point]:
+    """Return points on the ellipse around a middle, of that width and height."""
+    turns = [2 * math.pi * step / _ELLIPSE_POINTS for step in range(_ELLIPSE_POINTS)]
+    return [(x + width / 2 * math.cos(turn), y + height / 2 * math.sin(turn)) for turn in turns]
