@@ -7,6 +7,7 @@ import click
 from rostether.cli.completions import complete_nodes
 from rostether.cli.options import master_option
 from rostether.cli.output import json_option, one_line, warn, write_json, write_line
+from rostether.cli.ros2.habits import daemon_habits
 from rostether.cli.ros2.refusals import not_on_ros2, refuse_ros1_only, refuse_ros2_only
 from rostether.cli.ros_choice import chosen_ros2, ros1_option, ros2_option
 from rostether.cli.running import run
@@ -49,6 +50,7 @@ def node() -> None:
 @master_option
 @ros1_option
 @ros2_option
+@daemon_habits
 def list_nodes(
     namespace: str,
     uris_only: bool,
@@ -103,6 +105,7 @@ async def _list(namespace: str, master: str | None, *, with_uris: bool) -> list[
 @master_option
 @ros1_option
 @ros2_option
+@daemon_habits
 def info(nodes: tuple[str, ...], quiet: bool, with_hidden: bool, as_json: bool, master: str | None) -> None:
     """Show what a node publishes, subscribes to and serves, and whom it is connected to."""
     if (middleware := chosen_ros2()) is not None:
@@ -148,6 +151,7 @@ async def _info(nodes: tuple[str, ...], master: str | None, *, quiet: bool, as_j
 @master_option
 @ros1_option
 @ros2_option
+@daemon_habits
 def machine(name: str | None, master: str | None) -> None:
     """List the machines that nodes run on, or the nodes on one of them."""
     if chosen_ros2() is not None:

@@ -10,6 +10,7 @@ import click
 from rostether.cli.completions import complete_params
 from rostether.cli.options import master_option
 from rostether.cli.output import json_option, one_line, write_json, write_line
+from rostether.cli.ros2.habits import daemon_habits
 from rostether.cli.ros2.refusals import refuse_ros1_only, refuse_ros2_only
 from rostether.cli.ros_choice import chosen_ros2, ros1_option, ros2_option
 from rostether.cli.running import run
@@ -57,6 +58,7 @@ def param() -> None:
 @master_option
 @ros1_option
 @ros2_option
+@daemon_habits
 def list_params(
     namespace: str,
     with_hidden: bool,
@@ -107,6 +109,7 @@ async def _names_below(namespace: str, master: str | None) -> list[str]:
 @master_option
 @ros1_option
 @ros2_option
+@daemon_habits
 def get(
     name: str,
     parameter: str | None,
@@ -174,6 +177,7 @@ def _plain(value: Any) -> Any:
 @master_option
 @ros1_option
 @ros2_option
+@daemon_habits
 def delete(name: str, parameter: str | None, verbose: bool, master: str | None) -> None:
     """Delete a parameter, or all parameters of a namespace; with --ros2, type NODE NAME."""
     if (middleware := chosen_ros2()) is not None:
@@ -215,6 +219,7 @@ async def _delete(name: str, master: str | None) -> str:
 @master_option
 @ros1_option
 @ros2_option
+@daemon_habits
 def dump_params(file: Path | None, namespace: str, verbose: bool, master: str | None) -> None:
     """Write parameters to a YAML file; without a file, or with -, to stdout.
 

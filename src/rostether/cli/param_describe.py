@@ -5,6 +5,7 @@ from __future__ import annotations
 import click
 
 from rostether.cli.output import json_option
+from rostether.cli.ros2.habits import daemon_habits
 from rostether.cli.ros_choice import chosen_ros2, ros1_option, ros2_option
 from rostether.cli.verbs import Verb
 
@@ -15,6 +16,7 @@ from rostether.cli.verbs import Verb
 @json_option
 @ros1_option
 @ros2_option
+@daemon_habits
 def describe(node: str, names: tuple[str, ...], as_json: bool) -> None:
     """Show the type, the limits and the description of a ROS 2 node's parameters."""
     if (middleware := chosen_ros2()) is None:

@@ -12,6 +12,7 @@ from rostether.cli.completions import complete_params
 from rostether.cli.options import master_option
 from rostether.cli.output import warn, write_line
 from rostether.cli.param import verbose_option
+from rostether.cli.ros2.habits import daemon_habits
 from rostether.cli.ros2.refusals import refuse_ros1_only, refuse_ros2_only
 from rostether.cli.ros_choice import chosen_ros2, ros1_option, ros2_option
 from rostether.cli.running import run
@@ -47,6 +48,7 @@ _NEGATIVE_NUMBERS = {"ignore_unknown_options": True}
 @master_option
 @ros1_option
 @ros2_option
+@daemon_habits
 def set_param(
     name: str,
     value: str | None,
@@ -100,6 +102,7 @@ def set_param(
 @master_option
 @ros1_option
 @ros2_option
+@daemon_habits
 def load(file: Path, namespace: str, verbose: bool, master: str | None) -> None:
     """Set the parameters of a YAML file (- is stdin), in a namespace if one is given.
 

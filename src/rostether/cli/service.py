@@ -11,6 +11,7 @@ import click
 from rostether.cli.completions import complete_service_types, complete_services
 from rostether.cli.options import master_option, msg_path_option
 from rostether.cli.output import json_option, write_json, write_line
+from rostether.cli.ros2.habits import daemon_habits
 from rostether.cli.ros2.refusals import not_on_ros2, refuse_ros1_only, refuse_ros2_only
 from rostether.cli.ros_choice import chosen_ros2, ros1_option, ros2_option
 from rostether.cli.running import run
@@ -60,6 +61,7 @@ def service() -> None:
 @master_option
 @ros1_option
 @ros2_option
+@daemon_habits
 def list_services(
     namespace: str | None,
     nodes: bool,
@@ -122,6 +124,7 @@ async def _ask(
 @master_option
 @ros1_option
 @ros2_option
+@daemon_habits
 def type_of(service: str, master: str | None) -> None:
     """Print the type of a service."""
     if (middleware := chosen_ros2()) is not None:
@@ -140,6 +143,7 @@ def type_of(service: str, master: str | None) -> None:
 @master_option
 @ros1_option
 @ros2_option
+@daemon_habits
 def uri_of(service: str, master: str | None) -> None:
     """Print the URI (rosrpc://host:port) of a service."""
     if chosen_ros2() is not None:
@@ -156,6 +160,7 @@ def uri_of(service: str, master: str | None) -> None:
 @master_option
 @ros1_option
 @ros2_option
+@daemon_habits
 def node_of(service: str, master: str | None) -> None:
     """Print the node that offers a service."""
     if (middleware := chosen_ros2()) is not None:
@@ -175,6 +180,7 @@ def node_of(service: str, master: str | None) -> None:
 @master_option
 @ros1_option
 @ros2_option
+@daemon_habits
 def args(service: str, msg_paths: tuple[Path, ...], master: str | None) -> None:
     """Print the names of a service's arguments."""
     if (middleware := chosen_ros2()) is not None:
@@ -202,6 +208,7 @@ def _argument_names(type_name: str, msg_paths: tuple[Path, ...]) -> str:
 @master_option
 @ros1_option
 @ros2_option
+@daemon_habits
 def info(service: str, as_json: bool, msg_paths: tuple[Path, ...], master: str | None) -> None:
     """Show who offers a service, its type and its arguments."""
     if (middleware := chosen_ros2()) is not None:
@@ -239,6 +246,7 @@ async def _info(service: str, as_json: bool, msg_paths: tuple[Path, ...], master
 @master_option
 @ros1_option
 @ros2_option
+@daemon_habits
 def find(type_name: str, master: str | None) -> None:
     """List the services of a type."""
     if (middleware := chosen_ros2()) is not None:

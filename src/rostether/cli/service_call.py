@@ -13,6 +13,7 @@ import click
 from rostether.cli.completions import complete_services
 from rostether.cli.options import master_option, msg_path_option, tool_allow_option
 from rostether.cli.output import json_option, write_json, write_line
+from rostether.cli.ros2.habits import daemon_habits
 from rostether.cli.ros2.refusals import refuse_ros1_only, refuse_ros2_only
 from rostether.cli.ros_choice import chosen_ros2, ros1_option, ros2_option
 from rostether.cli.running import run
@@ -63,6 +64,7 @@ WAIT_POLL_S = 0.2
 @tool_allow_option
 @ros1_option
 @ros2_option
+@daemon_habits
 def call(
     service: str,
     arguments: tuple[str, ...],

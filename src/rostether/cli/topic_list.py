@@ -12,6 +12,7 @@ import click
 from rostether.cli.completions import complete_message_types, complete_topics
 from rostether.cli.options import master_option, msg_path_option
 from rostether.cli.output import json_option, one_line, write_json, write_line
+from rostether.cli.ros2.habits import daemon_habits
 from rostether.cli.ros2.refusals import refuse_ros1_only, refuse_ros2_only
 from rostether.cli.ros_choice import chosen_ros2, ros1_option, ros2_option
 from rostether.cli.running import run
@@ -75,6 +76,7 @@ hidden_topics_option = click.option(
 @master_option
 @ros1_option
 @ros2_option
+@daemon_habits
 def list_topics(
     namespace: str | None,
     verbose: bool,
@@ -180,6 +182,7 @@ async def _by_host(topics: list[TopicView], master: str | None) -> dict[str, lis
 @master_option
 @ros1_option
 @ros2_option
+@daemon_habits
 def info(topic: str, verbose: bool, as_json: bool, master: str | None) -> None:
     """Show a topic's type, and the nodes that publish and subscribe to it."""
     if (middleware := chosen_ros2()) is not None:
@@ -254,6 +257,7 @@ def unknown_topic(name: str) -> UnknownNameError:
 @master_option
 @ros1_option
 @ros2_option
+@daemon_habits
 def type_of(topic: str, msg_paths: tuple[Path, ...], master: str | None) -> None:
     """Print the type of a topic, or of a field: then the topic's type, the field, and the field's type."""
     if (middleware := chosen_ros2()) is not None:
@@ -287,6 +291,7 @@ def type_of(topic: str, msg_paths: tuple[Path, ...], master: str | None) -> None
 @master_option
 @ros1_option
 @ros2_option
+@daemon_habits
 def find(type_name: str, with_hidden: bool, as_json: bool, master: str | None) -> None:
     """List the topics of a type."""
     if (middleware := chosen_ros2()) is not None:

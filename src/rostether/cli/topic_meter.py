@@ -28,12 +28,19 @@ class TopicMeter:
         self.names = names
         self._quiet = quiet
         self._word = word
+        self.encoders: dict[str, Callable[[bytes], bytes]] = {}
+        """What makes of a topic's messages what is sent, where that is something else."""
         self._listening: set[asyncio.Task[None]] = set()
 
     async def take_raw(self, name: str, add: Callable[[Sequence[bytes]], None]) -> None:
         """Hand every chunk of undecoded messages to `add`."""
         await self.graph.raw.subscribe(name, ANY_MESSAGE, add)
         self._tell(name)
+
+    def size_bytes(self, name: str, payload: bytes) -> int:
+        """Return how long a message of a topic is on its way."""
+        encode = self.encoders.get(name)
+        return len(payload if encode is None else encode(payload))
 
     def take(self, name: str, add: Callable[[Any], None]) -> None:
         """Hand every decoded message to `add`; what it raises ends the reports."""
@@ -87,8 +94,11 @@ async def meter(
         from rostether.cli.ros2.topic_choice import choose_topic
 
         async with tool_node(middleware, msg_paths) as tool:
-            chosen_names = [(await choose_topic(tool, topic)).topic for topic in topics]
-            found = TopicMeter(tool.graph, chosen_names, quiet, "Subscribed")
+            chosen_topics = [await choose_topic(tool, topic) for topic in topics]
+            found = TopicMeter(tool.graph, [each.topic for each in chosen_topics], quiet, "Subscribed")
+            for each in chosen_topics:
+                support = tool.types.message(tool.registry.message_type(each.type))
+                found.encoders[each.topic] = support.converter.to_cdr
             try:
                 yield found
             finally:

@@ -15,6 +15,7 @@ import click
 from rostether.cli.completions import complete_message_types, complete_topics
 from rostether.cli.options import master_option, msg_path_option, tool_allow_option
 from rostether.cli.output import write_line
+from rostether.cli.ros2.habits import qos_habits
 from rostether.cli.ros2.refusals import refuse_ros1_only, refuse_ros2_only
 from rostether.cli.ros_choice import chosen_ros2, ros1_option, ros2_option
 from rostether.cli.running import run
@@ -115,6 +116,7 @@ class _Options:
 @tool_allow_option
 @ros1_option
 @ros2_option
+@qos_habits
 def pub(
     topic: str,
     type_name: str,

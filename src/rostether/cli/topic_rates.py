@@ -25,6 +25,7 @@ from rostether.cli.rates import (
     format_ros2_bandwidth,
     rate_record,
 )
+from rostether.cli.ros2.habits import daemon_habits
 from rostether.cli.ros2.refusals import refuse_ros1_only
 from rostether.cli.ros_choice import chosen_ros2, ros1_option, ros2_option
 from rostether.cli.running import run
@@ -60,6 +61,7 @@ _nodelay_option = click.option("--tcpnodelay", is_flag=True, help="For habit: it
 @tool_allow_option
 @ros1_option
 @ros2_option
+@daemon_habits
 def hz(
     topics: tuple[str, ...],
     window: int | None,
@@ -145,6 +147,7 @@ def _report_rates(windows: dict[str, IntervalWindow], as_json: bool) -> None:
 @tool_allow_option
 @ros1_option
 @ros2_option
+@daemon_habits
 def bw(topic: str, window: int, count: int | None, as_json: bool, master: str | None) -> None:
     """Measure how many bytes a second a topic takes, and print it every second."""
     from rostether.cli.topic_meter import meter
@@ -154,14 +157,15 @@ def bw(topic: str, window: int, count: int | None, as_json: bool, master: str | 
 
     sizes = SizeWindow(window)
 
-    def add(payloads: Sequence[bytes]) -> None:
-        now_s = time.monotonic()
-        for payload in payloads:
-            sizes.add(now_s, len(payload))
-
     async def measure() -> None:
         async with meter([topic], (), master, quiet=as_json) as measuring:
             name = measuring.names[0]
+
+            def add(payloads: Sequence[bytes]) -> None:
+                now_s = time.monotonic()
+                for payload in payloads:
+                    sizes.add(now_s, measuring.size_bytes(name, payload))
+
             await measuring.take_raw(name, add)
             async for _ in measuring.reports(count):
                 found = sizes.report(time.monotonic())
@@ -186,6 +190,7 @@ def bw(topic: str, window: int, count: int | None, as_json: bool, master: str | 
 @tool_allow_option
 @ros1_option
 @ros2_option
+@daemon_habits
 def delay(
     topic: str,
     window: int | None,

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph
     from rostether.ros2.endpoint_info import Ros2Graph
     from rostether.ros2.native_registry import NativeRegistry
+    from rostether.ros2.type_support import Ros2Types
 
 T = TypeVar("T")
 
@@ -27,16 +28,19 @@ LOOK_INTERVAL_S = 0.05
 PATIENCE_S = {Middleware.ZENOH: 1.0, Middleware.RCLPY: 4.0}
 """How long something that was named is waited for. DDS tells of it at once, and again after 3 s if that is
 lost; zenoh's router has told before we begin."""
-QUIET_S = {Middleware.ZENOH: 0.0, Middleware.RCLPY: 0.8}
+QUIET_S = {Middleware.ZENOH: 0.1, Middleware.RCLPY: 0.8}
 """How long nothing new has come when a listing counts as complete."""
 
 
 class ToolNode:
     """A node of our own on a ROS 2 graph, for one command."""
 
-    def __init__(self, graph: TypedGraph, registry: NativeRegistry, middleware: Middleware) -> None:
+    def __init__(
+        self, graph: TypedGraph, registry: NativeRegistry, types: Ros2Types, middleware: Middleware
+    ) -> None:
         self.graph = graph
         self.registry = registry
+        self.types = types
         self.middleware = middleware
 
     async def look(self) -> GraphView:
@@ -52,7 +56,7 @@ class ToolNode:
         view = await self.look()
         begin_s = changed_s = loop.time()
         while loop.time() - begin_s < PATIENCE_S[self.middleware]:
-            if (not quiet_s or _looks_complete(view)) and loop.time() - changed_s >= quiet_s:
+            if _looks_complete(view) and loop.time() - changed_s >= quiet_s:
                 break
             await asyncio.sleep(LOOK_INTERVAL_S)
             latest = await self.look()
@@ -71,7 +75,7 @@ class ToolNode:
 
 
 def _looks_complete(view: GraphView) -> bool:
-    """Tell whether somebody has been found, and what belongs to each node: DDS tells of nodes first."""
+    """Tell whether somebody has been found, and what belongs to each node: nodes are told of first."""
     with_ends = {end.node_name for end in view.ends}
     return any(not is_hidden(node) for node in view.nodes) and with_ends.issuperset(view.nodes)
 
@@ -88,16 +92,15 @@ async def tool_node(middleware: Middleware, msg_paths: Iterable[Path] = ()) -> A
     registry = NativeRegistry.from_environment(msg_paths)
     # A tool comes and goes: it must not be the router that others count on.
     reach = ZenohReach(router="never")
-    async with ros2_access(
-        middleware, reach=reach, types=Ros2Types(registry, registry.definitions)
-    ) as access:
+    types = Ros2Types(registry, registry.definitions)
+    async with ros2_access(middleware, reach=reach, types=types) as access:
         if middleware is Middleware.ZENOH:
             await _warn_without_router()
         graph = await access.join(
             specials.get("__name") or anonymous_name(HIDDEN_NAME), namespace=specials.get("__ns", "/")
         )
         try:
-            yield ToolNode(TypedGraph(graph, TypeStore(registry)), registry, middleware)
+            yield ToolNode(TypedGraph(graph, TypeStore(registry)), registry, types, middleware)
         finally:
             await graph.close()
 
