@@ -11,6 +11,7 @@ from rostether.cli.verbs import LazyGroup, VerbEntry
 
 _LIBRARIES = "rostether.cli.make_libraries"
 _SERVERS = "rostether.cli.rosserial_server"
+_TOPICS = "rostether.cli.topic_tools"
 _JOINTS = "rostether.cli.joint_state_role"
 _STATIC = "rostether.cli.tf_static"
 
@@ -36,6 +37,13 @@ ROLES = {
     "tf-static-transform-publisher": VerbEntry(
         f"{_STATIC}:static_transform_publisher", "Publish a transform that stays, like tf's."
     ),
+    "relay": VerbEntry(f"{_TOPICS}:relay", "Publish a topic again under another name."),
+    "throttle": VerbEntry(f"{_TOPICS}:throttle", "Publish a topic again, at most so often."),
+    "mux": VerbEntry(f"{_TOPICS}:mux", "Publish one of several topics, chosen by a service."),
+    "mux-select": VerbEntry(f"{_TOPICS}:mux_select", "Choose what a mux publishes."),
+    "mux-add": VerbEntry(f"{_TOPICS}:mux_add", "Add an input to a mux."),
+    "mux-delete": VerbEntry(f"{_TOPICS}:mux_delete", "Take an input from a mux."),
+    "mux-list": VerbEntry(f"{_TOPICS}:mux_list", "List the inputs of a mux."),
 }
 
 

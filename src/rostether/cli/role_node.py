@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Sequence
+import asyncio
+from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
-from rostether.cli.graph_access import no_master, read_environment, special_arguments
+from rostether.cli.graph_access import read_environment, special_arguments
+from rostether.cli.output import warn
 from rostether.errors import MasterUnreachableError
 from rostether.names.remap import Arguments, parse_arguments
 
@@ -15,6 +17,9 @@ if TYPE_CHECKING:
 
 NODE_SETTINGS = {"ignore_unknown_options": True}
 """For commands with a node's arguments: `-0.1` is a number there, no option."""
+
+
+_MASTER_RETRY_S = 0.5  # a launch starts the master beside its nodes; rospy asks as often
 
 
 def node_arguments(words: Sequence[str]) -> Arguments:
@@ -26,7 +31,7 @@ def node_arguments(words: Sequence[str]) -> Arguments:
 async def role_node(arguments: Arguments, default_name: str) -> AsyncIterator[TypedGraph]:
     """Be the node, `default_name` unless `__name:=` says otherwise; its private parameters are set first.
 
-    Raises MasterUnreachableError with what to do next, InvalidNameError, ConfigError.
+    As rospy's nodes do, it waits for the master. Raises InvalidNameError, ConfigError.
     """
     from rostether.graph.typed_graph import TypedGraph
     from rostether.msgdef.registry import Registry
@@ -35,18 +40,51 @@ async def role_node(arguments: Arguments, default_name: str) -> AsyncIterator[Ty
 
     environment = read_environment()
     name = special_arguments().get("__name", default_name)
-    try:
-        graph = await join_ros1(
-            name,
-            environment=environment,
-            namespace=environment.namespace,
-            remappings=arguments.remappings,
-        )
-    except MasterUnreachableError as error:
-        raise no_master(environment, error) from error
+    has_warned = False
+    while True:
+        try:
+            graph = await join_ros1(
+                name,
+                environment=environment,
+                namespace=environment.namespace,
+                remappings=arguments.remappings,
+            )
+            break
+        except MasterUnreachableError:
+            if not has_warned:
+                warn(f"waiting for a ROS master at {environment.master_uri}")
+                has_warned = True
+            await asyncio.sleep(_MASTER_RETRY_S)
     try:
         for parameter, value in arguments.private_params.items():
             await graph.set_param(f"~{parameter}", value)
         yield TypedGraph(graph, TypeStore(Registry.from_environment()))
     finally:
         await graph.close()
+
+
+def run_role(
+    default_name: str, words: Sequence[str], main: Callable[[TypedGraph, list[str]], Awaitable[None]]
+) -> None:
+    """Be a node until `main` is done, the node is told to leave, or the process is.
+
+    `main` gets the graph and the words that are no remappings or parameters.
+    """
+    from rostether.cli.running import run
+
+    arguments = node_arguments(words)
+
+    async def until_told() -> None:
+        async with role_node(arguments, default_name) as graph:
+            working = asyncio.ensure_future(main(graph, arguments.rest))
+            leaving = asyncio.ensure_future(graph.raw.wait_closed())
+            try:
+                await asyncio.wait([working, leaving], return_when=asyncio.FIRST_COMPLETED)
+                if working.done():
+                    await working
+            finally:
+                working.cancel()
+                leaving.cancel()
+                await asyncio.wait([working, leaving])
+
+    run(until_told(), is_service=True)

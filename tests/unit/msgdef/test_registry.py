@@ -27,6 +27,7 @@ PACKAGES = {
     "stereo_msgs",
     "tf",
     "tf2_msgs",
+    "topic_tools",
     "trajectory_msgs",
     "turtlebot3_msgs",
     "visualization_msgs",

@@ -1,0 +1,108 @@
+"""topic_tools' relay and throttle: one topic published again under another name, whole or thinned out."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from collections.abc import Callable, Sequence
+from typing import TypeAlias
+
+from rostether.errors import ConfigError
+from rostether.graph.ports import Graph, Subscriber
+from rostether.msgdef.interface import ANY_MESSAGE
+from rostether.nodes.output_topic import OutputTopic
+
+LAZY_POLL_S = 0.05
+"""How soon a lazy node sees that somebody listens: the port tells of no connections, looking is cheap."""
+
+Select: TypeAlias = Callable[[Sequence[bytes]], Sequence[bytes]]
+
+MAX_SENT_MESSAGES = 100_000
+"""What a window of bytes remembers; empty messages cost none, and must not fill memory."""
+
+
+def everything(payloads: Sequence[bytes]) -> Sequence[bytes]:
+    """Select all messages: what a relay does."""
+    return payloads
+
+
+class MessageRate:
+    """Selects messages that come at least 1 / `rate_hz` after the one selected before.
+
+    `now_s` is the clock; when it jumps back, the pause begins anew. Raises ConfigError for a rate below 0.
+    """
+
+    def __init__(self, rate_hz: float, now_s: Callable[[], float]) -> None:
+        if not rate_hz > 0:
+            raise ConfigError(f"{rate_hz:g} messages a second let nothing through: give more than 0")
+        self._pause_s = 1 / rate_hz
+        self._now_s = now_s
+        self._last_s = 0.0
+
+    def __call__(self, payloads: Sequence[bytes]) -> Sequence[bytes]:
+        """Return those of the messages, which came at once, that pass."""
+        now_s = self._now_s()
+        self._last_s = min(self._last_s, now_s)
+        if not payloads or now_s - self._last_s <= self._pause_s:
+            return ()
+        self._last_s = now_s
+        return payloads[:1]
+
+
+class ByteRate:
+    """Selects messages while those of the last `window_s` seconds have fewer than `limit_bytes` in sum."""
+
+    def __init__(self, limit_bytes: int, window_s: float, now_s: Callable[[], float]) -> None:
+        self._limit_bytes = limit_bytes
+        self._window_s = window_s
+        self._now_s = now_s
+        self._sent: deque[tuple[float, int]] = deque(maxlen=MAX_SENT_MESSAGES)
+
+    def __call__(self, payloads: Sequence[bytes]) -> Sequence[bytes]:
+        """Return those of the messages, which came at once, that pass."""
+        now_s = self._now_s()
+        while self._sent and self._sent[0][0] < now_s - self._window_s:
+            self._sent.popleft()
+        passed = []
+        spent_bytes = sum(size for _, size in self._sent)
+        for payload in payloads:
+            if spent_bytes >= self._limit_bytes:
+                break
+            self._sent.append((now_s, len(payload)))
+            spent_bytes += len(payload)
+            passed.append(payload)
+        return passed
+
+
+async def forward(
+    graph: Graph, source: str, target: str, select: Select = everything, *, lazy: bool = False
+) -> None:
+    """Publish a topic's messages under another name until cancelled.
+
+    `lazy` subscribes only while somebody listens, once the type is known. Raises ConfigError for a topic that
+    would feed itself, InvalidNameError, GraphError.
+    """
+    if graph.resolve(source) == graph.resolve(target):
+        raise ConfigError(f"{graph.resolve(source)} would feed itself: give the copy another name")
+    output = OutputTopic(graph, target)
+    subscriber: Subscriber | None = None
+
+    def take(payloads: Sequence[bytes]) -> None:
+        if passed := select(payloads):
+            output.publish(passed)
+
+    try:
+        while True:
+            is_wanted = not lazy or not output.is_advertised or output.subscriber_count > 0
+            if is_wanted and subscriber is None:
+                subscriber = await graph.subscribe(source, ANY_MESSAGE, take, on_connection=output.meet)
+            elif not is_wanted and subscriber is not None:
+                await subscriber.close()
+                subscriber = None
+            if not lazy:
+                await asyncio.Event().wait()
+            await asyncio.sleep(LAZY_POLL_S)
+    finally:
+        if subscriber is not None:
+            await subscriber.close()
+        await output.close()

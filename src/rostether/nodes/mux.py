@@ -1,0 +1,150 @@
+"""topic_tools' mux: one of several topics published under one name, chosen by a service.
+
+mux/select (topic_tools/MuxSelect)   mux/add   mux/delete   mux/list     and the older OUT_select
+mux/selected (std_msgs/String)       the chosen input, latched; `__none`: none
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Mapping, Sequence
+from functools import partial
+
+from rostether.errors import InvalidNameError, ServiceCallError
+from rostether.graph.ports import Level, Subscriber
+from rostether.graph.typed_graph import Handler, TypedGraph, TypedPublisher
+from rostether.msgdef.interface import ANY_MESSAGE
+from rostether.nodes.forwarding import LAZY_POLL_S
+from rostether.nodes.output_topic import OutputTopic
+from rostether.serde.values import Message
+
+NO_INPUT = "__none"
+MAX_INPUTS = 1_000
+"""Each costs a subscription, and a caller of `add` must not fill memory."""
+
+
+class Mux:
+    """The node; `run` until cancelled."""
+
+    def __init__(
+        self,
+        graph: TypedGraph,
+        output: str,
+        inputs: Sequence[str],
+        *,
+        initial: str = "",
+        lazy: bool = False,
+        latch: bool = False,
+    ) -> None:
+        self._graph = graph
+        self._output = OutputTopic(graph.raw, output, latch=latch)
+        self._inputs: dict[str, Subscriber | None] = {graph.resolve(each): None for each in inputs}
+        self._headers: dict[str, Mapping[str, str]] = {}
+        self._lazy = lazy
+        self._announced: TypedPublisher | None = None
+        first = initial or next(iter(self._inputs), NO_INPUT)
+        known = first != NO_INPUT and graph.resolve(first) in self._inputs
+        self._selected = graph.resolve(first) if known else NO_INPUT
+        self._first_word = first if known else NO_INPUT
+
+    async def run(self) -> None:
+        """Serve until cancelled. Raises GraphError."""
+        self._announced = await self._graph.publisher("mux/selected", "std_msgs/String", latch=True)
+        self._announced.publish(data=self._first_word)
+        services: dict[str, tuple[str, Handler]] = {
+            f"{self._output.topic}_select": ("MuxSelect", self._select),
+            "mux/select": ("MuxSelect", self._select),
+            "mux/add": ("MuxAdd", self._add),
+            "mux/delete": ("MuxDelete", self._delete),
+            "mux/list": ("MuxList", self._list),
+        }
+        for name, (kind, handler) in services.items():
+            await self._graph.serve(name, f"topic_tools/{kind}", handler)
+        try:
+            while True:
+                await self._follow()
+                await asyncio.sleep(LAZY_POLL_S)
+        finally:
+            for subscriber in self._inputs.values():
+                if subscriber is not None:
+                    await subscriber.close()
+            await self._output.close()
+
+    async def _follow(self) -> None:
+        """Hold the subscriptions that are wanted, and no others."""
+        for topic, subscriber in list(self._inputs.items()):
+            is_wanted = self._is_wanted(topic)
+            if is_wanted and subscriber is None:
+                opened = await self._graph.raw.subscribe(
+                    topic, ANY_MESSAGE, partial(self._take, topic), on_connection=partial(self._meet, topic)
+                )
+                if topic in self._inputs:
+                    self._inputs[topic] = opened
+                else:
+                    await opened.close()
+            elif not is_wanted and subscriber is not None:
+                self._inputs[topic] = None
+                await subscriber.close()
+
+    def _is_wanted(self, topic: str) -> bool:
+        if not self._lazy or not self._output.is_advertised:
+            return True
+        return topic == self._selected and self._output.subscriber_count > 0
+
+    def _meet(self, topic: str, header: Mapping[str, str]) -> None:
+        self._headers[topic] = header
+        if topic == self._selected or not self._output.is_advertised:
+            self._output.meet(header)
+
+    def _take(self, topic: str, payloads: Sequence[bytes]) -> None:
+        if topic == self._selected:
+            self._output.publish(payloads)
+
+    def _select(self, request: Message) -> dict[str, str]:
+        previous = "" if self._selected == NO_INPUT else self._selected
+        if request.topic == NO_INPUT:
+            self._selected = NO_INPUT
+        else:
+            self._selected = self._known(request.topic)
+            if self._selected in self._headers:
+                self._output.meet(self._headers[self._selected])
+        self._graph.log(Level.INFO, f"mux selected input: [{self._selected}]")
+        assert self._announced is not None
+        self._announced.publish(data=request.topic)
+        return {"prev_topic": previous}
+
+    def _add(self, request: Message) -> dict[str, str]:
+        topic = self._resolve(request.topic)
+        if topic in self._inputs:
+            raise ServiceCallError(f"{topic} is an input already")
+        if len(self._inputs) >= MAX_INPUTS:
+            raise ServiceCallError(f"a mux has at most {MAX_INPUTS} inputs: delete one")
+        self._inputs[topic] = None
+        return {}
+
+    async def _delete(self, request: Message) -> dict[str, str]:
+        topic = self._known(request.topic)
+        if topic == self._selected:
+            raise ServiceCallError(f"{topic} is selected: select another input before deleting it")
+        subscriber = self._inputs.pop(topic)
+        self._headers.pop(topic, None)
+        if subscriber is not None:
+            await subscriber.close()
+        return {}
+
+    def _list(self, _request: Message) -> dict[str, list[str]]:
+        return {"topics": list(self._inputs)}
+
+    def _known(self, name: str) -> str:
+        topic = self._resolve(name)
+        if topic not in self._inputs:
+            raise ServiceCallError(f"{topic} is no input; there are {', '.join(self._inputs) or 'none'}")
+        return topic
+
+    def _resolve(self, name: str) -> str:
+        if name == NO_INPUT:
+            raise ServiceCallError(f"{NO_INPUT} stands for no input: choose another name")
+        try:
+            return self._graph.resolve(name)
+        except InvalidNameError as error:
+            raise ServiceCallError(str(error)) from error
