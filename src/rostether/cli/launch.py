@@ -209,10 +209,11 @@ def _environ_for(packages: Mapping[str, Path]) -> dict[str, str]:
     """Return our environment, with all packages that we see: nodes start in another folder."""
     given = [part for part in os.environ.get(_PACKAGE_PATH, "").split(os.pathsep) if part]
     roots = [Path(part).absolute() for part in given]
-    found = [
-        str(folder) for folder in packages.values() if not any(folder.is_relative_to(root) for root in roots)
-    ]
-    return {**os.environ, _PACKAGE_PATH: os.pathsep.join([*map(str, roots), *found])}
+    others = [each for each in packages.values() if not any(each.is_relative_to(root) for root in roots)]
+    path = os.pathsep.join(map(str, (*roots, *others)))
+    if not path or len(path) > _MAX_PATH_CHARS:
+        return dict(os.environ)
+    return {**os.environ, _PACKAGE_PATH: path}
 
 
 def _warn(plan: LaunchPlan, sources: LaunchSources) -> None:

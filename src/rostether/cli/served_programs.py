@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rostether.cli.served_nodes import our_command
 
-_PROGRAMS = {("xacro", "xacro"): ("role", "xacro")}
+_PROGRAMS = {("xacro", "xacro"): ("xacro",)}
 
 
 def served_programs() -> dict[tuple[str, str], list[str]]:
