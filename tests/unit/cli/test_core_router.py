@@ -1,0 +1,59 @@
+"""`rostether core --ros2 zenoh`: a router that others meet at."""
+
+from __future__ import annotations
+
+import signal
+
+import pytest
+
+from contract.graphs import STRING, Inbox, string, until
+from contract.zenoh_graphs import open_session
+from interop.command_line import started
+from interop.ros1_peers import free_port
+from unit.cli.shell import Shell
+
+
+async def test_others_meet_at_it() -> None:
+    port = free_port()
+    listening = f'listen/endpoints=["tcp/127.0.0.1:{port}"]'
+    router = await started("core", "--ros2", "zenoh", environment={"ZENOH_CONFIG_OVERRIDE": listening})
+    sessions = []
+    try:
+        await router.wait_for("--zenoh-listen tcp/0.0.0.0:7447 lets others in")
+        await router.wait_for("Press Ctrl-C")
+        sessions = [await open_session(port, is_router=False) for _ in range(2)]
+        talker, listener = [await session.join(f"node_{at}") for at, session in enumerate(sessions)]
+        inbox = Inbox()
+        await listener.subscribe("/chat", STRING, inbox.take)
+        publisher = await talker.advertise("/chat", STRING)
+        await until(lambda: publisher.subscriber_count == 1)
+        publisher.publish_raw([string("hello")])
+        await until(lambda: inbox.payloads == [string("hello")])
+    finally:
+        for session in sessions:
+            await session.close()
+        await router.stop(signal.SIGTERM)
+    assert router.process.returncode == 0
+
+
+async def test_its_place_is_taken_once() -> None:
+    port = free_port()
+    listening = {"ZENOH_CONFIG_OVERRIDE": f'listen/endpoints=["tcp/127.0.0.1:{port}"]'}
+    session = await open_session(port, is_router=True)
+    try:
+        router = await started("core", "--ros2", "zenoh", environment=listening)
+        assert "zenoh cannot listen" in await router.finish()
+        assert router.process.returncode == 1
+    finally:
+        await session.close()
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (("--ros2", "rclpy"), "only ROS 2 over zenoh has a core; DDS finds the others by itself"),
+        (("--ros2", "zenoh", "--port", "1"), "only --zenoh-connect and --zenoh-listen are for the router"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(shell: Shell, options: tuple[str, ...], told: str) -> None:
+    assert told in shell.failure("core", *options, code=2)
