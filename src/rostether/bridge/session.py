@@ -23,8 +23,10 @@ from rostether.bridge.setup_lines import SetupLines
 from rostether.bridge.stamps import Stamps
 from rostether.errors import TransportError
 from rostether.graph.ports import Level
+from rostether.rosserial import topic_id as ids
 from rostether.rosserial.events import (
     AnnouncementRefused,
+    ControlFlood,
     DeviceReset,
     DeviceSilent,
     HostEvent,
@@ -43,6 +45,8 @@ from rostether.rosserial.events import (
 )
 from rostether.rosserial.host_link import HostLink, HostLinkConfig
 from rostether.transports.transport import Transport
+
+_FLOODED = {ids.LOG: "log lines", ids.TIME: "time requests", ids.PARAMETER: "parameter requests"}
 
 
 class Session:
@@ -100,6 +104,7 @@ class Session:
             LogReceived: self._log_received,
             ParameterRequested: self._parameter_requested,
             UnknownTopicId: self._unknown_id,
+            ControlFlood: self._control_flood,
             DeviceReset: self._device_reset,
             DeviceSilent: self._tell,
             ProtocolDetected: self._tell,
@@ -264,6 +269,16 @@ class Session:
             "unknown id",
             Level.WARN,
             f"messages on topic id {event.topic_id}, which was not announced: asking the board again",
+            count=event.count,
+        )
+
+    def _control_flood(self, event: ControlFlood) -> None:
+        what = _FLOODED.get(event.topic_id, "announcements of topics")
+        self._notices.episode(
+            f"flood of {what}",
+            Level.WARN,
+            f"the board sends more {what} than it can have reason to, and the rest is left out; let loop() "
+            "in the sketch wait between them",
             count=event.count,
         )
 

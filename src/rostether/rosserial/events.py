@@ -2,7 +2,7 @@
 
 `HostLink` reports: MessagesReceived, TopicAnnounced, TopicWithdrawn, ServiceAnnounced, ServiceWithdrawn,
 AnnouncementRefused, NegotiationSettled, TimeRequested, LogReceived, ParameterRequested, FrameDiscarded,
-UnknownTopicId, DeviceReset, DeviceSilent, ProtocolDetected.
+UnknownTopicId, ControlFlood, DeviceReset, DeviceSilent, ProtocolDetected.
 
 `DeviceLink` reports: MessagesReceived, TopicsRequested, Unconfigured, TimeAnswered, ParameterReceived,
 ParameterTimedOut, StopReceived, FrameDiscarded, UnknownTopicId.
@@ -156,6 +156,14 @@ class UnknownTopicId:
 
 
 @dataclass(frozen=True, slots=True)
+class ControlFlood:
+    """The device sends more on a reserved topic id than any has reason to; `count` were dropped unread."""
+
+    topic_id: int
+    count: int
+
+
+@dataclass(frozen=True, slots=True)
 class DeviceReset:
     """The device has forgotten us (reset or lost the time answers); the link asks for its topics at once.
 
@@ -230,6 +238,7 @@ HostEvent: TypeAlias = (
     | ParameterRequested
     | FrameDiscarded
     | UnknownTopicId
+    | ControlFlood
     | DeviceReset
     | DeviceSilent
     | ProtocolDetected

@@ -6,6 +6,7 @@ The link itself has no states of its own; it joins machines that have:
     Negotiation                      when to ask for topics, when to believe they are all known
     Presence                         whether the device is there and still knows us
     TopicTable, Refusals             what it announced, and what of that cannot be bridged
+    ControlRate                      how much of what is no message it may bring
     HostOutput                       what goes to it, and what must wait
 
 A device is never sent a payload larger than the buffer it announced, nor an id it did not announce since its
@@ -18,7 +19,9 @@ from collections.abc import Sequence
 
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.control_events import control_event
+from rostether.rosserial.control_rate import ControlRate
 from rostether.rosserial.events import (
+    ControlFlood,
     DeviceReset,
     DeviceSilent,
     DiscardReason,
@@ -63,6 +66,7 @@ class HostLink:
         self._presence = Presence()
         self._unknown_ids = UnknownIds()
         self._refusals = Refusals()
+        self._rate = ControlRate()
         self._is_stopped = False
 
     @property
@@ -216,10 +220,15 @@ class HostLink:
                 self._negotiation.ask(now_s, is_lossy=True)
 
     def _take_control(self, frames: Frames, now_s: float, events: list[HostEvent]) -> None:
+        payloads = frames.payloads
+        admitted = self._rate.admit(frames.topic_id, len(payloads), now_s)
+        if admitted < len(payloads):
+            self._drop(frames.topic_id, len(payloads) - admitted, events)
+            payloads = payloads[:admitted]
         if frames.topic_id == ids.TIME:
-            self._on_time_requests(frames.payloads, now_s, events)
+            self._on_time_requests(payloads, now_s, events)
             return
-        for payload in frames.payloads:
+        for payload in payloads:
             if frames.topic_id in ids.ANNOUNCEMENTS:
                 self._on_announcement(frames.topic_id, payload, now_s, events)
             else:
@@ -235,6 +244,9 @@ class HostLink:
             self._report(FrameDiscarded(DiscardReason.REFUSED, payload), now_s, events)
             events += self._refusals.take(kind, info, fault)
         else:
+            if not self._table.is_known(kind, info) and not self._rate.admit_change(now_s):
+                self._drop(kind, 1, events)
+                return
             changes = self._table.announce(kind, info)
             if changes is None:
                 self._report(FrameDiscarded(DiscardReason.TOO_MANY, payload), now_s, events)
@@ -265,6 +277,14 @@ class HostLink:
                 # One behind the announcements may have waited for them: it tells not when the next is due.
                 self._presence.answered(now_s, is_timely=not self._negotiation.is_listening)
                 self._negotiation.answered(now_s)
+
+    def _drop(self, topic_id: int, count: int, events: list[HostEvent]) -> None:
+        self.statistics.dropped_control_frames += count
+        last = events[-1] if events else None
+        if isinstance(last, ControlFlood) and last.topic_id == topic_id:
+            events[-1] = ControlFlood(topic_id, last.count + count)
+        else:
+            events.append(ControlFlood(topic_id, count))
 
     def _report(self, event: HostEvent, now_s: float, events: list[HostEvent]) -> None:
         if isinstance(event, FrameDiscarded):

@@ -20,6 +20,7 @@ class LinkStatistics:
     discarded: dict[DiscardReason, int] = field(default_factory=dict)
     discarded_bytes: int = 0
     unannounced_messages: int = 0
+    dropped_control_frames: int = 0
     topic_requests: int = 0
     negotiations: int = 0
     probes: int = 0

@@ -123,10 +123,17 @@ class TopicTable:
         sizes = by_direction[False] or by_direction[True]
         return min(sizes) if sizes else None
 
+    def is_known(self, kind: int, info: TopicInfo) -> bool:
+        """Whether just this was announced before."""
+        known = self._endpoints.get(key_of(kind, info))
+        return known is not None and (known.kind, known.info) == (kind, info)
+
     def announce(self, kind: int, info: TopicInfo) -> list[HostEvent] | None:
         """Take an announcement on reserved id `kind`; None if there are too many endpoints already."""
         key = key_of(kind, info)
         known = self._endpoints.get(key)
+        if known is not None and known.is_current and (known.kind, known.info) == (kind, info):
+            return []
         if known is None and len(self._endpoints) >= self._max_endpoints:
             return None
         events: list[HostEvent] = []

@@ -15,7 +15,7 @@ from rostether.errors import ServiceCallError
 from rostether.graph.ports import Level
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.frame import encode_frame
-from rostether.rosserial.packets import LogLevel, ParameterResponse, TopicInfo
+from rostether.rosserial.packets import Log, LogLevel, ParameterResponse, TopicInfo
 from rostether.transports.memory import memory_pair
 from unit.bridge.doubles import until
 from unit.bridge.nodes import STORE, World, text, topic_info
@@ -275,6 +275,19 @@ async def test_garbage_is_endured_in_few_lines(bridge: Bridge) -> None:
     assert any(payload.startswith(b"\x06\0\0\0good") or b"good" in payload for payload in heard)
     assert all(STORE.layout("std_msgs/String").accepts(payload) for payload in heard)
     assert len(bridge.reporter.lines) < 20
+
+
+async def test_a_flood_of_log_lines_is_said_in_one_line(bridge: Bridge) -> None:
+    heard = await bridge.listen("/chatter")
+    board = await bridge.connect(CHATTER)
+    await bridge.settled()
+    line = encode_frame(ids.LOG, Log(LogLevel.INFO, "again").encode())
+    for _ in range(3):
+        board.transport.write(line * 2000)
+    board.send(125, text("after"))
+    await until(lambda: bool(heard), "the message behind the flood")
+    assert len(bridge.reporter.having("again")) < 4000
+    assert len(bridge.reporter.having("more log lines than it can have reason to")) == 1
 
 
 async def test_topics_without_an_endpoint_are_counted(bridge: Bridge) -> None:

@@ -1,0 +1,68 @@
+"""How often a device may cause work that its line could bring in any number: what control frames ask for.
+
+Each costs 20 µs to 1 ms, against a fraction of a microsecond for a message: one device that sends nothing
+else would take the time of all others. What is beyond the rate is dropped unread and counted. What is lost so
+is asked for again by whoever meant it: announcements by us, the time and parameters by the device.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from rostether.rosserial import topic_id as ids
+
+
+class Allowance(NamedTuple):
+    """So many a second, and `saved` of them at once after a pause."""
+
+    per_s: float
+    saved: int
+
+
+ANNOUNCEMENTS = Allowance(512.0, 2048)
+"""A negotiation of the largest device, 256 halves, takes some rounds; a line of 115200 baud brings 150/s."""
+
+CHANGES = Allowance(20.0, 512)
+"""Each opens or closes something in the graph. The largest device starts once, and once again as another."""
+
+LOGS = Allowance(500.0, 2000)
+"""Lines: as many as a full line of 115200 baud brings, and nobody reads more."""
+
+TIME_REQUESTS = Allowance(50.0, 50)
+"""A board asks every 2.5 s, and once more for each probe and topic request."""
+
+OTHERS = Allowance(200.0, 500)
+"""Parameters: a board asks for the next when it has the one before."""
+
+
+class ControlRate:
+    """The allowances of one link; the clock is that of `now_s`."""
+
+    def __init__(self) -> None:
+        self._buckets = dict.fromkeys(ids.ANNOUNCEMENTS, _Bucket(ANNOUNCEMENTS))
+        self._buckets |= {ids.LOG: _Bucket(LOGS), ids.TIME: _Bucket(TIME_REQUESTS)}
+        self._others = _Bucket(OTHERS)
+        self._changes = _Bucket(CHANGES)
+
+    def admit(self, topic_id: int, count: int, now_s: float) -> int:
+        """Return how many of `count` frames on a reserved id are to be read now, at most all."""
+        return self._buckets.get(topic_id, self._others).admit(count, now_s)
+
+    def admit_change(self, now_s: float) -> bool:
+        """Whether an announcement may change now what is in the graph."""
+        return self._changes.admit(1, now_s) == 1
+
+
+class _Bucket:
+    def __init__(self, allowance: Allowance) -> None:
+        self._allowance = allowance
+        self._room = float(allowance.saved)
+        self._seen_s = 0.0
+
+    def admit(self, count: int, now_s: float) -> int:
+        per_s, saved = self._allowance
+        self._room = min(self._room + (now_s - self._seen_s) * per_s, float(saved))
+        self._seen_s = now_s
+        admitted = min(count, int(self._room))
+        self._room -= admitted
+        return admitted
