@@ -75,12 +75,11 @@ async def _joined_ros2(
 ) -> AsyncIterator[TypedGraph]:
     # Not at import: programs on ROS 1 alone need none of it.
     from rostether.ros2.native_registry import NativeRegistry
+    from rostether.ros2.native_types import NativeTypes
     from rostether.ros2.session import open_ros2
-    from rostether.ros2.type_support import Ros2Types
 
     registry = NativeRegistry.from_environment(msg_paths, environ)
-    types = Ros2Types(registry, registry.definitions)
-    async with open_ros2(middleware, types, environ) as join_graph:
+    async with open_ros2(middleware, NativeTypes(registry), environ) as join_graph:
         graph = await join_graph(
             node_name if node_name is not None else anonymous_name("rostether"),
             namespace=namespace or "/",

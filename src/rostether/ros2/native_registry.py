@@ -35,7 +35,7 @@ class NativeRegistry(Registry):
         super().__init__(bundled=False)
         self.definitions = definitions
         self._ros1 = ros1
-        self._pairs = PairedDefinitions(ros1, definitions)
+        self.source = PairedDefinitions(ros1, definitions)
 
     @classmethod
     def from_environment(
@@ -59,21 +59,21 @@ class NativeRegistry(Registry):
                     return found.request if suffix == REQUEST_SUFFIX else found.response
             if not self._has_ros1(short_name(name)):
                 return self.definitions.message(full_name)
-        return self._pairs.message(full_name)
+        return self.source.message(full_name)
 
     def ros2_service(self, name: str) -> Ros2Service:
         """Return a service as ROS 2 defines it. Raises UnknownTypeError, DefinitionError."""
         package, _, rest = short_name(name).partition("/")
         full_name = f"{package}/srv/{rest}"
         if not self.definitions.has(full_name) and self._has_service(package, rest):
-            return self._pairs.service_counterpart(self._ros1.service_type(f"{package}/{rest}"))
+            return self.source.service_counterpart(self._ros1.service_type(f"{package}/{rest}"))
         return self.definitions.service(full_name)
 
     def message(self, name: str) -> MessageSpec:
         """Return a message in ROS 1's words. Raises UnknownTypeError, DefinitionError."""
         spec = self._messages.get(name)
         if spec is None:
-            spec = self._messages[name] = express(self.ros2_message(name), self._pairs)[0]
+            spec = self._messages[name] = express(self.ros2_message(name), self.source)[0]
         return spec
 
     def service(self, name: str) -> ServiceSpec:
@@ -81,7 +81,7 @@ class NativeRegistry(Registry):
         spec = self._services.get(name)
         if spec is None:
             service = self.ros2_service(name)
-            halves = [express(half, self._pairs)[0] for half in (service.request, service.response)]
+            halves = [express(half, self.source)[0] for half in (service.request, service.response)]
             text = f"{halves[0].text}---\n{halves[1].text}"
             spec = ServiceSpec(service.package, service.name, halves[0], halves[1], text)
             self._services[name] = spec

@@ -12,7 +12,7 @@ from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.msgdef.ros2.from_ros1 import derive
 from rostether.msgdef.ros2.spec import Ros2Message, Ros2Service
-from rostether.msgdef.ros2.to_ros1 import express
+from rostether.msgdef.ros2.to_ros1 import MessageSource, express
 from rostether.msgdef.spec import MessageSpec
 from rostether.serde.cdr.converter import CdrConverter, compile_message
 from rostether.serde.cdr.renamed_types import ros1_message_name, ros2_message_name, ros2_service_name
@@ -73,7 +73,7 @@ class PairedDefinitions:
 class NativeView:
     """A ROS 2 message's own fields in ROS 1's words: nothing dropped, nothing added."""
 
-    def __init__(self, ros2: Ros2Message, definitions: Ros2Definitions) -> None:
+    def __init__(self, ros2: Ros2Message, definitions: MessageSource) -> None:
         specs = express(ros2, definitions)
         self._specs = {spec.full_name: spec for spec in specs}
         spec = specs[0]

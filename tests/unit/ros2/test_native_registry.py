@@ -8,6 +8,7 @@ from rostether.errors import UnknownTypeError
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.ros2.native_registry import NativeRegistry, short_name
+from rostether.ros2.native_types import NativeTypes
 from rostether.ros2.type_support import Ros2Types
 from rostether.serde.store import TypeStore
 
@@ -39,7 +40,7 @@ def test_services() -> None:
 
 
 def test_a_graph_converts_them() -> None:
-    types = Ros2Types(REGISTRY, REGISTRY.definitions)
+    types = NativeTypes(REGISTRY)
     support = types.message(REGISTRY.message_type("sensor_msgs/Imu"))
     assert support.name == "sensor_msgs/msg/Imu"
     payload = TypeStore(REGISTRY).codec("sensor_msgs/Imu").encode({"header": {"frame_id": "a"}})
@@ -66,6 +67,27 @@ def test_a_type_that_only_ros1_defines(tmp_path: Path) -> None:
     ]
     assert [field.name for field in registry.message("own_msgs/TakeRequest").fields] == ["now"]
     assert registry.service_type("own_msgs/srv/Take").response.name == "own_msgs/TakeResponse"
+
+
+def test_tools_and_boards_have_one_hash_of_a_type_of_one_s_own(tmp_path: Path) -> None:
+    (tmp_path / "own_msgs" / "msg").mkdir(parents=True)
+    (tmp_path / "own_msgs" / "srv").mkdir()
+    (tmp_path / "own_msgs" / "msg" / "Inner.msg").write_text("byte a\nchar b\nfloat64[3] D\nint8 BIG=5\n")
+    (tmp_path / "own_msgs" / "msg" / "Outer.msg").write_text(
+        "Header header\nInner[] inners\nduration howLong\nstring text\nuint8[] data\n"
+    )
+    (tmp_path / "own_msgs" / "srv" / "Take.srv").write_text("time when\n---\nOuter outer\n")
+    ros1, definitions = Registry([tmp_path]), Ros2Definitions([tmp_path])
+    native = NativeRegistry(definitions, ros1)
+    boards, tools = Ros2Types(ros1, definitions), NativeTypes(native)
+    for name in ("own_msgs/Inner", "own_msgs/Outer"):
+        theirs = boards.message(ros1.message_type(name))
+        ours = tools.message(native.message_type(name))
+        assert (ours.name, ours.type_hash) == (theirs.name, theirs.type_hash)
+        assert tools.by_name(ours.name).type_hash == theirs.type_hash
+    service = tools.service(native.service_type("own_msgs/Take"))
+    assert service.type_hash == boards.service(ros1.service_type("own_msgs/Take")).type_hash
+    assert tools.service_by_name("own_msgs/srv/Take").type_hash == service.type_hash
 
 
 def test_unknown_types_say_what_to_do() -> None:

@@ -24,7 +24,7 @@ def shown(registry: Registry, group: str, name: str) -> str:
 def type_hash(registry: Registry, group: str, name: str) -> str:
     """Return the hash that both ends of a topic or service must agree on."""
     found = _found(registry, group, name)
-    source = _native(registry).definitions
+    source = _native(registry).source
     if isinstance(found, Ros2Message):
         return message_hash(found, source)
     return service_hash(found, source)

@@ -85,14 +85,14 @@ async def tool_node(middleware: Middleware, msg_paths: Iterable[Path] = ()) -> A
     """Be a hidden node as long as the block lasts. Raises ConfigError, GraphError with what to do next."""
     from rostether.graph.typed_graph import TypedGraph
     from rostether.ros2.native_registry import NativeRegistry
-    from rostether.ros2.type_support import Ros2Types
+    from rostether.ros2.native_types import NativeTypes
     from rostether.serde.store import TypeStore
 
     specials = special_arguments()
     registry = NativeRegistry.from_environment(msg_paths)
     # A tool comes and goes: it must not be the router that others count on.
     reach = ZenohReach(router="never")
-    types = Ros2Types(registry, registry.definitions)
+    types = NativeTypes(registry)
     async with ros2_access(middleware, reach=reach, types=types) as access:
         if middleware is Middleware.ZENOH:
             await _warn_without_router()
