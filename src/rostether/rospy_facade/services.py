@@ -18,12 +18,11 @@ from rostether.ros1.node.service_client import ServiceClient
 from rostether.rospy_facade.exceptions import (
     ROSException,
     ROSInterruptException,
-    ROSSerializationException,
     ServiceException,
 )
 from rostether.rospy_facade.logs import logerr
 from rostether.rospy_facade.loop_thread import run_in_thread
-from rostether.rospy_facade.message import Message, SerializationError, message_bytes, read_message
+from rostether.rospy_facade.message import Message, message_bytes, read_message
 from rostether.rospy_facade.message_types import ServiceClass, service_type_of
 from rostether.rospy_facade.names import names
 from rostether.rospy_facade.node import is_initialized, node
@@ -128,7 +127,7 @@ class ServiceProxy:
     def __call__(self, *args: Any, **kwds: Any) -> Any:
         """Call it with a request or the request's fields; returns the response.
 
-        Raises ServiceException, ROSSerializationException, ROSInterruptException, TypeError.
+        Raises ServiceException, genpy's SerializationError, ROSInterruptException, TypeError.
         """
         return self.call(*args, **kwds)
 
@@ -137,10 +136,7 @@ class ServiceProxy:
         request = message_of(self.request_class, args, kwds)
         if request._type != self.request_class._type:
             raise TypeError(f"request object type [{request._type}] does not match service type")
-        try:
-            payload = message_bytes(request)
-        except SerializationError as error:
-            raise ROSSerializationException(f"{error}") from None
+        payload = message_bytes(request)
         client = self._client or ServiceClient(
             self.resolved_name,
             service_type_of(self.service_class),

@@ -1,0 +1,89 @@
+"""Prints, as JSON, what the graph sees of the node whose name is given: for Debian's rospy."""
+
+# Written as users write their nodes.
+# ruff: noqa: B023, BLE001, E402, F403, F405, PIE810, SIM105, UP031
+
+import json
+import sys
+import time
+
+import rosgraph
+import rospy
+from std_msgs.msg import Int32
+from std_srvs.srv import SetBool, Trigger
+
+node = sys.argv[1]
+rospy.init_node("observer")
+master = rosgraph.Master("/observer")
+found = {}
+
+
+def wait_until(condition, what):
+    end = time.time() + 20
+    while not condition():
+        assert time.time() < end, "no " + what
+        time.sleep(0.02)
+
+
+def registered():
+    publishers, subscribers, services = master.getSystemState()
+    return [
+        sorted(name for name, nodes in kind if node in nodes) for kind in (publishers, subscribers, services)
+    ]
+
+
+wait_until(lambda: rospy.has_param(node + "/ready"), "node")
+wait_until(lambda: len(registered()[2]) >= 4, "services")
+found["registered"] = registered()
+found["types"] = sorted(pair for pair in master.getTopicTypes() if pair[0] in found["registered"][0])
+found["parameters"] = rospy.get_param(node)
+for topic in found["registered"][0]:
+    seen = []
+
+    def take(message, seen=seen):
+        if message._connection_header["callerid"] == node:
+            seen.append(message)
+
+    subscriber = rospy.Subscriber(topic, rospy.AnyMsg, take)
+    if topic.endswith("/echo"):
+        ask = rospy.Publisher(topic.replace("echo", "ask"), Int32, queue_size=1)
+        wait_until(lambda: ask.get_num_connections() and subscriber.get_num_connections(), "asked")
+        ask.publish(41)
+    wait_until(lambda: len(seen) >= 1, "message of " + topic)
+    header = seen[0]._connection_header
+    payload = seen[0]._buff
+    if header["type"] == "rosgraph_msgs/Log":
+        from rosgraph_msgs.msg import Log
+
+        log = Log().deserialize(payload)
+        payload = repr((log.level, log.name, log.msg, log.file, log.line, log.function, sorted(log.topics)))
+        payload = payload.encode()
+    elif header["type"] == "sensor_msgs/JointState":
+        payload = payload[4:]
+    found[topic] = {
+        "payload": payload.decode("latin-1"),
+        **{key: header[key] for key in ("callerid", "type", "md5sum", "topic", "latching")},
+    }
+    subscriber.unregister()
+
+
+def call(name, service_class, *arguments):
+    try:
+        return str(rospy.ServiceProxy(name, service_class)(*arguments))
+    except rospy.ServiceException as error:
+        return str(error)
+
+
+answer = next(name for name in found["registered"][2] if name.endswith("answer") or name.endswith("renamed"))
+found["calls"] = [call(answer, SetBool, True), call(answer, SetBool, False), call(node + "/refuse", Trigger)]
+print("FOUND " + json.dumps(found, sort_keys=True))
+last = []
+early = next(topic for topic in found["registered"][0] if topic.endswith("early") or topic.endswith("moved"))
+rospy.Subscriber(early, rospy.AnyMsg, lambda message: last.append(message._buff))
+wait_until(lambda: last, "more messages")
+print("READY")
+sys.stdout.flush()
+wait_until(lambda: last[-1].endswith(b"bye"), "word at the end")
+wait_until(lambda: not any(registered()), "end of the registrations")
+rospy.delete_param(node)  # a next talker must set its own
+print("LEFT")

@@ -1,0 +1,102 @@
+"""The same scripts under Debian's rospy and under ours: what they print, and what the graph sees of them."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import re
+import signal
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from interop.ros1_peers import DEBIAN_PYTHON, Peer, Ros1Peers
+from rostether.rospy_facade.environment import node_environment
+
+SCRIPTS = Path(__file__).parent / "rospy_scripts"
+PYTHONS = [DEBIAN_PYTHON, sys.executable]
+REMAPPINGS = "early:=/talk/moved _gain:=2.5 __name:=mona __ns:=/lisa answer:=renamed x y=z".split()
+    "early:=/talk/moved",
+    "_gain:=2.5",
+    "__name:=mona",
+    "__ns:=/lisa",
+    "answer:=renamed",
+    "x",
+    "y=z",
+]
+
+
+async def start(peers: Ros1Peers, python: str, script: str, *arguments: str) -> Peer:
+    """Start a script; with our Python it finds our rospy."""
+    peers.environment = node_environment(peers.environment)
+    return await peers.start(python, str(SCRIPTS / script), *arguments)
+
+
+async def printed(peers: Ros1Peers, python: str, script: str, *arguments: str) -> list[str]:
+    """Return the standard output of a script, without rospy's own debug messages and without times."""
+    process = await asyncio.create_subprocess_exec(
+        python,
+        str(SCRIPTS / script),
+        *arguments,
+        env=node_environment(peers.environment),
+        stdout=asyncio.subprocess.PIPE,
+        stderr=asyncio.subprocess.PIPE,
+    )
+    try:
+        out, err = await asyncio.wait_for(process.communicate(), 60)
+    finally:
+        if process.returncode is None:
+            process.kill()
+            await process.wait()
+    assert process.returncode == 0, err.decode()
+    lines = out.decode().splitlines()
+    return [re.sub(r"\[\d+\.\d+\]", "[time]", line) for line in lines if not _is_debug(line)]
+
+
+def _is_debug(line: str) -> bool:
+    return line.startswith("[DEBUG]") and not line.endswith(("debug 1", "last"))
+
+
+async def observe(peers: Ros1Peers, python: str, how_to_end: str, *arguments: str) -> dict[str, Any]:
+    """Return what Debian's observer sees of a talker, and how it leaves."""
+    name = "/lisa/mona" if arguments else "/talker"
+    talker = await start(peers, python, "talker.py", *arguments)
+    observer = await start(peers, DEBIAN_PYTHON, "observer.py", name)
+    await observer.wait_for("READY")
+    if how_to_end == "kill":
+        await peers.run("rosnode", "kill", name)
+    else:
+        talker.process.send_signal(getattr(signal, how_to_end))
+    await talker.finish()
+    await observer.finish()
+    assert "LEFT" in observer.lines, observer.text
+    found: dict[str, Any] = json.loads(next(line for line in observer.lines if line.startswith("FOUND"))[6:])
+    found["exit"] = talker.process.returncode
+    found["printed"] = [re.sub(r"\d+\.\d+", "time", line) for line in talker.lines if "tick" in line]
+    return found
+
+
+async def test_values(roscore: Ros1Peers) -> None:
+    theirs, ours = await asyncio.gather(*(printed(roscore, python, "values.py") for python in PYTHONS))
+    assert ours == theirs
+    assert len(ours) > 150
+
+
+async def test_a_node_that_talks_with_itself(roscore: Ros1Peers) -> None:
+    arguments = ("chatter:=/talk/other", "_rate:=5", "_name:=karl", "__ns:=/robot", "number:=renamed")
+    theirs = await printed(roscore, DEBIAN_PYTHON, "node_api.py", *arguments)
+    ours = await printed(roscore, sys.executable, "node_api.py", *arguments)
+    assert ours == theirs
+    assert len(ours) > 70
+
+
+@pytest.mark.parametrize(
+    ("how_to_end", "arguments"), [("SIGINT", []), ("SIGTERM", REMAPPINGS), ("kill", REMAPPINGS)]
+)
+async def test_what_the_graph_sees(roscore: Ros1Peers, how_to_end: str, arguments: list[str]) -> None:
+    theirs = await observe(roscore, DEBIAN_PYTHON, how_to_end, *arguments)
+    ours = await observe(roscore, sys.executable, how_to_end, *arguments)
+    assert ours == theirs
+    assert len(ours["registered"][0]) == 6
