@@ -30,6 +30,7 @@ _RESPAWN_PAUSE_S = 0.1
 _GROUP_POLL_S = 0.02  # nothing tells when the last process of a group that is not our child has ended
 _KILL_LIMIT_S = 1.0  # the kernel ends a killed group at once, unless a driver holds a process
 _PR_SET_PDEATHSIG = 1
+_PR_SET_CHILD_SUBREAPER = 36
 # Found before any fork: the child must not load anything.
 _prctl = ctypes.CDLL(None).prctl if sys.platform == "linux" else None
 
@@ -122,15 +123,17 @@ class NodeProcess:
         await self._end_group()
 
     async def _end_group(self) -> None:
-        group, self._group = self._group, None
+        group = self._group
         if group is None:
             return
         for number, limit_s in ((signal.SIGTERM, self._limits.sigterm_s), (signal.SIGKILL, _KILL_LIMIT_S)):
             if not _signal_group(group, number):
-                return
+                break
             deadline = asyncio.get_running_loop().time() + limit_s
-            while _signal_group(group, 0) and asyncio.get_running_loop().time() < deadline:  # noqa: ASYNC110
+            while _signal_group(group, 0) and asyncio.get_running_loop().time() < deadline:
+                _reap(group)
                 await asyncio.sleep(_GROUP_POLL_S)
+        self._group = None
 
     @contextlib.contextmanager
     def _output(self) -> Iterator[IO[bytes] | None]:
@@ -152,6 +155,19 @@ class NodeProcess:
             f"[{self.name}] process has died [pid {pid}, exit code {self.exit_code}, cmd {words}]; "
             f"log files: {self._log.with_suffix('')}*.log",
         )
+
+
+def adopt_orphans() -> None:
+    """Let processes whose parents have ended become ours, so that we can clear away their ends (Linux)."""
+    if _prctl is not None:
+        _prctl(_PR_SET_CHILD_SUBREAPER, 1)
+
+
+def _reap(group: int) -> None:
+    # A process that has ended counts as one of the group until its parent has asked for its exit code.
+    with contextlib.suppress(ChildProcessError):
+        while os.waitpid(-group, os.WNOHANG)[0]:
+            pass
 
 
 def _signal_group(group: int, number: int) -> bool:

@@ -11,7 +11,7 @@ from rostether.errors import LaunchError, RostetherError
 from rostether.graph.ports import Level
 from rostether.launch.command_line import Locate, Replaced, command_of
 from rostether.launch.log_folder import log_folder
-from rostether.launch.node_process import NodeProcess, StopLimits
+from rostether.launch.node_process import NodeProcess, StopLimits, adopt_orphans
 from rostether.launch.parameter_upload import CALLER_ID, ensure_run_id, upload
 from rostether.launch.plan import LaunchNode, LaunchPlan, Output
 from rostether.ros1.node.master_client import MasterClient
@@ -52,6 +52,7 @@ async def run_plan(
         await upload(plan, client, report)
     finally:
         await client.close()
+    adopt_orphans()
     launch = _Launch(master_uri, environ, locate, report, options, logs)
     try:
         return await launch.run([_with_options(node, options) for node in plan.nodes])
