@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import pytest
 
-from interop.ros1_peers import missing_ros1, missing_roscpp
+from interop.ros1_peers import missing_robot, missing_ros1, missing_roscpp
 from unit.boards.simavr.programs import missing_simavr
 from unit.codegen.compilers import COMPILERS, missing_compiler
 
@@ -30,6 +30,7 @@ PEERS: dict[str, Callable[[], str]] = {
     "roscpp": functools.cache(missing_roscpp),
     "simavr": functools.cache(missing_simavr),
     **{name: functools.partial(functools.cache(missing_compiler), name) for name in COMPILERS},
+    "robot": functools.cache(missing_robot),
     "qemu": functools.partial(missing_program, "qemu-system-arm", "qemu-system-arm"),
     "wine": functools.partial(missing_program, "wine", "wine"),
     "rclpy": functools.partial(missing_module, "rclpy", "rostether[rclpy]"),

@@ -22,6 +22,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 DEBIAN_PYTHON = "/usr/bin/python3"
+ROBOT_PROGRAMS = {
+    "/usr/lib/robot_state_publisher/robot_state_publisher": "ros-robot-state-publisher",
+    "/usr/lib/joint_state_publisher/joint_state_publisher": "joint-state-publisher",
+    "/usr/lib/tf2_ros/static_transform_publisher": "tf2-tools",
+    "/usr/bin/check_urdf": "liburdfdom-tools",
+}
 PEER_SOURCE = Path(__file__).parent / "peers" / "roscpp_peer.cpp"
 
 
@@ -42,6 +48,15 @@ def missing_roscpp() -> str:
     if not Path("/usr/include/ros/ros.h").exists() or not Path("/usr/include/std_srvs/SetBool.h").exists():
         return "roscpp's headers are not installed (apt install libroscpp-dev libstd-srvs-dev)"
     return ""
+
+
+def missing_robot() -> str:
+    """Return why Debian's tf2 and robot nodes cannot be used here, or an empty string."""
+    for program, package in ROBOT_PROGRAMS.items():
+        if not Path(program).exists():
+            return f"no {program} (apt install {package})"
+    probe = subprocess.run([DEBIAN_PYTHON, "-c", "import tf2_ros"], capture_output=True, check=False)
+    return "" if probe.returncode == 0 else "/usr/bin/python3 cannot import tf2_ros (python3-tf2-ros)"
 
 
 def free_port() -> int:

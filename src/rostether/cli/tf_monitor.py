@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import click
@@ -52,10 +53,10 @@ async def _monitor(frames: tuple[str, ...], count: int | None, as_json: bool, ma
         tf_listener(graph) as listener,
     ):
 
-        def add(stamped: StampedTransform, authority: str, is_static: bool) -> None:
-            statistics.add(stamped, authority, is_static, graph.now().to_ns())
+        def add(transforms: Sequence[StampedTransform], authority: str, is_static: bool) -> None:
+            statistics.add(transforms, authority, is_static, graph.now().to_ns())
 
-        listener.on_transform = add
+        listener.on_transforms = add
         left = asyncio.ensure_future(graph.raw.wait_closed())
         made = 0
         try:

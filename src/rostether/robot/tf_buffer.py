@@ -17,7 +17,12 @@ from rostether.errors import (
     UnknownFrameError,
 )
 from rostether.robot.tf_cache import DEFAULT_CACHE_NS, Entry, StaticCache, TimeCache
-from rostether.robot.transform import StampedTransform, Transform
+from rostether.robot.transform import (
+    StampedTransform,
+    Transform,
+    matrix_from_quaternion,
+    quaternion_from_matrix,
+)
 
 MAX_DEPTH = 1_000
 """Steps towards the root, as in tf2: a longer way is a loop."""
@@ -90,16 +95,24 @@ class TransformBuffer:
 
         Raises as `lookup` does.
         """
-        self._check(fixed, "lookupTransform argument fixed_frame")
-        first = self.lookup(target, fixed, target_time_ns)
+        for frame, role in ((target, "target"), (source, "source"), (fixed, "fixed")):
+            self._check(frame, f"lookupTransform argument {role}_frame")
         second = self.lookup(fixed, source, source_time_ns)
-        return StampedTransform(target, source, first.stamp_ns, first.transform @ second.transform)
+        first = self.lookup(target, fixed, target_time_ns)
+        # tf2 takes matrices for this step, which normalizes rotations and settles their signs.
+        joined = first.transform.normalized() @ second.transform.normalized()
+        rotation = quaternion_from_matrix(matrix_from_quaternion(joined.rotation))
+        return StampedTransform(target, source, first.stamp_ns, Transform(joined.translation, rotation))
 
     def why_not(self, target: str, source: str, time_ns: int = 0) -> str:
         """Return why `lookup` would fail, or an empty string when it would not."""
-        for frame, role in ((target, "target_frame"), (source, "source_frame")):
-            if frame not in self._frames and not frame.startswith("/") and frame:
-                return f"canTransform: {role} {frame} does not exist."
+        unknown = [
+            f"canTransform: {role} {frame} does not exist."
+            for frame, role in ((target, "target_frame"), (source, "source_frame"))
+            if frame not in self._frames and frame and not frame.startswith("/") and target != source
+        ]
+        if unknown:
+            return " ".join(unknown)
         try:
             self.lookup(target, source, time_ns)
         except TransformError as error:
@@ -127,6 +140,8 @@ class TransformBuffer:
 
         Raises UnknownFrameError, UnconnectedFramesError.
         """
+        self._check(target, "chain argument target_frame")
+        self._check(source, "chain argument source_frame")
         meeting = self._meeting_frame(target, source)
         upward = list(self._climb(source, meeting))
         downward = list(self._climb(target, meeting))
@@ -229,7 +244,7 @@ class TransformBuffer:
             f"Frame {frame} exists with parent {self._caches[frame].latest.parent}.\n"
             for frame in self.children
         )
-        return UnknownFrameError(f"The tf tree is invalid because it contains a loop.\n{parents}")
+        return UnknownFrameError(f"The tf tree is invalid because it contains a loop.\n{parents}\n")
 
 
 def _unconnected(target: str, source: str) -> UnconnectedFramesError:

@@ -18,8 +18,8 @@ from rostether.serde.codec import Codec
 UNKNOWN_AUTHORITY = "unknown_publisher"
 """What tf2 calls a publisher that has not said its name."""
 
-OnTransform = Callable[[StampedTransform, str, bool], None]
-"""Gets a transform, the node it came from, and whether it is static."""
+OnTransforms = Callable[[Sequence[StampedTransform], str, bool], None]
+"""Gets one message's transforms, the node they came from, and whether they are static."""
 
 
 class TfListener:
@@ -31,7 +31,7 @@ class TfListener:
     def __init__(self, buffer: TransformBuffer, on_refusal: Callable[[str], None]) -> None:
         self.buffer = buffer
         self.arrived = asyncio.Event()
-        self.on_transform: OnTransform | None = None
+        self.on_transforms: OnTransforms | None = None
         self._on_refusal = on_refusal
         self._last_now_ns = 0
 
@@ -52,12 +52,15 @@ class TfListener:
         return take
 
     def _take(self, message: Any, authority: str, is_static: bool) -> None:
+        taken = []
         for stamped in from_message(message):
             refusal = self.buffer.set_transform(stamped, authority=authority, is_static=is_static)
             if refusal:
                 self._on_refusal(refusal)
-            elif self.on_transform is not None:
-                self.on_transform(stamped, authority, is_static)
+            else:
+                taken.append(stamped)
+        if taken and self.on_transforms is not None:
+            self.on_transforms(taken, authority, is_static)
 
     def _notice_jump(self, now_ns: int) -> None:
         if now_ns < self._last_now_ns:

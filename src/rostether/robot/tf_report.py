@@ -51,7 +51,7 @@ def frame_facts(buffer: TransformBuffer) -> list[FrameFacts]:
 
 def frames_as_yaml(buffer: TransformBuffer) -> str:
     """Return tf2's all_frames_as_yaml."""
-    return "".join(
+    text = "".join(
         f"{each.frame}: \n"
         f"  parent: '{each.parent}'\n"
         f"  broadcaster: '{each.broadcaster}'\n"
@@ -61,6 +61,7 @@ def frames_as_yaml(buffer: TransformBuffer) -> str:
         f"  buffer_length: {each.buffer_length_s:.3f}\n"
         for each in frame_facts(buffer)
     )
+    return text or "{}"
 
 
 def frames_as_string(buffer: TransformBuffer) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from rostether.robot.transform import StampedTransform
@@ -54,11 +55,18 @@ class TfStatistics:
         self.frames: dict[str, Delays] = {}
         self.nodes: dict[str, Delays] = {}
 
-    def add(self, stamped: StampedTransform, authority: str, is_static: bool, now_ns: int) -> None:
-        """Take one transform."""
-        delay_s = 0.0 if is_static else (now_ns - stamped.stamp_ns) / NS_PER_S
-        for table, key in ((self.frames, stamped.child.removeprefix("/")), (self.nodes, authority)):
-            if key in table or len(table) < MAX_ROWS:
-                row = table.setdefault(key, Delays())
-                row.add(delay_s, now_ns)
-                row.broadcaster = authority
+    def add(
+        self, transforms: Sequence[StampedTransform], authority: str, is_static: bool, now_ns: int
+    ) -> None:
+        """Take one message, which has at least one transform; a node's delay is the mean of its frames'."""
+        delays_s = [0.0 if is_static else (now_ns - each.stamp_ns) / NS_PER_S for each in transforms]
+        for stamped, delay_s in zip(transforms, delays_s, strict=True):
+            _add(self.frames, stamped.child.removeprefix("/"), delay_s, now_ns, authority)
+        _add(self.nodes, authority, sum(delays_s) / len(delays_s), now_ns, authority)
+
+
+def _add(table: dict[str, Delays], key: str, delay_s: float, now_ns: int, authority: str) -> None:
+    if key in table or len(table) < MAX_ROWS:
+        row = table.setdefault(key, Delays())
+        row.add(delay_s, now_ns)
+        row.broadcaster = authority

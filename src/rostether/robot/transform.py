@@ -37,6 +37,12 @@ class Transform:
         tx, ty, tz = self.translation
         return x + tx, y + ty, z + tz
 
+    def normalized(self) -> Transform:
+        """Return the transform with a rotation of length 1."""
+        length = math.sqrt(sum(each * each for each in self.rotation))
+        x, y, z, w = self.rotation
+        return Transform(self.translation, (x / length, y / length, z / length, w / length))
+
     def inverse(self) -> Transform:
         """Return the transform from the parent's frame into the child's."""
         conjugate = conjugated(self.rotation)

@@ -1,0 +1,241 @@
+"""Our tf buffer and Debian's tf2, given the same transforms and the same questions."""
+
+from __future__ import annotations
+
+import json
+import math
+import random
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from interop.ros1_peers import DEBIAN_PYTHON
+from rostether.errors import (
+    ExtrapolationError,
+    TransformError,
+    UnconnectedFramesError,
+    UnknownFrameError,
+)
+from rostether.robot.tf_buffer import TransformBuffer
+from rostether.robot.tf_report import frames_as_string, frames_as_yaml
+from rostether.robot.transform import StampedTransform, Transform
+
+pytestmark = pytest.mark.robot
+
+PEER = Path(__file__).parent / "peers" / "tf2_buffer.py"
+TOLERANCE = 1e-9
+SECOND = 10**9
+
+TF2_NAMES: dict[type[TransformError], str] = {
+    UnknownFrameError: "LookupException",
+    UnconnectedFramesError: "ConnectivityException",
+    ExtrapolationError: "ExtrapolationException",
+    TransformError: "InvalidArgumentException",
+}
+
+
+def ask_tf2(operations: list[list[Any]]) -> list[dict[str, Any]]:
+    text = "".join(json.dumps(operation) + "\n" for operation in operations)
+    done = subprocess.run(
+        [DEBIAN_PYTHON, str(PEER)], input=text, capture_output=True, text=True, check=True, timeout=60
+    )
+    return [json.loads(line) for line in done.stdout.splitlines()]
+
+
+def ask_ours(operations: list[list[Any]]) -> list[dict[str, Any]]:
+    buffer = TransformBuffer()
+    answers = []
+    for name, *given in operations:
+        try:
+            value: Any = None
+            match name:
+                case "set":
+                    parent, child, stamp_ns, translation, rotation, is_static = given
+                    stamped = StampedTransform(
+                        parent, child, stamp_ns, Transform(tuple(translation), tuple(rotation))
+                    )
+                    buffer.set_transform(stamped, authority="peer", is_static=is_static)
+                case "lookup":
+                    value = as_record(buffer.lookup(*given))
+                case "through":
+                    value = as_record(buffer.lookup_through(*given))
+                case "chain":
+                    value = buffer.chain(*given)
+                case "yaml":
+                    value = frames_as_yaml(buffer)
+                case "string":
+                    value = frames_as_string(buffer)
+                case "why":
+                    value = buffer.why_not(*given)
+            answers.append({"value": value})
+        except TransformError as error:
+            answers.append({"error": TF2_NAMES[type(error)], "text": str(error)})
+    return answers
+
+
+def as_record(stamped: StampedTransform) -> list[Any]:
+    return [stamped.stamp_ns, list(stamped.transform.translation), list(stamped.transform.rotation)]
+
+
+def compare(operations: list[list[Any]]) -> dict[str, int]:
+    """Fail at the first answer that differs; return how many answers of each kind there were."""
+    counts: dict[str, int] = {}
+    theirs, ours = ask_tf2(operations), ask_ours(operations)
+    assert len(theirs) == len(ours) == len(operations)
+    for operation, their, our in zip(operations, theirs, ours, strict=True):
+        kind = their.get("error", operation[0])
+        counts[kind] = counts.get(kind, 0) + 1
+        if operation[0] in ("lookup", "through") and "value" in their:
+            assert "value" in our, (operation, our)
+            (their_ns, *their_numbers), (our_ns, *our_numbers) = their["value"], our["value"]
+            assert our_ns == their_ns, operation
+            for a, b in zip(their_numbers, our_numbers, strict=True):
+                assert b == pytest.approx(a, abs=TOLERANCE), operation
+        else:
+            assert our == their, operation
+    return counts
+
+
+def random_rotation(chance: random.Random) -> list[float]:
+    numbers = [chance.gauss(0, 1) for _ in range(4)]
+    length = math.sqrt(sum(each * each for each in numbers))
+    return [each / length for each in numbers]
+
+
+def random_session(seed: int) -> list[list[Any]]:
+    chance = random.Random(seed)
+    frames = [f"f{number}" for number in range(12)]
+    parents = {frame: chance.choice(frames[:place]) for place, frame in enumerate(frames) if place}
+    parents["f11"] = "elsewhere"
+    static = {frame for frame in parents if chance.random() < 0.3}
+    operations: list[list[Any]] = []
+    for _ in range(400):
+        at = chance.randrange(100 * SECOND, 112 * SECOND)
+        what = chance.random()
+        if what < 0.45:
+            child = chance.choice(list(parents))
+            place = [chance.uniform(-2, 2) for _ in range(3)]
+            parent = parents[child] if chance.random() < 0.98 else "f0"
+            operations.append(["set", parent, child, at, place, random_rotation(chance), child in static])
+        elif what < 0.8:
+            target, source = chance.choices([*frames, "elsewhere", "nowhere"], k=2)
+            operations.append(["lookup", target, source, 0 if chance.random() < 0.4 else at])
+        elif what < 0.9:
+            target, source, fixed = chance.choices(frames, k=3)
+            operations.append(["through", target, 0, source, at, fixed])
+        elif what < 0.95:
+            operations.append(["why", *chance.choices([*frames, "nowhere"], k=2), at])
+        else:
+            operations.append([chance.choice(["string", "yaml"])])
+    return operations
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_random_trees_give_the_same_transforms_and_errors(seed: int) -> None:
+    counts = compare(random_session(seed))
+    assert counts["lookup"] > 10
+    assert counts["ExtrapolationException"] > 5
+
+
+ONE = [0.0, 0.0, 0.0, 1.0]
+
+
+def setting(parent: str, child: str, at_s: float, **kept: Any) -> list[Any]:
+    return [
+        "set",
+        parent,
+        child,
+        round(at_s * SECOND),
+        kept.get("at", [1.0, 0.0, 0.0]),
+        kept.get("turned", ONE),
+        kept.get("is_static", False),
+    ]
+
+
+def test_a_loop_is_told_of() -> None:
+    counts = compare(
+        [
+            setting("y", "x", 100),
+            setting("x", "y", 100),
+            setting("x", "w", 100),
+            setting("a", "b", 100),
+            ["lookup", "w", "a", 0],
+            ["lookup", "x", "y", 0],
+            ["lookup", "w", "b", 100 * SECOND],
+        ]
+    )
+    assert counts["LookupException"] == 2
+
+
+def test_names_that_are_none_are_refused() -> None:
+    compare(
+        [
+            setting("/a", "/b", 100),
+            ["lookup", "a", "b", 0],
+            ["lookup", "/a", "b", 0],
+            ["lookup", "a", "/b", 0],
+            ["lookup", "", "b", 0],
+            ["lookup", "zz", "zz", 0],
+            ["lookup", "a", "a", 0],
+            ["lookup", "b", "b", 0],
+            ["string"],
+        ]
+    )
+
+
+@pytest.mark.parametrize(
+    "refused",
+    [
+        setting("a", "a", 101),
+        setting("", "c", 101),
+        setting("a", "", 101),
+        setting("a", "b", 101, turned=[0.0, 0.0, 0.0, 2.0]),
+        setting("a", "b", 101, turned=[0.0, 0.0, 0.0, 0.0]),
+        setting("a", "b", 101, turned=[0.0, 0.0, 0.0, 1.004]),
+        setting("a", "b", 101, turned=[0.0, 0.0, 0.0, 1.006]),
+        setting("a", "b", 101, at=[math.nan, 0.0, 0.0]),
+        setting("a", "b", 100, at=[5.0, 0.0, 0.0]),
+        setting("a", "b", 80),
+        setting("a", "b", 90, at=[5.0, 0.0, 0.0]),
+        setting("c", "b", 101, at=[5.0, 0.0, 0.0]),
+        setting("a", "b", 101, is_static=True),
+    ],
+)
+def test_what_is_refused_changes_nothing(refused: list[Any]) -> None:
+    questions = [["lookup", "a", "b", at] for at in (0, 90 * SECOND, 95 * SECOND, 100 * SECOND, 101 * SECOND)]
+    compare([setting("a", "b", 100), refused, *questions, ["string"], ["yaml"]])
+
+
+def test_old_transforms_are_forgotten() -> None:
+    moves = [setting("a", "b", 100 + step, at=[float(step), 0.0, 0.0]) for step in range(15)]
+    compare([*moves, *(["lookup", "a", "b", at * SECOND] for at in range(98, 117)), ["yaml"]])
+
+
+def test_between_opposite_quaternions_the_shorter_way_is_taken() -> None:
+    half = math.sqrt(0.5)
+    compare(
+        [
+            setting("a", "b", 100, turned=[half, 0.0, 0.0, half]),
+            setting("a", "b", 101, turned=[0.0, -half, 0.0, -half]),
+            setting("a", "b", 102, turned=[0.0, half, 0.0, half]),
+            *(["lookup", "a", "b", 100 * SECOND + part * SECOND // 7] for part in range(15)),
+        ]
+    )
+
+
+def test_the_chain_between_two_frames() -> None:
+    compare(
+        [
+            setting("root", "a", 100),
+            setting("a", "a1", 100),
+            setting("root", "b", 100),
+            setting("b", "b1", 100, is_static=True),
+            ["lookup", "a1", "b1", 0],
+            ["lookup", "b1", "a1", 0],
+            ["lookup", "root", "a1", 0],
+            ["lookup", "a1", "root", 0],
+            ["chain", "root", "a1"],
+        ]
+    )
