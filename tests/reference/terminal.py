@@ -1,0 +1,118 @@
+"""A reader's terminals: commands typed one after another in one shell's folder and environment."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import re
+import signal
+import sys
+import time
+from pathlib import Path
+
+PATIENCE_S = 40.0
+
+
+class Command:
+    """One command that was typed, with what it has printed so far."""
+
+    def __init__(self, text: str, process: asyncio.subprocess.Process) -> None:
+        self.text = text
+        self.process = process
+        self.printed = ""
+        self._reader = asyncio.ensure_future(self._read())
+
+    async def _read(self) -> None:
+        assert self.process.stdout is not None
+        while data := await self.process.stdout.read(65536):
+            self.printed += data.decode(errors="replace")
+
+    async def wait_for(self, pattern: str) -> str:
+        """Wait until it has printed what a pattern matches; returns the match."""
+        deadline_s = time.monotonic() + PATIENCE_S
+        while True:
+            if found := re.search(pattern, self.printed, re.MULTILINE | re.DOTALL):
+                return found[0]
+            assert not self._reader.done(), f"`{self.text}` ended without {pattern!r}: {self.printed}"
+            assert time.monotonic() < deadline_s, f"`{self.text}` never printed {pattern!r}: {self.printed}"
+            await asyncio.sleep(0.01)
+
+    async def finish(self) -> int:
+        """Wait until it has ended; returns its exit code."""
+        async with asyncio.timeout(PATIENCE_S):
+            await self._reader
+            return await self.process.wait()
+
+    async def interrupt(self) -> None:
+        """Press Ctrl-C, and wait for the end."""
+        for number in (signal.SIGINT, signal.SIGKILL):
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(self.process.pid, number)
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(PATIENCE_S / 2):
+                    await self._reader
+                    await self.process.wait()
+                    return
+
+
+class Terminals:
+    """Types commands as they are printed, in bash, after `eval "$(rostether env --first)"`."""
+
+    def __init__(self, home: Path, master_uri: str) -> None:
+        self.home = home
+        self._state = home / ".state"
+        self._state.mkdir(parents=True)
+        self._cwd = home
+        # The Python of the tests is that of the machine here: one without a real rospy.
+        self._environment = {
+            "PATH": f"{Path(sys.executable).parent}:/usr/bin:/bin",
+            "HOME": str(home),
+            "SHELL": "/bin/bash",
+            "LANG": "C.UTF-8",
+            "PYTHONUNBUFFERED": "1",
+            "ROS_MASTER_URI": master_uri,
+            "ROS_HOME": str(home / ".ros"),
+        }
+        self._left_running: list[Command] = []
+
+    async def start(self) -> None:
+        """Open the shell."""
+        await self.type('eval "$(rostether env --first)"')
+
+    async def type(self, command: str) -> str:
+        """Type a command that must end well; returns what it printed. The next one goes on from there."""
+        saved = f"{command}\ncode=$?; pwd > {self._state}/cwd; env -0 > {self._state}/env; exit $code"
+        running = await self._start(saved, command)
+        code = await running.finish()
+        assert code == 0, f"`{command}` gave {code}: {running.printed}"
+        assert "Traceback" not in running.printed, running.printed
+        self._cwd = Path((self._state / "cwd").read_text().rstrip("\n"))
+        entries = (self._state / "env").read_text().split("\0")
+        self._environment = dict(each.split("=", 1) for each in entries if "=" in each)
+        return running.printed
+
+    async def leave(self, command: str) -> Command:
+        """Type a command in a terminal of its own and leave it running."""
+        running = await self._start(f"exec {command}", command)
+        self._left_running.append(running)
+        return running
+
+    async def close(self) -> None:
+        """Press Ctrl-C in every terminal, the last first."""
+        for running in reversed(self._left_running):
+            await running.interrupt()
+
+    async def _start(self, script: str, command: str) -> Command:
+        process = await asyncio.create_subprocess_exec(
+            "/bin/bash",
+            "-c",
+            script,
+            cwd=self._cwd,
+            env=self._environment,
+            stdin=asyncio.subprocess.DEVNULL,
+            stdout=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.STDOUT,
+            start_new_session=True,
+        )
+        return Command(command, process)
