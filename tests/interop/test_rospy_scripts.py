@@ -18,14 +18,6 @@ from rostether.rospy_facade.environment import node_environment
 SCRIPTS = Path(__file__).parent / "rospy_scripts"
 PYTHONS = [DEBIAN_PYTHON, sys.executable]
 REMAPPINGS = "early:=/talk/moved _gain:=2.5 __name:=mona __ns:=/lisa answer:=renamed x y=z".split()
-    "early:=/talk/moved",
-    "_gain:=2.5",
-    "__name:=mona",
-    "__ns:=/lisa",
-    "answer:=renamed",
-    "x",
-    "y=z",
-]
 
 
 async def start(peers: Ros1Peers, python: str, script: str, *arguments: str) -> Peer:

@@ -4,7 +4,7 @@ Started with: chatter:=/talk/other _rate:=5 _name:=karl __ns:=/robot number:=ren
 """
 
 # Written as users write their nodes.
-# ruff: noqa: B023, BLE001, E402, F403, F405, PIE810, SIM105, UP031
+# ruff: noqa: BLE001, E402, UP031
 
 import logging
 import sys

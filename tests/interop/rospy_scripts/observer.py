@@ -1,7 +1,7 @@
 """Prints, as JSON, what the graph sees of the node whose name is given: for Debian's rospy."""
 
 # Written as users write their nodes.
-# ruff: noqa: B023, BLE001, E402, F403, F405, PIE810, SIM105, UP031
+# ruff: noqa: B023, PIE810
 
 import json
 import sys

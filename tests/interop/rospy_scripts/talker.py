@@ -4,7 +4,7 @@ It runs until it is told to end.
 """
 
 # Written as users write their nodes.
-# ruff: noqa: B023, BLE001, E402, F403, F405, PIE810, SIM105, UP031
+# ruff: noqa: SIM105
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue

@@ -1,7 +1,7 @@
 """Messages, times and names without a graph; prints what it finds."""
 
 # Written as users write their nodes.
-# ruff: noqa: B023, BLE001, E402, F403, F405, PIE810, SIM105, UP031
+# ruff: noqa: BLE001, F403, F405
 
 import io
 import pickle
