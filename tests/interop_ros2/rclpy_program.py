@@ -100,8 +100,14 @@ class Peer:
     def unadvertise(self, topic: str) -> None:
         self.node.destroy_publisher(self.publishers.pop(topic))
 
-    def subscribe(self, topic: str, type: str, quality: str = "default") -> None:  # noqa: A002
-        messages = self.received.setdefault(topic, [])
+    def subscribe(
+        self,
+        topic: str,
+        type: str,  # noqa: A002
+        quality: str = "default",
+        into: str = "",
+    ) -> None:
+        messages = self.received.setdefault(into or topic, [])
         self.node.create_subscription(find(type), topic, messages.append, QUALITIES[quality])
 
     def receive(self, topic: str, count: int) -> Any:

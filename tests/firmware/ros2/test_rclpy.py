@@ -154,3 +154,15 @@ async def test_types_have_the_hashes_of_the_official_packages(peer: RclpyPeer, n
             assert (ours["type"], ours["hash"]) == (ros2_name(name), official["hash"])
     finally:
         await peer.ask("unadvertise", topic="/official")
+
+
+async def test_best_effort_ends_meet_the_board(peer: RclpyPeer) -> None:
+    kind = {"type": "sensor_msgs/msg/Range", "quality": "sensor"}
+    await peer.ask("subscribe", topic="/lab/out_Range", into="sensor", **kind)
+    await peer.ask("advertise", topic="/lab/in_Range", **kind)
+
+    async def publish() -> None:
+        await peer.ask("publish", topic="/lab/in_Range", messages=[MIRRORED["sensor_msgs/Range"]])
+
+    heard = await heard_of(peer, "sensor", publish)
+    assert heard[0] == {**MIRRORED["sensor_msgs/Range"], **ADDED["sensor_msgs/Range"]}
