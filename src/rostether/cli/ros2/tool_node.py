@@ -81,8 +81,13 @@ def _looks_complete(view: GraphView) -> bool:
 
 
 @asynccontextmanager
-async def tool_node(middleware: Middleware, msg_paths: Iterable[Path] = ()) -> AsyncIterator[ToolNode]:
-    """Be a hidden node as long as the block lasts. Raises ConfigError, GraphError with what to do next."""
+async def tool_node(
+    middleware: Middleware, msg_paths: Iterable[Path] = (), *, is_quiet: bool = False
+) -> AsyncIterator[ToolNode]:
+    """Be a hidden node as long as the block lasts; a quiet one gives no advice.
+
+    Raises ConfigError, GraphError with what to do next.
+    """
     from rostether.graph.typed_graph import TypedGraph
     from rostether.ros2.native_registry import NativeRegistry
     from rostether.ros2.native_types import NativeTypes
@@ -94,7 +99,7 @@ async def tool_node(middleware: Middleware, msg_paths: Iterable[Path] = ()) -> A
     reach = ZenohReach(router="never")
     types = NativeTypes(registry)
     async with ros2_access(middleware, reach=reach, types=types) as access:
-        if middleware is Middleware.ZENOH:
+        if middleware is Middleware.ZENOH and not is_quiet:
             await _warn_without_router()
         graph = await access.join(
             specials.get("__name") or anonymous_name(HIDDEN_NAME), namespace=specials.get("__ns", "/")

@@ -1,0 +1,39 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import click
+import pytest
+
+from rostether.cli import completions
+from unit.cli.ros2.zenoh_world import ZenohWorld
+from unit.cli.shell import Shell
+
+Complete = Callable[[click.Context, click.Parameter, str], list[str]]
+
+
+@pytest.mark.parametrize(
+    ("complete", "typed", "found"),
+    [
+        (completions.complete_topics, "/im", ["/imu"]),
+        (completions.complete_nodes, "far", ["/far/board"]),
+        (completions.complete_services, "/set", ["/set_led"]),
+        (completions.complete_params, "/far/b", ["/far/board"]),
+        (completions.complete_message_types, "std_msgs/msg/Str", ["std_msgs/msg/String"]),
+        (completions.complete_service_types, "std_srvs/srv/S", ["std_srvs/srv/SetBool"]),
+    ],
+)
+def test_names_of_ros2(
+    world: ZenohWorld, shell: Shell, complete: Complete, typed: str, found: list[str]
+) -> None:
+    assert complete(click.Context(click.Command("any")), click.Argument(["any"]), typed) == found
+
+
+def test_the_option_counts_as_the_variable_does(
+    world: ZenohWorld, shell: Shell, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("RMW_IMPLEMENTATION")
+    monkeypatch.setenv("_ROSTETHER_COMPLETE", "bash_complete")
+    monkeypatch.setenv("COMP_WORDS", "rostether topic echo --ros2 zenoh /im")
+    monkeypatch.setenv("COMP_CWORD", "5")
+    assert shell.output() == "plain,/imu\n"
