@@ -1,0 +1,60 @@
+"""The scale of a plot's axis: a range with room around the values, and round numbers to mark it with."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+_ROOM = 0.05  # of the range, above and below the values
+_LEAST_ROOM = 1e-300  # below it floats lose their digits
+_LARGEST = 1e308
+_MOST_TICKS = 50  # whatever is asked for: a bound for ranges that floats cannot step through
+_STEPS = (1.0, 2.0, 5.0, 10.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Axis:
+    """A range of values, never empty."""
+
+    low: float
+    high: float
+
+    @classmethod
+    def around(cls, values: Iterable[float]) -> Axis:
+        """Return the range of the finite values with some room; -1 to 1 around none."""
+        finite = [min(max(each, -_LARGEST), _LARGEST) for each in values if math.isfinite(each)]
+        if not finite:
+            return cls(-1.0, 1.0)
+        low, high = min(finite), max(finite)
+        room = (high / 2 - low / 2) * 2 * _ROOM
+        if room < _LEAST_ROOM:
+            room = max(abs(low) * _ROOM, 0.5)
+        return cls(max(low - room, -_LARGEST), min(high + room, _LARGEST))
+
+    def part(self, value: float) -> float:
+        """Return where a value stands: 0 at the low end, 1 at the high end, also beyond them."""
+        return (value / 2 - self.low / 2) / (self.high / 2 - self.low / 2)
+
+    def ticks(self, count: int) -> list[tuple[float, str]]:
+        """Return at most about `count` round values with their texts, ascending."""
+        width = self.high / 2 - self.low / 2
+        step = _round_step(2 * (width / max(count, 1)))
+        first = math.ceil(self.low / step)
+        found = []
+        for number in range(min(_MOST_TICKS, math.floor(self.high / step) - first + 1)):
+            value = (first + number) * step
+            found.append((value, _text(value, step)))
+        return found
+
+
+def _round_step(least: float) -> float:
+    size = 10.0 ** math.floor(math.log10(least))
+    return next(size * each for each in _STEPS if size * each >= least * (1 - 1e-9))
+
+
+def _text(value: float, step: float) -> str:
+    if value and not 1e-4 <= abs(value) < 1e6:
+        return f"{value:.4g}"
+    decimals = max(0, -math.floor(math.log10(step) + 1e-9))
+    return f"{value + 0.0:.{min(decimals, 12)}f}"

@@ -1,0 +1,49 @@
+"""Curves in a terminal: every character is a field of 2 x 4 dots of Unicode's braille patterns."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from rostether.pictures.axis import Axis
+from rostether.pictures.plot import Curve, pieces
+from rostether.pictures.scene import Point
+
+_BLANK = 0x2800
+# The bit of the dot in each row, left and right. Source: Unicode, block Braille Patterns.
+_BITS = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))
+_FAR = 1 << 20  # dots: whatever lies farther out is no longer told apart
+
+
+def braille(
+    curves: Sequence[Curve], columns: int, rows: int, across: Axis, up: Axis
+) -> list[list[tuple[str, int | None]]]:
+    """Return rows of cells, top first: a character and the curve that was drawn there last."""
+    dots = [[0] * columns for _ in range(rows)]
+    owners: list[list[int | None]] = [[None] * columns for _ in range(rows)]
+    for number, curve in enumerate(curves):
+        for points in pieces(curve.points):
+            placed = [_dot(point, columns, rows, across, up) for point in points]
+            for start, end in zip(placed, placed[1:] or placed, strict=False):
+                for x, y in _dots_between(start, end):
+                    if 0 <= x < 2 * columns and 0 <= y < 4 * rows:
+                        dots[y // 4][x // 2] |= _BITS[y % 4][x % 2]
+                        owners[y // 4][x // 2] = number
+    return [
+        [(chr(_BLANK + dot) if dot else " ", owner) for dot, owner in zip(row, row_owners, strict=True)]
+        for row, row_owners in zip(dots, owners, strict=True)
+    ]
+
+
+def _dot(point: Point, columns: int, rows: int, across: Axis, up: Axis) -> tuple[int, int]:
+    x = across.part(point[0]) * (2 * columns - 1)
+    y = (1 - up.part(point[1])) * (4 * rows - 1)
+    return round(min(max(x, -_FAR), _FAR)), round(min(max(y, -_FAR), _FAR))
+
+
+def _dots_between(start: tuple[int, int], end: tuple[int, int]) -> Iterator[tuple[int, int]]:
+    count = max(abs(end[0] - start[0]), abs(end[1] - start[1]), 1)
+    for step in range(count + 1):
+        yield (
+            round(start[0] + (end[0] - start[0]) * step / count),
+            round(start[1] + (end[1] - start[1]) * step / count),
+        )
