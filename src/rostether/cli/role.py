@@ -44,6 +44,7 @@ ROLES = {
     "mux-add": VerbEntry(f"{_TOPICS}:mux_add", "Add an input to a mux."),
     "mux-delete": VerbEntry(f"{_TOPICS}:mux_delete", "Take an input from a mux."),
     "mux-list": VerbEntry(f"{_TOPICS}:mux_list", "List the inputs of a mux."),
+    "joy-node": VerbEntry("rostether.cli.joy:joy_node", "Publish a joystick's axes and buttons."),
 }
 
 

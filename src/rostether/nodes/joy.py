@@ -1,0 +1,156 @@
+"""joy_node: a joystick's state published as sensor_msgs/Joy; the device may come and go."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from rostether.errors import ConfigError
+from rostether.graph.ports import Level
+from rostether.graph.typed_graph import TypedGraph, TypedPublisher
+from rostether.nodes.joystick import EVENT, Joystick, When
+
+DEFAULT_DEVICE = "/dev/input/js0"
+_RETRY_S = 1.0  # a joystick is plugged in by hand
+_READ_BYTES = EVENT.size * 64
+_MIN_COALESCE_S = 1e-4  # 10 kHz: more than any device sends
+
+
+@dataclass(frozen=True, slots=True)
+class JoySettings:
+    """The parameters of joy_node; `autorepeat_rate_hz` 0 publishes only when something has changed."""
+
+    device: str = DEFAULT_DEVICE
+    deadzone: float = 0.05
+    autorepeat_rate_hz: float = 0.0
+    coalesce_interval_s: float = 0.001
+    sticky_buttons: bool = False
+    default_trig_val: bool = False
+
+    def checked(self) -> JoySettings:
+        """Return them within bounds. Raises ConfigError for a rate or an interval below 0."""
+        if self.autorepeat_rate_hz < 0 or self.coalesce_interval_s < 0:
+            raise ConfigError("autorepeat_rate and coalesce_interval must not be below 0")
+        return replace(self, coalesce_interval_s=max(self.coalesce_interval_s, _MIN_COALESCE_S))
+
+
+async def publish_joystick(
+    graph: TypedGraph, settings: JoySettings, report: Callable[[Level, str], None]
+) -> None:
+    """Publish `joy` until cancelled. Raises ConfigError, GraphError."""
+    settings = settings.checked()
+    publisher = await graph.publisher("joy", "sensor_msgs/Joy")
+    has_reported = False
+    while True:
+        try:
+            descriptor = os.open(settings.device, os.O_RDONLY | os.O_NONBLOCK)
+        except OSError as error:
+            if not has_reported:
+                why = f"{settings.device}: {error.strerror}"
+                report(Level.ERROR, f"no joystick at {why}; it is tried again every second")
+                has_reported = True
+            await asyncio.sleep(_RETRY_S)
+            continue
+        report(Level.INFO, f"Opened joystick: {settings.device}")
+        try:
+            await _Reading(graph, publisher, settings, descriptor).run()
+        finally:
+            os.close(descriptor)
+        report(Level.ERROR, f"the joystick at {settings.device} is gone; it is waited for")
+        has_reported = True
+        await asyncio.sleep(_RETRY_S)
+
+
+class _Reading:
+    """From opening the device to its end."""
+
+    def __init__(
+        self, graph: TypedGraph, publisher: TypedPublisher, settings: JoySettings, descriptor: int
+    ) -> None:
+        self._graph = graph
+        self._publisher = publisher
+        self._settings = settings
+        self._descriptor = descriptor
+        self._joystick = Joystick(settings.deadzone, settings.sticky_buttons, settings.default_trig_val)
+        self._ended = asyncio.Event()
+        self._timer: asyncio.TimerHandle | None = None
+        self._is_gathering = False
+        self._sequence = 0
+
+    async def run(self) -> None:
+        loop = asyncio.get_running_loop()
+        loop.add_reader(self._descriptor, self._read)
+        try:
+            self._repeat_later()
+            await self._ended.wait()
+        finally:
+            loop.remove_reader(self._descriptor)
+            if self._timer is not None:
+                self._timer.cancel()
+
+    def _read(self) -> None:
+        try:
+            data = os.read(self._descriptor, _READ_BYTES)
+        except BlockingIOError:
+            return
+        except OSError:
+            data = b""
+        if not data:
+            self._ended.set()
+            return
+        when = self._joystick.feed(data)
+        if when is When.NOW:
+            self._publish()
+        elif when is When.SOON and not self._is_gathering:
+            self._is_gathering = True
+            self._start_timer(self._settings.coalesce_interval_s)
+
+    def _publish(self) -> None:
+        self._sequence += 1
+        self._publisher.publish(
+            header={
+                "seq": self._sequence,
+                "stamp": self._graph.now(),
+                "frame_id": self._settings.device,
+            },
+            axes=self._joystick.axes,
+            buttons=self._joystick.buttons,
+        )
+        self._is_gathering = False
+        self._repeat_later()
+
+    def _repeat_later(self) -> None:
+        if self._settings.autorepeat_rate_hz > 0:
+            self._start_timer(1 / self._settings.autorepeat_rate_hz)
+        elif self._timer is not None:
+            self._timer.cancel()
+
+    def _start_timer(self, delay_s: float) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+        self._timer = asyncio.get_running_loop().call_later(delay_s, self._publish)
+
+
+def device_named(name: str, folder: Path = Path("/dev/input")) -> str | None:
+    """Return the joystick that calls itself so, None when there is none."""
+    import fcntl
+
+    # JSIOCGNAME of linux/joystick.h, for a name of 128 bytes.
+    get_name = 0x80006A13 | 128 << 16
+    for device in sorted(folder.glob("js*")):
+        try:
+            descriptor = os.open(device, os.O_RDONLY | os.O_NONBLOCK)
+        except OSError:
+            continue
+        try:
+            answer = fcntl.ioctl(descriptor, get_name, bytes(128))
+        except OSError:
+            continue
+        finally:
+            os.close(descriptor)
+        if answer.split(b"\0", 1)[0].decode(errors="replace") == name:
+            return str(device)
+    return None

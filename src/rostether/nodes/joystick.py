@@ -1,0 +1,88 @@
+"""A joystick's events, as Linux gives them at /dev/input/js*, and the axes and buttons that they make.
+
+    time_ms uint32 | value int16 | type uint8 (1 button, 2 axis, + 0x80 as it was at opening) | number uint8
+
+Source: linux/joystick.h; what a Joy message holds is as joy_node has it.
+"""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass, field
+from enum import Enum
+
+EVENT = struct.Struct("<IhBB")
+_BUTTON, _AXIS, _INITIAL = 0x01, 0x02, 0x80
+_FULL = 32767.0
+MAX_DEADZONE = 0.9
+"""Above, hardly anything of an axis would be left."""
+
+
+class When(Enum):
+    """When to publish after an event: not at all, after more have been gathered, at once."""
+
+    NEVER = 0
+    SOON = 1
+    NOW = 2
+
+
+@dataclass(slots=True)
+class Joystick:
+    """The state that events add up to; `deadzone` is the part of an axis around its middle that counts as 0.
+
+    With `sticky_buttons` a press turns a button on, and the next one off. With `default_trig_val` an axis has
+    the value it was opened with, else 0 until it moves.
+    """
+
+    deadzone: float = 0.05
+    sticky_buttons: bool = False
+    default_trig_val: bool = False
+    axes: list[float] = field(default_factory=list)
+    buttons: list[int] = field(default_factory=list)
+    _pressed: list[bool] = field(default_factory=list)
+    _rest: bytes = b""
+
+    def __post_init__(self) -> None:
+        # Older launch files give it in the device's units.
+        deadzone = self.deadzone / _FULL if self.deadzone >= 1 else self.deadzone
+        self.deadzone = min(max(deadzone, 0.0), MAX_DEADZONE)
+
+    def feed(self, data: bytes) -> When:
+        """Take bytes of the device, whole events or parts of them; returns when to publish."""
+        data = self._rest + data
+        end = len(data) - len(data) % EVENT.size
+        self._rest = data[end:]
+        when = When.NEVER
+        for _, value, kind, number in EVENT.iter_unpack(data[:end]):
+            when = max(when, self._take(value, kind, number), key=lambda each: each.value)
+        return when
+
+    def _take(self, value: int, kind: int, number: int) -> When:
+        is_initial = bool(kind & _INITIAL)
+        if kind & ~_INITIAL == _BUTTON:
+            self._press(number, is_pressed=value != 0)
+            return When.SOON if is_initial else When.NOW
+        if kind & ~_INITIAL == _AXIS:
+            self.axes += [0.0] * (number + 1 - len(self.axes))
+            if self.default_trig_val or not is_initial:
+                self.axes[number] = self._scaled(value)
+            return When.SOON
+        return When.NEVER
+
+    def _press(self, number: int, *, is_pressed: bool) -> None:
+        missing = number + 1 - len(self.buttons)
+        self.buttons += [0] * missing
+        self._pressed += [False] * missing
+        if not self.sticky_buttons:
+            self.buttons[number] = int(is_pressed)
+        elif is_pressed and not self._pressed[number]:
+            self.buttons[number] = 1 - self.buttons[number]
+        self._pressed[number] = is_pressed
+
+    def _scaled(self, value: int) -> float:
+        # ROS counts left and forward as positive, the device right and backward.
+        unused = _FULL * self.deadzone
+        if abs(value) <= unused:
+            return 0.0
+        moved = value - unused if value > 0 else value + unused
+        return -moved / (1 - self.deadzone) / _FULL
