@@ -125,7 +125,7 @@ def launch(
         if (package := package_around(file.absolute().parent)) is not None:
             packages = package_folders({}, package) | packages
     environ = _environ_for(packages)
-    plan = _load(sources, packages, environ, names_stay=lists_nodes or file_of is not None)
+    plan = _load(sources, packages, environ)
     locate = _locator(packages)
     if lists_nodes:
         _print(listing.node_lines(plan))
@@ -170,9 +170,7 @@ def launch(
                 pid_file.unlink(missing_ok=True)
 
 
-def _load(
-    sources: LaunchSources, packages: Mapping[str, Path], environ: Mapping[str, str], *, names_stay: bool
-) -> LaunchPlan:
+def _load(sources: LaunchSources, packages: Mapping[str, Path], environ: Mapping[str, str]) -> LaunchPlan:
     from rostether.cli.graph_access import special_arguments
     from rostether.cli.served_nodes import served_nodes
     from rostether.cli.served_programs import served_programs
@@ -186,7 +184,6 @@ def _load(
         text=sys.stdin.buffer.read() if sources.reads_stdin else None,
         programs=served_programs(),
         served_packages={package for package, _ in served_nodes()},
-        resolves_anonymous=not names_stay,
     )
 
 

@@ -23,8 +23,8 @@ def parameter_lines(plan: LaunchPlan) -> str:
 
 
 def node_lines(plan: LaunchPlan) -> list[str]:
-    """Return the nodes' full names; one with `$(anon x)` is named so."""
-    return [node.name if node.name.startswith("$") else node.full_name for node in plan.nodes]
+    """Return the nodes' full names."""
+    return [node.full_name for node in plan.nodes]
 
 
 def argument_lines(plan: LaunchPlan) -> Iterator[str]:

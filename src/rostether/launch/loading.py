@@ -33,19 +33,17 @@ def load_launch(
     text: bytes | None = None,
     programs: Mapping[tuple[str, str], Sequence[str]] | None = None,
     served_packages: Iterable[str] = (),
-    resolves_anonymous: bool = True,
 ) -> LaunchPlan:
     """Read launch files one after the other into one plan.
 
     `arguments` are those of the command line; `packages` are folders by name. `text` is a launch file that
     has no path, read last. `programs` are command lines of ours for (package, program), as
     `$(find xacro)/xacro` names them where the package is not installed; $(find) knows it then, and
-    `served_packages`. Without `resolves_anonymous`, `$(anon id)` stays in names as it is.
-    Raises LaunchError with file and line.
+    `served_packages`. Raises LaunchError with file and line.
     """
     programs = programs or {}
     served = frozenset(served_packages) | {package for package, _ in programs}
-    surroundings = Surroundings(environ, packages, served, resolves_anonymous)
+    surroundings = Surroundings(environ, packages, served)
     loader = _Loader(TagReader(surroundings), programs)
     namespace = as_namespace(arguments.get("__ns") or environ.get("ROS_NAMESPACE") or "/")
     for path in paths:

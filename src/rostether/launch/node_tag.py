@@ -19,8 +19,6 @@ NODE_ATTRIBUTES = (
 )
 _NOT_IN_TESTS = ("respawn", "respawn_delay", "output")
 _TEST_ATTRIBUTES = (*NODE_ATTRIBUTES, "test-name", "time-limit", "retry")
-_STAYS_ANONYMOUS = "$"
-"""How a name begins whose `$(anon id)` was left as it is."""
 
 
 class NodeTags:
@@ -81,7 +79,7 @@ class NodeTags:
         reader = self._reader
         if SEPARATOR in name:
             raise LaunchError(f"name={name!r} holds a namespace; give it with ns=")
-        if not is_legal_name(name) and not name.startswith(_STAYS_ANONYMOUS):
+        if not is_legal_name(name):
             reader.warn(element, f"name={name!r} is not a ROS name; many programs will refuse it")
         inside = reader.namespace(element, scope, name)
         own = inside.child(name)

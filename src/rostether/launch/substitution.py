@@ -30,13 +30,12 @@ class Surroundings:
     """What a launch file may ask of the machine.
 
     `packages` are folders by package name. `served` are packages of ours that are no folders: they are found
-    below SERVED_ROOT, where no file is. Without `resolves_anonymous`, `$(anon id)` stays as it is.
+    below SERVED_ROOT, where no file is.
     """
 
     environ: Mapping[str, str]
     packages: Mapping[str, Path]
     served: frozenset[str] = frozenset()
-    resolves_anonymous: bool = True
 
 
 SERVED_ROOT = "/rostether-serves"
@@ -117,8 +116,7 @@ def _put_in(text: str, found: str, scope: Scope, surroundings: Surroundings) -> 
         case "dirname":
             value = folder_of(scope.file)
         case "anon":
-            name = _only(found, words)
-            value = anonymous_name(name, scope) if surroundings.resolves_anonymous else None
+            value = anonymous_name(_only(found, words), scope)
         case "arg":
             value = argument_value(_only(found, words), scope)
     return text if value is None else text.replace(f"$({found})", value)

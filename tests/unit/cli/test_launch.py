@@ -67,7 +67,9 @@ def refused(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
 
 
 def test_nodes_are_listed(arm: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert printed(capsys, "arm", "display.launch", "--nodes").split() == ["/left/mover", "$(anon", "other)"]
+    mover, other = printed(capsys, "arm", "display.launch", "--nodes").split()
+    assert mover == "/left/mover"
+    assert other.startswith("/other_")
 
 
 def test_parameters_are_listed_as_yaml(arm: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -124,11 +124,6 @@ def test_files_and_arguments_are_listed() -> None:
     assert [each.name for each in plan.arguments] == ["required", "optional", "extra"]
 
 
-def test_anonymous_names_may_stay_as_they_are() -> None:
-    plan = loads('<node name="$(anon n)" pkg="p" type="t" args="$(anon n)"/>', resolves_anonymous=False)
-    assert (plan.nodes[0].name, plan.nodes[0].args) == ("$(anon n)", "$(anon n)")
-
-
 def test_program_of_a_package_that_is_served_runs_as_ours() -> None:
     programs = {("xacro", "xacro"): ("printf", "%s")}
     for name in ("xacro", "xacro.py"):
