@@ -17,7 +17,7 @@ from rostether.rospy_facade.environment import node_environment
 
 SCRIPTS = Path(__file__).parent / "rospy_scripts"
 PYTHONS = [DEBIAN_PYTHON, sys.executable]
-REMAPPINGS = "early:=/talk/moved _gain:=2.5 __name:=mona __ns:=/lisa answer:=renamed x y=z".split()
+REMAPPINGS = ["early:=/talk/moved", "_gain:=2.5", "__name:=mona", "__ns:=/lisa", "answer:=renamed", "x"]
 
 
 async def start(peers: Ros1Peers, python: str, script: str, *arguments: str) -> Peer:
@@ -74,6 +74,14 @@ async def test_values(roscore: Ros1Peers) -> None:
     theirs, ours = await asyncio.gather(*(printed(roscore, python, "values.py") for python in PYTHONS))
     assert ours == theirs
     assert len(ours) > 150
+
+
+@pytest.mark.robot
+async def test_frames(roscore: Ros1Peers) -> None:
+    theirs = await printed(roscore, DEBIAN_PYTHON, "frames.py")
+    ours = await printed(roscore, sys.executable, "frames.py")
+    assert ours == theirs
+    assert len(ours) > 200
 
 
 async def test_a_node_that_talks_with_itself(roscore: Ros1Peers) -> None:
