@@ -1,0 +1,74 @@
+"""Terminals of someone who typed `eval "$(rostether env --first)"` in a catkin workspace."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import shutil
+import sys
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+from interop.ros1_peers import Peer
+
+EXAMPLE = Path(__file__).parents[3] / "examples" / "mearm"
+_LEFT_OUT = ("ROS", "PYTEST", "PYTHONPATH")
+
+
+class Terminals:
+    """Types commands, each in a terminal of its own."""
+
+    def __init__(self, workspace: Path, master_uri: str) -> None:
+        self.workspace = workspace
+        self._environment = {
+            name: value for name, value in os.environ.items() if not name.startswith(_LEFT_OUT)
+        } | {
+            "PATH": f"{Path(sys.executable).parent}:/usr/bin:/bin",
+            "ROS_MASTER_URI": master_uri,
+            "HOME": str(workspace.parent),
+            "PYTHONUNBUFFERED": "1",
+        }
+        self._peers: list[Peer] = []
+
+    async def start(self, command: str) -> Peer:
+        """Type a command and leave it running."""
+        process = await asyncio.create_subprocess_exec(
+            "bash",
+            "-c",
+            f'eval "$(rostether env --first --shell bash)"\n{command}',
+            cwd=self.workspace,
+            env=self._environment,
+            stdin=asyncio.subprocess.DEVNULL,
+            stdout=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.STDOUT,
+            start_new_session=True,
+        )
+        peer = Peer(process)
+        peer.reader = asyncio.create_task(peer.read())
+        self._peers.append(peer)
+        return peer
+
+    async def type(self, command: str) -> str:
+        """Type a command that ends; returns what it printed, and fails when it fails."""
+        peer = await self.start(command)
+        text = await peer.finish(30.0)
+        assert peer.process.returncode == 0, f"{command}:\n{text}"
+        return text
+
+    async def close(self) -> None:
+        """End what is left running, the last first."""
+        for peer in reversed(self._peers):
+            await peer.stop()
+
+
+@contextlib.asynccontextmanager
+async def terminals(home: Path, master_uri: str) -> AsyncIterator[Terminals]:
+    """Give terminals in a workspace that holds the example."""
+    workspace = home / "catkin_ws"
+    shutil.copytree(EXAMPLE, workspace / "src")
+    opened = Terminals(workspace, master_uri)
+    try:
+        yield opened
+    finally:
+        await opened.close()
