@@ -15,7 +15,7 @@ from rostether.launch.node_tag import NodeTags
 from rostether.launch.parameter_tags import ParameterTags
 from rostether.launch.plan import DeclaredArgument, LaunchPlan
 from rostether.launch.scope import Scope, as_namespace
-from rostether.launch.substitution import Surroundings
+from rostether.launch.substitution import Surroundings, explain_unreadable
 from rostether.launch.tag_reader import TagReader
 from rostether.launch.xml_tree import MAX_FILE_BYTES, Element, parse_launch_xml
 
@@ -188,4 +188,4 @@ def _read(file: str) -> bytes:
         with open(file, "rb") as stream:  # noqa: PTH123 - an empty name is no Path
             return stream.read(MAX_FILE_BYTES + 1)
     except OSError as error:
-        raise LaunchError(f"cannot read {file!r}: {error.strerror or error}") from None
+        raise explain_unreadable(file, error) from None

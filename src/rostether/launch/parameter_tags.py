@@ -13,7 +13,7 @@ from typing import Any
 from rostether.errors import LaunchError
 from rostether.launch.plan import DeleteParameters, DumpParameters
 from rostether.launch.scope import Scope
-from rostether.launch.substitution import SERVED_ROOT
+from rostether.launch.substitution import SERVED_ROOT, explain_unreadable
 from rostether.launch.tag_reader import TagReader
 from rostether.launch.values import convert
 from rostether.launch.xml_tree import MAX_FILE_BYTES, Element
@@ -163,7 +163,7 @@ def _read_bytes(file: str) -> bytes:
             raise LaunchError(f"{file} is larger than {MAX_FILE_BYTES} bytes, no parameter is")
         return Path(file).read_bytes()
     except OSError as error:
-        raise LaunchError(f"cannot read {file!r}: {error.strerror or error}") from None
+        raise explain_unreadable(file, error) from None
 
 
 def _read_text(file: str) -> str:

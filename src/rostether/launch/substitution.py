@@ -103,6 +103,14 @@ def package_folder(name: str, surroundings: Surroundings) -> str:
     raise LaunchError(f"there is no package {name!r}; {hint}")
 
 
+def explain_unreadable(file: str, error: OSError) -> LaunchError:
+    """Return the error about a file that cannot be read; those of packages that we serve are not there."""
+    if file.startswith(f"{SERVED_ROOT}/"):
+        package = file.removeprefix(f"{SERVED_ROOT}/").partition("/")[0]
+        return LaunchError(f"package {package} is not installed; its nodes are ours, but there are no files")
+    return LaunchError(f"cannot read {file!r}: {error.strerror or error}")
+
+
 def _put_in(text: str, found: str, scope: Scope, surroundings: Surroundings) -> str:
     command, *words = found.split()
     value: str | None = None

@@ -134,6 +134,11 @@ def test_program_of_a_package_that_is_served_runs_as_ours() -> None:
     assert SERVED_ROOT not in str(caught.value)
 
 
+def test_files_of_a_package_that_is_served_are_said_not_to_be_there() -> None:
+    with pytest.raises(LaunchError, match="package joy is not installed; its nodes are ours"):
+        loads('<include file="$(find joy)/launch/joy.launch"/>', served_packages=["joy"])
+
+
 def test_later_file_replaces_parameters_of_an_earlier_one(tmp_path: Path) -> None:
     for name, value in (("a", 1), ("b", 2)):
         (tmp_path / name).write_text(f'<launch><param name="x" value="{value}"/></launch>')

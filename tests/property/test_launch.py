@@ -1,0 +1,91 @@
+"""Whatever stands in a launch file, it is read or refused with its place, and never anything else."""
+
+from __future__ import annotations
+
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from rostether.errors import ConfigError, LaunchError
+from rostether.launch.loading import load_launch
+from rostether.launch.scope import Scope
+from rostether.launch.substitution import Surroundings, substitute
+from rostether.launch.values import convert
+
+SURROUNDINGS = Surroundings({"HOME": "/home/x"}, {})
+WORDS = st.sampled_from(
+    [
+        "$(",
+        "$",
+        "(",
+        ")",
+        "arg",
+        "env",
+        "optenv",
+        "find",
+        "anon",
+        "dirname",
+        "eval",
+        " ",
+        "x",
+        "HOME",
+        "'",
+        "+",
+    ]
+)
+PIECES = st.sampled_from(
+    [
+        *("<group ns='a'>", "</group>", "<node name='n' pkg='p' type='t'>", "</node>", "<param name='x' "),
+        *("value='$(arg x)'/>", "value='1'/>", "<rosparam>", "{a: [1", "]}", "</rosparam>", "<arg name='x' "),
+        *(
+            "default='1'/>",
+            "<remap from='a' to='b'/>",
+            "<env name='a' value='b'/>",
+            " if='0'",
+            "text",
+            "&amp;",
+        ),
+        *("<test test-name='t' pkg='p' type='t'/>", "<include file='/dev/null'/>", "<!-- c -->", "<![CDATA["),
+    ]
+)
+
+
+def refuses_or_returns(body: bytes) -> None:
+    try:
+        load_launch([], {"x": "1"}, {}, {}, text=body)
+    except LaunchError as error:
+        assert "\n" not in str(error)
+        assert error.file
+
+
+@given(st.binary(max_size=200))
+def test_bytes_that_are_no_launch_file(body: bytes) -> None:
+    refuses_or_returns(body)
+
+
+@settings(max_examples=300)
+@given(st.lists(PIECES, max_size=12))
+@example(["<param name='x' ", "value='$(arg x)'/>"])
+def test_pieces_of_launch_files(pieces: list[str]) -> None:
+    refuses_or_returns(f"<launch>{''.join(pieces)}</launch>".encode())
+
+
+@settings(max_examples=300)
+@given(st.lists(WORDS | st.text(max_size=3), max_size=12).map("".join))
+def test_texts_with_substitutions(text: str) -> None:
+    scope = Scope(file="x.launch", arguments={"x": "1"})
+    try:
+        result = substitute(text, scope, SURROUNDINGS)
+    except (LaunchError, ConfigError) as error:
+        assert "\n" not in str(error) or "\n" in text
+    else:
+        assert "$" in text or result == text
+
+
+@given(st.text(max_size=12), st.sampled_from(["auto", "str", "int", "double", "bool", "yaml", "other"]))
+def test_texts_as_values(text: str, type_name: str) -> None:
+    try:
+        value = convert(text, type_name)
+    except (LaunchError, ConfigError):
+        return
+    if type_name == "str":
+        assert value == text
