@@ -53,7 +53,6 @@ SERVED_NODES: dict[tuple[str, str], tuple[str, ...]] = {
     ("topic_tools", "mux_add"): ("role", "mux-add"),
     ("topic_tools", "mux_delete"): ("role", "mux-delete"),
     ("topic_tools", "mux_list"): ("role", "mux-list"),
-    ("rosout", "rosout"): ("role", "rosout"),
 }
 
 _WINDOWS = {

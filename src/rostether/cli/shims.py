@@ -39,7 +39,7 @@ SHIMS = {
     "catkin_make": ("pkg", "make"),
     "check_urdf": ("urdf", "check"),
     "rqt_graph": ("graph",),
-    "rqt_plot": ("plot",),
+    "rqt_plot": ("role", "rqt-plot"),
     "rviz": ("run", "rviz", "rviz"),
 }
 

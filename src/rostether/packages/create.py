@@ -93,9 +93,9 @@ def package_xml(package: NewPackage) -> str:
         f"  <description>{escape(package.description or f'The {package.name} package')}</description>",
     ]
     maintainers = package.maintainers or [f"{package.user} <{package.user}@{_UNKNOWN_MAIL}>"]
-    lines += [_person("maintainer", each, package.user) for each in maintainers]
+    lines += [_person("maintainer", each) for each in maintainers]
     lines += [f"  <license>{escape(each)}</license>" for each in package.licenses or ["TODO"]]
-    lines += [_person("author", each, package.user) for each in package.authors]
+    lines += [_person("author", each) for each in package.authors]
     lines += ["", "  <buildtool_depend>catkin</buildtool_depend>"]
     names = sorted({*package.dependencies, *package.system_dependencies})
     if package.is_metapackage:
@@ -147,9 +147,9 @@ def _call(name: str, first: str, rest: Sequence[str]) -> list[str]:
     return [f"{name}({first}", *(f"  {each}" for each in rest), ")"] if rest else [f"{name}({first})"]
 
 
-def _person(tag: str, person: str, user: str) -> str:
+def _person(tag: str, person: str) -> str:
     match = _PERSON.fullmatch(person)
-    name, mail = (match[1], match[2]) if match else (person, f"{user}@{_UNKNOWN_MAIL}")
+    name, mail = (match[1], match[2]) if match else (person, f"{'.'.join(person.split())}@{_UNKNOWN_MAIL}")
     # An author need not have an address; a maintainer must.
     email = f" email={quoteattr(mail)}" if match or tag == "maintainer" else ""
     return f"  <{tag}{email}>{escape(name)}</{tag}>"

@@ -107,7 +107,7 @@ def test_a_cache_that_cannot_be_written(
     assert "name another cache folder with XDG_CACHE_HOME" in shell.failure("env")
 
 
-@pytest.mark.skipif(shutil.which("fish") is None, reason="no fish (apt install fish)")
+@pytest.mark.fish
 def test_fish(tmp_path: Path) -> None:
     folder = write_shims(tmp_path / "my shims")
     code = shell_code(folder, first=False, is_fish=True)

@@ -44,16 +44,16 @@ def test_texts_are_escaped() -> None:
             description="<arms> & hands",
             licenses=["MIT", "BSD"],
             authors=["Ada & Co", "Bob <bob@example.org>"],
-            maintainers=["Eve <eve@example.org>", "Mallory"],
+            maintainers=["Eve <eve@example.org>", "Mallory Malory"],
             user="me",
         )
     )
     described = parse_package_xml(text.encode())
     assert described.description == "<arms> & hands"
     assert described.licenses == ("MIT", "BSD")
-    assert described.maintainers == ("Eve", "Mallory")
+    assert described.maintainers == ("Eve", "Mallory Malory")
     assert '<maintainer email="eve@example.org">Eve</maintainer>' in text
-    assert '<maintainer email="me@todo.todo">Mallory</maintainer>' in text
+    assert '<maintainer email="Mallory.Malory@todo.todo">Mallory Malory</maintainer>' in text
     assert '<author email="bob@example.org">Bob</author>' in text
     assert "<author>Ada &amp; Co</author>" in text
 
