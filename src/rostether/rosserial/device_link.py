@@ -35,7 +35,7 @@ from rostether.rosserial.packets import (
     decode_time,
     encode_time,
 )
-from rostether.rosserial.time_sync import REQUEST_PERIOD_S, SYNC_LOST_S, DeviceClock
+from rostether.rosserial.time_sync import OUR_REQUEST_PERIOD_S, SYNC_LOST_S, DeviceClock
 from rostether.rostime import Time
 
 PUBLISHER_OVERHEAD_BYTES = 8
@@ -288,7 +288,7 @@ class DeviceLink:
     def _ask_time(self, now_s: float, events: list[DeviceEvent]) -> None:
         self.statistics.time_requests += 1
         self._clock.requested(now_s)
-        self._time_due_s = now_s + REQUEST_PERIOD_S
+        self._time_due_s = now_s + OUR_REQUEST_PERIOD_S
         self._queue_control(ids.TIME, encode_time(Time()))
 
     def _announce(self, now_s: float, events: list[DeviceEvent]) -> None:

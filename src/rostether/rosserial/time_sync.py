@@ -13,6 +13,9 @@ from rostether.rostime import Time
 REQUEST_PERIOD_S = 2.5
 """How often a configured device asks for the time (established library: 5 s / 2)."""
 
+OUR_REQUEST_PERIOD_S = 2.2
+"""Our own devices ask a little more often, so that one lost answer matters less."""
+
 SYNC_LOST_S = 11.0
 """Without an answer for this long a device takes itself for unconfigured (established library: 5 * 2.2 s)."""
 

@@ -21,7 +21,7 @@ from rostether.rosserial.events import (
     UnknownTopicId,
 )
 from rostether.rosserial.packets import Log, LogLevel, ParameterResponse, TopicInfo, encode_time
-from rostether.rosserial.time_sync import REQUEST_PERIOD_S, SYNC_LOST_S
+from rostether.rosserial.time_sync import OUR_REQUEST_PERIOD_S, SYNC_LOST_S
 from rostether.rostime import Time
 from unit.rosserial.decoding import frame, plain_decode
 from unit.rosserial.sessions import (
@@ -164,7 +164,7 @@ def test_a_frame_larger_than_the_input_buffer_is_discarded() -> None:
     ]
 
 
-def test_asks_for_the_time_every_two_and_a_half_seconds() -> None:
+def test_asks_for_the_time_at_its_own_pace() -> None:
     link, _, _ = configured()
     asked: list[float] = []
     while len(asked) < 3:
@@ -174,7 +174,7 @@ def test_asks_for_the_time_every_two_and_a_half_seconds() -> None:
         if link.data_to_send() == TIME:
             asked.append(due_s)
             link.receive_data(answer(1e9 + due_s), due_s + 0.01)
-    assert asked == pytest.approx([100 + REQUEST_PERIOD_S * number for number in (1, 2, 3)])
+    assert asked == pytest.approx([100 + OUR_REQUEST_PERIOD_S * number for number in (1, 2, 3)])
 
 
 def test_falls_silent_without_answers_and_is_configured_by_a_request() -> None:

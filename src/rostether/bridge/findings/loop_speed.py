@@ -11,7 +11,7 @@ from collections import deque
 from statistics import median
 
 from rostether.bridge.findings.finding import Code, Finding, warning
-from rostether.rosserial.time_sync import REQUEST_PERIOD_S
+from rostether.rosserial.time_sync import OUR_REQUEST_PERIOD_S, REQUEST_PERIOD_S
 
 SLOW_LISTENER_S = 0.1
 """Where the board listens to topics or serves calls: at 57600 baud 64 bytes, its buffer, come in 11 ms."""
@@ -23,9 +23,6 @@ OVERDUE_S = 0.4
 """Later than this is late whatever was asked meanwhile."""
 
 TOLERANCE_S = 0.1
-
-OUR_PERIOD_S = 2.2
-"""Our own library asks a little more often than the established one."""
 
 SURELY_OURS_S = 2.4
 """Who mostly asks sooner than this is none that waits 2.5 s."""
@@ -67,7 +64,7 @@ class LoopSpeed:
         if last_s is None:
             return
         interval_s = now_s - last_s
-        least_s = REQUEST_PERIOD_S + OVERDUE_S if was_provoked else OUR_PERIOD_S - TOLERANCE_S
+        least_s = REQUEST_PERIOD_S + OVERDUE_S if was_provoked else OUR_REQUEST_PERIOD_S - TOLERANCE_S
         if least_s <= interval_s <= REQUEST_PERIOD_S + MAX_LATE_S:
             self._intervals_s.append(interval_s)
 
@@ -93,4 +90,4 @@ class LoopSpeed:
         is_ours = self.is_ours or (
             len(self._intervals_s) >= MIN_COUNT and median(self._intervals_s) < SURELY_OURS_S
         )
-        return OUR_PERIOD_S if is_ours else REQUEST_PERIOD_S
+        return OUR_REQUEST_PERIOD_S if is_ours else REQUEST_PERIOD_S
