@@ -174,8 +174,11 @@ class Ros1Peers:
         self.environment = ros_environment(master_uri, home)
         self._peers: list[Peer] = []
 
-    async def start(self, *command: str, stdin: bytes | None = None) -> Peer:
-        """Start a program: `rostopic`, a path, or `python` for Debian's Python."""
+    async def start(self, *command: str, stdin: bytes | None = None, keeps_stdin: bool = False) -> Peer:
+        """Start a program: `rostopic`, a path, or `python` for Debian's Python.
+
+        With `keeps_stdin` more may be written to it later.
+        """
         program = DEBIAN_PYTHON if command[0] == "python" else command[0]
         process = await asyncio.create_subprocess_exec(
             program,
@@ -189,7 +192,8 @@ class Ros1Peers:
         )
         if stdin is not None and process.stdin is not None:
             process.stdin.write(stdin)
-            process.stdin.close()
+            if not keeps_stdin:
+                process.stdin.close()
         peer = Peer(process)
         peer.reader = asyncio.create_task(peer.read())
         self._peers.append(peer)
