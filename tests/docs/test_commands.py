@@ -140,7 +140,9 @@ def _needs(page: Path) -> list[pytest.MarkDecorator]:
 @pytest.mark.usefixtures("alone")
 @pytest.mark.parametrize("page", [pytest.param(page, marks=_needs(page), id=_name(page)) for page in PAGES])
 def test_page(page: Path, tmp_path: Path) -> None:
-    # Only the README speaks to someone who stands in a clone.
+    # Only the README speaks to someone who stands in a clone; others may name one, ~/rostether.
+    if "~/rostether" in page.read_text():
+        (tmp_path / "rostether").symlink_to(REPOSITORY)
     terminal = Terminal(REPOSITORY if page.name == "README.md" else tmp_path, tmp_path)
     for name, text in programs(page).items():
         (tmp_path / name).write_text(text)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import groupby
 from typing import TYPE_CHECKING
 
 from rostether.cli.output import one_line
@@ -33,7 +34,7 @@ def plot_lines(curves: Sequence[Curve], columns: int, rows: int, across: Axis) -
     lines: list[list[Piece]] = []
     for number, cells in enumerate(braille(curves, width, height, across, up)):
         mark = marks.get(number, "")
-        lines.append([(f"{mark:>{margin}}{'┤' if mark else '│'}", None), *cells])
+        lines.append([(f"{mark:>{margin}}{'┤' if mark else '│'}", None), *_joined(cells)])
     lines.append([(" " * margin + "└" + "─" * width, None)])
     lines.append([(" " * (margin + 1) + _across_marks(across, width), None)])
     return lines + legend
@@ -56,6 +57,12 @@ def as_colored(lines: Sequence[Sequence[Piece]], footer: str) -> Text:
             )
         text.append("\n")
     return text.append(footer, "dim")
+
+
+def _joined(cells: Sequence[Piece]) -> Iterator[Piece]:
+    """Yield cells of one curve in one piece: a terminal is told of each color once."""
+    for number, run in groupby(cells, key=lambda cell: cell[1]):
+        yield "".join(text for text, _ in run), number
 
 
 def _legend(curves: Sequence[Curve], columns: int) -> list[list[Piece]]:
