@@ -34,6 +34,12 @@ def _accepted(*names: str, **options: Any) -> Callable[[Any], Any]:
     return click.option(*names, expose_value=False, hidden=True, **options)
 
 
+def _complete(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
+    from rostether.cli.launch_sources import complete_launch
+
+    return complete_launch(ctx, param, incomplete)
+
+
 @click.command(
     "launch",
     cls=Verb,
@@ -45,7 +51,13 @@ def _accepted(*names: str, **options: Any) -> Callable[[Any], Any]:
     rostether launch robot.launch --ros-args               which arguments it takes
     """,
 )
-@click.argument("words", nargs=-1, type=click.UNPROCESSED, metavar="[PACKAGE] FILE [NAME:=VALUE]...")
+@click.argument(
+    "words",
+    nargs=-1,
+    type=click.UNPROCESSED,
+    metavar="[PACKAGE] FILE [NAME:=VALUE]...",
+    shell_complete=_complete,
+)
 @click.option("--nodes", "lists_nodes", is_flag=True, help="Print the names of the nodes, and start none.")
 @click.option("--dump-params", "dumps", is_flag=True, help="Print the parameters as YAML, and set none.")
 @click.option("--ros-args", "lists_arguments", is_flag=True, help="Print which arguments the file takes.")

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import click
+
 from rostether.errors import ConfigError
 from rostether.names.remap import ASSIGNMENT
+from rostether.packages.locate import package_folders
 from rostether.packages.search_path import walk
 
 STDIN = "-"
@@ -77,6 +81,17 @@ def in_package(package: str, name: str, folder: Path) -> Path | None:
         places = ", ".join(str(each.relative_to(folder)) for each in found)
         raise ConfigError(f"package {package} has {name} more than once; name one of {places}")
     return found[0] if found else None
+
+
+def complete_launch(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
+    """Return packages that have launch files; behind a package, its launch files."""
+    packages = package_folders(os.environ, Path.cwd())
+    words = ctx.params.get("words") or ()
+    if words and words[0] in packages:
+        names = launch_files(packages[words[0]])
+    else:
+        names = sorted(name for name, folder in packages.items() if launch_files(folder))
+    return [name for name in names if name.startswith(incomplete)]
 
 
 def launch_files(folder: Path) -> list[str]:

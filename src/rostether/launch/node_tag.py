@@ -33,7 +33,7 @@ class NodeTags:
         reader = self._reader
         reader.check_attributes(element, NODE_ATTRIBUTES)
         package, node_type = (self._filled(element, scope, name) for name in ("pkg", "type"))
-        name = reader.required(element, scope, "name") or new_anonymous_name(node_type)
+        name = reader.required(element, scope, "name")
         inside = self._inside(element, scope, name)
         args = reader.optional(element, scope, "args") or ""
         launch_prefix = reader.optional(element, scope, "launch-prefix") or ""
@@ -42,7 +42,8 @@ class NodeTags:
         node = LaunchNode(
             package=package,
             type=node_type,
-            name=name,
+            # As with roslaunch, the private parameters of a node without a name lie in its namespace.
+            name=name or new_anonymous_name(node_type),
             namespace=canonical(inside.namespace),
             args=args,
             remaps=tuple(inside.remaps),

@@ -99,10 +99,10 @@ class _Launch:
                 if task.exception() is not None:
                     self._report(Level.ERROR, str(task.exception()))
                 if process.node.required:
-                    self._report(
-                        Level.ERROR, f"[{process.name}] is required and has ended: all nodes are stopped"
-                    )
-                    return task.exception() is None and process.exit_code == 0
+                    succeeded = task.exception() is None and process.exit_code == 0
+                    line = f"[{process.name}] is required and has ended: all nodes are stopped"
+                    self._report(Level.WARN if succeeded else Level.ERROR, line)
+                    return succeeded
         if self._options.stays:
             self._report(Level.INFO, "no node is left; the master goes on until Ctrl-C")
             await asyncio.Event().wait()

@@ -119,8 +119,10 @@ class TagReader:
             self.warn(element, f"ns={namespace!r} is not a ROS name; many programs will refuse it")
         inside = scope.child(namespace)
         if element.attributes.get("clear_params") and self.switch(element, scope, "clear_params"):
-            if element.tag not in ("node", "test") and namespace is None:
+            if namespace is None and element.tag not in ("node", "test"):
                 raise LaunchError(f"<{element.tag} clear_params=...> needs ns=, the namespace to clear")
+            if not node_name and element.tag in ("node", "test"):
+                raise LaunchError(f"<{element.tag} clear_params=...> needs a name=")
             cleared = as_namespace(join(inside.namespace, node_name)) if node_name else inside.namespace
             self.draft.cleared.append(cleared)
         return inside

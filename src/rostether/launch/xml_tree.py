@@ -37,6 +37,8 @@ def parse_launch_xml(data: bytes, *, file: str) -> Element:
 
     Raises LaunchError with file and line: too large, not XML, a DTD or entity, another root.
     """
+    if file.endswith(".launch.py"):
+        raise LaunchError("a launch file of ROS 2 in Python; only ROS 1's XML is read here", file=file)
     if len(data) > MAX_FILE_BYTES:
         raise LaunchError(f"larger than {MAX_FILE_BYTES} bytes, not a launch file", file=file)
     builder = _Builder(file)

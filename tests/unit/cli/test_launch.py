@@ -12,10 +12,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import click
 import pytest
 import yaml
 
 from interop.ros1_peers import free_port
+from rostether.cli.launch_sources import complete_launch
 from rostether.cli.main import main
 from unit.cli.shell import LiveGraph
 
@@ -166,6 +168,23 @@ def test_xacro_that_is_not_installed_as_a_package_is_ours(
     )
     model = yaml.safe_load(printed(capsys, "arm", "x.launch", "--dump-params"))["/robot"]
     assert f'<link name="b_{arm}"/>' in model
+
+
+@pytest.mark.parametrize(
+    ("words", "typed", "found"),
+    [((), "a", ["arm"]), ((), "x", []), (("arm",), "p", ["params.launch"]), (("other",), "p", [])],
+)
+def test_packages_and_their_launch_files_complete(
+    arm: Path, words: tuple[str, ...], typed: str, found: list[str]
+) -> None:
+    context = click.Context(click.Command("launch"))
+    context.params["words"] = words
+    assert complete_launch(context, click.Argument(["words"]), typed) == found
+
+
+def test_launch_file_of_ros2_is_refused_by_name(arm: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (arm / "x.launch.py").write_text("def generate_launch_description(): pass")
+    assert "of ROS 2" in refused(capsys, "arm", "x.launch.py")
 
 
 @contextmanager

@@ -161,3 +161,9 @@ def test_unbalanced_quote_in_args_is_refused() -> None:
 def test_text_cannot_grow_without_end() -> None:
     with pytest.raises(LaunchError, match="longer than"):
         loads("""<param name="x" value="$(eval 'a' * 10**10)"/>""")
+
+
+def test_node_without_a_name_gets_one_and_its_parameters_lie_in_the_namespace() -> None:
+    plan = loads('<node name="" pkg="p" type="talk" ns="g"><param name="x" value="1"/></node>')
+    assert plan.parameters == {"/g/x": 1}
+    assert plan.nodes[0].name.startswith("talk_")
