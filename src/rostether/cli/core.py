@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import click
 
 from rostether.cli.graph_access import read_environment
@@ -16,6 +19,11 @@ from rostether.cli.which_master import master_answers
 from rostether.cli.zenoh_router import serve_router
 from rostether.errors import GraphError
 from rostether.ros1.environment import RosEnvironment, format_uri
+
+
+def _accepted(*names: str, **options: Any) -> Callable[[Any], Any]:
+    # What scripts give to roscore, and what needs nothing from us.
+    return click.option(*names, expose_value=False, hidden=True, **options)
 
 
 @click.command(
@@ -41,6 +49,12 @@ from rostether.ros1.environment import RosEnvironment, format_uri
     help="Run the zenoh router of ROS 2 instead.",
 )
 @zenoh_reach_options
+@_accepted("-v", is_flag=True)
+@_accepted("-w", "--numworkers", type=int)
+@_accepted("-t", "--timeout", type=float)
+@_accepted("--master-logger-level")
+@_accepted("--sigint-timeout", type=float)
+@_accepted("--sigterm-timeout", type=float)
 def core(
     port: int | None,
     listen: str | None,
