@@ -77,6 +77,14 @@ async def test_values(roscore: Ros1Peers) -> None:
 
 
 @pytest.mark.robot
+async def test_filters(roscore: Ros1Peers) -> None:
+    theirs = await printed(roscore, DEBIAN_PYTHON, "filters.py")
+    ours = await printed(roscore, sys.executable, "filters.py")
+    assert ours == theirs
+    assert len(ours) > 10
+
+
+@pytest.mark.robot
 async def test_frames(roscore: Ros1Peers) -> None:
     theirs = await printed(roscore, DEBIAN_PYTHON, "frames.py")
     ours = await printed(roscore, sys.executable, "frames.py")

@@ -4,10 +4,16 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from importlib.util import find_spec
 from pathlib import Path
 
 PACKAGES_VARIABLE = "ROSTETHER_PACKAGE_FOLDERS"
 """Folders of packages that whoever starts a script has found, besides those of ROS_PACKAGE_PATH."""
+
+IMPORT_VARIABLE = "ROSTETHER_IMPORT_PATH"
+"""Where this Python has rostether and what our rospy needs, for scripts that name another Python."""
+
+_NEEDED = ("rostether", "h11", "yaml")
 
 PATH_FOLDER = Path(__file__).with_name("path")
 """Goes on PYTHONPATH. It only holds a sitecustomize.py, which adds our rospy where there is no real one."""
@@ -25,6 +31,13 @@ def node_environment(
     own = str(PATH_FOLDER)
     changed = dict(environ)
     changed["PYTHONPATH"] = os.pathsep.join([own, *(part for part in others if part != own)])
+    changed[IMPORT_VARIABLE] = os.pathsep.join(_import_folders())
     if package_folders:
         changed[PACKAGES_VARIABLE] = os.pathsep.join(str(folder) for folder in package_folders.values())
     return changed
+
+
+def _import_folders() -> list[str]:
+    specs = [find_spec(name) for name in _NEEDED]
+    origins = [spec.origin for spec in specs if spec is not None and spec.origin is not None]
+    return list(dict.fromkeys(str(Path(origin).parents[1]) for origin in origins))

@@ -21,9 +21,10 @@ def _add_rospy(here: str) -> None:
     if sys.version_info < (3, 11) or importlib.util.find_spec("rospy") is not None:
         return
     facade = os.path.dirname(here)  # noqa: PTH120
-    if importlib.util.find_spec("rostether") is None:
+    for folder in os.environ.get("ROSTETHER_IMPORT_PATH", "").split(os.pathsep):
         # A script for another Python than ours: it finds us, and what we need, after all of its own.
-        sys.path.append(os.path.dirname(os.path.dirname(facade)))  # noqa: PTH120
+        if folder and folder not in sys.path:
+            sys.path.append(folder)
     sys.path.append(os.path.join(facade, "modules"))  # noqa: PTH118
     from rostether.rospy_facade.import_hook import install
 

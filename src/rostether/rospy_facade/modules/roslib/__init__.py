@@ -1,7 +1,7 @@
 """roslib: what was needed before catkin, and what turns type names into classes."""
 
 # ruff: noqa: F401
-from . import message
+from . import message, packages
 
 
 def load_manifest(package_name: str) -> None:

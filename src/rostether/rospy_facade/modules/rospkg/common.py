@@ -1,0 +1,4 @@
+"""rospkg.common."""
+
+# ruff: noqa: F401
+from rostether.rospy_facade.ros_packages import ResourceNotFound
