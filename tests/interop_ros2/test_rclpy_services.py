@@ -79,6 +79,18 @@ async def test_a_handler_that_fails_leaves_the_caller_waiting_and_says_why(
     assert "no answer to a call of /ours/refusing: the board is away" in caplog.text
 
 
+async def test_a_burst_of_calls_is_answered_to_the_last(join: JoinGraph, store: TypeStore) -> None:
+    node, other = await join("/board"), await join("/other")
+
+    async def handle(_: bytes) -> bytes:
+        return b"\1\0\0\0\0"
+
+    set_bool = store.registry.service_type("std_srvs/SetBool")
+    await node.advertise_service("/ours/busy", set_bool, handle)
+    calls = [other.call_service("/ours/busy", set_bool, TRUE, timeout_s=10.0) for _ in range(60)]
+    assert set(await asyncio.gather(*calls)) == {b"\1\0\0\0\0"}
+
+
 async def test_a_server_that_does_not_answer_times_out(
     join: JoinGraph, peer: RclpyPeer, store: TypeStore
 ) -> None:

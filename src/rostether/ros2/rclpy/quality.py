@@ -22,6 +22,10 @@ SUBSCRIBER_DEPTH: Final = 4000
 LATCHED_DEPTH: Final = 1
 """A latched topic of ROS 1 greets with its last message, and no more."""
 
+SERVICE_DEPTH: Final = 100
+"""Calls kept until our thread takes them, and answers likewise: of rclpy's own 10 a burst of 20 loses half,
+and a caller in ROS 2 is not told. Three times as many as may wait for a board, and 100 answers are 10 KB."""
+
 ROSOUT_DEPTH: Final = 1000
 ROSOUT_LIFESPAN_S: Final = 10
 """As rcl declares them: who comes later sees the last 1000 messages that are not older than 10 s."""
@@ -68,6 +72,17 @@ def subscriber_profile(wish: Wish) -> Any:
         depth=SUBSCRIBER_DEPTH,
         reliability=qos.ReliabilityPolicy.RELIABLE if is_reliable else qos.ReliabilityPolicy.BEST_EFFORT,
         durability=qos.DurabilityPolicy.TRANSIENT_LOCAL if is_latched else qos.DurabilityPolicy.VOLATILE,
+    )
+
+
+def service_profile() -> Any:
+    """Return what our services and clients have: as rcl's, but deeper, which no other end has to match."""
+    qos = load_rclpy().qos
+    return qos.QoSProfile(
+        history=qos.HistoryPolicy.KEEP_LAST,
+        depth=SERVICE_DEPTH,
+        reliability=qos.ReliabilityPolicy.RELIABLE,
+        durability=qos.DurabilityPolicy.VOLATILE,
     )
 
 

@@ -14,6 +14,7 @@ from rostether.errors import (
 from rostether.ros2.rclpy.failures import attempt
 from rostether.ros2.rclpy.installation import load_rclpy, service_class
 from rostether.ros2.rclpy.own_node import OwnNode
+from rostether.ros2.rclpy.quality import service_profile
 from rostether.ros2.type_support import ServiceSupport
 
 DISCOVERY_S = 3.5
@@ -42,7 +43,9 @@ class RclpyServiceClient:
             f"call {self.service}",
             self.service,
             self._support.name,
-            lambda: self._own.node.create_client(type_class, self.service, callback_group=self._own.group),
+            lambda: self._own.node.create_client(
+                type_class, self.service, qos_profile=service_profile(), callback_group=self._own.group
+            ),
         )
 
     def end(self) -> None:

@@ -12,6 +12,7 @@ from rostether.graph.ports import Level, ServiceHandler
 from rostether.ros2.rclpy.executor_thread import NoAnswerError
 from rostether.ros2.rclpy.installation import load_rclpy, service_class
 from rostether.ros2.rclpy.own_node import OwnNode
+from rostether.ros2.rclpy.quality import service_profile
 from rostether.ros2.type_support import ServiceSupport
 
 
@@ -59,7 +60,11 @@ class RclpyServiceServer:
             self.service,
             self._support.name,
             lambda: self._own.node.create_service(
-                type_class, self.service, callback, callback_group=self._own.group
+                type_class,
+                self.service,
+                callback,
+                qos_profile=service_profile(),
+                callback_group=self._own.group,
             ),
         )
 
