@@ -45,7 +45,10 @@ def static(words: tuple[str, ...]) -> None:
     "static-transform-publisher",
     cls=Verb,
     context_settings=NODE_SETTINGS,
-    examples="rostether role static-transform-publisher 0 0 0.1 0 0 0 base_link laser",
+    examples="""
+    rostether role static-transform-publisher 0 0 0.1 0 0 0 base_link laser
+    rostether role tf-static-transform-publisher 0 0 0.1 0 0 0 base_link laser 100
+    """,
 )
 @_arguments
 def static_transform_publisher(words: tuple[str, ...]) -> None:
