@@ -15,6 +15,7 @@ from rostether.errors import (
 )
 from rostether.msgdef.interface import ANY_MD5SUM, ANY_MESSAGE, ANY_TYPE, ServiceType
 from rostether.ros1.node.service_client import ServiceClient
+from rostether.ros1.node.service_server import CALLER_FIELDS
 from rostether.rospy_facade.exceptions import (
     ROSException,
     ROSInterruptException,
@@ -93,12 +94,13 @@ class Service:
             raise ServiceException(f"{error}") from None
 
     async def _answer(self, request: bytes) -> bytes:
-        return await run_in_thread(lambda: self._handle(request))
+        header = dict(CALLER_FIELDS.get())
+        return await run_in_thread(lambda: self._handle(request, header))
 
-    def _handle(self, payload: bytes) -> bytes:
+    def _handle(self, payload: bytes, header: dict[str, str]) -> bytes:
         try:
             request: Any = read_message(self.request_class, payload)
-            request._connection_header = {"service": self.resolved_name}
+            request._connection_header = header
             return message_bytes(response_of(self.handler(request), self.response_class))
         except ServiceException as error:
             raise ServiceCallError(f"service cannot process request: {error}") from None

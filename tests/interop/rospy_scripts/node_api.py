@@ -11,6 +11,7 @@ import sys
 import threading
 
 import rospy
+import std_msgs
 from rospy.numpy_msg import numpy_msg
 from std_msgs.msg import Bool, Empty, Float32MultiArray, Header, Int32, String
 from std_srvs.srv import SetBool, SetBoolResponse, Trigger, TriggerResponse
@@ -59,6 +60,7 @@ class Listener(rospy.SubscribeListener):
         self.seen.append(("unsubscribe", topic_name, num_peers))
 
 
+print(std_msgs.msg.Empty() == Empty())
 early = rospy.Publisher("chatter", String, queue_size=10)
 early_heard = Collector(3)
 early_subscriber = rospy.Subscriber("chatter", String, early_heard.take, "argument")
@@ -197,6 +199,10 @@ attempt("twice", lambda: rospy.Service("switch", SetBool, switch))
 rospy.wait_for_service("switch", 5)
 rospy.wait_for_service("~trigger", rospy.Duration(5))
 call = rospy.ServiceProxy("switch", SetBool)
+caller = []
+rospy.Service("caller", Trigger, lambda request: caller.append(request._connection_header) or (True, ""))
+rospy.ServiceProxy("caller", Trigger)()
+print({key: caller[0][key] for key in ("callerid", "md5sum", "service")})
 print(call(True), call(data=True).message, call(call.request_class(True)).success)
 attempt("refused", lambda: call(False))
 attempt("wrong type", lambda: call("x"))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections import deque
 from collections.abc import Awaitable, Callable, Mapping
+from contextvars import ContextVar
 
 from rostether.errors import ProtocolError, RostetherError
 from rostether.graph.callbacks import report_error
@@ -15,6 +16,9 @@ from rostether.tcpros.handshake import Purpose, check_client, purpose_of, server
 from rostether.tcpros.header import encode_header
 from rostether.tcpros.message_framing import MessageDecoder
 from rostether.tcpros.service_framing import encode_error, encode_response
+
+CALLER_FIELDS: ContextVar[Mapping[str, str]] = ContextVar("CALLER_FIELDS")
+"""The header of the client whose call a handler answers; rospy shows it to the program."""
 
 
 class ServiceServer:
@@ -44,7 +48,7 @@ class ServiceServer:
         check_client(fields, self.type)
         connection = ServiceConnection(
             transport,
-            purpose_of(fields),
+            fields,
             greeting=self._greeting,
             answer=self._answer,
             on_lost=self._connections.discard,
@@ -76,7 +80,7 @@ class ServiceConnection(asyncio.Protocol):
     def __init__(
         self,
         transport: asyncio.Transport,
-        purpose: Purpose,
+        fields: Mapping[str, str],
         *,
         greeting: bytes,
         answer: Callable[[bytes], Awaitable[bytes]],
@@ -84,7 +88,8 @@ class ServiceConnection(asyncio.Protocol):
         max_message_bytes: int,
     ) -> None:
         self._transport = transport
-        self._purpose = purpose
+        self._fields = fields
+        self._purpose = purpose_of(fields)
         self._greeting = greeting
         self._answer = answer
         self._on_lost = on_lost
@@ -132,6 +137,7 @@ class ServiceConnection(asyncio.Protocol):
         self._transport.close()
 
     async def _serve(self) -> None:
+        CALLER_FIELDS.set(self._fields)
         while self._requests:
             answer = await self._answer(self._requests.popleft())
             if self._is_lost:

@@ -3,4 +3,4 @@
 # ruff: noqa: F401
 from rostether.rospy_facade.ros_packages import ResourceNotFound, RosPack
 
-from . import common
+from . import common as common

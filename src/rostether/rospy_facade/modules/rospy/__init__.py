@@ -1,6 +1,8 @@
 """rospy on rostether's graph, for scripts that `run` or `launch` starts where there is no real one."""
 
 # ruff: noqa: F401
+from importlib import import_module as _import_module
+
 from rostether.rospy_facade.client import init_node, myargv, spin, wait_for_message
 from rostether.rospy_facade.exceptions import (
     ROSException,
@@ -44,7 +46,6 @@ from rostether.rospy_facade.logs import (
     logwarn_throttle_identical,
 )
 from rostether.rospy_facade.message import AnyMsg, Message
-from rostether.rospy_facade.message_types import all_types as _all_types
 from rostether.rospy_facade.names import get_caller_id, get_name, get_namespace, remap_name, resolve_name
 from rostether.rospy_facade.node import get_node_uri
 from rostether.rospy_facade.parameters import (
@@ -67,4 +68,7 @@ from rostether.rospy_facade.subscriber import Subscriber
 
 from . import client, core, exceptions, msg, names, rostime, service, timer, topics
 
-Header = _all_types().message_class("std_msgs/Header")
+# Programs write `import std_msgs` alone, because the real rospy has imported these already.
+for _module in ("std_msgs.msg", "rosgraph_msgs.msg", "roscpp.msg", "roscpp.srv"):
+    _import_module(_module)
+Header = _import_module("std_msgs.msg").Header
