@@ -1,0 +1,104 @@
+from __future__ import annotations
+
+import pytest
+
+from rostether.robot.kinematics import joint_transform
+from rostether.robot.robot_state import RobotState, RobotStateSettings, prefixed
+from rostether.robot.urdf import parse_urdf
+from unit.robot.robots import ARM, GRIPPER, ROVER
+
+SECOND = 10**9
+NOW = 1_000 * SECOND
+INTERVAL = SECOND // 50
+
+
+def children(state: RobotState, names: list[str], stamp_ns: int, now_ns: int = NOW) -> list[str]:
+    found = state.moving_transforms(names, [0.5] * len(names), stamp_ns, now_ns)
+    return [each.child for each in found]
+
+
+def test_fixed_joints_stand_apart_from_moving_ones() -> None:
+    model = parse_urdf(ROVER)
+    state = RobotState(model)
+    assert [each.child for each in state.fixed_transforms(NOW)] == ["body", "sled"]
+    assert children(state, ["wheel_left", "mast", "sled", "drone"], NOW) == ["mast", "wheel_l"]
+
+
+def test_positions_become_transforms() -> None:
+    model = parse_urdf(ARM)
+    found = RobotState(model).moving_transforms(["j2", "j0"], [0.3, 0.4], NOW, NOW)
+    assert [each.child for each in found] == ["turret", "fore"]
+    assert found[0].transform == joint_transform(model.joints["j0"], 0.4)
+    assert found[1].transform == joint_transform(model.joints["j2"], 0.3)
+    assert {each.stamp_ns for each in found} == {NOW}
+
+
+def test_joints_that_follow_are_added_where_their_leader_is_told() -> None:
+    state = RobotState(parse_urdf(GRIPPER))
+    assert children(state, ["left"], NOW) == ["left", "right", "tip"]
+    assert children(state, ["lift"], NOW + 2 * INTERVAL, NOW + SECOND) == ["slide"]
+
+
+def test_states_that_come_too_early_are_skipped() -> None:
+    state = RobotState(parse_urdf(ARM))
+    assert children(state, ["j0"], NOW) == ["turret"]
+    assert children(state, ["j0"], NOW + INTERVAL - 1, NOW + 1) == []
+    assert children(state, ["j0"], NOW + INTERVAL, NOW + 2) == ["turret"]
+    # A joint that was not told yet is due at once.
+    assert children(state, ["j0", "j1"], NOW + INTERVAL + 1, NOW + 3) == ["turret", "upper"]
+
+
+def test_timestamps_may_be_ignored() -> None:
+    state = RobotState(parse_urdf(ARM), RobotStateSettings(ignore_timestamp=True))
+    assert children(state, ["j0"], NOW) == ["turret"]
+    assert children(state, ["j0"], NOW) == ["turret"]
+
+
+def test_a_clock_that_is_reset_starts_over() -> None:
+    state = RobotState(parse_urdf(ARM))
+    assert children(state, ["j0"], NOW) == ["turret"]
+    assert children(state, ["j0"], SECOND, 2 * SECOND) == ["turret"]
+    assert "backwards" in state.problem
+
+
+@pytest.mark.parametrize(
+    ("names", "positions", "said"),
+    [
+        (["j0", "j1"], [0.0], "2 names and 1 positions"),
+        (["j0"], [], "position is empty"),
+        (["j9"], [0.0], "'j9', which the robot does not have"),
+    ],
+)
+def test_what_is_wrong_with_a_state_is_told(names: list[str], positions: list[float], said: str) -> None:
+    state = RobotState(parse_urdf(ARM))
+    assert state.moving_transforms(names, positions, NOW, NOW) == []
+    assert said in state.problem
+
+
+def test_an_old_state_is_published_and_told_of() -> None:
+    state = RobotState(parse_urdf(ARM))
+    assert children(state, ["j0"], NOW - 31 * SECOND) == ["turret"]
+    assert "31.000 s old" in state.problem
+    assert children(state, ["j0"], NOW) == ["turret"]
+    assert state.problem == ""
+
+
+def test_of_a_joint_told_twice_the_first_counts() -> None:
+    model = parse_urdf(ARM)
+    found = RobotState(model).moving_transforms(["j0", "j0"], [0.1, 0.2], NOW, NOW)
+    assert found[0].transform == joint_transform(model.joints["j0"], 0.1)
+
+
+@pytest.mark.parametrize(
+    ("prefix", "frame", "name"),
+    [("", "a", "a"), ("r1", "a", "r1/a"), ("/r1", "a", "r1/a"), ("r1", "/a", "a")],
+)
+def test_frames_under_a_prefix(prefix: str, frame: str, name: str) -> None:
+    assert prefixed(prefix, frame) == name
+
+
+def test_unknown_names_are_not_remembered() -> None:
+    state = RobotState(parse_urdf(ARM))
+    for number in range(100):
+        state.moving_transforms([f"x{number}"], [0.0], NOW, NOW)
+    assert state._published_ns == {}

@@ -1,0 +1,65 @@
+from __future__ import annotations
+
+import pytest
+
+from rostether.errors import ConfigError
+from rostether.graph.ports import ParamValue
+from rostether.robot.static_transforms import parse_static_transform, static_transform_of
+from rostether.robot.transform import quaternion_from_rpy
+
+
+def test_yaw_comes_before_pitch_and_roll() -> None:
+    static = parse_static_transform(["1", "-2", "3", "0.1", "0.2", "0.3", "world", "laser"])
+    assert (static.parent, static.child, static.period_s) == ("world", "laser", None)
+    assert static.transform.translation == (1.0, -2.0, 3.0)
+    assert static.transform.rotation == quaternion_from_rpy(0.3, 0.2, 0.1)
+
+
+def test_a_quaternion_is_taken_as_it_stands() -> None:
+    static = parse_static_transform(["0", "0", "0", "0.5", "-0.5", "0.5", "0.5", "world", "laser"])
+    assert static.transform.rotation == (0.5, -0.5, 0.5, 0.5)
+
+
+@pytest.mark.parametrize("words", ["0 0 0 0 0 0 a b 100", "0 0 0 0 0 0 1 a b 100"])
+def test_a_period_is_in_milliseconds(words: str) -> None:
+    static = parse_static_transform(words.split())
+    assert (static.parent, static.child, static.period_s) == ("a", "b", 0.1)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("", "0 arguments"),
+        ("0 0 0 0 0 0 a", "7 arguments"),
+        ("0 0 0 0 0 x a b", "'x' is no number"),
+        ("0 0 0 0 0 inf a b", "'inf' is no number"),
+        ("0 0 0 0 0 0 a a", "must be two names"),
+        ("0 0 0 0 0 0 2 a b", "length 1"),
+        ("0 0 0 0 0 0 a b -5", "positive"),
+        ("0 0 0 0 0 0 a b often", "'often' is no number"),
+    ],
+)
+def test_what_is_no_transform_is_refused(words: str, said: str) -> None:
+    with pytest.raises(ConfigError, match=said):
+        parse_static_transform(words.split())
+
+
+def test_a_parameter_may_hold_it() -> None:
+    turn: dict[str, ParamValue] = {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}
+    static = static_transform_of(
+        {
+            "header": {"frame_id": "world"},
+            "child_frame_id": "laser",
+            "transform": {"translation": {"x": 1, "y": 2.0, "z": 3.0}, "rotation": turn},
+        },
+        "/laser",
+    )
+    assert (static.parent, static.child, static.transform.translation) == ("world", "laser", (1.0, 2.0, 3.0))
+
+
+@pytest.mark.parametrize(
+    "value", [None, 5, {}, {"header": {}, "transform": {"translation": 1, "rotation": 2}}]
+)
+def test_a_parameter_with_something_else_is_refused(value: object) -> None:
+    with pytest.raises(ConfigError, match="/laser"):
+        static_transform_of(value, "/laser")  # type: ignore[arg-type]

@@ -1,0 +1,101 @@
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from rostether.errors import ConfigError, RobotModelError
+from rostether.robot.urdf import parse_urdf
+from rostether.robot.xacro import expand_xacro, is_xacro, parse_mappings, xacro_dependencies
+
+MAIN = """<robot name="x" xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:include filename="$(find parts)/wheel.xacro"/>
+  <xacro:arg name="count" default="2"/>
+  <link name="base"/>
+  <xacro:if value="${int('$(arg count)') > 1}"><xacro:wheel name="left" at="${pi/2}"/></xacro:if>
+  <xacro:wheel name="right" at="1"/>
+</robot>"""
+
+WHEEL = """<robot xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:macro name="wheel" params="name at">
+    <link name="${name}"/>
+    <joint name="${name}_joint" type="continuous"><parent link="base"/><child link="${name}"/>
+      <origin xyz="0 0 ${at}"/></joint>
+  </xacro:macro>
+</robot>"""
+
+
+@pytest.fixture
+def robot(tmp_path: Path) -> Path:
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "parts" / "wheel.xacro").write_text(WHEEL)
+    file = tmp_path / "robot.xacro"
+    file.write_text(MAIN)
+    return file
+
+
+def expand(file: Path, **mappings: str) -> str:
+    return expand_xacro(file, mappings, packages={"parts": file.parent / "parts"})
+
+
+def test_macros_arguments_and_find(robot: Path) -> None:
+    model = parse_urdf(expand(robot))
+    assert list(model.links) == ["base", "left", "right"]
+    assert model.joints["left_joint"].origin.translation[2] == pytest.approx(1.5707963)
+    assert list(parse_urdf(expand(robot, count="1")).links) == ["base", "right"]
+
+
+def test_dependencies(robot: Path) -> None:
+    found = xacro_dependencies(robot, {}, packages={"parts": robot.parent / "parts"})
+    assert found == [str(robot.parent / "parts" / "wheel.xacro")]
+
+
+def test_a_package_that_is_not_there_is_named(robot: Path) -> None:
+    with pytest.raises(RobotModelError, match="no package parts on ROS_PACKAGE_PATH"):
+        expand_xacro(robot, {}, packages={})
+
+
+@pytest.mark.parametrize(
+    ("inside", "said"),
+    [
+        ('<link name="${nothing}"/>', "nothing"),
+        ('<link name="${1/0}"/>', "zero"),
+        ("<xacro:nowhere/>", "nowhere"),
+        ('<xacro:include filename="no.xacro"/>', "no.xacro"),
+        ('<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>', "without end"),
+        ("<link", "not XML"),
+    ],
+)
+def test_what_is_wrong_is_one_line_with_the_file(tmp_path: Path, inside: str, said: str) -> None:
+    file = tmp_path / "wrong.xacro"
+    file.write_text(f'<robot name="x" xmlns:xacro="http://www.ros.org/wiki/xacro">{inside}</robot>')
+    with pytest.raises(RobotModelError) as refusal:
+        expand(file)
+    assert said in str(refusal.value)
+    assert "wrong.xacro" in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+def test_a_dtd_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "bomb.xacro"
+    file.write_text('<!DOCTYPE r [<!ENTITY a "b">]><robot name="&a;"/>')
+    with pytest.raises(RobotModelError, match="DTD"):
+        expand(file)
+
+
+def test_without_the_package_the_extra_is_named(robot: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "xacro", None)
+    with pytest.raises(RobotModelError, match=r"pip install 'rostether\[robot\]'"):
+        expand(robot)
+
+
+def test_mappings() -> None:
+    assert parse_mappings(["a:=1", "b:=x:=y", "c:="]) == {"a": "1", "b": "x:=y", "c": ""}
+    with pytest.raises(ConfigError, match="write name:=value"):
+        parse_mappings(["a=1"])
+
+
+def test_what_is_xacro() -> None:
+    assert is_xacro(MAIN.encode())
+    assert not is_xacro(b'<robot name="x"/>')
