@@ -49,9 +49,9 @@ class Controller:
                 continue
             degrees = math.degrees(position)
             if not abs(degrees) <= MOST_DEGREES:
-                rospy.logwarn_throttle(5, "%s at %s rad is out of any servo's reach" % (name, position))
+                rospy.logwarn_throttle(5, f"{name} at {position} rad is out of any servo's reach")
                 continue
-            angles[JOINT_NAMES.index(name)] = int(round(degrees))
+            angles[JOINT_NAMES.index(name)] = round(degrees)
         with self.lock:
             if angles != self.joint_angles:
                 self.joint_angles = angles
@@ -76,7 +76,7 @@ class Controller:
             start = self.held_by_board or self.pose or self.joint_angles
         try:
             for step in range(1, self.steps + 1):
-                self.publish([a + int(round((b - a) * step / self.steps)) for a, b in zip(start, goal)])
+                self.publish([a + round((b - a) * step / self.steps) for a, b in zip(start, goal)])
                 rospy.sleep(self.step_duration)
         finally:
             with self.lock:
@@ -93,7 +93,9 @@ class Controller:
             return None
         angles = [poses[position_id].get(name) for name in SERVO_NAMES]
         if not all(isinstance(angle, int) and 0 <= angle <= 180 for angle in angles):
-            rospy.logwarn("Servo pose %d is refused: it needs servo1 to servo4, 0 to 180 degrees", position_id)
+            rospy.logwarn(
+                "Servo pose %d is refused: it needs servo1 to servo4, 0 to 180 degrees", position_id
+            )
             return None
         return angles
 

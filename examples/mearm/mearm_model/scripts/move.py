@@ -5,6 +5,7 @@ Publishes   joint_states         sensor_msgs/JointState
 Serves      select_position_set  mearm_model/MoveJoints, one of the sets below the parameter position_sets
 """
 
+import contextlib
 import math
 
 import rospy
@@ -27,7 +28,8 @@ class JointMover:
         """Take over a position set; a set that is not there or does not fit is refused by name."""
         sets = rospy.get_param("position_sets", {})
         if request.set_name not in sets:
-            rospy.logwarn("Position set %s not found; there are: %s", request.set_name, ", ".join(sorted(sets)))
+            known = ", ".join(sorted(sets))
+            rospy.logwarn("Position set %s not found; there are: %s", request.set_name, known)
             return MoveJointsResponse(success=False)
         problem = self.explain_misfit(sets[request.set_name])
         if problem:
@@ -42,11 +44,11 @@ class JointMover:
         if not isinstance(positions, list):
             return "it is no list"
         if len(positions) != len(JOINT_NAMES):
-            return "it has %d values, the arm has %d joints" % (len(positions), len(JOINT_NAMES))
+            return f"it has {len(positions)} values, the arm has {len(JOINT_NAMES)} joints"
         for value in positions:
             is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
             if not is_number or not math.isfinite(value):
-                return "%r is no angle in radians" % (value,)
+                return f"{value!r} is no angle in radians"
         return ""
 
     def run(self):
@@ -61,7 +63,5 @@ class JointMover:
 
 if __name__ == "__main__":
     rospy.init_node("robot_joint_mover")
-    try:
+    with contextlib.suppress(rospy.ROSInterruptException):
         JointMover().run()
-    except rospy.ROSInterruptException:
-        pass
