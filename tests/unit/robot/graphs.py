@@ -1,0 +1,54 @@
+"""Nodes of one network in memory, and what they publish."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import aclosing, asynccontextmanager
+
+from rostether.graph.memory_network import MemoryNetwork
+from rostether.graph.typed_graph import TypedGraph
+from rostether.msgdef.registry import Registry
+from rostether.serde.store import TypeStore
+from rostether.serde.values import Message
+
+LIMIT_S = 10.0
+
+
+@asynccontextmanager
+async def entered(network: MemoryNetwork, name: str) -> AsyncIterator[TypedGraph]:
+    """Be a node of a network in memory."""
+    graph = TypedGraph(await network.join(name), TypeStore(Registry()))
+    try:
+        yield graph
+    finally:
+        await graph.close()
+
+
+@asynccontextmanager
+async def running(work: Awaitable[None]) -> AsyncIterator[asyncio.Future[None]]:
+    """Let a node's work run while the block lasts."""
+    task = asyncio.ensure_future(work)
+    try:
+        yield task
+    finally:
+        task.cancel()
+        await asyncio.gather(task, return_exceptions=True)
+
+
+async def first(
+    graph: TypedGraph, topic: str, type_name: str, wanted: Callable[[Message], bool] = lambda _: True
+) -> Message:
+    """Return the first message of a topic that is wanted."""
+    async with asyncio.timeout(LIMIT_S), aclosing(aiter(graph.messages(topic, type_name))) as messages:
+        async for message in messages:
+            if wanted(message):
+                return message
+    raise AssertionError("the node has left")
+
+
+async def until(condition: Callable[[], bool]) -> None:
+    """Wait for a condition."""
+    async with asyncio.timeout(LIMIT_S):
+        while not condition():
+            await asyncio.sleep(0.005)

@@ -1,0 +1,104 @@
+from __future__ import annotations
+
+from rostether.graph.memory_network import MemoryNetwork
+from rostether.robot.static_transforms import StaticTransform, publish_static_transform
+from rostether.robot.tf_buffer import TransformBuffer
+from rostether.robot.tf_listener import TfListener, tf_listener
+from rostether.robot.tf_messages import TF_TYPE, from_message, tf_publisher, to_message
+from rostether.robot.tf_statistics import TfStatistics
+from rostether.robot.transform import StampedTransform, Transform
+from rostether.rostime import Time
+from unit.robot.graphs import entered, running, until
+
+SECOND = 10**9
+STEP = StampedTransform("world", "base", 100 * SECOND, Transform((1.0, 2.0, 3.0)))
+
+
+async def test_static_and_moving_transforms_arrive() -> None:
+    network = MemoryNetwork()
+    refusals: list[str] = []
+    async with (
+        entered(network, "/robot") as robot,
+        entered(network, "/late") as late,
+        running(
+            publish_static_transform(robot, StaticTransform("base", "laser", Transform((0.5, 0.0, 0.0))))
+        ),
+    ):
+        publisher = await tf_publisher(robot)
+        async with tf_listener(late, on_refusal=refusals.append) as listener:
+            assert await publisher.wait_for_subscriber(5)
+            wrong = StampedTransform("base", "base", 1, Transform())
+            publisher.publish(to_message([STEP, wrong]))
+            await until(lambda: not listener.buffer.why_not("world", "laser"))
+            found = listener.buffer.lookup("world", "laser")
+    assert found.transform.translation == (1.5, 2.0, 3.0)
+    assert len(refusals) == 1
+    assert refusals[0].startswith("TF_SELF_TRANSFORM")
+
+
+async def test_a_period_publishes_on_tf_again_and_again() -> None:
+    network = MemoryNetwork()
+    static = StaticTransform("a", "b", Transform(), period_s=0.02)
+    async with (
+        entered(network, "/robot") as robot,
+        entered(network, "/eye") as eye,
+        tf_listener(eye) as listener,
+        running(publish_static_transform(robot, static)),
+    ):
+
+        def has_several() -> bool:
+            cache = listener.buffer.cache_of("b")
+            return cache is not None and cache.latest_ns > cache.oldest_ns
+
+        await until(has_several)
+        cache = listener.buffer.cache_of("b")
+        assert cache is not None
+        assert not cache.is_static
+        # It ends with its node.
+        await robot.close()
+
+
+async def test_a_jump_back_in_time_empties_the_buffer() -> None:
+    refusals: list[str] = []
+
+    class Clock:
+        now_ns = 200 * SECOND
+
+        def now(self) -> Time:
+            return Time.from_ns(self.now_ns)
+
+    clock = Clock()
+    async with entered(MemoryNetwork(), "/n") as node:
+        codec = node.store.codec(TF_TYPE)
+        listener = TfListener(TransformBuffer(), refusals.append)
+        take = listener.taker(clock, codec, "/robot", is_static=False)  # type: ignore[arg-type]
+        take([codec.encode(to_message([STEP])), b"noise"])
+        assert listener.buffer.children == ["base"]
+        assert len(refusals) == 1
+        clock.now_ns = 5 * SECOND
+        take([codec.encode(to_message([]))])
+    assert listener.buffer.children == []
+    assert "jump back in time" in refusals[1]
+
+
+async def test_messages_carry_all_of_a_transform() -> None:
+    async with entered(MemoryNetwork(), "/n") as node:
+        codec = node.store.codec(TF_TYPE)
+        stamped = StampedTransform("a", "b", 1_234_567_890, Transform((1.0, 2.0, 3.0), (0.5, -0.5, 0.5, 0.5)))
+        assert list(from_message(codec.decode(codec.encode(to_message([stamped]))))) == [stamped]
+
+
+def test_statistics_count_messages_of_nodes_and_delays_of_frames() -> None:
+    statistics = TfStatistics()
+    for second in (0, 1, 2):
+        both = [
+            StampedTransform("world", "/a", second * SECOND, Transform()),
+            StampedTransform("world", "b", (second - 1) * SECOND, Transform()),
+        ]
+        statistics.add(both, "/robot", False, (second + 1) * SECOND)
+    statistics.add([StampedTransform("b", "c", 1, Transform())], "/still", True, 5 * SECOND)
+    assert statistics.nodes["/robot"].rate_hz == 1.0
+    assert statistics.nodes["/robot"].average_s == 1.5
+    assert (statistics.frames["a"].average_s, statistics.frames["b"].max_s) == (1.0, 2.0)
+    assert statistics.frames["c"].average_s == 0.0
+    assert statistics.nodes["/still"].rate_hz == 0.0
