@@ -72,14 +72,7 @@ class NodeProcess:
         try:
             self._command.folder.mkdir(parents=True, exist_ok=True)
             with self._output() as output:
-                self._process = await asyncio.create_subprocess_exec(
-                    *words,
-                    cwd=self._command.folder,
-                    env=self._command.environ,
-                    stdout=output,
-                    start_new_session=True,
-                    preexec_fn=_end_with_parent if sys.platform == "linux" else None,
-                )
+                await self._create(words, output)
         except OSError as error:
             raise LaunchError(
                 f"cannot run {words[0]}: {error.strerror or error}; look at the first line of the script, "
@@ -87,8 +80,25 @@ class NodeProcess:
                 file=self.node.file,
                 line=self.node.line,
             ) from None
-        self._group = self._process.pid
-        self._report(Level.INFO, f"process[{self.name}]: started with pid [{self._process.pid}]")
+        self._report(Level.INFO, f"process[{self.name}]: started with pid [{self._group}]")
+
+    async def _create(self, words: list[str], output: IO[bytes] | None) -> None:
+        creating = asyncio.ensure_future(
+            asyncio.create_subprocess_exec(
+                *words,
+                cwd=self._command.folder,
+                env=self._command.environ,
+                stdout=output,
+                start_new_session=True,
+                preexec_fn=_end_with_parent if sys.platform == "linux" else None,
+            )
+        )
+        try:
+            await asyncio.shield(creating)
+        finally:
+            # Who is told to stop in this very moment has a process to stop.
+            self._process = await creating
+            self._group = self._process.pid
 
     async def keep(self) -> None:
         """Wait for its end; one with respawn= is started again and again. Raises LaunchError."""

@@ -87,7 +87,7 @@ class _Launch:
                 failed = True
                 if node.required:
                     return False
-        if failed and not self._processes:
+        if failed and not self._keepers:
             return False
         if not nodes:
             self._report(Level.INFO, "the parameters are set, and there is no node to start")
@@ -116,6 +116,7 @@ class _Launch:
                 self._report(Level.WARN, command.line)
                 return True
             process = NodeProcess(node, command, name, self._logs, self._report, self._options.stop_limits)
+            self._processes.append(process)
             await process.start()
         except LaunchError as error:
             self._report(Level.ERROR, str(error))
@@ -123,7 +124,6 @@ class _Launch:
         except RostetherError as error:
             self._report(Level.ERROR, f"{node.file}:{node.line}: {error}")
             return False
-        self._processes.append(process)
         self._keepers[asyncio.create_task(process.keep())] = process
         return True
 

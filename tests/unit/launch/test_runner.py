@@ -321,3 +321,14 @@ async def test_node_killed_by_a_signal_is_told(stage: Stage) -> None:
     stage.script("die.sh", "kill -SEGV $$")
     await stage.run('<node name="n" pkg="p" type="die.sh"/>')
     assert f"exit code {-signal.SIGSEGV}" in stage.text
+
+
+async def test_stop_while_a_process_is_being_made_finds_it(stage: Stage) -> None:
+    stage.script("stay.sh", 'echo $$ > "$WHERE/pid"; exec sleep 100')
+    for _ in range(20):
+        (stage.folder / "pid").unlink(missing_ok=True)
+        task = asyncio.create_task(stage.run('<node name="n" pkg="p" type="stay.sh"/>'))
+        await stage.until(lambda: (stage.folder / "home/log/latest/n-1-stdout.log").exists())
+        await ended(task)
+        if pid := stage.read("pid"):
+            assert not is_alive(int(pid))
