@@ -12,7 +12,7 @@ import click
 
 from rostether.cli.node_command import node_command
 from rostether.cli.output import warn, write_line
-from rostether.cli.served_nodes import replacement_line
+from rostether.cli.served_nodes import replacement_line, served_nodes
 from rostether.cli.verbs import Verb
 from rostether.errors import ConfigError
 from rostether.packages.locate import package_folders
@@ -47,7 +47,9 @@ def run(prefix: str, debug: bool, package: str, program: str, arguments: tuple[s
     if line := replacement_line(package, os.environ):
         warn(line)
         return
-    packages = package_folders(os.environ, Path.cwd())
+    # To look through a home directory takes its time, and our own nodes are in no folder.
+    is_ours = (package, program) in served_nodes()
+    packages = {} if is_ours else package_folders(os.environ, Path.cwd())
     found = node_command(package, program, packages=packages, environ=os.environ)
     words = [*shlex.split(prefix), *found, *arguments]
     if debug:

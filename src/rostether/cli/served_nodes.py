@@ -97,9 +97,12 @@ def window_program(package: str, name: str, environ: Mapping[str, str]) -> Path 
             return library / name
     from rostether.cli.shims import is_shim
 
-    found = shutil.which(name, path=environ.get("PATH"))
-    # Our own shim would only come back to us.
-    return Path(found) if found is not None and not is_shim(Path(found)) else None
+    for part in environ.get("PATH", os.defpath).split(os.pathsep):
+        found = shutil.which(name, path=part) if part else None
+        # Our own shim would only come back to us.
+        if found is not None and not is_shim(Path(found)):
+            return Path(found)
+    return None
 
 
 def _exists(words: tuple[str, ...]) -> bool:

@@ -12,6 +12,7 @@ import pytest
 from rostether.cli.node_command import node_command
 from rostether.cli.python_choice import PYTHON_VARIABLE, python_for
 from rostether.cli.served_nodes import SERVED_NODES, replacement_line, served_nodes
+from rostether.cli.shims import SHIM_MARK
 from rostether.errors import ConfigError
 from unit.cli.processes import read_until
 from unit.cli.shell import Shell
@@ -125,8 +126,12 @@ def test_windows_that_are_not_installed_have_a_line(
     assert result.err.startswith("rviz is not installed here; ")
     assert replacement_line("rqt_unheard_of", {}) is not None
     assert replacement_line("arm", {}) is None
+    shims = tmp_path / "shims"
+    shims.mkdir()
+    write(shims / "rviz", f"#!/bin/sh\n# {SHIM_MARK}\n")
+    assert replacement_line("rviz", {"PATH": str(shims)}) is not None
     write(tmp_path / "rviz", "#!/bin/sh\n")
-    assert replacement_line("rviz", {"PATH": str(tmp_path)}) is None
+    assert replacement_line("rviz", {"PATH": f"{shims}:{tmp_path}"}) is None
     assert node_command("rviz", "rviz", packages={}, environ={"PATH": str(tmp_path)}) == [
         str(tmp_path / "rviz")
     ]
