@@ -188,6 +188,7 @@ class _Session:
     async def run(self, follow: Follow, names: Sequence[str]) -> None:
         """Follow all values until the time is over. Raises what following one of them raises."""
         loop = asyncio.get_running_loop()
+        self._curves.expect(*names)
         tasks = [loop.create_task(follow(name)) for name in names]
         try:
             with contextlib.suppress(TimeoutError):

@@ -54,41 +54,53 @@ def numbers(name: str, value: Any) -> Iterator[tuple[str, float]]:
 
 
 class Curves:
-    """The values received so far; `curves` shows them."""
+    """The values received so far; `curves` shows them, in the order in which their fields were named."""
 
     def __init__(self) -> None:
-        self._points: dict[str, deque[tuple[float, float]]] = {}
+        self._points: dict[str, dict[str, deque[tuple[float, float]]]] = {}
+        self._count = 0
         self._is_full = False
 
     @property
     def names(self) -> list[str]:
-        """The curves there are, in the order in which they came."""
-        return list(self._points)
+        """The curves there are."""
+        return [name for group in self._points.values() for name in group]
+
+    def expect(self, *names: str) -> None:
+        """Name fields whose values are to come."""
+        for name in names:
+            self._points.setdefault(name, {})
 
     def add(self, now_s: float, name: str, value: Any) -> bool:
-        """Take a value, or the numbers in it; False when there are none."""
+        """Take a field's value, or the numbers in it; False when there are none."""
+        self.expect(name)
+        group = self._points[name]
         found = False
         for path, number in numbers(name, value):
             found = True
-            if path not in self._points:
-                if len(self._points) >= MAX_CURVES:
+            if path not in group:
+                if self._count >= MAX_CURVES:
                     self._say_full()
                     return True
-                self._points[path] = deque()
+                self._count += 1
+                group[path] = deque()
                 self._bound()
-            self._points[path].append((now_s, number))
+            group[path].append((now_s, number))
         return found
 
     def curves(self, since_s: float = -math.inf) -> list[Curve]:
         """Return the curves with their points from a moment on."""
         return [
             Curve(name, [point for point in points if point[0] >= since_s])
-            for name, points in self._points.items()
+            for group in self._points.values()
+            for name, points in group.items()
         ]
 
     def _bound(self) -> None:
-        limit = MAX_POINTS // len(self._points)
-        self._points = {name: deque(points, maxlen=limit) for name, points in self._points.items()}
+        limit = MAX_POINTS // self._count
+        for group in self._points.values():
+            for name, points in group.items():
+                group[name] = deque(points, maxlen=limit)
 
     def _say_full(self) -> None:
         if not self._is_full:

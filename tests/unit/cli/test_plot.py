@@ -55,9 +55,18 @@ def test_curves_are_bounded(capsys: pytest.CaptureFixture[str]) -> None:
     assert len(curves.names) == MAX_CURVES
     assert "only the first" in capsys.readouterr().err
     for step in range(MAX_POINTS // MAX_CURVES + 100):
-        curves.add(step, "a", 1.0) if "a" in curves.names else curves.add(step, "a[0]", step)
+        curves.add(step, "a", [1.0])
     (first, *_) = curves.curves()
     assert len(first.points) == MAX_POINTS // MAX_CURVES
+
+
+def test_curves_stand_as_they_were_named() -> None:
+    curves = Curves()
+    curves.expect("/b", "/a")
+    curves.add(0.0, "/a", 1.0)
+    curves.add(1.0, "/b", [2.0, 3.0])
+    assert curves.names == ["/b[0]", "/b[1]", "/a"]
+    assert [curve.points for curve in curves.curves(since_s=0.5)] == [[(1.0, 2.0)], [(1.0, 3.0)], []]
 
 
 def test_lines_of_a_plot() -> None:

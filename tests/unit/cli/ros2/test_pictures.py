@@ -1,0 +1,31 @@
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from unit.cli.ros2.zenoh_world import ZenohWorld
+from unit.cli.shell import Shell
+
+
+def test_graph(world: ZenohWorld, shell: Shell, tmp_path: Path) -> None:
+    assert shell.output("graph").splitlines() == [
+        "/far/board",
+        "  -> /imu [sensor_msgs/msg/Imu] to nobody",
+        "  -> /name [std_msgs/msg/String] to nobody",
+        "  <- /cmd_vel [geometry_msgs/msg/Twist] from nobody",
+        "  <- /goal [geometry_msgs/msg/Pose] from nobody",
+        "  => /set_led [std_srvs/srv/SetBool]",
+    ]
+    assert "/_raw" in shell.output("graph", "--all")
+    file = tmp_path / "graph.svg"
+    assert shell.output("graph", "--save", str(file)) == f"{file}: 1 nodes, 4 topics\n"
+    assert "leave it out with --ros2" in shell.failure("graph", "--master", "http://x:1", code=2)
+
+
+def test_plot(world: ZenohWorld, shell: Shell, tmp_path: Path) -> None:
+    printed = shell.output("plot", "/imu/angular_velocity/z:x", "--for", "0.5").splitlines()
+    assert printed[-2:] == ["── /imu/angular_velocity/z 0.5", "── /imu/angular_velocity/x 0"]
+    file = tmp_path / "imu.png"
+    told = shell.output("plot", "/imu/linear_acceleration", "--for", "0.5", "--save", str(file))
+    assert re.fullmatch(re.escape(str(file)) + r": 3 curves, \d+ values\n", told)
+    assert file.read_bytes().startswith(b"\x89PNG")
