@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from rostether.cli.completions import complete_package_folders
 from rostether.cli.output import json_option, write_json, write_line
 from rostether.cli.verbs import LazyGroup, Verb, VerbEntry
 from rostether.errors import ConfigError
@@ -86,7 +87,7 @@ def list_names() -> None:
 
 
 @click.command("find", cls=Verb, examples="rostether pkg find mearm_model")
-@click.argument("name", metavar="PACKAGE")
+@click.argument("name", metavar="PACKAGE", shell_complete=complete_package_folders)
 def find(name: str) -> None:
     """Print the folder of a package."""
     write_line(str(folder_of(name)))

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import click
 
+from rostether.cli.completions import complete_package_folders, complete_programs
 from rostether.cli.node_command import node_command
 from rostether.cli.output import warn, write_line
 from rostether.cli.served_nodes import replacement_line, served_nodes
@@ -35,8 +36,8 @@ from rostether.rospy_facade.environment import node_environment
     "-p", "--prefix", default="", metavar="COMMAND", help="Put this before the node's command line."
 )
 @click.option("-d", "--debug", is_flag=True, help="Say what is run.")
-@click.argument("package")
-@click.argument("program", metavar="NODE")
+@click.argument("package", shell_complete=complete_package_folders)
+@click.argument("program", metavar="NODE", shell_complete=complete_programs)
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[ARGUMENT | NAME:=VALUE]...")
 def run(prefix: str, debug: bool, package: str, program: str, arguments: tuple[str, ...]) -> None:
     """Run a node of a package; nothing needs to be built, and no ROS to be installed.

@@ -36,7 +36,8 @@ def find_program(package: str, name: str, folder: Path | None, environ: Mapping[
             return program
     if folder is None:
         raise ConfigError(f"package {package} is not here: put it below this folder, or on ROS_PACKAGE_PATH")
-    found = list(dict.fromkeys(_below(folder, name)))
+    # A link and what it leads to are one program.
+    found = list({each.resolve(): each for each in _below(folder, name)}.values())
     runnable = [each for each in found if os.access(each, os.X_OK)] or [
         each for each in found if is_python(each)
     ]

@@ -104,3 +104,10 @@ def test_python_is_known_by_its_first_line(tmp_path: Path, name: str, text: str,
 def test_a_first_line_has_no_line_end(tmp_path: Path) -> None:
     assert shebang(write(tmp_path / "a", "#!/usr/bin/env python3\r\nx")) == "/usr/bin/env python3"
     assert shebang(tmp_path / "missing") == ""
+
+
+def test_a_link_and_what_it_leads_to_are_one_program(arm: Path) -> None:
+    script = write(arm / "scripts" / "move.py")
+    (arm / "nodes").mkdir()
+    (arm / "nodes" / "move.py").symlink_to(script)
+    assert find(arm, "move.py").resolve() == script
