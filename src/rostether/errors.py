@@ -27,6 +27,7 @@ RostetherError
 │   └── ServiceCallError
 │       ├── ServiceUnavailableError
 │       └── ServiceTimeoutError
+├── RecordingError              a recording that cannot be read or written
 ├── TransformError              tf cannot say where a frame stands
 │   ├── UnknownFrameError       nobody has published the frame, or the frames form a loop
 │   ├── UnconnectedFramesError  no path of transforms leads from one frame to the other
@@ -160,6 +161,10 @@ class ServiceUnavailableError(ServiceCallError):
 
 class ServiceTimeoutError(ServiceCallError, TimeoutError):
     """The service did not respond within the time limit."""
+
+
+class RecordingError(RostetherError):
+    """A recording cannot be read, or the disk takes no more of it."""
 
 
 class TransformError(RostetherError):

@@ -1,0 +1,205 @@
+"""Finding what a bag holds: by its index, or by walking over the file where there is none.
+
+A recorder that was killed leaves no index. What it wrote last may be a chunk without its size, when it writes
+messages before their chunk is whole (roscpp's does); its messages are then found one by one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+
+from rostether.errors import RecordingError
+from rostether.recording.bag_records import (
+    BAG_HEADER_BYTES,
+    MAGIC,
+    OP_BAG,
+    OP_CHUNK,
+    OP_CHUNK_INFO,
+    OP_CONNECTION,
+    OP_INDEX,
+    OP_MESSAGE,
+    U32,
+    U32_PAIR,
+    Buffer,
+    Fields,
+    decode_fields,
+    op_of,
+    read_record,
+    time_field,
+    u32_field,
+    u64_field,
+)
+from rostether.recording.compression import NONE, decompress
+from rostether.recording.recorded import Connection
+
+
+@dataclass(frozen=True, slots=True)
+class Chunk:
+    """Where a chunk's data lie in the file, and what is in them; `counts` by connection number."""
+
+    data_start: int
+    data_end: int
+    compression: str
+    size_bytes: int
+    start_ns: int
+    end_ns: int
+    counts: Mapping[int, int]
+
+
+@dataclass(slots=True)
+class BagContent:
+    """What a bag holds; `damage` says why it had to be searched, and `whole_bytes` how far it is whole."""
+
+    connections: dict[int, Connection] = field(default_factory=dict)
+    chunks: list[Chunk] = field(default_factory=list)
+    damage: str = ""
+    whole_bytes: int = 0
+
+    def add_connection(self, fields: Fields, header: Buffer) -> None:
+        """Take a connection record. Raises RecordingError."""
+        named = {
+            name.decode("utf-8", "surrogateescape"): value.decode("utf-8", "surrogateescape")
+            for name, value in decode_fields(header).items()
+        }
+        topic = fields.get(b"topic", b"").decode("utf-8", "surrogateescape")
+        self.connections[u32_field(fields, b"conn")] = Connection.from_fields(topic, named)
+
+
+def read_content(data: Buffer) -> BagContent:
+    """Return what a bag holds, by its index or by a search. Raises RecordingError when it is no bag."""
+    start = len(MAGIC)
+    if bytes(data[:start]) != MAGIC:
+        raise RecordingError("it is no bag of format 2.0")
+    try:
+        fields, _, data_end = read_record(data, start)
+        if op_of(fields) != OP_BAG:
+            raise RecordingError("it does not begin with a bag's header")
+        index_position = u64_field(fields, b"index_pos")
+        chunk_count = u32_field(fields, b"chunk_count")
+    except RecordingError as error:
+        return search(data, start + BAG_HEADER_BYTES, str(error))
+    if index_position == 0:
+        return search(data, data_end, "it was not closed")
+    try:
+        return _by_index(data, index_position, chunk_count)
+    except RecordingError as error:
+        return search(data, data_end, f"its index is broken: {error}")
+
+
+def _by_index(data: Buffer, position: int, chunk_count: int) -> BagContent:
+    content = BagContent(whole_bytes=len(data))
+    while position < len(data):
+        fields, start, position = read_record(data, position)
+        op = op_of(fields)
+        if op == OP_CONNECTION:
+            content.add_connection(fields, data[start:position])
+        elif op == OP_CHUNK_INFO:
+            content.chunks.append(_indexed_chunk(data, fields, data[start:position]))
+    if len(content.chunks) != chunk_count:
+        raise RecordingError(f"it names {len(content.chunks)} of {chunk_count} chunks")
+    unknown = {number for chunk in content.chunks for number in chunk.counts} - content.connections.keys()
+    if unknown:
+        raise RecordingError(f"it does not tell of connection {min(unknown)}")
+    return content
+
+
+def _indexed_chunk(data: Buffer, fields: Fields, counts: Buffer) -> Chunk:
+    if len(counts) % U32_PAIR.size:
+        raise RecordingError("the counts of a chunk are cut")
+    chunk_fields, start, end = read_record(data, u64_field(fields, b"chunk_pos"))
+    if op_of(chunk_fields) != OP_CHUNK:
+        raise RecordingError("there is no chunk where it names one")
+    return Chunk(
+        data_start=start,
+        data_end=end,
+        compression=chunk_fields.get(b"compression", b"").decode(errors="replace"),
+        size_bytes=u32_field(chunk_fields, b"size"),
+        start_ns=time_field(fields, b"start_time"),
+        end_ns=time_field(fields, b"end_time"),
+        counts=dict(U32_PAIR.iter_unpack(counts)),
+    )
+
+
+def search(data: Buffer, position: int, damage: str) -> BagContent:
+    """Walk over the chunks from a position, up to the last that is whole."""
+    content = BagContent(damage=damage, whole_bytes=position)
+    try:
+        while position < len(data):
+            fields, start, end = read_record(data, position)
+            op = op_of(fields)
+            if op == OP_CHUNK:
+                size = u32_field(fields, b"size")
+                compression = fields.get(b"compression", b"").decode(errors="replace")
+                if start == end and compression == NONE:
+                    end = _end_of_open_chunk(data, start)
+                    size = end - start
+                _add_found(content, data, (start, end), compression, size)
+            elif op not in (OP_INDEX, OP_CONNECTION, OP_CHUNK_INFO):
+                raise RecordingError(f"a record of an unknown kind ({op:#x}) stands at byte {position}")
+            position = content.whole_bytes = end
+    except RecordingError as error:
+        content.damage = f"{damage}; {error}"
+    return content
+
+
+def _end_of_open_chunk(data: Buffer, position: int) -> int:
+    try:
+        while position < len(data):
+            fields, _, end = read_record(data, position)
+            if op_of(fields) not in (OP_MESSAGE, OP_CONNECTION):
+                break
+            position = end
+    except RecordingError:
+        pass  # the file ends here
+    return position
+
+
+def _add_found(
+    content: BagContent, data: Buffer, span: tuple[int, int], compression: str, size_bytes: int
+) -> None:
+    plain = decompress(compression, bytes(data[slice(*span)]), size_bytes)
+    counts: dict[int, int] = {}
+    times: list[int] = []
+
+    for number, time_ns, _, _ in messages_in(plain, content.add_connection):
+        if number not in content.connections:
+            raise RecordingError(f"a message is of connection {number}, which nobody told of")
+        counts[number] = counts.get(number, 0) + 1
+        times.append(time_ns)
+    if times:
+        content.chunks.append(Chunk(*span, compression, size_bytes, min(times), max(times), counts))
+
+
+def messages_in(
+    plain: bytes, on_connection: Callable[[Fields, Buffer], None] | None = None
+) -> Iterator[tuple[int, int, int, int]]:
+    """Yield connection number, time in ns, and where the payload begins and ends, of each in a chunk.
+
+    Raises RecordingError where a record is cut.
+    """
+    # First the header as most writers order it: conn, op, time.
+    position = 0
+    length = len(plain)
+    pair = U32_PAIR.unpack_from
+    one = U32.unpack_from
+    while position < length:
+        if (
+            plain[position : position + 13] == b"\x26\x00\x00\x00\x09\x00\x00\x00conn="
+            and plain[position + 17 : position + 34] == b"\x04\x00\x00\x00op=\x02\x0d\x00\x00\x00time="
+            and position + 46 <= length
+        ):
+            secs, nsecs = pair(plain, position + 34)
+            start = position + 46
+            end = start + one(plain, position + 42)[0]
+            if end > length:
+                raise RecordingError("a chunk ends within a message")
+            yield one(plain, position + 13)[0], secs * 1_000_000_000 + nsecs, start, end
+        else:
+            fields, start, end = read_record(plain, position)
+            op = op_of(fields)
+            if op == OP_MESSAGE:
+                yield u32_field(fields, b"conn"), time_field(fields, b"time"), start, end
+            elif op == OP_CONNECTION and on_connection is not None:
+                on_connection(fields, plain[start:end])
+        position = end

@@ -1,0 +1,150 @@
+"""Reads ROS 1 bags, format 2.0, whoever wrote them, closed or not."""
+
+from __future__ import annotations
+
+import mmap
+import os
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from heapq import heappop, heappush
+from pathlib import Path
+
+from rostether.errors import RecordingError
+from rostether.recording.bag_chunks import Chunk, messages_in, read_content
+from rostether.recording.bag_records import MAGIC, MAGIC_START
+from rostether.recording.compression import decompress
+from rostether.recording.recorded import CompressionShare, Connection, RecordedMessage, Wanted
+
+
+class BagReader:
+    """A bag being read; see `recording.recorded.RecordingReader`. Raises RecordingError when it is none."""
+
+    format_version = "2.0"
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        try:
+            descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
+            try:
+                self.size_bytes = os.fstat(descriptor).st_size
+                start = os.read(descriptor, len(MAGIC))
+                if start != MAGIC:
+                    raise RecordingError(f"{path} {_what_else(start)}")
+                self._data = mmap.mmap(descriptor, 0, access=mmap.ACCESS_READ)
+            finally:
+                os.close(descriptor)
+        except OSError as error:
+            raise RecordingError(f"cannot read {path}: {error.strerror or error}") from None
+        self._view = memoryview(self._data)
+        try:
+            self._content = read_content(self._view)
+        except BaseException:
+            self.close()
+            raise
+        self._content.chunks.sort(key=lambda chunk: chunk.start_ns)
+
+    @property
+    def damage(self) -> str:
+        """Why the file had to be searched for its messages, or an empty string."""
+        return self._content.damage
+
+    @property
+    def whole_bytes(self) -> int:
+        """How far the file is whole."""
+        return self._content.whole_bytes
+
+    @property
+    def connections(self) -> Mapping[int, Connection]:
+        """The connections by the number they have in the file."""
+        return self._content.connections
+
+    @property
+    def counts(self) -> Mapping[Connection, int]:
+        """How many messages each connection has."""
+        counts: Counter[Connection] = Counter(dict.fromkeys(self._content.connections.values(), 0))
+        for chunk in self._content.chunks:
+            for number, count in chunk.counts.items():
+                counts[self._content.connections[number]] += count
+        return counts
+
+    @property
+    def span_ns(self) -> tuple[int, int] | None:
+        """The times of the first and the last message; None in an empty bag."""
+        chunks = self._content.chunks
+        return (chunks[0].start_ns, max(chunk.end_ns for chunk in chunks)) if chunks else None
+
+    @property
+    def compressions(self) -> Sequence[CompressionShare]:
+        """How the chunks are compressed, the most frequent first."""
+        by_name: dict[str, list[Chunk]] = {}
+        for chunk in self._content.chunks:
+            by_name.setdefault(chunk.compression, []).append(chunk)
+        shares = (
+            CompressionShare(
+                name,
+                len(chunks),
+                sum(chunk.size_bytes for chunk in chunks),
+                sum(chunk.data_end - chunk.data_start for chunk in chunks),
+            )
+            for name, chunks in by_name.items()
+        )
+        return sorted(shares, key=lambda share: -share.chunk_count)
+
+    def messages(
+        self, wanted: Wanted | None = None, *, start_ns: int | None = None, end_ns: int | None = None
+    ) -> Iterator[RecordedMessage]:
+        """Yield messages in the order of their times, both ends included; equal times as in the file.
+
+        Raises RecordingError at a chunk that is broken.
+        """
+        connections = {
+            number: connection
+            for number, connection in self._content.connections.items()
+            if wanted is None or wanted(connection)
+        }
+        chunks = [
+            chunk
+            for chunk in self._content.chunks
+            if not connections.keys().isdisjoint(chunk.counts)
+            and (end_ns is None or chunk.start_ns <= end_ns)
+            and (start_ns is None or chunk.end_ns >= start_ns)
+        ]
+        # Chunks may overlap in time: messages wait until no later chunk can hold an earlier one.
+        waiting: list[tuple[int, int, RecordedMessage]] = []
+        order = 0
+        for index, chunk in enumerate(chunks):
+            for message in self._messages_of(chunk, connections):
+                if (start_ns is None or message.time_ns >= start_ns) and (
+                    end_ns is None or message.time_ns <= end_ns
+                ):
+                    heappush(waiting, (message.time_ns, order, message))
+                    order += 1
+            until_ns = chunks[index + 1].start_ns if index + 1 < len(chunks) else None
+            while waiting and (until_ns is None or waiting[0][0] < until_ns):
+                yield heappop(waiting)[2]
+
+    def close(self) -> None:
+        """Close the file. Idempotent."""
+        self._view.release()
+        self._data.close()
+
+    def _messages_of(self, chunk: Chunk, connections: Mapping[int, Connection]) -> Iterator[RecordedMessage]:
+        stored = bytes(self._view[chunk.data_start : chunk.data_end])
+        try:
+            plain = decompress(chunk.compression, stored, chunk.size_bytes)
+            for number, time_ns, start, end in messages_in(plain):
+                connection = connections.get(number)
+                if connection is not None:
+                    yield RecordedMessage(connection, time_ns, plain[start:end])
+        except RecordingError as error:
+            raise RecordingError(
+                f"{self.path}: {error}; `rostether bag reindex` keeps what is whole before it"
+            ) from None
+
+
+def _what_else(start: bytes) -> str:
+    if not start:
+        return "is empty"
+    if start.startswith(MAGIC_START):
+        return f"is a bag of format {start[8:].split()[0].decode(errors='replace')}; only 2.0 can be read"
+    return "is no bag: bags begin with '#ROSBAG V2.0'"

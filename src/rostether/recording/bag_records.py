@@ -1,0 +1,140 @@
+"""The records of a ROS 1 bag, format 2.0, and their header fields.
+
+    file     "#ROSBAG V2.0\\n"  bag header (4096 bytes)  chunk  index...  chunk  index...  connection...  chunk info...
+    record   u32 header length | header | u32 data length | data
+    header   (u32 field length | name "=" value)...
+    chunk    its data is a row of connection and message records, perhaps compressed
+
+The index of a chunk lists (time, offset in the chunk) for each connection. All integers are little-endian.
+Source: wiki.ros.org/Bags/Format/2.0
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Mapping
+from typing import TypeAlias
+
+from rostether.errors import RecordingError
+from rostether.rostime import NS_PER_S
+
+MAGIC = b"#ROSBAG V2.0\n"
+MAGIC_START = b"#ROSBAG V"
+
+OP_MESSAGE = 0x02
+OP_BAG = 0x03
+OP_INDEX = 0x04
+OP_CHUNK = 0x05
+OP_CHUNK_INFO = 0x06
+OP_CONNECTION = 0x07
+
+BAG_HEADER_BYTES = 4096
+"""The bag header is padded to this, so that it can be written again in place."""
+
+INDEX_VERSION = 1
+CHUNK_INFO_VERSION = 1
+
+U32 = struct.Struct("<I")
+U32_PAIR = struct.Struct("<II")
+U64 = struct.Struct("<Q")
+
+Buffer: TypeAlias = bytes | memoryview
+Fields: TypeAlias = dict[bytes, bytes]
+
+
+def encode_fields(fields: Mapping[bytes, bytes]) -> bytes:
+    """Return a header of fields, without its length."""
+    return b"".join(
+        U32.pack(len(name) + 1 + len(value)) + name + b"=" + value for name, value in fields.items()
+    )
+
+
+def encode_record(op: int, fields: Mapping[bytes, bytes], data: bytes) -> bytes:
+    """Return a whole record."""
+    header = encode_fields({**fields, b"op": bytes((op,))})
+    return b"".join((U32.pack(len(header)), header, U32.pack(len(data)), data))
+
+
+def decode_fields(header: Buffer) -> Fields:
+    """Return the fields of a header. Raises RecordingError where they do not fit."""
+    data = bytes(header)
+    fields: Fields = {}
+    position = 0
+    while position < len(data):
+        start = position + 4
+        if start > len(data):
+            raise RecordingError("a record's header ends within a field")
+        position = start + U32.unpack_from(data, start - 4)[0]
+        name, equals, value = data[start:position].partition(b"=")
+        if position > len(data) or not equals:
+            raise RecordingError("a record's header holds a field that is none")
+        fields[name] = value
+    return fields
+
+
+def read_record(data: Buffer, position: int) -> tuple[Fields, int, int]:
+    """Return a record's fields and where its data begins and ends. Raises RecordingError when it is cut."""
+    start = position + 4
+    if start > len(data):
+        raise RecordingError("the file ends within a record")
+    end = start + U32.unpack_from(data, position)[0]
+    if end + 4 > len(data):
+        raise RecordingError("the file ends within a record's header")
+    data_start = end + 4
+    data_end = data_start + U32.unpack_from(data, end)[0]
+    if data_end > len(data):
+        raise RecordingError("the file ends within a record's data")
+    return decode_fields(data[start:end]), data_start, data_end
+
+
+def op_of(fields: Fields) -> int:
+    """Return a record's kind. Raises RecordingError."""
+    op = fields.get(b"op", b"")
+    if len(op) != 1:
+        raise RecordingError("a record does not say of what kind it is")
+    return op[0]
+
+
+def u32_field(fields: Fields, name: bytes) -> int:
+    """Return a number. Raises RecordingError."""
+    value = fields.get(name, b"")
+    if len(value) != 4:
+        raise RecordingError(f"a record has no number {name.decode()!r}")
+    return int(U32.unpack(value)[0])
+
+
+def u64_field(fields: Fields, name: bytes) -> int:
+    """Return a large number. Raises RecordingError."""
+    value = fields.get(name, b"")
+    if len(value) != 8:
+        raise RecordingError(f"a record has no number {name.decode()!r}")
+    return int(U64.unpack(value)[0])
+
+
+def time_field(fields: Fields, name: bytes) -> int:
+    """Return a time in nanoseconds. Raises RecordingError."""
+    value = fields.get(name, b"")
+    if len(value) != 8:
+        raise RecordingError(f"a record has no time {name.decode()!r}")
+    secs, nsecs = U32_PAIR.unpack(value)
+    return int(secs * NS_PER_S + nsecs)
+
+
+def encode_time(time_ns: int) -> bytes:
+    """Return a time as it stands in headers; what lies beyond the wire's range becomes its nearest end."""
+    secs, nsecs = divmod(max(time_ns, 0), NS_PER_S)
+    return U32_PAIR.pack(min(secs, 0xFFFFFFFF), nsecs)
+
+
+def bag_header(index_position: int, connection_count: int, chunk_count: int) -> bytes:
+    """Return the first record of a file, padded; an index position of 0 says that there is no index yet."""
+    header = encode_fields(
+        {
+            b"op": bytes((OP_BAG,)),
+            b"index_pos": U64.pack(index_position),
+            b"conn_count": U32.pack(connection_count),
+            b"chunk_count": U32.pack(chunk_count),
+        }
+    )
+    padding = BAG_HEADER_BYTES - len(header) - 8
+    return U32.pack(len(header)) + header + U32.pack(padding) + b" " * padding

@@ -1,0 +1,62 @@
+"""A file that is written straight through, and cut back to its last whole part when the disk is full."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from rostether.errors import RecordingError
+
+
+class OutputFile:
+    """Appends; `position` is the end of the last whole part that was written."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.position = 0
+        flags = os.O_RDWR | os.O_CREAT | os.O_TRUNC | getattr(os, "O_BINARY", 0)
+        try:
+            self._file: int | None = os.open(path, flags, 0o666)
+        except OSError as error:
+            raise RecordingError(
+                f"cannot write {path}: {error.strerror or error}; name a file in a folder of yours"
+            ) from None
+
+    def append(self, data: bytes) -> None:
+        """Write a part wholly, or leave the file as it was and raise RecordingError."""
+        try:
+            self._write(data)
+        except OSError as error:
+            self._cut()
+            raise RecordingError(f"cannot write {self.path}: {error.strerror or error}") from None
+        self.position += len(data)
+
+    def replace(self, position: int, data: bytes) -> None:
+        """Write over bytes that are there. Raises RecordingError."""
+        assert self._file is not None
+        try:
+            os.lseek(self._file, position, os.SEEK_SET)
+            self._write(data)
+            os.lseek(self._file, self.position, os.SEEK_SET)
+        except OSError as error:
+            raise RecordingError(f"cannot write {self.path}: {error.strerror or error}") from None
+
+    def close(self) -> None:
+        """Close the file. Idempotent."""
+        if self._file is not None:
+            os.close(self._file)
+            self._file = None
+
+    def _write(self, data: bytes) -> None:
+        assert self._file is not None
+        view = memoryview(data)
+        while view:
+            view = view[os.write(self._file, view) :]
+
+    def _cut(self) -> None:
+        assert self._file is not None
+        try:
+            os.ftruncate(self._file, self.position)
+            os.lseek(self._file, self.position, os.SEEK_SET)
+        except OSError:  # what cannot be cut, such as a device: readers find the last whole part themselves
+            return

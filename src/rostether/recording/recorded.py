@@ -1,0 +1,120 @@
+"""What every recording holds, whatever its format: connections, and messages with the time they came."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol, TypeAlias
+
+from rostether.msgdef.interface import MessageType
+
+
+@dataclass(frozen=True, slots=True)
+class Connection:
+    """One publisher on one topic, as its connection header told it."""
+
+    topic: str
+    type: MessageType
+    caller_id: str = ""
+    is_latching: bool = False
+
+    @classmethod
+    def from_fields(cls, topic: str, fields: Mapping[str, str]) -> Connection:
+        """Build from the fields of a connection header; what is missing is empty."""
+        message_type = MessageType(
+            fields.get("type", "*"), fields.get("md5sum", "*"), fields.get("message_definition", "")
+        )
+        return cls(topic, message_type, fields.get("callerid", ""), fields.get("latching", "0") == "1")
+
+    def fields(self) -> dict[str, str]:
+        """Return the connection header's fields, in the order of their names as rosbag has them."""
+        fields = {"callerid": self.caller_id} if self.caller_id else {}
+        if self.is_latching:
+            fields["latching"] = "1"
+        return fields | {
+            "md5sum": self.type.md5sum,
+            "message_definition": self.type.definition,
+            "topic": self.topic,
+            "type": self.type.name,
+        }
+
+
+class RecordedMessage(NamedTuple):
+    """One message: ROS 1 bytes, and when it was received in nanoseconds since the epoch."""
+
+    connection: Connection
+    time_ns: int
+    payload: bytes
+
+
+Wanted: TypeAlias = Callable[[Connection], bool]
+
+
+class RecordingWriter(Protocol):
+    """A recording being written. Every method raises RecordingError when the disk takes no more."""
+
+    @property
+    def size_bytes(self) -> int:
+        """What the file will have at least when it is closed now."""
+
+    @property
+    def message_count(self) -> int:
+        """How many messages were taken."""
+
+    def add_connection(self, connection: Connection) -> int:
+        """Return the connection's number; equal connections share one."""
+
+    def write(self, number: int, time_ns: int, payloads: Sequence[bytes]) -> None:
+        """Take messages that came at one time."""
+
+    def flush(self) -> None:
+        """Hand all that was taken to the operating system: a killed process loses nothing of it."""
+
+    def close(self) -> None:
+        """Write the index and close the file. Idempotent."""
+
+
+@dataclass(frozen=True, slots=True)
+class CompressionShare:
+    """The chunks of a file that are compressed in one way."""
+
+    name: str
+    chunk_count: int
+    size_bytes: int
+    compressed_bytes: int
+
+
+class RecordingReader(Protocol):
+    """A recording being read."""
+
+    @property
+    def size_bytes(self) -> int:
+        """The file's size."""
+
+    @property
+    def format_version(self) -> str:
+        """The format's version, as the file says it."""
+
+    @property
+    def damage(self) -> str:
+        """Why the file had to be searched for its messages, or an empty string."""
+
+    @property
+    def counts(self) -> Mapping[Connection, int]:
+        """How many messages each connection has."""
+
+    @property
+    def span_ns(self) -> tuple[int, int] | None:
+        """The times of the first and the last message; None in an empty recording."""
+
+    @property
+    def compressions(self) -> Sequence[CompressionShare]:
+        """How the chunks are compressed, the most frequent first."""
+
+    def messages(
+        self, wanted: Wanted | None = None, *, start_ns: int | None = None, end_ns: int | None = None
+    ) -> Iterator[RecordedMessage]:
+        """Yield messages in the order of their times, both ends included. Raises RecordingError."""
+
+    def close(self) -> None:
+        """Close the file. Idempotent."""
