@@ -1,0 +1,27 @@
+from __future__ import annotations
+
+from unit.cli.processes import started
+from unit.cli.shell import LiveGraph, Shell
+from unit.robot.robots import ARM
+
+
+def test_a_robot_stands_up(graph: LiveGraph, shell: Shell) -> None:
+    graph.do(graph.node("setter").set_param("/robot_description", ARM))
+    states = ("role", "joint-state-publisher", "__name:=joints", "_rate:=50", "joint_states:=arm/joints")
+    frames = ("role", "robot-state-publisher", "joint_states:=arm/joints", "_publish_frequency:=20")
+    with started(graph.uri, *states) as joints, started(graph.uri, *frames) as state:
+        assert "- Translation: [" in shell.output("tf", "echo", "-n", "1", "base", "hand")
+        assert shell.output("param", "get", "/joints/rate") == "50\n"
+        assert shell.output("node", "list").split() == ["/joints", "/robot_state_publisher", "/setter"]
+        shell("node", "kill", "/joints")
+        assert joints.wait(10) == 0
+        state.terminate()
+        assert state.wait(10) == 0
+
+
+def test_without_a_description_a_line_says_who_sets_it(graph: LiveGraph) -> None:
+    for role in ("robot-state-publisher", "joint-state-publisher"):
+        with started(graph.uri, "role", role) as process:
+            _, said = process.communicate(timeout=20)
+            assert process.returncode == 1
+            assert "no parameter robot_description holds a URDF; a launch file sets it" in said
