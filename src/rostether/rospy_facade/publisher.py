@@ -20,10 +20,14 @@ from rostether.rospy_facade.topic import Topic, topics
 from rostether.tcpros.message_framing import encode_messages
 
 MAX_WAITING_MESSAGES = 100
-"""How many messages may wait for the loop's thread before a program that floods waits for it."""
+MAX_WAITING_BYTES = 4 << 20
+"""What may wait for the loop's thread before a program that floods waits for it."""
 
 MAX_WAIT_S = 1.0
 """How long it waits at most: a graph that is shutting down takes nothing any more."""
+
+MAX_PAUSE_S = 0.1
+"""How long a subscriber that is behind may hold a program up, until it counts as slow and loses messages."""
 
 
 class SubscribeListener:
@@ -55,6 +59,8 @@ class PublishedTopic:
         self._sequence = 0
         self._lock = threading.RLock()
         self._waiting: list[bytes] = []
+        self._waiting_bytes = 0
+        self._is_behind = False
         self._is_empty = threading.Condition(threading.Lock())
         self._listener_thread: CallbackThread[Callable[[], object]] | None = None
         self._is_closed = False
@@ -107,18 +113,37 @@ class PublishedTopic:
 
     def _queue(self, payload: bytes) -> None:
         with self._is_empty:
-            if len(self._waiting) >= MAX_WAITING_MESSAGES:
-                self._is_empty.wait_for(lambda: not self._waiting or is_shutdown(), MAX_WAIT_S)
+            if self._is_busy():
+                self._is_empty.wait_for(lambda: not self._is_busy() or is_shutdown(), MAX_WAIT_S)
             self._waiting.append(payload)
+            self._waiting_bytes += len(payload)
             if len(self._waiting) == 1:
                 node.loop.post(self._flush)
 
     def _flush(self) -> None:
         with self._is_empty:
             payloads, self._waiting = self._waiting, []
+            self._waiting_bytes = 0
+            publisher = self._publisher
+            keeps_up = publisher is None or publisher.publish_raw(payloads)
+            if not keeps_up and not self._is_behind:
+                self._is_behind = True
+                node.loop.start(self._catch_up())
             self._is_empty.notify_all()
+
+    def _is_busy(self) -> bool:
+        return (
+            self._is_behind
+            or len(self._waiting) >= MAX_WAITING_MESSAGES
+            or self._waiting_bytes >= MAX_WAITING_BYTES
+        )
+
+    async def _catch_up(self) -> None:
         if self._publisher is not None:
-            self._publisher.publish_raw(payloads)
+            await self._publisher.drained(MAX_PAUSE_S)
+        with self._is_empty:
+            self._is_behind = False
+            self._is_empty.notify_all()
 
     async def _advertise(self) -> Ros1Publisher:
         publisher = await node.graph.advertise(
