@@ -136,9 +136,10 @@ def launch(
         # A package's file that is given by its path sees that package, and those beside it, as well.
         if (package := package_around(file.absolute().parent)) is not None:
             packages = package_folders({}, package) | packages
-    environ = _environ_for(packages)
+    near = _nearest(packages)
+    environ = _environ_for(near)
     plan = _load(sources, packages, environ)
-    locate = _locator(packages)
+    locate = _locator(packages, near)
     if lists_nodes:
         _print(listing.node_lines(plan))
     elif dumps:
@@ -199,7 +200,7 @@ def _load(sources: LaunchSources, packages: Mapping[str, Path], environ: Mapping
     )
 
 
-def _locator(packages: Mapping[str, Path]) -> Locate:
+def _locator(packages: Mapping[str, Path], near: Mapping[str, Path]) -> Locate:
     from rostether.cli.node_command import node_command
     from rostether.cli.served_nodes import replacement_line
     from rostether.launch.command_line import Program, Replaced
@@ -209,7 +210,7 @@ def _locator(packages: Mapping[str, Path]) -> Locate:
         if line := replacement_line(package, environ):
             return Replaced(line)
         words = node_command(package, node_type, packages=packages, environ=environ)
-        return Program(words, node_environment(environ, packages))
+        return Program(words, node_environment(environ, near))
 
     return locate
 
@@ -220,16 +221,25 @@ def _environ_for(packages: Mapping[str, Path]) -> dict[str, str]:
     roots = [Path(part).absolute() for part in given]
     others = [each for each in packages.values() if not any(each.is_relative_to(root) for root in roots)]
     path = os.pathsep.join(map(str, (*roots, *others)))
-    if not path or len(path) > _MAX_PATH_CHARS:
-        return dict(os.environ)
-    return {**os.environ, _PACKAGE_PATH: path}
+    return {**os.environ, _PACKAGE_PATH: path} if path else dict(os.environ)
+
+
+def _nearest(packages: Mapping[str, Path]) -> dict[str, Path]:
+    """Return as many packages, the nearest first, as fit into a variable of the nodes' environment."""
+    found: dict[str, Path] = {}
+    length = 0
+    for name, folder in packages.items():
+        length += len(str(folder)) + 1
+        if length > _MAX_PATH_CHARS:
+            break
+        found[name] = folder
+    return found
 
 
 def _warn(plan: LaunchPlan, sources: LaunchSources) -> None:
     for line in plan.warnings:
         warn(f"warning: {line}")
-    declared = {each.name for each in plan.arguments}
-    for name in sources.arguments.keys() - declared:
+    for name in sources.arguments.keys() - plan.argument_names:
         warn(f"warning: the launch file declares no argument {name}; --ros-args shows those it has")
     for name in sources.empty_arguments:
         warn(f"warning: {name}:= has no value and is left out, as with roslaunch")

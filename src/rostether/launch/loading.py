@@ -117,6 +117,7 @@ class _Loader:
         reader, values = self.reader, values or scope
         reader.check_attributes(element, ("name", "value", "default", "doc"))
         name = reader.required(element, values, "name")
+        reader.draft.argument_names.add(name)
         value, default, doc = (reader.optional(element, values, each) for each in ("value", "default", "doc"))
         if value is not None and default is not None:
             raise LaunchError(f"argument {name!r} has both value= and default=; keep one of them")

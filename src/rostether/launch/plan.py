@@ -90,7 +90,7 @@ class LaunchPlan:
     """All of it, in the order in which it is done: `before`, `cleared`, `parameters`, `nodes`.
 
     `cleared` are namespaces with a trailing slash. `arguments` are those of the files given, not of the files
-    that they include; `files` all that were read. `warnings` are lines for people.
+    that they include, whose names are in `argument_names` too; `files` all that were read. `warnings` are lines for people.
     """
 
     nodes: tuple[LaunchNode, ...] = ()
@@ -98,5 +98,6 @@ class LaunchPlan:
     before: tuple[DumpParameters | DeleteParameters, ...] = ()
     cleared: tuple[str, ...] = ()
     arguments: tuple[DeclaredArgument, ...] = ()
+    argument_names: frozenset[str] = frozenset()
     files: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()

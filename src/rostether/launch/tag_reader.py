@@ -34,6 +34,7 @@ class Draft:
     before: list[DumpParameters | DeleteParameters] = field(default_factory=list)
     cleared: list[str] = field(default_factory=list)
     arguments: dict[str, DeclaredArgument] = field(default_factory=dict)
+    argument_names: set[str] = field(default_factory=set)
     files: list[str] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
 
@@ -45,6 +46,7 @@ class Draft:
             before=tuple(self.before),
             cleared=tuple(self.cleared),
             arguments=tuple(self.arguments.values()),
+            argument_names=frozenset(self.argument_names),
             files=tuple(dict.fromkeys(self.files)),
             warnings=tuple(self.warnings),
         )

@@ -293,3 +293,16 @@ def test_served_node_runs_with_its_remaps(arm: Path, graph: LiveGraph) -> None:
         while "/relayed" not in graph.do(watcher.snapshot()).nodes:
             assert time.monotonic() < deadline_s, "the node never joined"
             time.sleep(0.05)
+
+
+def test_packages_beyond_what_an_environment_holds_do_not_stop_a_launch(arm: Path, graph: LiveGraph) -> None:
+    for number in range(700):
+        folder = arm.parent / f"{'p' * 200}{number}"
+        folder.mkdir()
+        (folder / "package.xml").write_text(f"<package><name>p{number}</name></package>")
+    with launched("arm", "stay.launch", master_uri=graph.uri, cwd=arm.parent.parent) as process:
+        pid = pid_of("stay", arm.parent.parent)
+        process.send_signal(signal.SIGTERM)
+        output, _ = process.communicate(timeout=LIMIT_S)
+    assert process.returncode == 0, output
+    wait_gone(pid)

@@ -122,6 +122,7 @@ def test_files_and_arguments_are_listed() -> None:
     plan = load(ROBOT / "launch" / "include_pass_all.launch")
     assert [Path(file).name for file in plan.files] == ["include_pass_all.launch", "args.xml", "fixed.xml"]
     assert [each.name for each in plan.arguments] == ["required", "optional", "extra"]
+    assert load(ROBOT / "launch" / "include_recursive.launch").argument_names == {"count"}
 
 
 def test_program_of_a_package_that_is_served_runs_as_ours() -> None:
