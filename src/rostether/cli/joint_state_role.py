@@ -16,8 +16,8 @@ from rostether.names.remap import Arguments
 _arguments = click.argument("words", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE...]")
 
 NO_TERMINAL = (
-    "no terminal to show sliders in: publishing zeros and what source_list brings; in a terminal, "
-    "`rostether run joint_state_publisher_gui joint_state_publisher_gui` shows them"
+    "no terminal to show sliders in: publishing zeros and what source_list brings; in a terminal of its "
+    "own, `rostether run joint_state_publisher_gui joint_state_publisher_gui` shows them"
 )
 
 
@@ -46,7 +46,8 @@ def joint_state_publisher(words: tuple[str, ...]) -> None:
 @_arguments
 def joint_state_publisher_gui(words: tuple[str, ...]) -> None:
     """Publish joint states set by sliders in the terminal: arrow keys move them, c centers, r randomizes."""
-    has_terminal = sys.stdin.isatty() and sys.stdout.isatty()
+    # Windows has consoles, but no termios to read single keys with.
+    has_terminal = sys.platform != "win32" and sys.stdin.isatty() and sys.stdout.isatty()
     if not has_terminal:
         warn(NO_TERMINAL)
     run(

@@ -45,6 +45,8 @@ SERVED_NODES: dict[tuple[str, str], tuple[str, ...]] = {
     ("tf", "view_frames"): ("tf", "tree"),
     ("tf2_tools", "view_frames.py"): ("tf", "tree"),
     ("rqt_tf_tree", "rqt_tf_tree"): ("tf", "tree"),
+    ("xacro", "xacro"): ("xacro",),
+    ("xacro", "xacro.py"): ("xacro",),
     ("joy", "joy_node"): ("role", "joy-node"),
     ("topic_tools", "relay"): ("role", "relay"),
     ("topic_tools", "throttle"): ("role", "throttle"),

@@ -7,10 +7,11 @@ more often than `publish_frequency_hz`.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from rostether.robot.kinematics import joint_transform, with_mimics
+from rostether.robot.kinematics import joint_transform, mimic_chain, with_mimics
 from rostether.robot.robot_model import MOVED_BY_ONE_NUMBER, Joint, JointType, RobotModel
 from rostether.robot.transform import StampedTransform
 from rostether.rostime import NS_PER_S
@@ -35,7 +36,10 @@ class RobotStateSettings:
 
 
 class RobotState:
-    """Turns a robot's joint states into transforms; `problem` is what was wrong with the last state."""
+    """Turns a robot's joint states into transforms; `problem` is what was wrong with the last state.
+
+    Raises RobotModelError when joints mimic each other in a circle.
+    """
 
     def __init__(self, model: RobotModel, settings: RobotStateSettings | None = None) -> None:
         self.settings = RobotStateSettings() if settings is None else settings
@@ -47,6 +51,8 @@ class RobotState:
                 self._moving[name] = joint
             elif joint.type is not JointType.FLOATING:
                 self._fixed.append(joint)
+            if joint.mimic is not None:
+                mimic_chain(model, joint)
         self._published_ns: dict[str, int] = {}
         self._last_call_ns = 0
         self.problem = ""
@@ -72,7 +78,7 @@ class RobotState:
         # Of a joint that is told twice the first counts. Names that the robot lacks are not remembered: a
         # peer could send any number of them.
         told = reversed(list(zip(names, positions, strict=True)))
-        known = {name: at for name, at in told if name in self._moving}
+        known = {name: at for name, at in told if name in self._moving and math.isfinite(at)}
         last_ns = min((self._published_ns.get(name, 0) for name in known), default=now_ns)
         if not self.settings.ignore_timestamp and stamp_ns < min(last_ns, now_ns) + self.settings.interval_ns:
             return []
@@ -86,7 +92,11 @@ class RobotState:
 
     def _followed(self, known: dict[str, float]) -> dict[str, float]:
         complete = with_mimics(self._model, known)
-        return {name: at for name, at in complete.items() if name in known or self._is_led(name, known)}
+        return {
+            name: at
+            for name, at in complete.items()
+            if name in known or (self._is_led(name, known) and math.isfinite(at))
+        }
 
     def _is_led(self, name: str, known: dict[str, float]) -> bool:
         joint: Joint | None = self._model.joints[name]
@@ -105,6 +115,9 @@ class RobotState:
             return "time went backwards, probably because the clock was reset: publishing all joints again"
         if stamp_ns + OLD_STATE_NS < now_ns:
             return f"received a JointState that is {(now_ns - stamp_ns) / NS_PER_S:.3f} s old"
+        for name, position in zip(names, positions, strict=True):
+            if not math.isfinite(position):
+                return f"left joint {name!r} out of a JointState: its position is {position}"
         strange = [name for name in names if name not in self._model.joints]
         return f"a JointState names joint {strange[0]!r}, which the robot does not have" if strange else ""
 

@@ -1,11 +1,14 @@
 from __future__ import annotations
 
+import math
+
 import pytest
 
+from rostether.errors import RobotModelError
 from rostether.robot.kinematics import joint_transform
 from rostether.robot.robot_state import RobotState, RobotStateSettings, prefixed
 from rostether.robot.urdf import parse_urdf
-from unit.robot.robots import ARM, GRIPPER, ROVER
+from unit.robot.robots import ARM, GRIPPER, ROVER, joint, robot
 
 SECOND = 10**9
 NOW = 1_000 * SECOND
@@ -95,6 +98,25 @@ def test_of_a_joint_told_twice_the_first_counts() -> None:
 )
 def test_frames_under_a_prefix(prefix: str, frame: str, name: str) -> None:
     assert prefixed(prefix, frame) == name
+
+
+@pytest.mark.parametrize("position", [math.nan, math.inf, -math.inf])
+def test_a_position_that_is_no_number_is_left_out(position: float) -> None:
+    state = RobotState(parse_urdf(ARM))
+    found = state.moving_transforms(["j0", "j1"], [position, 0.1], NOW, NOW)
+    assert [each.child for each in found] == ["upper"]
+    assert "left joint 'j0' out" in state.problem
+
+
+def test_a_circle_of_mimics_is_refused_before_the_first_state() -> None:
+    text = robot(
+        "x",
+        "a b c",
+        joint("j", "continuous", "a", "b", '<mimic joint="k"/>')
+        + joint("k", "continuous", "b", "c", '<mimic joint="j"/>'),
+    )
+    with pytest.raises(RobotModelError, match="circle"):
+        RobotState(parse_urdf(text))
 
 
 def test_unknown_names_are_not_remembered() -> None:
