@@ -90,7 +90,8 @@ class LaunchPlan:
     """All of it, in the order in which it is done: `before`, `cleared`, `parameters`, `nodes`.
 
     `cleared` are namespaces with a trailing slash. `arguments` are those of the files given, not of the files
-    that they include, whose names are in `argument_names` too; `files` all that were read. `warnings` are lines for people.
+    that they include, whose names are in `argument_names` too; `files` all that were read. `warnings` are
+    lines for people.
     """
 
     nodes: tuple[LaunchNode, ...] = ()

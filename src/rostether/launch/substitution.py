@@ -154,6 +154,10 @@ def _substitutions(text: str) -> Iterator[str]:
             if character == "$":
                 raise LaunchError(f"{text!r}: $(...) cannot stand inside another; use $(eval ...)")
             if character == "(":
+                if text.startswith(_EVAL_PREFIX[2:], start):
+                    raise LaunchError(
+                        f"{text!r}: $(eval ...) has to be the whole value; write all of it inside"
+                    )
                 raise LaunchError(f"{text!r}: there is a second '(' inside of $(...)")
             if character == ")":
                 if index > start:

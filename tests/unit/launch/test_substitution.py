@@ -1,0 +1,105 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rostether.errors import ConfigError, LaunchError
+from rostether.launch.scope import Scope
+from rostether.launch.substitution import SERVED_ROOT, Surroundings, substitute
+
+SURROUNDINGS = Surroundings(
+    {"HOME": "/home/x", "TRICK": "$(find arm)/y"}, {"arm": Path("/ws/src/arm")}, frozenset({"xacro"})
+)
+
+
+def scope(**arguments: str) -> Scope:
+    return Scope(file="/ws/src/arm/launch/a.launch", arguments=arguments)
+
+
+@pytest.mark.parametrize(
+    ("text", "result"),
+    [
+        ("plain", "plain"),
+        ("$(arg x)/$(arg y)/$(arg x)", "1/two/1"),
+        ("$(env HOME)", "/home/x"),
+        ("$(optenv NOTHING)", ""),
+        ("$(optenv NOTHING two words)", "two words"),
+        ("$(optenv HOME other)", "/home/x"),
+        ("$(dirname)/b", "/ws/src/arm/launch/b"),
+        ("$(find arm)/urdf", "/ws/src/arm/urdf"),
+        ("$(find arm)urdf", "/ws/src/arm/urdf"),
+        ("-d $(find arm) -x", "-d /ws/src/arm -x"),
+        ("$(find xacro)/xacro", f"{SERVED_ROOT}/xacro/xacro"),
+        # What is put in may name a package, but no argument.
+        ("$(env TRICK)", "/ws/src/arm/y"),
+        ("$(arg z)", "$(arg x)"),
+        ("$$(arg x)", "$1"),
+        ("$(arg x", "$(arg x"),
+        ("$(eval x + 1)", "2"),
+        ("$(eval 'x')$(arg x)", None),
+    ],
+)
+def test_text_with_substitutions(text: str, result: str | None) -> None:
+    given = scope(x="1", y="two", z="$(arg x)")
+    if result is None:
+        with pytest.raises((LaunchError, ConfigError)):
+            substitute(text, given, SURROUNDINGS)
+    else:
+        assert substitute(text, given, SURROUNDINGS) == result
+
+
+def test_anonymous_name_is_the_same_at_one_place_and_another_elsewhere() -> None:
+    here = scope()
+    first = substitute("$(anon node)", here, SURROUNDINGS)
+    assert first.startswith("node_")
+    assert substitute("$(eval anon('node'))", here, SURROUNDINGS) == first
+    assert substitute("$(anon node)", here.child(), SURROUNDINGS) == first
+    assert substitute("$(anon node)", scope(), SURROUNDINGS) != first
+
+
+def test_expression_that_is_only_a_part_is_refused_with_what_to_do() -> None:
+    with pytest.raises(LaunchError, match="has to be the whole value"):
+        substitute("a $(eval max(1, 2))", scope(), SURROUNDINGS)
+
+
+@pytest.mark.parametrize(
+    ("expression", "result"),
+    [
+        ("x * 2", "2"),
+        ("arg('x') == 1 and not flag", "False"),
+        ("len(word) + max(1, 2)", "5"),
+        ("{'a': 1}['a']", "1"),
+        ("(1, 'b')", "(1, 'b')"),
+        ("[w for w in word if w != 'b']", "['a', 'c']"),
+        ("radians(180) == pi", "True"),
+        ("find('arm') + env('HOME')", "/ws/src/arm/home/x"),
+        ("optenv('NOTHING', 'd')", "d"),
+        ("float(x) / 2", "0.5"),
+        ("None", "None"),
+    ],
+)
+def test_expression(expression: str, result: str) -> None:
+    given = scope(x="1", flag="true", word="abc")
+    assert substitute(f"$(eval {expression})", given, SURROUNDINGS) == result
+
+
+@pytest.mark.parametrize(
+    "expression",
+    [
+        "open('/etc/passwd')",
+        "().__class__",
+        "x.real.imag",
+        "(lambda: 1)()",
+        "exec('1')",
+        "getattr(x, 'real')",
+        "1 / 0",
+        "nobody",
+        "env('NOTHING')",
+        "find('nothing')",
+    ],
+)
+def test_expression_that_is_refused(expression: str) -> None:
+    with pytest.raises((LaunchError, ConfigError)) as caught:
+        substitute(f"$(eval {expression})", scope(x="1"), SURROUNDINGS)
+    assert "\n" not in str(caught.value)
