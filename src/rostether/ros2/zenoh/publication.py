@@ -42,6 +42,9 @@ DROP_NS = WAIT_BEFORE_DROP_US * 1000
 RELIEF_S = 0.001
 """How long what waits is left to itself then: a batch of 64 KiB has gone after 0.5 ms at 1 Gbit/s."""
 
+SLOW_RELIEF_S = 0.5
+"""The same after a wait in vain: a subscriber that hangs holds up the loop for a sixth of the time at most."""
+
 Report = Callable[[Level, str], None]
 
 
@@ -87,6 +90,7 @@ class Publication:
         self._flow = PublicationFlow()
         self._backlog = SubscriberFlow(self._flow, min(HIGH_WATER_BYTES, self._limit_bytes // 2))
         self._relief: asyncio.TimerHandle | None = None
+        self._relief_s = RELIEF_S
         self._has_warned = False
         # zenoh's word comes when somebody subscribes, also who has no token; a token may come before it.
         self._is_matched = False
@@ -145,6 +149,7 @@ class Publication:
         convert, put, gid, sequence = self._convert, self._publisher.put, self._gid, self._sequence
         pack, clock = ATTACHMENT.pack, time.time_ns
         done = stalls = 0
+        self._relief_s = RELIEF_S
         now = clock()
         for payload in payloads:
             done += 1
@@ -158,9 +163,11 @@ class Publication:
             put(cdr, attachment=pack(sequence, now, GID_BYTES, gid))
             now = clock()
             if now - before > STALL_NS:
+                stalls += 1
                 if now - before >= DROP_NS:
                     self.dropped_count += 1
-                stalls += 1
+                    self._relief_s = SLOW_RELIEF_S
+                    break
                 if stalls >= MAX_STALLS:
                     break
         self._sequence = sequence
@@ -174,7 +181,7 @@ class Publication:
             self.dropped_count += 1
         self._backlog.note_backlog(self._waiting_bytes)
         if self._relief is None:
-            self._relief = asyncio.get_running_loop().call_later(RELIEF_S, self._go_on)
+            self._relief = asyncio.get_running_loop().call_later(self._relief_s, self._go_on)
 
     def _go_on(self) -> None:
         self._relief = None
