@@ -64,7 +64,8 @@ def _discovery_range(text: str) -> str:
     if word in _DISCOVERY_RANGES:
         return word
     raise ConfigError(
-        f"ROS_AUTOMATIC_DISCOVERY_RANGE={text!r:.80} is unknown: give SUBNET, LOCALHOST, OFF or SYSTEM_DEFAULT"
+        f"ROS_AUTOMATIC_DISCOVERY_RANGE={text!r:.80} is unknown: "
+        "give SUBNET, LOCALHOST, OFF or SYSTEM_DEFAULT"
     )
 
 

@@ -58,7 +58,8 @@ def explain_mismatch(offered: Qos, requested: Qos) -> str:
     reasons = []
     if offered.reliability is Reliability.BEST_EFFORT and requested.reliability is Reliability.RELIABLE:
         reasons.append(
-            "the publisher is best effort and the subscriber asks for reliable: let the subscriber take best effort"
+            "the publisher is best effort and the subscriber asks for reliable: "
+            "let the subscriber take best effort"
         )
     if offered.durability is Durability.VOLATILE and requested.durability is Durability.TRANSIENT_LOCAL:
         reasons.append(

@@ -43,7 +43,7 @@ RELIEF_S = 0.001
 """How long what waits is left to itself then: a batch of 64 KiB has gone after 0.5 ms at 1 Gbit/s."""
 
 SLOW_RELIEF_S = 0.5
-"""The same after a wait in vain: a subscriber that hangs holds up the loop for a sixth of the time at most."""
+"""The same after a wait in vain: who hangs holds up the loop for a sixth of the time at most."""
 
 Report = Callable[[Level, str], None]
 
