@@ -29,6 +29,7 @@ SIGTERM_LIMIT_S = 2.0
 _RESPAWN_PAUSE_S = 0.1
 _GROUP_POLL_S = 0.02  # nothing tells when the last process of a group that is not our child has ended
 _KILL_LIMIT_S = 1.0  # the kernel ends a killed group at once, unless a driver holds a process
+_SIGKILL = getattr(signal, "SIGKILL", signal.SIGTERM)
 _PR_SET_PDEATHSIG = 1
 _PR_SET_CHILD_SUBREAPER = 36
 # Found before any fork: the child must not load anything.
@@ -128,7 +129,7 @@ class NodeProcess:
                 break
             self._report(Level.WARN, f"[{self.name}] did not end within {limit_s:g} s of {number.name}")
         if process.returncode is None:
-            _signal_group(process.pid, signal.SIGKILL)
+            _signal_group(process.pid, _SIGKILL)
             await process.wait()
         await self._end_group()
 
@@ -136,7 +137,7 @@ class NodeProcess:
         group = self._group
         if group is None:
             return
-        for number, limit_s in ((signal.SIGTERM, self._limits.sigterm_s), (signal.SIGKILL, _KILL_LIMIT_S)):
+        for number, limit_s in ((signal.SIGTERM, self._limits.sigterm_s), (_SIGKILL, _KILL_LIMIT_S)):
             if not _signal_group(group, number):
                 break
             deadline = asyncio.get_running_loop().time() + limit_s
@@ -181,7 +182,13 @@ def _reap(group: int) -> None:
 
 
 def _signal_group(group: int, number: int) -> bool:
-    """Signal all processes of a group; False when there is none left."""
+    """Signal all processes of a group; False when there is none left, or nothing is known of groups."""
+    if sys.platform == "win32":
+        # There are no groups, and every signal ends a process at once.
+        if number:
+            with contextlib.suppress(OSError):
+                os.kill(group, number)
+        return False
     try:
         os.killpg(group, number)
     except (ProcessLookupError, PermissionError):

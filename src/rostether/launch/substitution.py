@@ -155,9 +155,7 @@ def _substitutions(text: str) -> Iterator[str]:
                 raise LaunchError(f"{text!r}: $(...) cannot stand inside another; use $(eval ...)")
             if character == "(":
                 if text.startswith(_EVAL_PREFIX[2:], start):
-                    raise LaunchError(
-                        f"{text!r}: $(eval ...) has to be the whole value; write all of it inside"
-                    )
+                    raise LaunchError(f"{text!r}: $(eval ...) has to be the whole value")
                 raise LaunchError(f"{text!r}: there is a second '(' inside of $(...)")
             if character == ")":
                 if index > start:
