@@ -7,6 +7,7 @@ import sys
 
 import click
 
+from rostether.cli.graph_access import special_arguments
 from rostether.cli.output import warn
 from rostether.cli.role_node import NODE_SETTINGS, node_arguments, role_node
 from rostether.cli.running import run
@@ -15,9 +16,11 @@ from rostether.names.remap import Arguments
 
 _arguments = click.argument("words", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE...]")
 
+GUI_NAME = "joint_state_publisher_gui"
+
 NO_TERMINAL = (
-    "no terminal to show sliders in: publishing zeros and what source_list brings; in a terminal of its "
-    "own, `rostether run joint_state_publisher_gui joint_state_publisher_gui` shows them"
+    "no terminal to show sliders in: publishing zeros and what source_list brings; type in one of its own: "
+    "rostether run joint_state_publisher_gui joint_state_publisher_gui __name:={}"
 )
 
 
@@ -49,11 +52,8 @@ def joint_state_publisher_gui(words: tuple[str, ...]) -> None:
     # Windows has consoles, but no termios to read single keys with.
     has_terminal = sys.platform != "win32" and sys.stdin.isatty() and sys.stdout.isatty()
     if not has_terminal:
-        warn(NO_TERMINAL)
-    run(
-        _publish(node_arguments(words), "joint_state_publisher_gui", has_sliders=has_terminal),
-        is_service=True,
-    )
+        warn(NO_TERMINAL.format(special_arguments().get("__name", GUI_NAME)))
+    run(_publish(node_arguments(words), GUI_NAME, has_sliders=has_terminal), is_service=True)
 
 
 async def _publish(arguments: Arguments, node_name: str, *, has_sliders: bool) -> None:
