@@ -80,7 +80,7 @@ _NO_CHILDREN: frozenset[str] = frozenset()
 
 
 class DocumentReader:
-    """Reads one document in `steps` of a few ms, so that nothing waits for a large one, then says what it was.
+    """Reads one document in `steps` of a few ms, so that nothing waits for it, then says what it was.
 
     `params` are the call's arguments, or the one value of a response or fault. A value is complete at its end
     tag and goes into the innermost container: `params` at the bottom, then one list or dict for each array or
