@@ -17,6 +17,7 @@ import pytest_asyncio
 from interop.ros1_peers import free_port
 from reference.terminal import Terminals
 from rostether import Device
+from rostether.cli.shims import SHIMS
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "mearm"
 
@@ -93,7 +94,15 @@ MEARM = (
 )
 # The fifth document, a report on a sensing platform, prints no command.
 
+TYPED = (*GETTING_STARTED, *BY_EXAMPLE, *EMBEDDED, *MEARM)
+
 pytestmark = pytest.mark.timeout(240)
+
+
+def test_what_is_ours_is_typed_and_the_rest_is_the_shells() -> None:
+    ours = {command.split()[0] for command in TYPED} & set(SHIMS)
+    assert {command.split()[0] for command in TYPED} - ours == {"cd", "mkdir", "rm", "ls", "echo", "source"}
+    assert not {command.split()[0] for command in NOT_OURS} & set(SHIMS)
 
 
 @pytest_asyncio.fixture
