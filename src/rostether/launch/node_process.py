@@ -130,7 +130,11 @@ class NodeProcess:
             self._report(Level.WARN, f"[{self.name}] did not end within {limit_s:g} s of {number.name}")
         if process.returncode is None:
             _signal_group(process.pid, _SIGKILL)
-            await process.wait()
+            try:
+                await asyncio.wait_for(process.wait(), _KILL_LIMIT_S)
+            except TimeoutError:
+                # As with launch-prefix="sudo": what is not ours cannot be ended by us.
+                self._report(Level.ERROR, f"[{self.name}] cannot be ended; do it: kill -9 {process.pid}")
         await self._end_group()
 
     async def _end_group(self) -> None:
