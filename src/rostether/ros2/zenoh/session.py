@@ -6,7 +6,7 @@ import asyncio
 import itertools
 import logging
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import zenoh
@@ -60,6 +60,7 @@ class ZenohSession:
         self.graph = GraphCache()
         self.session_id = str(session.zid())
         self.is_router = False
+        self._named: Sequence[str] = ()
         self._ids = itertools.count()
         self._nodes: set[ZenohGraph] = set()
         self._is_closed = False
@@ -87,7 +88,9 @@ class ZenohSession:
                 opened = cls(session, environment, types)
                 opened.is_router = True
                 return await opened._start()
-        return await cls(await _open(peer_configuration(environment, reach)), environment, types)._start()
+        opened = cls(await _open(peer_configuration(environment, reach)), environment, types)
+        opened._named = reach.connect
+        return await opened._start()
 
     async def join(
         self,
@@ -177,6 +180,12 @@ class ZenohSession:
         # Zenoh announces no connections; looking is cheap.
         while not (info.routers_zid() or info.peers_zid()) and time.monotonic() < deadline_s:  # noqa: ASYNC110
             await asyncio.sleep(LINK_POLL_S)
+        if self._named and not (info.routers_zid() or info.peers_zid()):
+            _log.warning(
+                "no zenoh router answers at %s yet; it is tried until it does: is it running, and can it be "
+                "reached from here?",
+                " or ".join(self._named),
+            )
 
     def _take_token(self, sample: zenoh.Sample) -> None:
         stay_known()

@@ -140,6 +140,17 @@ async def test_initial_parameters_are_the_nodes() -> None:
     await session.close()
 
 
+async def test_a_named_router_that_does_not_answer_is_told(caplog: pytest.LogCaptureFixture) -> None:
+    endpoint = f"tcp/127.0.0.1:{free_port()}"
+    # Not the usual place too, where a router of this machine may run.
+    overrides = (("listen/endpoints", "[]"), ("connect/endpoints", f'["{endpoint}"]'))
+    environment = Ros2Environment(zenoh_overrides=overrides)
+    reach = Reach(RouterChoice.NEVER, connect=(endpoint,))
+    session = await ZenohSession.open(environment, ros2_types(), reach=reach)
+    assert f"no zenoh router answers at {endpoint} yet" in caplog.text
+    await session.close()
+
+
 async def _client(port: int) -> ZenohSession:
     overrides = (("mode", '"client"'), ("connect/endpoints", f'["tcp/127.0.0.1:{port}"]'))
     environment = Ros2Environment(
