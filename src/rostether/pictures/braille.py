@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 
 from rostether.pictures.axis import Axis
@@ -24,10 +25,9 @@ def braille(
         for points in pieces(curve.points):
             placed = [_dot(point, columns, rows, across, up) for point in points]
             for start, end in zip(placed, placed[1:] or placed, strict=False):
-                for x, y in _dots_between(start, end):
-                    if 0 <= x < 2 * columns and 0 <= y < 4 * rows:
-                        dots[y // 4][x // 2] |= _BITS[y % 4][x % 2]
-                        owners[y // 4][x // 2] = number
+                for x, y in _dots_between(start, end, (2 * columns, 4 * rows)):
+                    dots[y // 4][x // 2] |= _BITS[y % 4][x % 2]
+                    owners[y // 4][x // 2] = number
     return [
         [(chr(_BLANK + dot) if dot else " ", owner) for dot, owner in zip(row, row_owners, strict=True)]
         for row, row_owners in zip(dots, owners, strict=True)
@@ -40,10 +40,20 @@ def _dot(point: Point, columns: int, rows: int, across: Axis, up: Axis) -> tuple
     return round(min(max(x, -_FAR), _FAR)), round(min(max(y, -_FAR), _FAR))
 
 
-def _dots_between(start: tuple[int, int], end: tuple[int, int]) -> Iterator[tuple[int, int]]:
+def _dots_between(
+    start: tuple[int, int], end: tuple[int, int], size: tuple[int, int]
+) -> Iterator[tuple[int, int]]:
+    """Yield the dots of a line that lie within a field of that size."""
     count = max(abs(end[0] - start[0]), abs(end[1] - start[1]), 1)
-    for step in range(count + 1):
-        yield (
-            round(start[0] + (end[0] - start[0]) * step / count),
-            round(start[1] + (end[1] - start[1]) * step / count),
-        )
+    first, last = 0.0, float(count)
+    for begin, finish, limit in zip(start, end, size, strict=True):
+        way = finish - begin
+        if way:
+            # Half a dot outside is still rounded into the field.
+            bounds = ((-0.5 - begin) * count / way, (limit - 0.5 - begin) * count / way)
+            first, last = max(first, min(bounds)), min(last, max(bounds))
+    for step in range(math.floor(first), math.ceil(last) + 1):
+        x = round(start[0] + (end[0] - start[0]) * step / count)
+        y = round(start[1] + (end[1] - start[1]) * step / count)
+        if 0 <= x < size[0] and 0 <= y < size[1]:
+            yield x, y

@@ -7,6 +7,7 @@ neighbours, and heights are the nearest to those middles that leave room for all
 
 from __future__ import annotations
 
+from bisect import bisect_right, insort
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -131,20 +132,22 @@ class _Columns:
         for sweep in range(_ORDERING_SWEEPS):
             is_forward = sweep % 2 == 0
             neighbours = self._before if is_forward else self._behind
+            places = self._places()
             for row in self._rows if is_forward else reversed(self._rows):
-                self._sort(row, neighbours)
+                self._sort(row, neighbours, places)
             crossings = self._crossings()
             if crossings < fewest:
                 best, fewest = [list(row) for row in self._rows], crossings
         self._rows = best
 
-    def _sort(self, row: list[str], neighbours: Mapping[str, list[str]]) -> None:
-        places = self._places()
+    @staticmethod
+    def _sort(row: list[str], neighbours: Mapping[str, list[str]], places: dict[str, int]) -> None:
         middles = {}
         for place, key in enumerate(row):
             near = [places[each] for each in neighbours[key]]
             middles[key] = sum(near) / len(near) if near else float(place)
         row.sort(key=lambda key: middles[key])
+        places.update((key, place) for place, key in enumerate(row))
 
     def _places(self) -> dict[str, int]:
         return {key: place for row in self._rows for place, key in enumerate(row)}
@@ -152,11 +155,12 @@ class _Columns:
     def _crossings(self) -> int:
         places, count = self._places(), 0
         for row in self._rows:
-            targets: list[int] = []
+            targets: list[int] = []  # of those above, ascending
             for key in row:
-                ends = sorted(places[each] for each in self._behind[key])
-                count += sum(earlier > end for end in ends for earlier in targets)
-                targets += ends
+                ends = [places[each] for each in self._behind[key]]
+                count += sum(len(targets) - bisect_right(targets, end) for end in ends)
+                for end in ends:
+                    insort(targets, end)
         return count
 
     def across(self, gap: float) -> dict[str, float]:

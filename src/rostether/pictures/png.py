@@ -22,10 +22,12 @@ _LEAST_STROKE = 1.1  # pixels: thinner letters turn grey
 
 
 def png(scene: Scene, scale: int = _SCALE) -> bytes:
-    """Return the picture as a PNG file, `scale` pixels for each of the scene's.
+    """Return the picture as a PNG file, `scale` pixels for each of the scene's, one where it is large.
 
-    Raises ConfigError for a picture that would be too large.
+    Raises ConfigError for a picture that would be too large even so.
     """
+    if scene.width * scene.height * scale * scale > MAX_PIXELS:
+        scale = 1
     canvas = _Canvas(scene.width * scale, scene.height * scale, scene.background)
     for item in scene.items:
         if isinstance(item, Line):

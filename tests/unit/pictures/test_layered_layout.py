@@ -83,3 +83,15 @@ def test_too_many_vertices_are_refused() -> None:
 
 def test_an_empty_graph() -> None:
     assert lay_out({}, []) == Layout(0.0, 0.0, {}, {})
+
+
+@pytest.mark.timeout(30)
+def test_a_large_system_is_laid_out() -> None:
+    """A fleet: robots with ten nodes each, chained by topics, and one node that listens to all."""
+    edges = []
+    for robot in range(30):
+        for node in range(10):
+            topic = f"/r{robot}/t{node}"
+            edges += [(f"/r{robot}/n{node}", topic), (topic, f"/r{robot}/n{node + 1}"), (topic, "/watch")]
+    layout = laid_out(edges)
+    assert len(layout.places) == 30 * 21 + 1

@@ -136,3 +136,8 @@ def test_unknown_characters_are_boxes() -> None:
 def test_too_large_a_picture_is_refused() -> None:
     with pytest.raises(ConfigError, match="too large"):
         png(Scene(20_000, 20_000))
+
+
+def test_a_large_picture_is_drawn_smaller() -> None:
+    pixels = drawn(Scene(4_000, 3_000), 2)
+    assert (pixels.width, pixels.height) == (4_000, 3_000)
