@@ -50,7 +50,7 @@ def steps(page: Path) -> list[Step]:
 def programs(page: Path) -> dict[str, str]:
     """Return the programs, sketches and settings that the page tells to save, by file name."""
     titled = (
-        (re.search(r'title="([\w.]+\.(?:py|ino|yaml|json5|sh))"', match["info"]), match)
+        (re.search(r'title="([\w.]+\.(?:py|ino|urdf|launch|yaml|json5|sh))"', match["info"]), match)
         for match in _FENCE.finditer(page.read_text())
     )
     return {title[1]: match["body"] for title, match in titled if title is not None}
