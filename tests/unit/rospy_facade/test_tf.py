@@ -1,0 +1,59 @@
+"""tf and message_filters without ROS; tests/interop compares their every line with Debian's."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+import pytest
+import pytest_asyncio
+
+from rostether.ros1.master.server import MasterServer
+from rostether.rospy_facade import tf_rotations
+from unit.rospy_facade.programs import printed
+
+SCRIPTS = Path(__file__).parents[2] / "interop" / "rospy_scripts"
+
+
+@pytest_asyncio.fixture
+async def master() -> AsyncIterator[str]:
+    """Run our master."""
+    server = await MasterServer.start(port=0)
+    yield server.uri
+    await server.close()
+
+
+async def test_frames(master: str) -> None:
+    lines = await printed(SCRIPTS / "frames.py", master_uri=master)
+    assert "10500000000 world arm" in lines
+    assert any(line.startswith("future raises ExtrapolationException Lookup would require") for line in lines)
+    assert any(line.startswith("apart raises ConnectivityException") for line in lines)
+    assert "['dock', 'odom', 'wheel'] True" in lines
+
+
+async def test_messages_of_several_topics_together(master: str) -> None:
+    lines = await printed(SCRIPTS / "filters.py", master_uri=master)
+    assert "exact [('a', 1000000000), ('d', 1000000000)]" in lines
+    assert "near [('a', 1000000000), ('b', 1050000000), ('e', 1040000000)]" in lines
+
+
+@pytest.mark.parametrize("axes", ["sxyz", "rzyx", "sxyx", "rzxz", "syxz"])
+def test_euler_angles_there_and_back(axes: str) -> None:
+    angles = (0.3, 0.9, -1.2)
+    found = tf_rotations.euler_from_quaternion(tf_rotations.quaternion_from_euler(*angles, axes), axes)
+    assert found == pytest.approx(angles)
+
+
+@pytest.mark.parametrize("axes", ["xyz", "sxxz", "qxyz", "sxyw"])
+def test_axes_that_are_none(axes: str) -> None:
+    with pytest.raises(ValueError, match="are no axes"):
+        tf_rotations.quaternion_from_euler(1, 2, 3, axes)
+
+
+def test_a_matrix_and_its_inverse() -> None:
+    matrix = tf_rotations.concatenate_matrices(
+        tf_rotations.translation_matrix((1, 2, 3)), tf_rotations.rotation_matrix(0.5, (1, 1, 0))
+    )
+    product = tf_rotations.concatenate_matrices(matrix, tf_rotations.inverse_matrix(matrix))
+    for row, wanted in zip(product, tf_rotations.identity_matrix(), strict=True):
+        assert list(row) == pytest.approx(list(wanted))
