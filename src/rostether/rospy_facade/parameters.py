@@ -86,7 +86,8 @@ _RESOLVED = frozenset(
 class MasterProxy:
     """The master's API as methods that return `[code, text, value]`, and parameters as a mapping."""
 
-    def __init__(self, uri: str) -> None:
+    def __init__(self, uri: str, caller_id: str | None = None) -> None:
+        self._caller_id = caller_id
         self._client = XmlRpcClient(uri, peer="the ROS master", unreachable=MasterUnreachableError)
 
     def __getattr__(self, method: str) -> Any:
@@ -96,7 +97,9 @@ class MasterProxy:
         def call(*args: Any) -> list[Any]:
             if method in _RESOLVED and args:
                 args = (names.resolve(args[0]), *args[1:])
-            return list(node.call(self._client.call_status(method, names.caller_id, *args)))
+            return list(
+                node.call(self._client.call_status(method, self._caller_id or names.caller_id, *args))
+            )
 
         return call
 
