@@ -65,13 +65,15 @@ async def publish_joint_states(
         listening = [tasks.create_task(_listen(graph, str(source), states, on_source)) for source in sources]
         loop = asyncio.get_running_loop()
         due_s = loop.time()
+        sequence = 0  # counted as rospy's publishers do, from 1 on
         try:
             while not left.done():
                 states.step()
                 values = states.values()
                 if values.name:
+                    sequence = (sequence + 1) & 0xFFFFFFFF
                     publisher.publish(
-                        header={"stamp": graph.now()},
+                        header={"seq": sequence, "stamp": graph.now()},
                         name=values.name,
                         position=values.position,
                         velocity=values.velocity,

@@ -37,6 +37,7 @@ async def test_sources_and_parameters_are_heard() -> None:
     assert before.name == ["j0", "j1", "j2"]
     assert before.position == [0.25, 0.0, 0.5]
     assert before.header.stamp.secs > 0
+    assert 0 < before.header.seq < after.header.seq
     assert after.position == [0.25, 0.75, 0.5]
     assert heard == [None]
 
