@@ -70,7 +70,11 @@ class BagWriter:
         self._file = OutputFile(path)
         # Connections whose record stands in a chunk that is in the file.
         self._known: set[int] = set()
-        self._begin_chunk()
+        self._parts: list[bytes] = []
+        self._chunk_bytes = 0
+        self._index: dict[int, array[int]] = {}
+        self._start_ns: int | None = None
+        self._end_ns = 0
         try:
             self._file.append(MAGIC + bag_header(0, 0, 0))
         except RecordingError:
@@ -175,10 +179,10 @@ class BagWriter:
             self._file.close()
 
     def _begin_chunk(self) -> None:
-        self._parts: list[bytes] = []
+        self._parts = []
         self._chunk_bytes = 0
-        self._index: dict[int, array[int]] = {}
-        self._start_ns: int | None = None
+        self._index = {}
+        self._start_ns = None
         self._end_ns = 0
 
     def _write_index(self) -> None:

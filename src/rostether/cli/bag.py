@@ -1,0 +1,35 @@
+"""`rostether bag`: topics recorded, played, shown, checked and mended."""
+
+from __future__ import annotations
+
+import click
+
+from rostether.cli.verbs import LazyGroup, VerbEntry
+
+_VERBS = {
+    "record": VerbEntry("rostether.cli.bag_record:bag_record", "Record topics into a file."),
+    "play": VerbEntry("rostether.cli.bag_play:bag_play", "Play recordings into the graph."),
+    "info": VerbEntry("rostether.cli.bag_info:bag_info", "Show what a recording holds."),
+    "check": VerbEntry("rostether.cli.bag_check:bag_check", "Read a recording whole and say what is wrong."),
+    "filter": VerbEntry(
+        "rostether.cli.bag_filter:bag_filter", "Keep the messages an expression is true for."
+    ),
+    "convert": VerbEntry("rostether.cli.bag_convert:bag_convert", "Make MCAP of a bag, or a bag of MCAP."),
+    "reindex": VerbEntry("rostether.cli.bag_reindex:bag_reindex", "Mend recordings that were not closed."),
+}
+
+
+@click.group(
+    cls=LazyGroup,
+    verbs=_VERBS,
+    examples="""
+    rostether bag record --all -O drive.bag
+    rostether bag info drive.bag
+    rostether bag play drive.bag --rate 2
+    """,
+)
+def bag() -> None:
+    """Record topics and play them again: ROS 1 .bag files, as rosbag has them, and MCAP.
+
+    Files end with .bag or .mcap; LZ4 and MCAP come with `pip install 'rostether[recording]'`.
+    """

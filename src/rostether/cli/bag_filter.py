@@ -1,0 +1,71 @@
+"""`rostether bag filter`: the messages of a recording that an expression is true for."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from rostether.cli.output import write_line
+from rostether.cli.verbs import Verb
+from rostether.rostime import Time
+
+if TYPE_CHECKING:
+    from rostether.recording.recorded import RecordedMessage
+
+_NAMES = frozenset(("topic", "m", "t"))
+_MESSAGE = re.compile(r"\bm\b")
+
+
+@click.command(
+    "filter",
+    cls=Verb,
+    examples="""
+    rostether bag filter drive.bag arm.bag "topic.startswith('/arm/')"
+    rostether bag filter drive.bag near.bag "topic == '/ultrasound' and m.range < 0.5"
+    rostether bag filter drive.bag start.bag "t.to_s() < 1700000060"
+    """,
+)
+@click.argument("source", type=click.Path(path_type=Path, dir_okay=False))
+@click.argument("target", type=click.Path(path_type=Path, dir_okay=False))
+@click.argument("expression")
+def bag_filter(source: Path, target: Path, expression: str) -> None:
+    """Write the messages of SOURCE for which EXPRESSION is true to TARGET, with their times.
+
+    It is Python over `topic`, the message `m` with its fields, and the time `t` with `secs` and `nsecs`.
+    Messages are decoded only where it names `m`.
+    """
+    from rostether.expression import compile_expression
+    from rostether.recording.decoding import Decoder
+    from rostether.recording.files import create_recording, open_recording
+    from rostether.recording.reindexing import refuse_same
+
+    refuse_same(source, target)
+    test = compile_expression(expression, _NAMES, source="EXPRESSION")
+    needs_message = _MESSAGE.search(expression) is not None
+    decoder = Decoder()
+
+    def is_wanted(message: RecordedMessage) -> bool:
+        value = decoder.decode(message) if needs_message else None
+        scope = {"topic": message.connection.topic, "t": Time.from_ns(message.time_ns), "m": value}
+        return bool(test(scope))
+
+    reader = open_recording(source)
+    try:
+        writer = create_recording(target)
+        try:
+            total = 0
+            for message in reader.messages():
+                total += 1
+                if is_wanted(message):
+                    number = writer.add_connection(message.connection)
+                    writer.write(number, message.time_ns, (message.payload,))
+            writer.close()
+        except BaseException:
+            target.unlink(missing_ok=True)
+            raise
+    finally:
+        reader.close()
+    write_line(f"{target}: {writer.message_count} of {total} messages")

@@ -1,0 +1,259 @@
+"""`rostether bag record`: topics into a file, until Ctrl-C or a limit."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+import sys
+from datetime import datetime
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from rostether.cli.bag_figures import size_text
+from rostether.cli.completions import complete_topics
+from rostether.cli.graph_access import joined, read_environment, resolve
+from rostether.cli.options import master_option, tool_allow_option
+from rostether.cli.output import write_line
+from rostether.cli.running import run
+from rostether.cli.verbs import Verb
+from rostether.errors import ConfigError
+
+if TYPE_CHECKING:
+    from rostether.recording.recorder import Recorder, RecordLimits, TopicChoice
+    from rostether.ros1.environment import RosEnvironment
+
+PROGRESS_PERIOD_S = 1.0
+MEGABYTE = 1024 * 1024
+KILOBYTE = 1024
+_UNITS_S = {"": 1, "s": 1, "m": 60, "h": 3600}
+
+
+class _Duration(click.ParamType[float]):
+    """A duration such as 30, 30s, 5m or 2h."""
+
+    name = "duration"
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        if isinstance(value, float):
+            return value
+        match = re.fullmatch(r"(\d+(?:\.\d+)?)([smh]?)", str(value))
+        if match is None or not float(match[1]):
+            self.fail(f"{value!r} is no duration; write 30, 30s, 5m or 2h", param, ctx)
+        return float(match[1]) * _UNITS_S[match[2]]
+
+
+@click.command(
+    "record",
+    cls=Verb,
+    examples="""
+    rostether bag record --all
+    rostether bag record -O drive.bag /ultrasound /imu_data
+    rostether bag record --all -O drive.mcap
+    rostether bag record -e "/arm/.*" --split --size 500 --max-splits 4
+    rostether bag record --all --exclude "/camera.*" --lz4 --duration 5m
+    """,
+)
+@click.argument("topics", nargs=-1, metavar="[TOPIC]...", shell_complete=complete_topics)
+@click.option("-a", "--all", "is_all", is_flag=True, help="Record all topics, also those that come later.")
+@click.option("-e", "--regex", "is_regex", is_flag=True, help="TOPICs are regular expressions.")
+@click.option("-x", "--exclude", metavar="REGEX", help="Leave out the topics that match.")
+@click.option("--node", metavar="NODE", help="Record all topics that a node subscribes to.")
+@click.option("-O", "--output-name", metavar="FILE", help="Write to this file, .bag or .mcap.")
+@click.option("-o", "--output-prefix", metavar="PREFIX", help="Begin the file's name so, before the date.")
+@click.option("--split", is_flag=True, help="Begin a new file at the size or duration, and go on.")
+@click.option(
+    "--max-splits", type=click.IntRange(min=1), metavar="COUNT", help="Keep the newest COUNT files."
+)
+@click.option(
+    "--size", "size_mb", type=click.FloatRange(min=0.001), metavar="MB", help="How large a file may get."
+)
+@click.option("--duration", "duration_s", type=_Duration(), metavar="TIME", help="How long: 30, 30s, 5m, 2h.")
+@click.option("-l", "--limit", type=click.IntRange(min=1), metavar="COUNT", help="Only COUNT of each topic.")
+@click.option("-j", "--bz2", is_flag=True, help="Compress small, and slow: some MB a second.")
+@click.option("--lz4", is_flag=True, help="Compress fast.")
+@click.option(
+    "--chunksize",
+    "chunk_kb",
+    type=click.IntRange(min=1),
+    default=768,
+    metavar="KB",
+    help="Chunks of KB (768).",
+)
+@click.option("--repeat-latched", is_flag=True, help="Begin each file with the latched messages.")
+@click.option("-b", "--buffsize", metavar="MB", hidden=True, help="For habit: messages go on at once.")
+@click.option("--tcpnodelay", is_flag=True, hidden=True, help="For habit: it is always so.")
+@click.option("--udp", is_flag=True, hidden=True, help="For habit: TCP loses nothing.")
+@click.option("-q", "--quiet", is_flag=True, help="Say nothing but what goes wrong.")
+@master_option
+@tool_allow_option
+def bag_record(
+    topics: tuple[str, ...],
+    is_all: bool,
+    is_regex: bool,
+    exclude: str | None,
+    node: str | None,
+    output_name: str | None,
+    output_prefix: str | None,
+    split: bool,
+    max_splits: int | None,
+    size_mb: float | None,
+    duration_s: float | None,
+    limit: int | None,
+    bz2: bool,
+    lz4: bool,
+    chunk_kb: int,
+    repeat_latched: bool,
+    buffsize: str | None,
+    tcpnodelay: bool,
+    udp: bool,
+    quiet: bool,
+    master: str | None,
+) -> None:
+    """Record topics, as raw bytes, until Ctrl-C, a limit, or a full disk.
+
+    What came more than half a second ago is in the file even when the command is killed; the file is called
+    NAME.active until it is closed, and `rostether bag reindex` mends what a kill left.
+    """
+    from rostether.recording.recorder import RecordLimits, TopicChoice
+
+    if not topics and not is_all and node is None:
+        raise click.UsageError("name topics to record, or say --all")
+    if split and size_mb is None and duration_s is None:
+        raise click.UsageError("--split needs to know when: add --size or --duration")
+    if bz2 and lz4:
+        raise click.UsageError("a file is compressed by --bz2 or by --lz4, not by both")
+    environment = read_environment(master)
+    choice = TopicChoice(
+        names=() if is_regex else tuple(dict.fromkeys(resolve(each, environment) for each in topics)),
+        patterns=tuple(_pattern(each) for each in topics) if is_regex else (),
+        exclude=None if exclude is None else _pattern(exclude),
+        is_all=is_all,
+        node="" if node is None else resolve(node, environment),
+    )
+    limits = RecordLimits(
+        size_bytes=None if size_mb is None else round(size_mb * MEGABYTE),
+        duration_s=duration_s,
+        is_splitting=split,
+        max_splits=max_splits,
+        messages_per_topic=limit,
+    )
+    names = _Names(output_name, output_prefix, is_splitting=split)
+    compression = "bz2" if bz2 else "lz4" if lz4 else "none"
+    run(
+        _record(
+            environment, choice, limits, names, (compression, chunk_kb * KILOBYTE), repeat_latched, quiet
+        ),
+        is_service=True,
+    )
+
+
+class _Names:
+    """The files' names, as rosbag makes them."""
+
+    def __init__(self, name: str | None, prefix: str | None, *, is_splitting: bool) -> None:
+        if name is None:
+            date = datetime.now().astimezone().strftime("%Y-%m-%d-%H-%M-%S")
+            name = date if not prefix else f"{prefix.removesuffix('.bag')}_{date}"
+        path = Path(name)
+        self.suffix = path.suffix if path.suffix in (".bag", ".mcap") else ".bag"
+        self._stem = path.name.removesuffix(self.suffix)
+        self._folder = path.parent
+        self._is_splitting = is_splitting
+
+    def __call__(self, number: int) -> Path:
+        stem = f"{self._stem}_{number}" if self._is_splitting else self._stem
+        return self._folder / f"{stem}{self.suffix}"
+
+
+async def _record(
+    environment: RosEnvironment,
+    choice: TopicChoice,
+    limits: RecordLimits,
+    names: _Names,
+    packing: tuple[str, int],
+    repeat_latched: bool,
+    quiet: bool,
+) -> None:
+    from rostether.recording.files import create_recording
+    from rostether.recording.recorder import Recorder
+
+    def tell(text: str) -> None:
+        if not quiet:
+            line.clear()
+            write_line(text)
+
+    line = _ProgressLine(is_shown=not quiet and sys.stderr.isatty())
+    async with joined(environment, purpose="record") as graph:
+        recorder = Recorder(
+            graph.raw,
+            choice,
+            limits,
+            create=lambda path: create_recording(path, compression=packing[0], chunk_bytes=packing[1]),
+            name=names,
+            tell=tell,
+            repeat_latched=repeat_latched,
+        )
+        showing = asyncio.create_task(line.keep(recorder))
+        try:
+            await _until_ended(graph.raw.wait_closed(), recorder)
+        finally:
+            showing.cancel()
+            line.clear()
+            told = f"{recorder.progress.message_count} messages, {size_text(recorder.size_bytes)}"
+            tell(f"{told} in {', '.join(str(each) for each in recorder.progress.files if each.exists())}")
+
+
+async def _until_ended(leaving: object, recorder: Recorder) -> None:
+    """Record; being asked to end, by a signal or by `rosnode kill`, is how recordings end well."""
+    recording = asyncio.create_task(recorder.run())
+    left = asyncio.ensure_future(leaving)  # type: ignore[call-overload]
+    try:
+        await asyncio.wait({recording, left}, return_when=asyncio.FIRST_COMPLETED)
+    except asyncio.CancelledError:
+        pass
+    finally:
+        left.cancel()
+        if not recording.done():
+            recording.cancel()
+        await asyncio.wait({recording})
+    if not recording.cancelled():
+        recording.result()
+
+
+class _ProgressLine:
+    """The line that tells rates and sizes, on a terminal."""
+
+    def __init__(self, *, is_shown: bool) -> None:
+        self._is_shown = is_shown
+
+    async def keep(self, recorder: Recorder) -> None:
+        """Write it every second."""
+        loop = asyncio.get_running_loop()
+        began_s = before_s = loop.time()
+        before = (0, 0)
+        while self._is_shown:
+            await asyncio.sleep(PROGRESS_PERIOD_S)
+            now_s = loop.time()
+            now = (recorder.progress.message_count, recorder.size_bytes)
+            rate, speed = ((new - old) / (now_s - before_s) for new, old in zip(now, before, strict=True))
+            sys.stderr.write(
+                f"\r\033[K[{now_s - began_s:.0f} s]  {now[0]} messages, {rate:.0f}/s   "
+                f"{size_text(now[1])}, {size_text(max(speed, 0))}/s   {recorder.topic_count} topics"
+            )
+            sys.stderr.flush()
+            before, before_s = now, now_s
+
+    def clear(self) -> None:
+        """Take the line away before another is written."""
+        if self._is_shown:
+            sys.stderr.write("\r\033[K")
+            sys.stderr.flush()
+
+
+def _pattern(text: str) -> re.Pattern[str]:
+    try:
+        return re.compile(text)
+    except re.error as error:
+        raise ConfigError(f"{text!r} is no regular expression: {error}") from None

@@ -1,0 +1,73 @@
+"""Reads a recording whole and says what is wrong with it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from rostether.errors import RecordingError, RostetherError, UnknownTypeError
+from rostether.msgdef.registry import Registry
+from rostether.recording.decoding import Decoder
+from rostether.recording.files import open_recording
+from rostether.recording.recorded import Connection
+from rostether.serde.layout import Layout
+
+
+@dataclass(frozen=True, slots=True)
+class Checked:
+    """How many messages could be read, and what is wrong, one line each."""
+
+    message_count: int
+    faults: tuple[str, ...]
+
+
+def check(path: Path, registry: Registry) -> Checked:
+    """Read a recording; `registry` has the types known here. Raises RecordingError when it is none."""
+    reader = open_recording(path)
+    faults: list[str] = [reader.damage + "; `rostether bag reindex` mends it"] if reader.damage else []
+    layouts: dict[Connection, Layout] = {}
+    decoder = Decoder()
+    unfit: dict[str, tuple[int, str]] = {}
+    count = 0
+    try:
+        for connection in reader.counts:
+            try:
+                layouts[connection] = decoder.codec(connection).layout
+            except RostetherError as error:
+                faults.append(
+                    f"{connection.topic}: its definition of {connection.type.name} is broken: {error}"
+                )
+                continue
+            faults.extend(_differences(connection, registry))
+        try:
+            for message in reader.messages():
+                count += 1
+                layout = layouts.get(message.connection)
+                if layout is not None and not layout.accepts(message.payload):
+                    topic = message.connection.topic
+                    before, why = unfit.get(topic, (0, ""))
+                    unfit[topic] = (before + 1, why or layout.explain(message.payload))
+        except RecordingError as error:
+            faults.append(str(error))
+        expected = sum(reader.counts.values())
+        if count != expected:
+            faults.append(f"its index tells of {expected} messages, but {count} are there")
+    finally:
+        reader.close()
+    faults += [
+        f"{topic}: {many} messages do not fit their type: {why}" for topic, (many, why) in unfit.items()
+    ]
+    return Checked(count, tuple(dict.fromkeys(faults)))
+
+
+def _differences(connection: Connection, registry: Registry) -> list[str]:
+    name, md5sum = connection.type.name, connection.type.md5sum
+    try:
+        known = registry.message_type(name).md5sum
+    except UnknownTypeError:
+        return []  # recordings bring their definitions along
+    except RostetherError as error:
+        return [f"{name} is broken here: {error}"]
+    if known == md5sum:
+        return []
+    return [f"{name} was recorded with md5sum {md5sum}, here it is {known}: nodes of today do not take it"]

@@ -1,0 +1,219 @@
+"""Plays recordings into a graph at the times they were made, faster or slower, with pauses and steps.
+
+Recorded time goes on with the wall clock times the rate, but not while paused. Messages that are due leave
+together, a batch for each topic.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import heapq
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from rostether.errors import RecordingError
+from rostether.graph.ports import Graph, Publisher
+from rostether.msgdef.interface import MessageType
+from rostether.recording.recorded import Connection, RecordedMessage, RecordingReader
+from rostether.rostime import NS_PER_S, Time
+
+CLOCK_TYPE = MessageType("rosgraph_msgs/Clock", "a9c97c1d230cfc112e270351a944ee47", "time clock\n")
+
+DRAIN_S = 0.5
+"""How long a subscriber that is behind holds the others up; then it loses its oldest messages."""
+
+BATCH_MESSAGES = 500
+"""Messages that leave before others get a turn: about 2 ms of reading."""
+
+LONGEST_SLEEP_S = 0.05
+"""How late a key is heeded at most."""
+
+
+@dataclass(frozen=True, slots=True)
+class PlaySettings:
+    """How to play; times in seconds of the recording, None for its own start and end."""
+
+    rate: float = 1.0
+    start_s: float = 0.0
+    duration_s: float | None = None
+    is_immediate: bool = False
+    is_looping: bool = False
+    starts_paused: bool = False
+    skip_empty_s: float | None = None
+    delay_s: float = 0.2
+    clock_hz: float | None = None
+    queue_bytes: int | None = None
+    waits_for_subscribers: bool = False
+    pause_topics: frozenset[str] = frozenset()
+    topics: frozenset[str] = frozenset()
+    prefix: str = ""
+    remappings: Mapping[str, str] = field(default_factory=dict)
+
+    def topic_of(self, connection: Connection) -> str:
+        """Return under which name a recorded topic is played."""
+        name = self.remappings.get(connection.topic, connection.topic)
+        return f"{self.prefix.rstrip('/')}/{name.lstrip('/')}" if self.prefix else name
+
+
+class Player:
+    """One playback; its keys may be called while `play` runs."""
+
+    def __init__(self, graph: Graph, readers: Sequence[RecordingReader], settings: PlaySettings) -> None:
+        self.played_count = 0
+        self.is_paused = settings.starts_paused
+        self._graph = graph
+        self._readers = readers
+        self._settings = settings
+        self._publishers: dict[str, Publisher] = {}
+        self._clock: Publisher | None = None
+        self._steps = 0
+        # What the wall clock showed when the recording was at `_origin_ns`.
+        self._origin_s = 0.0
+        self._origin_ns = 0
+        self._next_clock_s = 0.0
+        self.time_ns = 0
+        spans = [span for reader in readers if (span := reader.span_ns) is not None]
+        if not spans:
+            raise RecordingError("the recording holds no message")
+        self.start_ns = min(start for start, _ in spans) + round(settings.start_s * NS_PER_S)
+        self.end_ns = max(end for _, end in spans)
+        if settings.duration_s is not None:
+            self.end_ns = min(self.end_ns, self.start_ns + round(settings.duration_s * NS_PER_S))
+
+    def toggle_pause(self) -> None:
+        """Pause, or go on where it stopped."""
+        self._set_paused(not self.is_paused)
+
+    def step(self) -> None:
+        """While paused, play one message."""
+        if self.is_paused:
+            self._steps += 1
+
+    async def play(self, on_started: Callable[[], None] | None = None) -> None:
+        """Advertise and play to the end. Raises RecordingError, GraphError."""
+        await self._advertise()
+        if on_started is not None:
+            on_started()
+        while True:
+            await self._play_once()
+            if not self._settings.is_looping:
+                break
+        for publisher in self._publishers.values():
+            await publisher.drained(DRAIN_S)
+
+    async def keep_clock(self) -> None:
+        """Go on publishing the clock for ever."""
+        while True:
+            self._tick_clock()
+            await asyncio.sleep(LONGEST_SLEEP_S)
+
+    async def _advertise(self) -> None:
+        kinds: dict[str, tuple[MessageType, bool]] = {}
+        for reader in self._readers:
+            for connection in reader.counts:
+                if self._wants(connection):
+                    topic = self._settings.topic_of(connection)
+                    is_latching = kinds.get(topic, (None, False))[1] or connection.is_latching
+                    kinds[topic] = (connection.type, is_latching)
+        for topic, (message_type, is_latching) in kinds.items():
+            self._publishers[topic] = await self._graph.advertise(
+                topic, message_type, latch=is_latching, queue_bytes=self._settings.queue_bytes
+            )
+        if self._settings.clock_hz is not None:
+            self._clock = await self._graph.advertise("/clock", CLOCK_TYPE)
+        await asyncio.sleep(self._settings.delay_s)
+        if self._settings.waits_for_subscribers:
+            # The port announces no connections; looking is cheap.
+            while not all(each.subscriber_count for each in self._publishers.values()):  # noqa: ASYNC110
+                await asyncio.sleep(0.02)
+
+    def _wants(self, connection: Connection) -> bool:
+        topics = self._settings.topics
+        return not topics or connection.topic in topics
+
+    async def _play_once(self) -> None:
+        self._set_origin(self.start_ns)
+        waiting: dict[Publisher, list[bytes]] = {}
+        count = 0
+        last_ns = self.start_ns
+        for message in self._merged():
+            gap_s = (message.time_ns - last_ns) / NS_PER_S
+            last_ns = message.time_ns
+            skip = self._settings.skip_empty_s
+            if skip is not None and gap_s > skip:
+                self._set_origin(message.time_ns)
+            if not self._is_due(message.time_ns):
+                await self._send(waiting)
+                count = 0
+                await self._until(message.time_ns)
+            self.time_ns = message.time_ns
+            if message.connection.topic in self._settings.pause_topics and not self.is_paused:
+                self._set_paused(True)
+            publisher = self._publishers[self._settings.topic_of(message.connection)]
+            waiting.setdefault(publisher, []).append(message.payload)
+            count += 1
+            if count >= BATCH_MESSAGES:
+                await self._send(waiting)
+                count = 0
+                await asyncio.sleep(0)
+        await self._send(waiting)
+
+    def _merged(self) -> Iterator[RecordedMessage]:
+        streams = [
+            reader.messages(self._wants, start_ns=self.start_ns, end_ns=self.end_ns)
+            for reader in self._readers
+        ]
+        if len(streams) == 1:
+            return streams[0]
+        return heapq.merge(*streams, key=lambda message: message.time_ns)
+
+    def _is_due(self, time_ns: int) -> bool:
+        if self.is_paused:
+            return False
+        return self._settings.is_immediate or self._now_ns() >= time_ns
+
+    async def _until(self, time_ns: int) -> None:
+        while not self._is_due(time_ns):
+            if self.is_paused and self._steps:
+                self._steps -= 1
+                self._origin_ns = time_ns
+                return
+            self._tick_clock()
+            wait_s = LONGEST_SLEEP_S
+            if not self.is_paused:
+                wait_s = min(wait_s, (time_ns - self._now_ns()) / NS_PER_S / self._settings.rate)
+            if self._settings.clock_hz is not None:
+                wait_s = min(wait_s, 1 / self._settings.clock_hz)
+            await asyncio.sleep(max(wait_s, 0))
+
+    async def _send(self, waiting: dict[Publisher, list[bytes]]) -> None:
+        self._tick_clock()
+        for publisher, payloads in waiting.items():
+            self.played_count += len(payloads)
+            if not publisher.publish_raw(payloads):
+                await publisher.drained(DRAIN_S)
+        waiting.clear()
+
+    def _now_ns(self) -> int:
+        if self.is_paused:
+            return self._origin_ns
+        passed_s = asyncio.get_running_loop().time() - self._origin_s
+        return self._origin_ns + round(passed_s * self._settings.rate * NS_PER_S)
+
+    def _set_origin(self, time_ns: int) -> None:
+        self._origin_ns = time_ns
+        self._origin_s = asyncio.get_running_loop().time()
+
+    def _set_paused(self, is_paused: bool) -> None:
+        self._set_origin(self._now_ns())
+        self.is_paused = is_paused
+
+    def _tick_clock(self) -> None:
+        if self._clock is None or self._settings.clock_hz is None:
+            return
+        now_s = asyncio.get_running_loop().time()
+        if now_s >= self._next_clock_s:
+            self._next_clock_s = now_s + 1 / self._settings.clock_hz
+            time_ns = self.time_ns if self._settings.is_immediate else self._now_ns()
+            time = Time.from_ns(time_ns)
+            self._clock.publish_raw([time.secs.to_bytes(4, "little") + time.nsecs.to_bytes(4, "little")])

@@ -1,0 +1,272 @@
+"""Records topics of a graph into files: which topics, when a file is full, and when it all ends.
+
+Payloads go from the subscription to the writer as they come, in the batches they come in. Each publisher has
+a connection of its own in the file, where the graph tells publishers apart (ROS 1).
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from rostether.errors import RecordingError
+from rostether.graph.ports import Graph, OnMessages, Snapshot, Subscriber
+from rostether.msgdef.interface import ANY_MESSAGE, ANY_TYPE
+from rostether.recording.recorded import Connection, RecordingWriter
+
+FLUSH_PERIOD_S = 0.5
+"""A kill loses no more than this; each flush of a slow topic costs a chunk's 200 bytes."""
+
+ACTIVE_SUFFIX = ".active"
+"""What stands behind a file's name while it is written, as with rosbag."""
+
+
+@dataclass(frozen=True, slots=True)
+class TopicChoice:
+    """Which topics are recorded: names, or patterns, or all, or what a node subscribes to."""
+
+    names: tuple[str, ...] = ()
+    patterns: tuple[re.Pattern[str], ...] = ()
+    exclude: re.Pattern[str] | None = None
+    is_all: bool = False
+    node: str = ""
+
+    @property
+    def is_searching(self) -> bool:
+        """Whether topics that appear later count."""
+        return self.is_all or bool(self.patterns) or bool(self.node)
+
+    def takes(self, topic: str, subscribers: Sequence[str]) -> bool:
+        """Tell whether a topic that was found is recorded."""
+        if self.exclude is not None and self.exclude.search(topic):
+            return False
+        return (
+            self.is_all
+            or topic in self.names
+            or (bool(self.node) and self.node in subscribers)
+            or any(pattern.fullmatch(topic) for pattern in self.patterns)
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class RecordLimits:
+    """When a file is full, and when recording ends; None is never."""
+
+    size_bytes: int | None = None
+    duration_s: float | None = None
+    is_splitting: bool = False
+    max_splits: int | None = None
+    messages_per_topic: int | None = None
+
+
+@dataclass(slots=True)
+class RecordingProgress:
+    """What was recorded so far, over all files."""
+
+    message_count: int = 0
+    finished_bytes: int = 0
+    counts: dict[str, int] = field(default_factory=dict)
+    files: list[Path] = field(default_factory=list)
+
+
+class Recorder:
+    """One recording; `create` opens a file's writer, `name` gives the path of the file of a number.
+
+    `tell` gets a line for people: files begun and ended, and what went wrong.
+    """
+
+    def __init__(
+        self,
+        graph: Graph,
+        choice: TopicChoice,
+        limits: RecordLimits,
+        *,
+        create: Callable[[Path], RecordingWriter],
+        name: Callable[[int], Path],
+        tell: Callable[[str], None],
+        repeat_latched: bool = False,
+    ) -> None:
+        self.progress = RecordingProgress()
+        self._graph = graph
+        self._choice = choice
+        self._limits = limits
+        self._create = create
+        self._name = name
+        self._tell = tell
+        self._subscribers: dict[str, Subscriber] = {}
+        self._connections: dict[str, Connection] = {}
+        self._ended = asyncio.Event()
+        self._failure: RecordingError | None = None
+        self._path = Path()
+        self._writer: RecordingWriter | None = None
+        self._began_s = 0.0
+        self._latched: dict[Connection, bytes] | None = {} if repeat_latched else None
+
+    @property
+    def size_bytes(self) -> int:
+        """What all files have together."""
+        return self.progress.finished_bytes + (self._writer.size_bytes if self._writer is not None else 0)
+
+    @property
+    def topic_count(self) -> int:
+        """How many topics are subscribed."""
+        return len(self._subscribers)
+
+    async def run(self, on_started: Callable[[], None] | None = None) -> None:
+        """Record until cancelled, or a limit is reached. Raises RecordingError when the disk takes no more.
+
+        Files are closed, and what is in them kept, however it ends.
+        """
+        self._open()
+        searching: asyncio.Task[None] | None = None
+        try:
+            for name in self._choice.names:
+                await self._subscribe(name)
+            if self._choice.is_searching:
+                self._look(await self._graph.snapshot())
+                searching = asyncio.create_task(self._search())
+            if on_started is not None:
+                on_started()
+            while not self._ended.is_set():
+                with contextlib.suppress(TimeoutError):
+                    await asyncio.wait_for(self._ended.wait(), FLUSH_PERIOD_S)
+                self._flush()
+        finally:
+            if searching is not None:
+                searching.cancel()
+            writer = self._writer
+            await asyncio.gather(*(each.close() for each in self._subscribers.values()))
+            if writer is not None:
+                self._finish()
+        if self._failure is not None:
+            raise self._failure
+
+    async def _search(self) -> None:
+        async for snapshot in self._graph.changes():
+            for name in self._found(snapshot):
+                await self._subscribe(name)
+
+    def _found(self, snapshot: Snapshot) -> list[str]:
+        return [
+            topic.name
+            for topic in snapshot.topics.values()
+            if topic.name not in self._subscribers and self._choice.takes(topic.name, topic.subscribers)
+        ]
+
+    def _look(self, snapshot: Snapshot) -> None:
+        if not self._found(snapshot):
+            self._tell("no such topic yet: waiting for it")
+
+    async def _subscribe(self, topic: str) -> None:
+        if topic in self._subscribers:
+            return
+
+        def connected(fields: Mapping[str, str]) -> OnMessages:
+            connection = Connection.from_fields(topic, fields)
+            self._connections[topic] = connection
+            return lambda payloads: self._take(connection, payloads)
+
+        def take(payloads: Sequence[bytes]) -> None:
+            # A graph that does not tell publishers apart.
+            connection = self._connections.get(topic)
+            if connection is not None:
+                self._take(connection, payloads)
+
+        self._subscribers[topic] = await self._graph.subscribe(
+            topic,
+            ANY_MESSAGE,
+            take,
+            on_connection=connected,  # type: ignore[arg-type]
+        )
+        self._tell(f"Subscribing to {topic}")
+
+    def _take(self, connection: Connection, payloads: Sequence[bytes]) -> None:
+        if self._writer is None or connection.type.name == ANY_TYPE:
+            return
+        topic = connection.topic
+        before = self.progress.counts.get(topic, 0)
+        limit = self._limits.messages_per_topic
+        if limit is not None and before + len(payloads) > limit:
+            payloads = payloads[: max(limit - before, 0)]
+        # Simulated time is zero until its first message.
+        time_ns = self._graph.now().to_ns()
+        if not time_ns or not payloads:
+            return
+        try:
+            self._writer.write(self._writer.add_connection(connection), time_ns, payloads)
+        except RecordingError as error:
+            self._fail(error)
+            return
+        self.progress.counts[topic] = before + len(payloads)
+        self.progress.message_count += len(payloads)
+        if self._latched is not None and connection.is_latching:
+            self._latched[connection] = payloads[-1]
+        if self._limits.size_bytes is not None and self._writer.size_bytes >= self._limits.size_bytes:
+            self._full()
+
+    def _flush(self) -> None:
+        if self._writer is None:
+            return
+        try:
+            self._writer.flush()
+        except RecordingError as error:
+            self._fail(error)
+            return
+        duration_s = self._limits.duration_s
+        if duration_s is not None and asyncio.get_running_loop().time() - self._began_s >= duration_s:
+            self._full()
+        limit = self._limits.messages_per_topic
+        if limit is not None and not self._choice.is_searching:
+            counts = self.progress.counts
+            if all(counts.get(name, 0) >= limit for name in self._choice.names):
+                self._ended.set()
+
+    def _full(self) -> None:
+        if not self._limits.is_splitting:
+            self._ended.set()
+            return
+        self._finish()
+        try:
+            self._open()
+        except RecordingError as error:
+            self._fail(error)
+            return
+        writer, latched = self._writer, self._latched
+        if writer is not None:
+            now_ns = self._graph.now().to_ns()
+            for connection, payload in (latched or {}).items():
+                writer.write(writer.add_connection(connection), now_ns, [payload])
+
+    def _open(self) -> None:
+        number = len(self.progress.files)
+        self._path = self._name(number)
+        active = self._path.with_name(self._path.name + ACTIVE_SUFFIX)
+        self._writer = self._create(active)
+        self._began_s = asyncio.get_running_loop().time()
+        self.progress.files.append(self._path)
+        maximum = self._limits.max_splits
+        if maximum is not None and number >= maximum:
+            self.progress.files[number - maximum].unlink(missing_ok=True)
+        self._tell(f"Recording to {self._path}")
+
+    def _finish(self) -> None:
+        writer, self._writer = self._writer, None
+        if writer is None:
+            return
+        try:
+            writer.close()
+        except RecordingError as error:
+            self._failure = self._failure or RecordingError(
+                f"{error}; what came until then is kept: `rostether bag reindex {self._path}` mends it"
+            )
+        self.progress.finished_bytes += writer.size_bytes
+        self._path.with_name(self._path.name + ACTIVE_SUFFIX).replace(self._path)
+
+    def _fail(self, error: RecordingError) -> None:
+        self._failure = RecordingError(f"{error}; recording stopped, {self._path} keeps what came until then")
+        self._finish()
+        self._ended.set()
