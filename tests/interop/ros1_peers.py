@@ -55,8 +55,8 @@ def missing_robot() -> str:
     for program, package in ROBOT_PROGRAMS.items():
         if not Path(program).exists():
             return f"no {program} (apt install {package})"
-    probe = subprocess.run([DEBIAN_PYTHON, "-c", "import tf2_ros"], capture_output=True, check=False)
-    return "" if probe.returncode == 0 else "/usr/bin/python3 cannot import tf2_ros (python3-tf2-ros)"
+    probe = subprocess.run([DEBIAN_PYTHON, "-c", "import tf2_ros, PyKDL"], capture_output=True, check=False)
+    return "" if probe.returncode == 0 else "/usr/bin/python3 cannot import tf2_ros and PyKDL (python3-tf2-ros python3-pykdl)"
 
 
 def free_port() -> int:

@@ -26,10 +26,10 @@ def joint_transform(joint: Joint, position: float = 0.0) -> Transform:
     turn = matrix_from_quaternion(joint.origin.rotation)
     place = joint.origin.translation
     if joint.type in (JointType.REVOLUTE, JointType.CONTINUOUS):
-        axis = matrix_times_vector(turn, _unit(joint.axis))
+        axis = _unit(matrix_times_vector(turn, joint.axis))
         turn = matrix_product(matrix_from_axis_angle(axis, position), turn)
     elif joint.type is JointType.PRISMATIC:
-        x, y, z = matrix_times_vector(turn, _unit(joint.axis))
+        x, y, z = _unit(matrix_times_vector(turn, joint.axis))
         place = (place[0] + x * position, place[1] + y * position, place[2] + z * position)
     return Transform(place, quaternion_from_matrix(turn))
 
@@ -88,5 +88,13 @@ def mimic_chain(
 
 
 def _unit(vector: Vector) -> Vector:
-    length = math.sqrt(sum(each * each for each in vector))
-    return vector[0] / length, vector[1] / length, vector[2] / length
+    # By the largest part, as KDL does: where two parts of a quaternion are equal but for rounding, the last
+    # bit decides on its sign.
+    x, y, z = vector
+    if abs(x) >= abs(y) and abs(x) >= abs(z):
+        length = abs(x) * math.sqrt(1 + (y / x) ** 2 + (z / x) ** 2)
+    elif abs(y) > abs(z) and abs(y) > abs(x):
+        length = abs(y) * math.sqrt(1 + (x / y) ** 2 + (z / y) ** 2)
+    else:
+        length = abs(z) * math.sqrt(1 + (x / z) ** 2 + (y / z) ** 2)
+    return x / length, y / length, z / length

@@ -39,8 +39,8 @@ class Transform:
 
     def normalized(self) -> Transform:
         """Return the transform with a rotation of length 1."""
-        length = math.sqrt(sum(each * each for each in self.rotation))
         x, y, z, w = self.rotation
+        length = math.sqrt(x * x + y * y + z * z + w * w)
         return Transform(self.translation, (x / length, y / length, z / length, w / length))
 
     def inverse(self) -> Transform:
@@ -171,13 +171,15 @@ def matrix_from_axis_angle(axis: Vector, angle_rad: float) -> Matrix:
 
 def matrix_times_vector(matrix: Matrix, vector: Vector) -> Vector:
     """Return the product of a matrix and a column."""
-    x, y, z = (sum(a * b for a, b in zip(row, vector, strict=True)) for row in matrix)
-    return x, y, z
+    # Written out: newer Pythons' sum() rounds in another way.
+    x, y, z = vector
+    a, b, c = (row[0] * x + row[1] * y + row[2] * z for row in matrix)
+    return a, b, c
 
 
 def matrix_product(left: Matrix, right: Matrix) -> Matrix:
     """Return the product of two matrices."""
-    columns = tuple(zip(*right, strict=True))
-    rows = [tuple(sum(a * b for a, b in zip(row, column, strict=True)) for column in columns) for row in left]
-    (a, b, c), (d, e, f), (g, h, i) = rows
+    (a, d, g), (b, e, h), (c, f, i) = (
+        matrix_times_vector(left, column) for column in zip(*right, strict=True)
+    )
     return (a, b, c), (d, e, f), (g, h, i)

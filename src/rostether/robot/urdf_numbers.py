@@ -53,7 +53,7 @@ class Numbers:
         xyz, rpy = origin.get("xyz"), origin.get("rpy")
         place = self.vector(origin, xyz, f"the origin of {what}") if xyz is not None else (0.0, 0.0, 0.0)
         turn = self.vector(origin, rpy, f"the rpy of {what}") if rpy is not None else (0.0, 0.0, 0.0)
-        return Transform(place, quaternion_from_rpy(*turn))
+        return Transform(place, quaternion_from_rpy(*turn)).normalized()
 
     def _number(self, element: XmlElement, text: str, what: str) -> float:
         try:
