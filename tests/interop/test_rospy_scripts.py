@@ -77,9 +77,10 @@ async def test_values(roscore: Ros1Peers) -> None:
 
 
 @pytest.mark.robot
-async def test_filters(roscore: Ros1Peers) -> None:
-    theirs = await printed(roscore, DEBIAN_PYTHON, "filters.py")
-    ours = await printed(roscore, sys.executable, "filters.py")
+@pytest.mark.parametrize("script", ["filters.py", "tools.py"])
+async def test_modules_beside_rospy(roscore: Ros1Peers, script: str) -> None:
+    theirs = await printed(roscore, DEBIAN_PYTHON, script)
+    ours = await printed(roscore, sys.executable, script)
     assert ours == theirs
     assert len(ours) > 10
 

@@ -39,8 +39,10 @@ class LoopThread:
 
         Raises ROSInterruptException when the node is shut down meanwhile, TimeoutError after the time.
         """
-        future = asyncio.run_coroutine_threadsafe(coroutine, self.loop)
-        self._waiting.add(future)
+        loop = self.loop
+        with self._lock:
+            future = asyncio.run_coroutine_threadsafe(coroutine, loop)
+            self._waiting.add(future)
         try:
             return future.result(timeout_s)
         except concurrent.futures.CancelledError:
@@ -61,7 +63,9 @@ class LoopThread:
 
     def interrupt(self) -> None:
         """Wake every thread that waits in `call`."""
-        for future in list(self._waiting):
+        with self._lock:
+            waiting = list(self._waiting)
+        for future in waiting:
             future.cancel()
 
     def _begin(self, coroutine: Coroutine[Any, Any, object]) -> None:

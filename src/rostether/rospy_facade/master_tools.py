@@ -73,7 +73,7 @@ def is_master_online(master_uri: str | None = None) -> bool:
 def load_file(
     filename: str, default_namespace: str | None = None, verbose: bool = False
 ) -> list[tuple[Any, str]]:
-    """Return each document of a YAML file (`-`: standard input) with its namespace. Raises RosParamException."""
+    """Return each document of a YAML file with its namespace; `-` is standard input."""
     if not filename or filename == "-":
         return load_str(sys.stdin.read(), filename, default_namespace)
     if not os.path.isfile(filename):  # noqa: PTH113 - given as text

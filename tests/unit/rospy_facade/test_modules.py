@@ -1,4 +1,4 @@
-"""tf and message_filters without ROS; tests/interop compares their every line with Debian's."""
+"""tf, message_filters, rosparam and rosgraph without ROS; tests/interop compares their every line with Debian's."""
 
 from __future__ import annotations
 
@@ -35,6 +35,12 @@ async def test_messages_of_several_topics_together(master: str) -> None:
     lines = await printed(SCRIPTS / "filters.py", master_uri=master)
     assert "exact [('a', 1000000000), ('d', 1000000000)]" in lines
     assert "near [('a', 1000000000), ('b', 1050000000), ('e', 1040000000)]" in lines
+
+
+async def test_the_masters_api_and_parameter_files(master: str) -> None:
+    lines = await printed(SCRIPTS / "tools.py", master_uri=master)
+    assert lines[0] == "True True"
+    assert "lookup raises MasterError" in lines
 
 
 @pytest.mark.parametrize("axes", ["sxyz", "rzyx", "sxyx", "rzxz", "syxz"])
