@@ -17,7 +17,8 @@ class LoopThread:
     """Runs coroutines for other threads; the thread begins with the first call and never blocks the exit."""
 
     def __init__(self) -> None:
-        self._lock = threading.Lock()
+        # Reentrant: a signal may end the node while its main thread is in here.
+        self._lock = threading.RLock()
         self._loop: asyncio.AbstractEventLoop | None = None
         self._waiting: set[concurrent.futures.Future[Any]] = set()
         self._tasks: set[asyncio.Task[Any]] = set()

@@ -61,7 +61,7 @@ class PublishedTopic:
         self._waiting: list[bytes] = []
         self._waiting_bytes = 0
         self._is_behind = False
-        self._is_empty = threading.Condition(threading.Lock())
+        self._is_empty = threading.Condition()
         self._listener_thread: CallbackThread[Callable[[], object]] | None = None
         self._is_closed = False
 

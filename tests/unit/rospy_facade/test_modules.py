@@ -1,4 +1,4 @@
-"""tf, message_filters, rosparam and rosgraph without ROS; tests/interop compares their every line with Debian's."""
+"""tf, message_filters, rosparam and rosgraph without ROS; tests/interop compares them with Debian's."""
 
 from __future__ import annotations
 
