@@ -105,7 +105,7 @@ def bag_play(
 
     environment = read_environment(master)
     plain = [*files, *bags]
-    remappings = dict(each.split(":=", 1) for each in plain if ":=" in each)
+    remappings = dict(each.split(":=", 1) for each in plain if ":=" in each and not each.startswith("_"))
     # As rosbag takes it, `--topics /a /b`: names that are no file are topics.
     given = [each for each in plain if ":=" not in each]
     if topics:

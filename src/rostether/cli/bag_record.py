@@ -125,8 +125,16 @@ def bag_record(
     if bz2 and lz4:
         raise click.UsageError("a file is compressed by --bz2 or by --lz4, not by both")
     environment = read_environment(master)
+    # roslaunch hands remappings and private parameters over among the topics.
+    remapped = {
+        resolve(old, environment): resolve(new, environment)
+        for old, marker, new in (each.partition(":=") for each in topics)
+        if marker and not old.startswith("_")
+    }
+    topics = tuple(each for each in topics if ":=" not in each)
+    full_names = [] if is_regex else [resolve(each, environment) for each in topics]
     choice = TopicChoice(
-        names=() if is_regex else tuple(dict.fromkeys(resolve(each, environment) for each in topics)),
+        names=tuple(dict.fromkeys(remapped.get(each, each) for each in full_names)),
         patterns=tuple(_pattern(each) for each in topics) if is_regex else (),
         exclude=None if exclude is None else _pattern(exclude),
         is_all=is_all,

@@ -47,6 +47,8 @@ SERVED_NODES: dict[tuple[str, str], tuple[str, ...]] = {
     ("rqt_tf_tree", "rqt_tf_tree"): ("tf", "tree"),
     ("xacro", "xacro"): ("xacro",),
     ("xacro", "xacro.py"): ("xacro",),
+    ("rosbag", "record"): ("bag", "record"),
+    ("rosbag", "play"): ("bag", "play"),
     ("joy", "joy_node"): ("role", "joy-node"),
     ("topic_tools", "relay"): ("role", "relay"),
     ("topic_tools", "throttle"): ("role", "throttle"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -31,7 +32,10 @@ class McapReader:
             raise ConfigError("MCAP is not installed; type: pip install 'rostether[recording]'") from None
         self.path = path
         self.damage = ""
-        self._broken: tuple[type[Exception], ...] = (McapError, EOFError, ValueError, RuntimeError)
+        # What the package raises at bytes that it does not expect.
+        self._broken: tuple[type[Exception], ...] = (
+            *(McapError, struct.error, EOFError, ValueError, LookupError, RuntimeError, OSError),
+        )
         self._connections: dict[int, Connection] = {}
         self.format_version = "MCAP"
         self._compressions: Sequence[CompressionShare] = ()
@@ -84,7 +88,6 @@ class McapReader:
         self, wanted: Wanted | None = None, *, start_ns: int | None = None, end_ns: int | None = None
     ) -> Iterator[RecordedMessage]:
         """Yield messages in the order of their times, both ends included. Raises RecordingError."""
-        self._file.seek(0)
         if self.damage:
             yield from sorted(self._found(wanted, start_ns, end_ns), key=lambda message: message.time_ns)
             return
@@ -112,6 +115,7 @@ class McapReader:
         self, wanted: Wanted | None, start_ns: int | None, end_ns: int | None
     ) -> Iterator[RecordedMessage]:
         """Yield what is whole in a file without its end, as it stands there."""
+        self._file.seek(0)
         found = self._open_stream().iter_messages(log_time_order=False)
         try:
             for message in self._given(found, wanted):

@@ -1,0 +1,94 @@
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from mcap.reader import make_reader
+
+from rostether.errors import ConfigError, RecordingError
+from rostether.recording.mcap_reader import McapReader
+from rostether.recording.mcap_writer import McapWriter
+from unit.recording.bags import IMU, START_NS, STRING, connection, text
+
+
+def _write(path: Path, *, closes: bool = True) -> None:
+    writer = McapWriter(path, chunk_bytes=500)
+    numbers = [writer.add_connection(connection(topic)) for topic in ("/a", "/b")]
+    writer.add_connection(connection("/imu", IMU))
+    for index in range(40):
+        writer.write(numbers[index % 2], START_NS + index, [text(f"message {index}")])
+    if closes:
+        writer.close()
+    else:
+        writer.flush()
+
+
+def test_the_package_itself_reads_it(tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+    _write(path)
+    with path.open("rb") as file:
+        reader = make_reader(file, validate_crcs=True)
+        assert reader.get_header().profile == "ros1"
+        found = list(reader.iter_messages())
+        summary = reader.get_summary()
+    assert summary is not None
+    assert [message.log_time - START_NS for _, _, message in found] == list(range(40))
+    schema, channel, message = found[0]
+    assert schema is not None
+    assert (schema.name, schema.encoding, schema.data.decode()) == (STRING.name, "ros1msg", STRING.definition)
+    assert (channel.topic, channel.message_encoding, channel.metadata["callerid"]) == (
+        "/a",
+        "ros1",
+        "/talker",
+    )
+    assert message.data == text("message 0")
+    assert {each.topic for each in summary.channels.values()} == {"/a", "/b", "/imu"}
+
+
+def test_what_was_flushed_is_read_without_an_end(tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+    _write(path, closes=False)
+    reader = McapReader(path)
+    assert reader.damage
+    assert [each.time_ns - START_NS for each in reader.messages()] == list(range(40))
+    assert {each.topic: count for each, count in reader.counts.items()} == {"/a": 20, "/b": 20}
+
+
+def test_a_file_cut_anywhere_gives_a_prefix_or_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+    _write(path)
+    data = path.read_bytes()
+    most = 0
+    for size in range(8, len(data), 61):
+        path.write_bytes(data[:size])
+        try:
+            reader = McapReader(path)
+            found = [each.time_ns - START_NS for each in reader.messages()]
+            reader.close()
+        except RecordingError:
+            continue
+        assert found == list(range(len(found)))
+        most = max(most, len(found))
+    assert most == 40
+
+
+def test_md5sums_that_others_leave_out_are_computed(tmp_path: Path) -> None:
+    from mcap.writer import CompressionType, Writer
+
+    path = tmp_path / "a.mcap"
+    with path.open("wb") as file:
+        writer: Any = Writer(file, compression=CompressionType.NONE)
+        writer.start(profile="ros1", library="another")
+        schema = writer.register_schema(IMU.name, "ros1msg", IMU.definition.encode())
+        channel = writer.register_channel("/imu", "ros1", schema)
+        writer.add_message(channel, START_NS, b"abc", START_NS)
+        writer.finish()
+    reader = McapReader(path)
+    assert [each.connection.type for each in reader.messages()] == [IMU]
+
+
+def test_bz2_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match="no bz2"):
+        McapWriter(tmp_path / "a.mcap", compression="bz2")
+    assert not (tmp_path / "a.mcap").exists()

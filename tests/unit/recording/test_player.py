@@ -1,0 +1,161 @@
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rostether.errors import RecordingError
+from rostether.graph.memory_graph import MemoryGraph
+from rostether.graph.memory_network import MemoryNetwork
+from rostether.msgdef.interface import ANY_MESSAGE
+from rostether.recording.bag_reader import BagReader
+from rostether.recording.bag_writer import BagWriter
+from rostether.recording.player import Player, PlaySettings
+from unit.recording.bags import START_NS, connection, text, write_bag
+
+
+class Stage:
+    """A bag of 30 messages 10 ms apart, played to a node that listens."""
+
+    def __init__(self, folder: Path, graph: MemoryGraph, listener: MemoryGraph) -> None:
+        self.path = folder / "a.bag"
+        self.written = write_bag(self.path)
+        self.graph = graph
+        self.listener = listener
+        self.heard: list[tuple[str, bytes, float]] = []
+
+    async def listen(self, *topics: str) -> None:
+        loop = asyncio.get_running_loop()
+        for topic in topics:
+
+            def take(payloads: Sequence[bytes], topic: str = topic) -> None:
+                self.heard.extend((topic, payload, loop.time()) for payload in payloads)
+
+            await self.listener.subscribe(topic, ANY_MESSAGE, take)
+
+    def player(self, **settings: Any) -> Player:
+        return Player(self.graph, [BagReader(self.path)], PlaySettings(delay_s=0, **settings))
+
+    def payloads(self, topic: str | None = None) -> list[bytes]:
+        return [payload for heard, payload, _ in self.heard if topic in (None, heard)]
+
+    async def until_heard(self, count: int) -> None:
+        async with asyncio.timeout(10):
+            while len(self.heard) < count:
+                await asyncio.sleep(0.002)
+
+
+@pytest.fixture
+async def stage(tmp_path: Path) -> AsyncIterator[Stage]:
+    network = MemoryNetwork()
+    graph, listener = await network.join("/play"), await network.join("/listener")
+    yield Stage(tmp_path, graph, listener)
+    await graph.close()
+    await listener.close()
+
+
+async def test_messages_come_in_order_and_not_before_their_time(stage: Stage) -> None:
+    await stage.listen("/a", "/b")
+    began_s = asyncio.get_running_loop().time()
+    await stage.player(rate=2.0).play()
+    await stage.until_heard(30)
+    assert stage.payloads("/a") == [payload for topic, _, payload in stage.written if topic == "/a"]
+    assert stage.payloads("/b") == [payload for topic, _, payload in stage.written if topic == "/b"]
+    for _, payload, heard_s in stage.heard:
+        index = int(payload.split()[-1])
+        assert heard_s - began_s >= index * 0.005 - 0.001
+
+
+async def test_start_duration_and_topics_choose(stage: Stage) -> None:
+    await stage.listen("/a", "/b")
+    await stage.player(is_immediate=True, start_s=0.1, duration_s=0.05, topics=frozenset(["/b"])).play()
+    await stage.until_heard(3)
+    assert stage.payloads() == [text(f"message {index}") for index in (11, 13, 15)]
+
+
+async def test_prefix_and_remappings_name_the_topics(stage: Stage) -> None:
+    await stage.listen("/old/c", "/old/b")
+    await stage.player(is_immediate=True, prefix="/old", remappings={"/a": "/c"}).play()
+    await stage.until_heard(30)
+    assert len(stage.payloads("/old/c")) == len(stage.payloads("/old/b")) == 15
+
+
+async def test_paused_it_plays_only_steps_until_it_goes_on(stage: Stage) -> None:
+    await stage.listen("/a", "/b")
+    player = stage.player(rate=100.0, starts_paused=True)
+    task = asyncio.create_task(player.play())
+    for count in range(1, 4):
+        player.step()
+        await stage.until_heard(count)
+        await asyncio.sleep(0.03)
+        assert len(stage.heard) == count
+    player.toggle_pause()
+    await asyncio.wait_for(task, 10)
+    await stage.until_heard(30)
+    assert sorted(stage.payloads()) == sorted(payload for _, _, payload in stage.written)
+
+
+async def test_it_pauses_at_the_topics_that_were_named(stage: Stage) -> None:
+    await stage.listen("/a", "/b")
+    player = stage.player(rate=100.0, pause_topics=frozenset(["/b"]))
+    task = asyncio.create_task(player.play())
+    await stage.until_heard(2)
+    await asyncio.sleep(0.03)
+    assert player.is_paused
+    assert len(stage.heard) == 2
+    task.cancel()
+    with contextlib.suppress(asyncio.CancelledError):
+        await task
+
+
+async def test_a_loop_begins_again(stage: Stage) -> None:
+    await stage.listen("/a", "/b")
+    task = asyncio.create_task(stage.player(rate=20.0, is_looping=True).play())
+    await stage.until_heard(70)
+    task.cancel()
+    with contextlib.suppress(asyncio.CancelledError):
+        await task
+    assert stage.payloads("/a").count(text("message 0")) >= 2
+
+
+async def test_the_clock_runs_with_the_recording(stage: Stage) -> None:
+    await stage.listen("/clock")
+    await stage.player(clock_hz=100.0).play()
+    await stage.until_heard(5)
+    times = [
+        int.from_bytes(payload[:4], "little") * 10**9 + int.from_bytes(payload[4:], "little")
+        for payload in stage.payloads()
+    ]
+    assert times == sorted(times)
+    assert START_NS <= times[0] < START_NS + 200_000_000
+    assert times[-1] <= START_NS + 2_000_000_000
+
+
+async def test_silences_are_skipped(stage: Stage) -> None:
+    writer = BagWriter(stage.path)
+    number = writer.add_connection(connection("/a"))
+    for hours in range(3):
+        writer.write(number, START_NS + hours * 3_600_000_000_000, [text(str(hours))])
+    writer.close()
+    await stage.listen("/a")
+    await asyncio.wait_for(stage.player(skip_empty_s=1.0).play(), 5)
+    await stage.until_heard(3)
+
+
+async def test_two_bags_are_merged(stage: Stage, tmp_path: Path) -> None:
+    await stage.listen("/a", "/b")
+    write_bag(tmp_path / "b.bag")
+    readers = [BagReader(stage.path), BagReader(tmp_path / "b.bag")]
+    await Player(stage.graph, readers, PlaySettings(is_immediate=True, delay_s=0)).play()
+    await stage.until_heard(60)
+    assert stage.payloads("/a")[:2] == [text("message 0")] * 2
+
+
+async def test_nothing_to_play_is_told(stage: Stage) -> None:
+    BagWriter(stage.path).close()
+    with pytest.raises(RecordingError, match="no message"):
+        stage.player()

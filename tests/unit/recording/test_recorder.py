@@ -1,0 +1,186 @@
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import re
+from collections.abc import AsyncIterator, Callable
+from pathlib import Path
+
+import pytest
+
+from rostether.errors import RecordingError
+from rostether.graph.memory_graph import MemoryGraph
+from rostether.graph.memory_network import MemoryNetwork
+from rostether.graph.ports import Publisher
+from rostether.recording.bag_reader import BagReader
+from rostether.recording.bag_writer import BagWriter
+from rostether.recording.recorder import Recorder, RecordLimits, TopicChoice
+from unit.recording.bags import STRING, text
+
+
+class Stage:
+    """A graph, a node that publishes, and a recorder on it."""
+
+    def __init__(self, folder: Path, node: MemoryGraph, recorder: MemoryGraph) -> None:
+        self.folder = folder
+        self.node = node
+        self._graph = recorder
+        self.lines: list[str] = []
+
+    def recorder(
+        self,
+        choice: TopicChoice,
+        limits: RecordLimits | None = None,
+        *,
+        create: Callable[[Path], BagWriter] = BagWriter,
+        repeat_latched: bool = False,
+    ) -> Recorder:
+        return Recorder(
+            self._graph,
+            choice,
+            limits or RecordLimits(),
+            create=create,
+            name=lambda number: self.folder / f"{number}.bag",
+            tell=self.lines.append,
+            repeat_latched=repeat_latched,
+        )
+
+    def payloads(self, number: int = 0) -> list[bytes]:
+        reader = BagReader(self.folder / f"{number}.bag")
+        assert not reader.damage
+        return [message.payload for message in reader.messages()]
+
+
+@pytest.fixture
+async def stage(tmp_path: Path) -> AsyncIterator[Stage]:
+    network = MemoryNetwork()
+    node, recorder = await network.join("/node"), await network.join("/record")
+    yield Stage(tmp_path, node, recorder)
+    await node.close()
+    await recorder.close()
+
+
+async def _subscribed(*publishers: Publisher) -> None:
+    async with asyncio.timeout(10):
+        while not all(each.subscriber_count for each in publishers):
+            await asyncio.sleep(0.005)
+
+
+async def _recorded(recorder: Recorder, count: int) -> None:
+    async with asyncio.timeout(10):
+        while recorder.progress.message_count < count:
+            await asyncio.sleep(0.005)
+
+
+async def _end(task: asyncio.Task[None]) -> None:
+    task.cancel()
+    with contextlib.suppress(asyncio.CancelledError):
+        await task
+
+
+async def test_a_named_topic_is_recorded_until_cancelled(stage: Stage) -> None:
+    publisher = await stage.node.advertise("/a", STRING)
+    recorder = stage.recorder(TopicChoice(names=("/a",)))
+    task = asyncio.create_task(recorder.run())
+    await _subscribed(publisher)
+    assert (stage.folder / "0.bag.active").exists()
+    payloads = [text(str(index)) for index in range(5)]
+    publisher.publish_raw(payloads)
+    await _recorded(recorder, 5)
+    await _end(task)
+    assert stage.payloads() == payloads
+    (connection,) = BagReader(stage.folder / "0.bag").counts
+    assert (connection.topic, connection.type) == ("/a", STRING)
+    assert not (stage.folder / "0.bag.active").exists()
+
+
+async def test_all_topics_also_later_ones_but_not_the_excluded(stage: Stage) -> None:
+    first = await stage.node.advertise("/a", STRING)
+    left_out = await stage.node.advertise("/camera/image", STRING)
+    recorder = stage.recorder(TopicChoice(is_all=True, exclude=re.compile("/camera")))
+    task = asyncio.create_task(recorder.run())
+    await _subscribed(first)
+    later = await stage.node.advertise("/b", STRING)
+    await _subscribed(later)
+    assert not left_out.subscriber_count
+    first.publish_raw([text("1")])
+    later.publish_raw([text("2")])
+    await _recorded(recorder, 2)
+    await _end(task)
+    assert stage.payloads() == [text("1"), text("2")]
+
+
+async def test_patterns_match_whole_names() -> None:
+    choice = TopicChoice(patterns=(re.compile("/arm/.*"),))
+    assert choice.takes("/arm/joint", ())
+    assert not choice.takes("/left/arm/joint", ())
+    assert TopicChoice(node="/driver").takes("/cmd_vel", ("/driver",))
+
+
+async def test_it_ends_when_each_topic_has_its_messages(stage: Stage) -> None:
+    publisher = await stage.node.advertise("/a", STRING)
+    recorder = stage.recorder(TopicChoice(names=("/a",)), RecordLimits(messages_per_topic=3))
+    task = asyncio.create_task(recorder.run())
+    await _subscribed(publisher)
+    publisher.publish_raw([text(str(index)) for index in range(2)])
+    publisher.publish_raw([text(str(index)) for index in range(2, 9)])
+    await asyncio.wait_for(task, 10)
+    assert stage.payloads() == [text(str(index)) for index in range(3)]
+
+
+async def test_files_split_by_size_keep_every_message_and_the_newest(stage: Stage) -> None:
+    publisher = await stage.node.advertise("/a", STRING)
+    recorder = stage.recorder(
+        TopicChoice(names=("/a",)), RecordLimits(size_bytes=8000, is_splitting=True, max_splits=3)
+    )
+    task = asyncio.create_task(recorder.run())
+    await _subscribed(publisher)
+    payloads = [text(f"{index:04}" + "x" * 400) for index in range(60)]
+    for index, payload in enumerate(payloads):
+        publisher.publish_raw([payload])
+        await _recorded(recorder, index + 1)
+    await _end(task)
+    kept = [
+        number for number in range(len(recorder.progress.files)) if (stage.folder / f"{number}.bag").exists()
+    ]
+    found = [payload for number in kept for payload in stage.payloads(number)]
+    assert kept == list(range(len(recorder.progress.files)))[-3:]
+    assert found == payloads[-len(found) :]
+    assert len(found) > 10
+
+
+async def test_each_file_begins_with_the_latched_messages(stage: Stage) -> None:
+    publisher = await stage.node.advertise("/map", STRING, latch=True)
+    publisher.publish_raw([text("map")])
+    recorder = stage.recorder(
+        TopicChoice(names=("/map",)), RecordLimits(duration_s=0.3, is_splitting=True), repeat_latched=True
+    )
+    task = asyncio.create_task(recorder.run())
+    async with asyncio.timeout(10):
+        while len(recorder.progress.files) < 3:
+            await asyncio.sleep(0.01)
+    await _end(task)
+    is_told = any(each.is_latching for each in BagReader(stage.folder / "0.bag").counts)
+    assert stage.payloads(0) == [text("map")]
+    assert stage.payloads(1) == ([text("map")] if is_told else [])
+
+
+async def test_a_full_disk_ends_it_with_a_line_and_keeps_what_is_there(stage: Stage) -> None:
+    class FullSoon(BagWriter):
+        def flush(self) -> None:
+            if self.message_count > 4:
+                raise RecordingError("cannot write x: No space left on device")
+            super().flush()
+
+        def close(self) -> None:
+            self.message_count = 0
+            super().close()
+
+    publisher = await stage.node.advertise("/a", STRING)
+    recorder = stage.recorder(TopicChoice(names=("/a",)), create=FullSoon)
+    task = asyncio.create_task(recorder.run())
+    await _subscribed(publisher)
+    publisher.publish_raw([text(str(index)) for index in range(5)])
+    with pytest.raises(RecordingError, match=r"No space left on device; recording stopped, .*0\.bag keeps"):
+        await asyncio.wait_for(task, 10)
+    assert len(stage.payloads()) == 5
