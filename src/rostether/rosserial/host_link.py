@@ -5,7 +5,7 @@ The link itself has no states of its own; it joins machines that have:
     ProtocolDetector, FrameDecoder   bytes to frames
     Negotiation                      when to ask for topics, when to believe they are all known
     Presence                         whether the device is there and still knows us
-    TopicTable, Refusals             what it announced, and what of that cannot be bridged
+    TopicTable, Announcements        what it announced, and what of that cannot be bridged
     ControlRate                      how much of what is no message it may bring
     HostOutput                       what goes to it, and what must wait
 
@@ -18,6 +18,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rostether.rosserial import topic_id as ids
+from rostether.rosserial.announcements import Announcements
 from rostether.rosserial.control_events import control_event
 from rostether.rosserial.control_rate import ControlRate
 from rostether.rosserial.events import (
@@ -38,12 +39,10 @@ from rostether.rosserial.host_link_config import HostLinkConfig as HostLinkConfi
 from rostether.rosserial.host_output import HostOutput
 from rostether.rosserial.link_statistics import LinkStatistics
 from rostether.rosserial.negotiation import Negotiation
-from rostether.rosserial.packets import TIME_BYTES, ParameterResponse, TopicInfo
+from rostether.rosserial.packets import TIME_BYTES, ParameterResponse
 from rostether.rosserial.presence import Presence, Verdict
 from rostether.rosserial.protocol_detector import ProtocolDetector
-from rostether.rosserial.refusals import Refusals
 from rostether.rosserial.topic_table import TopicTable
-from rostether.rosserial.unknown_ids import UnknownIds
 from rostether.rostime import Time
 
 _DAMAGE = frozenset({DiscardReason.LENGTH_CHECKSUM, DiscardReason.PAYLOAD_CHECKSUM, DiscardReason.PACKET})
@@ -64,9 +63,8 @@ class HostLink:
         self._line: ProtocolDetector | FrameDecoder = self._listen()
         self._negotiation = Negotiation()
         self._presence = Presence()
-        self._unknown_ids = UnknownIds()
-        self._refusals = Refusals()
         self._rate = ControlRate()
+        self._announcements = Announcements(self._table, self._rate, lambda: self._line.limits_changed())
         self._is_stopped = False
 
     @property
@@ -214,16 +212,16 @@ class HostLink:
             events.append(MessagesReceived(topic_id, payloads))
             return
         self.statistics.unannounced_messages += len(payloads)
-        if self.is_settled and not self._refusals.is_sender(topic_id):
+        if self.is_settled and not self._announcements.is_refused_sender(topic_id):
             events.append(UnknownTopicId(topic_id, len(payloads)))
-            if self._unknown_ids.should_ask(topic_id, now_s):
+            if self._announcements.should_ask(topic_id, now_s):
                 self._negotiation.ask(now_s, is_lossy=True)
 
     def _take_control(self, frames: Frames, now_s: float, events: list[HostEvent]) -> None:
         payloads = frames.payloads
         admitted = self._rate.admit(frames.topic_id, len(payloads), now_s)
         if admitted < len(payloads):
-            self._drop(frames.topic_id, len(payloads) - admitted, events)
+            self._report(ControlFlood(frames.topic_id, len(payloads) - admitted), now_s, events)
             payloads = payloads[:admitted]
         if frames.topic_id == ids.TIME:
             self._on_time_requests(payloads, now_s, events)
@@ -235,29 +233,12 @@ class HostLink:
                 self._report(control_event(frames.topic_id, payload), now_s, events)
 
     def _on_announcement(self, kind: int, payload: bytes, now_s: float, events: list[HostEvent]) -> None:
-        info = TopicInfo.read(payload)
-        if info is None:
-            self._report(FrameDiscarded(DiscardReason.PACKET, payload), now_s, events)
-            return
-        fault = info.fault()
-        if fault is not None:
-            self._report(FrameDiscarded(DiscardReason.REFUSED, payload), now_s, events)
-            events += self._refusals.take(kind, info, fault)
-        else:
-            if not self._table.is_known(kind, info) and not self._rate.admit_change(now_s):
-                self._drop(kind, 1, events)
-                return
-            changes = self._table.announce(kind, info)
-            if changes is None:
-                self._report(FrameDiscarded(DiscardReason.TOO_MANY, payload), now_s, events)
-                return
-            if changes:
-                self._line.limits_changed()
-            events += changes
-            self._unknown_ids.forget(info.topic_id)
-            self._refusals.forget(kind, info)
-        self._presence.sign(now_s)
-        self._negotiation.announced(kind, info, now_s)
+        info, said = self._announcements.take(kind, payload, now_s)
+        for event in said:
+            self._report(event, now_s, events)
+        if info is not None:
+            self._presence.sign(now_s)
+            self._negotiation.announced(kind, info, now_s)
 
     def _on_time_requests(self, payloads: list[bytes], now_s: float, events: list[HostEvent]) -> None:
         for payload in payloads:
@@ -278,19 +259,17 @@ class HostLink:
                 self._presence.answered(now_s, is_timely=not self._negotiation.is_listening)
                 self._negotiation.answered(now_s)
 
-    def _drop(self, topic_id: int, count: int, events: list[HostEvent]) -> None:
-        self.statistics.dropped_control_frames += count
-        last = events[-1] if events else None
-        if isinstance(last, ControlFlood) and last.topic_id == topic_id:
-            events[-1] = ControlFlood(topic_id, last.count + count)
-        else:
-            events.append(ControlFlood(topic_id, count))
-
     def _report(self, event: HostEvent, now_s: float, events: list[HostEvent]) -> None:
         if isinstance(event, FrameDiscarded):
             self.statistics.count_discarded(event.reason, len(event.data))
             if event.reason in _DAMAGE:
                 self._negotiation.note_damage(now_s)
+        elif isinstance(event, ControlFlood):
+            self.statistics.dropped_control_frames += event.count
+            last = events[-1] if events else None
+            if isinstance(last, ControlFlood) and last.topic_id == event.topic_id:
+                events[-1] = ControlFlood(event.topic_id, last.count + event.count)
+                return
         events.append(event)
 
     def _learn_version(self, version: int, now_s: float, events: list[HostEvent]) -> None:
@@ -301,12 +280,10 @@ class HostLink:
 
     def _settle(self, now_s: float, events: list[HostEvent]) -> None:
         negotiation = self._negotiation
-        changes = self._table.withdraw_all_but(negotiation.complete - self._refusals.keys)
-        if changes:
-            self._line.limits_changed()
+        changes = self._announcements.withdraw_all_but(negotiation.complete)
         events += changes
         if negotiation.rounds > 1:
-            events += self._refusals.take_lone_halves(self._table.lone_halves())
+            events += self._announcements.refuse_lone_halves()
         self._presence.sign(now_s)
         if negotiation.round_trip_s is not None:
             self.statistics.count_round_trip(negotiation.round_trip_s)
