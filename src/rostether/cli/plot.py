@@ -11,7 +11,7 @@ from collections.abc import Callable, Coroutine, Sequence
 from contextlib import aclosing
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import click
 
@@ -28,12 +28,16 @@ from rostether.errors import ConfigError, GraphError, SerializationError
 
 if TYPE_CHECKING:
     from rostether.cli.ros_choice import Middleware
+    from rostether.serde.codec import Codec
 
 REFRESH_S = 0.1
 DEFAULT_WINDOW_S = 10.0
 MAX_ARGUMENTS = 28  # as many as there are curves, see `plot_curves`
 
-Follow = Callable[[str], Coroutine[Any, Any, None]]
+_Group: TypeAlias = Sequence[str]
+"""Fields that one argument names, as a rule of one topic."""
+
+_Follow: TypeAlias = Callable[[_Group], Coroutine[Any, Any, None]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,8 +104,8 @@ def plot(
     """
     if file is not None:
         picture_format(file, (".png", ".svg"))
-    targets = list(dict.fromkeys(target for field in fields for target in expand(field)))
-    if len(targets) > MAX_ARGUMENTS:
+    targets = [expand(field) for field in dict.fromkeys(fields)]
+    if sum(map(len, targets)) > MAX_ARGUMENTS:
         raise click.UsageError(f"at most {MAX_ARGUMENTS} fields can be drawn at once")
     is_terminal = sys.stdout.isatty() and os.environ.get("TERM") not in ("dumb", "unknown")
     if not is_terminal and file is None and duration_s is None:
@@ -115,34 +119,46 @@ def plot(
 
 
 async def _plot_ros1(
-    targets: Sequence[str], options: _Options, msg_paths: tuple[Path, ...], master: str | None
+    targets: Sequence[_Group], options: _Options, msg_paths: tuple[Path, ...], master: str | None
 ) -> None:
-    from rostether.cli.graph_access import joined, read_environment
+    from rostether.cli.graph_access import in_namespace, joined, read_environment
     from rostether.cli.topic_choice import resolve_with_field, wait_for_topic
     from rostether.serde.field_path import FieldPath
 
     environment = read_environment(master)
-    names = [resolve_with_field(target, environment) for target in targets]
+    groups = [[resolve_with_field(target, environment) for target in group] for group in targets]
     async with joined(environment, msg_paths, purpose="plot") as graph:
         session = _Session(options)
 
-        async def follow(name: str) -> None:
-            chosen = await wait_for_topic(name, graph.store, master)
-            stream = graph.messages(chosen.topic)
-            path: FieldPath | None = None
-            codec = None
+        async def follow(group: Sequence[str]) -> None:
+            topic = (await wait_for_topic(group[0], graph.store, master)).topic
+            here = [name for name in group if in_namespace(name, topic)]
+            async with asyncio.TaskGroup() as tasks:
+                if others := [name for name in group if name not in here]:
+                    tasks.create_task(follow(others))
+                tasks.create_task(follow_topic(topic, here))
+
+        async def follow_topic(topic: str, group: Sequence[str]) -> None:
+            stream = graph.messages(topic)
+            codec: Codec | None = None
+            paths: dict[str, FieldPath | None] = {}
             async with aclosing(aiter(stream)) as messages:
                 async for message in messages:
-                    if chosen.field and stream.codec is not codec:
+                    if stream.codec is not codec:
                         assert stream.codec is not None
-                        codec, path = stream.codec, FieldPath(stream.codec, chosen.field)
-                    session.take(name, message, path)
+                        codec = stream.codec
+                        fields = {name: name[len(topic) + 1 :] for name in group}
+                        paths = {
+                            name: FieldPath(codec, field) if field else None for name, field in fields.items()
+                        }
+                    for name, path in paths.items():
+                        session.take(name, message, path)
 
-        await session.run(follow, names)
+        await session.run(follow, groups)
 
 
 async def _plot_ros2(
-    middleware: Middleware, targets: Sequence[str], options: _Options, msg_paths: tuple[Path, ...]
+    middleware: Middleware, targets: Sequence[_Group], options: _Options, msg_paths: tuple[Path, ...]
 ) -> None:
     from rostether.cli.ros2.tool_node import tool_node
     from rostether.cli.ros2.topic_choice import choose_topic
@@ -150,7 +166,12 @@ async def _plot_ros2(
     async with tool_node(middleware, msg_paths) as tool:
         session = _Session(options)
 
-        async def follow(name: str) -> None:
+        async def follow(group: Sequence[str]) -> None:
+            async with asyncio.TaskGroup() as tasks:
+                for name in group:
+                    tasks.create_task(follow_one(name))
+
+        async def follow_one(name: str) -> None:
             chosen = await choose_topic(tool, name)
             path = None if chosen.field is None else chosen.field.path
             async with aclosing(aiter(tool.graph.messages(chosen.topic, chosen.type))) as messages:
@@ -185,11 +206,12 @@ class _Session:
         if not self._curves.add(now_s - self._begin_s, name, value) and not is_empty:
             raise ConfigError(f"{name} holds no number to draw; name a field of it that does")
 
-    async def run(self, follow: Follow, names: Sequence[str]) -> None:
+    async def run(self, follow: _Follow, groups: Sequence[_Group]) -> None:
         """Follow all values until the time is over. Raises what following one of them raises."""
         loop = asyncio.get_running_loop()
+        names = [name for group in groups for name in group]
         self._curves.expect(*names)
-        tasks = [loop.create_task(follow(name)) for name in names]
+        tasks = [loop.create_task(_first_problem(follow(group))) for group in groups]
         try:
             with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(self._options.duration_s):
@@ -252,3 +274,14 @@ class _Session:
                     task.result()
                 if len(done) == len(tasks):
                     return
+
+
+async def _first_problem(work: Coroutine[Any, Any, None]) -> None:
+    """Do what a task group does, and raise its first error instead of a group of them."""
+    try:
+        await work
+    except BaseExceptionGroup as problems:
+        problem: BaseException = problems
+        while isinstance(problem, BaseExceptionGroup):
+            problem = problem.exceptions[0]
+        raise problem from None

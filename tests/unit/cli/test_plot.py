@@ -127,3 +127,15 @@ def test_what_cannot_be_drawn_is_said(shell: Shell, graph: LiveGraph, tmp_path: 
     assert "no value came of /nothing" in shell.failure("plot", "/nothing", "--for", "0.2")
     assert "end it with .png, .svg" in shell.failure("plot", "/a", "--save", str(tmp_path / "a.dot"), code=2)
     assert "at most" in shell.failure("plot", *(f"/t{number}" for number in range(40)), code=2)
+
+
+def test_colons_may_name_topics(shell: Shell, graph: LiveGraph, tmp_path: Path) -> None:
+    publish(graph, "/wheel/left", "std_msgs/Float32", {"data": 1.0})
+    publish(graph, "/wheel/right", "std_msgs/Float32", {"data": 2.0})
+    printed = shell.output("plot", "/wheel/left:right", "--for", "1").splitlines()
+    assert printed[-2:] == ["── /wheel/left/data 1", "── /wheel/right/data 2"]
+
+
+@pytest.mark.usefixtures("ranging")
+def test_a_field_that_is_not_there_is_named(shell: Shell) -> None:
+    assert "has no field 'rnge'" in shell.failure("plot", "/scan/range:rnge", "--for", "5")
