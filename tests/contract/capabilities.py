@@ -31,6 +31,8 @@ class Capabilities:
     types_may_differ: bool = True
     # /clock is the time where the parameter use_sim_time says so.
     simulates_time: bool = True
+    # A node that means to call a service is listed as its client.
+    lists_clients: bool = False
     # How the graph itself writes std_msgs/String, a logger's name, and the level of a warning.
     string_type: str = "std_msgs/String"
     logger_of_node: str = "/node"
@@ -55,6 +57,7 @@ ROS2 = Capabilities(
     feels_slow_subscribers=False,
     definitions_travel=False,
     lists_untyped_subscribers=False,
+    lists_clients=True,
     string_type="std_msgs/msg/String",
     logger_of_node="node",
     service_type="std_srvs/srv/SetBool",

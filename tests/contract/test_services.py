@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from typing import cast
 
 import pytest
 
@@ -28,8 +29,9 @@ from rostether.errors import (
     SessionError,
     TypeMismatchError,
 )
-from rostether.graph.ports import JoinGraph
+from rostether.graph.ports import JoinGraph, ListsClients
 from rostether.msgdef.interface import ANY_MESSAGE, ServiceType
+from rostether.ros2.endpoint_info import EndpointKind, Ros2Graph
 
 ANY_SERVICE = ServiceType("*", "*", ANY_MESSAGE, ANY_MESSAGE)
 
@@ -223,3 +225,37 @@ async def test_a_server_that_leaves_ends_the_calls_on_it(join: JoinGraph) -> Non
     await server.close()
     with pytest.raises(ServiceCallError):
         await asyncio.wait_for(call, 10.0)
+
+
+async def test_a_client_is_listed_before_it_calls(join: JoinGraph, can: Capabilities) -> None:
+    can.require("lists_clients")
+    node, other = await join("/node"), await join("/other")
+
+    async def listed_when(expected: int) -> None:
+        seen = -1
+        async with asyncio.timeout(10.0):
+            while seen != expected:
+                ends = await cast(Ros2Graph, other).endpoints()
+                clients = [each for each in ends if each.kind is EndpointKind.CLIENT]
+                wanted = ("/node", "/switch", "std_srvs/srv/SetBool")
+                seen = [(each.node_name, each.name, each.type) for each in clients].count(wanted)
+                await asyncio.sleep(0.005)
+
+    assert isinstance(node, ListsClients)
+    first, second = await node.list_client("switch", SET_BOOL), await node.list_client("/switch", SET_BOOL)
+    await listed_when(1)
+    await other.advertise_service("/switch", SET_BOOL, agreeing)
+    await served(node, "/switch")
+    await first.close()
+    await first.close()
+    assert await node.call_service("/switch", SET_BOOL, TRUE, timeout_s=10.0) == answer("as you say")
+    await listed_when(1)
+    await second.close()
+    await listed_when(0)
+    # A call lists its caller again, and a handle may outlive the node.
+    assert await node.call_service("/switch", SET_BOOL, TRUE, timeout_s=10.0) == answer("as you say")
+    late = await node.list_client("/switch", SET_BOOL)
+    await listed_when(1)
+    await node.close()
+    await late.close()
+    await listed_when(0)

@@ -116,7 +116,12 @@ async def test_a_board_calls_rclpy(boards: Boards, peer: RclpyPeer) -> None:
     await peer.ask("serve", service="/gripper", type="std_srvs/srv/SetBool", response=response)
     device = await boards.connect()
     client = device.service_client("gripper", "std_srvs/SetBool")
-    await boards.announced("service client", "gripper")
+    node = await boards.announced("service client", "gripper")
+    # Listed before it has called anything.
+    while ["/gripper", ["std_srvs/srv/SetBool"]] not in (
+        await peer.ask("of_node", name=node.removeprefix("/"), namespace="/")
+    )["clients"]:
+        await asyncio.sleep(0.01)
     received = await client.call(data=True)
     assert (received.success, received.message) == (True, "gripped")
     assert await peer.ask("served", service="/gripper") == [{"data": True}]

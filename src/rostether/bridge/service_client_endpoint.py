@@ -13,7 +13,7 @@ from rostether.bridge.board_line import BoardLine
 from rostether.bridge.reporter import Notices
 from rostether.bridge.settings import BridgeSettings
 from rostether.errors import LocalProtocolError, RostetherError
-from rostether.graph.ports import Graph, Level
+from rostether.graph.ports import Graph, Level, ListsClients, ServiceClient
 from rostether.msgdef.interface import ServiceType
 from rostether.rosserial.events import ServiceAnnounced
 from rostether.serde.layout import Layout
@@ -47,6 +47,7 @@ class ServiceClientEndpoint:
         self._graph = graph
         self._notices = notices
         self._settings = settings
+        self._listed: ServiceClient | None = None
         self._line: BoardLine | None = None
         self._requests: deque[bytes] = deque()
         self._calling: asyncio.Task[None] | None = None
@@ -70,11 +71,19 @@ class ServiceClientEndpoint:
             self._calling = None
 
     async def open(self) -> None:
-        """Check that the name is legal; nothing stands in the graph. Raises InvalidNameError."""
+        """Check that the name is legal, and be listed where the graph lists clients.
+
+        Raises InvalidNameError, GraphError, DefinitionError.
+        """
         self._graph.resolve(self.info.name)
+        if isinstance(self._graph, ListsClients):
+            self._listed = await self._graph.list_client(self.info.name, self._type)
 
     async def close(self) -> None:
         """Leave nothing behind."""
+        listed, self._listed = self._listed, None
+        if listed is not None:
+            await listed.close()
 
     def receive(self, payloads: list[bytes]) -> None:
         """Take requests from the board."""

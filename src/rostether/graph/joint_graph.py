@@ -19,14 +19,22 @@ from rostether.errors import (
     ServiceUnavailableError,
     UnknownNameError,
 )
-from rostether.graph.joint_handles import JointPublisher, JointServiceServer, JointSubscriber, JointWatch
+from rostether.graph.joint_handles import (
+    JointPublisher,
+    JointServiceClient,
+    JointServiceServer,
+    JointSubscriber,
+    JointWatch,
+)
 from rostether.graph.joint_snapshot import follow_changes, merge_snapshots
 from rostether.graph.ports import Graph, Level, OnMessages, ParamValue, ServiceHandler, Snapshot
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.rostime import Time
 
-_Handle: TypeAlias = JointPublisher | JointSubscriber | JointServiceServer | JointWatch
-HandleT = TypeVar("HandleT", JointPublisher, JointSubscriber, JointServiceServer, JointWatch)
+_Handle: TypeAlias = JointPublisher | JointSubscriber | JointServiceServer | JointServiceClient | JointWatch
+HandleT = TypeVar(
+    "HandleT", JointPublisher, JointSubscriber, JointServiceServer, JointServiceClient, JointWatch
+)
 ResultT = TypeVar("ResultT")
 
 
@@ -126,6 +134,10 @@ class JointGraph:
         return await self._first_of(
             call, ServiceUnavailableError, MasterUnreachableError, DefinitionError, InvalidNameError
         )
+
+    async def list_client(self, service: str, service_type: ServiceType) -> JointServiceClient:
+        """Be listed as a client of a service in all graphs that list them."""
+        return await self._open(JointServiceClient(self.resolve(service), service_type))
 
     async def get_param(self, name: str) -> ParamValue:
         """Return a parameter's value from the first graph that has it. Raises UnknownNameError."""

@@ -9,9 +9,11 @@ from rostether.graph.callbacks import call_contained
 from rostether.graph.joint_parts import JointParts
 from rostether.graph.ports import (
     Graph,
+    ListsClients,
     OnMessages,
     ParamValue,
     Publisher,
+    ServiceClient,
     ServiceHandler,
     ServiceServer,
     Subscriber,
@@ -151,6 +153,31 @@ class JointServiceServer:
 
     async def _open(self, graph: Graph) -> ServiceServer:
         return await graph.advertise_service(self.service, self._type, self._handler)
+
+
+class JointServiceClient:
+    """A `graph.ports.ServiceClient` in those of several graphs that list clients."""
+
+    def __init__(self, service: str, service_type: ServiceType) -> None:
+        self.parts: JointParts[ServiceClient] = JointParts(f"client of {service}", self._open)
+        self._service = service
+        self._type = service_type
+
+    async def close(self) -> None:
+        """Be listed nowhere any more. Idempotent."""
+        await self.parts.close()
+
+    async def _open(self, graph: Graph) -> ServiceClient:
+        if isinstance(graph, ListsClients):
+            return await graph.list_client(self._service, self._type)
+        return _UnlistedClient()
+
+
+class _UnlistedClient:
+    """Stands for a client in a graph that lists none."""
+
+    async def close(self) -> None:
+        """Nothing was listed."""
 
 
 class JointWatch:

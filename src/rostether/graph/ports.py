@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import AsyncIterator, Awaitable, Callable, Container, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import Protocol, TypeAlias
+from typing import Protocol, TypeAlias, runtime_checkable
 
 from rostether.msgdef.interface import ANY_TYPE, MessageType, ServiceType
 from rostether.rostime import Time
@@ -129,6 +129,13 @@ class ServiceServer(Protocol):
         """Unadvertise. Idempotent."""
 
 
+class ServiceClient(Protocol):
+    """A handle of one service that a node is listed to call."""
+
+    async def close(self) -> None:
+        """Be listed no more. Idempotent."""
+
+
 class Watch(Protocol):
     """A handle of a parameter watch."""
 
@@ -229,6 +236,14 @@ class Graph(Protocol):
 
         A ROS 1 node is told to by `rosnode kill`, and when another node takes its name.
         """
+
+
+@runtime_checkable
+class ListsClients(Protocol):
+    """A `Graph` that tells which nodes call a service before they do: ROS 2. ROS 1 knows none of them."""
+
+    async def list_client(self, service: str, service_type: ServiceType) -> ServiceClient:
+        """Be listed as a client of a service, which need not be there. Raises as `Graph.advertise` does."""
 
 
 class JoinGraph(Protocol):

@@ -1,12 +1,16 @@
 from __future__ import annotations
 
 import asyncio
+from typing import ClassVar
 
 import pytest
 
 from rostether.bridge.service_client_endpoint import MAX_WAITING_REQUESTS, ServiceClientEndpoint
 from rostether.bridge.settings import BridgeSettings
 from rostether.errors import InvalidNameError, ServiceCallError
+from rostether.graph.memory_graph import MemoryGraph
+from rostether.msgdef.interface import ServiceType
+from rostether.ros2.listed_client import ListedClient
 from rostether.rosserial.events import ServiceRole
 from unit.bridge.doubles import FakeLine, until
 from unit.bridge.nodes import STORE, World, service
@@ -150,3 +154,31 @@ async def test_an_illegal_name_is_told_when_it_is_set_up(world: World) -> None:
         await endpoint(world, name="no spaces").open()
     await endpoint(world).open()
     await endpoint(world).close()
+
+
+class ListingGraph(MemoryGraph):
+    """A graph that lists clients, as ROS 2 does."""
+
+    clients: ClassVar[list[str]] = []
+
+    async def list_client(self, service: str, service_type: ServiceType) -> ListedClient:
+        entry = f"{self.resolve(service)} {service_type.name}"
+        self.clients.append(entry)
+
+        async def withdraw() -> None:
+            self.clients.remove(entry)
+
+        return ListedClient(withdraw)
+
+
+async def test_a_client_is_listed_from_its_announcement_until_it_is_closed(world: World) -> None:
+    world.board.__class__ = ListingGraph
+    client = endpoint(world)
+    client.attach(FakeLine(), client.info)
+    await client.open()
+    assert ListingGraph.clients == ["/switch std_srvs/SetBool"]
+    client.detach()
+    assert len(ListingGraph.clients) == 1, "it stays for the board that comes back"
+    await client.close()
+    await client.close()
+    assert ListingGraph.clients == []

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, cast
 
 import pytest
 
@@ -24,7 +24,9 @@ from rostether.graph.joint_graph import JointGraph
 from rostether.graph.joint_join import JointJoin
 from rostether.graph.memory_graph import MemoryGraph
 from rostether.graph.memory_network import MemoryNetwork
-from rostether.graph.ports import Graph, Level, ParamValue, ServiceHandler
+from rostether.graph.ports import Graph, Level, ListsClients, ParamValue, ServiceHandler
+from rostether.msgdef.interface import ServiceType
+from rostether.ros2.listed_client import ListedClient
 
 
 class World:
@@ -379,4 +381,33 @@ async def test_what_all_refuse_is_refused() -> None:
         await joint.snapshot()
     with pytest.raises(MasterUnreachableError):
         await joint.get_param("/rate")
+    await joint.close()
+
+
+class ListingGraph(MemoryGraph):
+    """A graph that lists clients, as ROS 2 does."""
+
+    listed = 0
+
+    async def list_client(self, service: str, service_type: ServiceType) -> ListedClient:
+        self.listed += 1
+
+        async def withdraw() -> None:
+            self.listed -= 1
+
+        return ListedClient(withdraw)
+
+
+async def test_clients_are_listed_where_the_graph_lists_them() -> None:
+    first, second, late = [await MemoryNetwork().join("/board") for _ in range(3)]
+    second.__class__ = late.__class__ = ListingGraph
+    joint = JointGraph([first, second])
+    assert isinstance(joint, ListsClients)
+    client = await joint.list_client("switch", SET_BOOL)
+    await joint.add(late, 2)
+    graphs = [cast(ListingGraph, graph) for graph in (second, late)]
+    assert [graph.listed for graph in graphs] == [1, 1]
+    await client.close()
+    await client.close()
+    assert [graph.listed for graph in graphs] == [0, 0]
     await joint.close()

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+from collections import Counter
 from collections.abc import Callable, Container, Mapping
 
 from rostether.errors import GraphError, ServiceUnavailableError, TypeMismatchError
 from rostether.graph.ports import OnMessages, ServiceHandler
 from rostether.msgdef.interface import ANY_TYPE, MessageType, ServiceType
+from rostether.ros2.listed_client import ListedClient
 from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.publication import Publication, RclpyPublisher
 from rostether.ros2.rclpy.service_client import DISCOVERY_S, LOOK_INTERVAL_S, RclpyServiceClient
@@ -30,6 +32,8 @@ class Endpoints:
         self._subscribers: set[RclpySubscriber] = set()
         self._servers: dict[str, RclpyServiceServer] = {}
         self._clients: dict[tuple[str, str], RclpyServiceClient] = {}
+        # How many handles want a client to be listed; the others stay as long as the node.
+        self._listed: Counter[tuple[str, str]] = Counter()
         # Making and ending endpoints of one name take their turns.
         self._lock = asyncio.Lock()
         self._looking: asyncio.Task[None] | None = None
@@ -102,12 +106,17 @@ class Endpoints:
         else:
             support = self._own.types.service(service_type)
         async with self._lock:
-            client = self._clients.get((service, support.name))
-            if client is None:
-                client = RclpyServiceClient(self._own, service, support)
-                await self._own.thread.run(client.open)
-                self._clients[service, support.name] = client
+            client = await self._client(service, support)
         return await client.call(request, timeout_s)
+
+    async def list_client(self, service: str, service_type: ServiceType) -> ListedClient:
+        """Have a client of a service until the handle closes, called or not."""
+        support = self._own.types.service(service_type)
+        key = (service, support.name)
+        async with self._lock:
+            await self._client(service, support)
+            self._listed[key] += 1
+        return ListedClient(lambda: self._unlist(key))
 
     async def close(self) -> None:
         """End everything."""
@@ -124,6 +133,26 @@ class Endpoints:
         self._clients.clear()
         for client in clients:
             await self._own.thread.run(client.end)
+
+    async def _client(self, service: str, support: ServiceSupport) -> RclpyServiceClient:
+        """Return the one client of a service and type; call it with the lock held."""
+        client = self._clients.get((service, support.name))
+        if client is None:
+            client = RclpyServiceClient(self._own, service, support)
+            await self._own.thread.run(client.open)
+            self._clients[service, support.name] = client
+        return client
+
+    async def _unlist(self, key: tuple[str, str]) -> None:
+        async with self._lock:
+            self._listed[key] -= 1
+            if self._listed[key]:
+                return
+            del self._listed[key]
+            client = self._clients.pop(key, None)
+            # With the node, `close` has ended it already.
+            if client is not None:
+                await self._own.thread.run(client.end)
 
     async def _learn_service(self, service: str) -> ServiceSupport:
         loop = asyncio.get_running_loop()

@@ -10,6 +10,7 @@ from rostether.graph.ports import Level, OnMessages, ParamValue, ServiceHandler,
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.names.resolve import resolve_name, resolve_remappings
 from rostether.ros2.endpoint_info import EndpointInfo
+from rostether.ros2.listed_client import ListedClient
 from rostether.ros2.parameters.graph_parameters import GraphParameters
 from rostether.ros2.parameters.watches import ParameterWatch
 from rostether.ros2.rclpy.endpoint_list import list_endpoints
@@ -102,6 +103,11 @@ class RclpyGraph:
         """
         self._check_open()
         return await self._endpoints.call_service(self.resolve(service), service_type, request, timeout_s)
+
+    async def list_client(self, service: str, service_type: ServiceType) -> ListedClient:
+        """Be listed as a client of a service. Raises UnknownTypeError, TypeMismatchError."""
+        self._check_open()
+        return await self._endpoints.list_client(self.resolve(service), service_type)
 
     async def get_param(self, name: str) -> ParamValue:
         """Return a parameter's value. Raises UnknownNameError."""

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+from collections import Counter
 from collections.abc import Callable, Container, Mapping
 
 from rostether.errors import GraphError, ServiceUnavailableError, TypeMismatchError
 from rostether.graph.log_message import LOG_TYPE, ROSOUT
 from rostether.graph.ports import Level, OnMessages, ServiceHandler
 from rostether.msgdef.interface import ANY_TYPE, MessageType, ServiceType
+from rostether.ros2.listed_client import ListedClient
 from rostether.ros2.naming import dds_name, type_of_dds_name
 from rostether.ros2.qos import ROSOUT_QOS
 from rostether.ros2.type_support import ServiceSupport
@@ -40,6 +42,8 @@ class Endpoints:
         self._subscriptions: dict[Subscription, None] = {}
         self._servers: dict[str, ServiceServer] = {}
         self._clients: dict[tuple[str, str], ServiceClient] = {}
+        # How many handles want a client to be listed; the others stay until there are too many.
+        self._listed: Counter[tuple[str, str]] = Counter()
         self._node_token: LiveToken | None = None
         self._rosout: Publication | None = None
 
@@ -124,12 +128,15 @@ class Endpoints:
         else:
             support = self._node.session.types.service(service_type)
         _check_type(service, support, servers)
+        return await self._client(service, support).call(request, timeout_s)
+
+    def list_client(self, service: str, service_type: ServiceType) -> ListedClient:
+        """Have a client of a service until the handle closes, called or not. Raises UnknownTypeError."""
+        support = self._node.session.types.service(service_type)
+        self._client(service, support)
         key = (service, support.name)
-        if key not in self._clients:
-            if len(self._clients) >= MAX_CLIENTS:
-                self._clients.pop(next(iter(self._clients))).close()
-            self._clients[key] = ServiceClient(service, support, node=self._node)
-        return await self._clients[key].call(request, timeout_s)
+        self._listed[key] += 1
+        return ListedClient(lambda: self._unlist(key))
 
     async def close(self) -> None:
         """End everything, and disappear."""
@@ -147,6 +154,26 @@ class Endpoints:
         if self._node_token is not None:
             self._node_token.withdraw()
             self._node_token = None
+
+    def _client(self, service: str, support: ServiceSupport) -> ServiceClient:
+        key = (service, support.name)
+        client = self._clients.get(key)
+        if client is None:
+            unlisted = [each for each in self._clients if each not in self._listed]
+            if len(unlisted) >= MAX_CLIENTS:
+                self._clients.pop(unlisted[0]).close()
+            client = self._clients[key] = ServiceClient(service, support, node=self._node)
+        return client
+
+    async def _unlist(self, key: tuple[str, str]) -> None:
+        self._listed[key] -= 1
+        if self._listed[key]:
+            return
+        del self._listed[key]
+        client = self._clients.pop(key, None)
+        # With the node, `close` has ended it already.
+        if client is not None:
+            client.close()
 
     async def _servers_of(self, service: str) -> list[Token]:
         graph = self._node.session.graph

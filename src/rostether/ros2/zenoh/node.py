@@ -13,6 +13,7 @@ from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.names.resolve import resolve_name, resolve_remappings
 from rostether.ros2.clock import NodeClock
 from rostether.ros2.endpoint_info import EndpointInfo
+from rostether.ros2.listed_client import ListedClient
 from rostether.ros2.naming import validate_topic_name
 from rostether.ros2.parameters.graph_parameters import GraphParameters
 from rostether.ros2.parameters.services import ParameterServices
@@ -122,6 +123,11 @@ class ZenohGraph:
         return await self._endpoints.call_service(
             self._resolve_ros2(service), service_type, request, timeout_s=timeout_s
         )
+
+    async def list_client(self, service: str, service_type: ServiceType) -> ListedClient:
+        """Be listed as a client of a service. Raises UnknownTypeError, TypeMismatchError."""
+        self._check_open()
+        return self._endpoints.list_client(self._resolve_ros2(service), service_type)
 
     async def get_param(self, name: str) -> ParamValue:
         """Return a parameter's value. Raises UnknownNameError."""
