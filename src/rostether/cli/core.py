@@ -65,6 +65,7 @@ def core(
     """Run the ROS master, parameter server and log collector, like roscore.
 
     With --ros2 zenoh, run the router that ROS 2 over zenoh has on each machine, like rmw_zenohd.
+    It listens at localhost:7447, or at --zenoh-listen only, where that is given.
     """
     # Without the word it is the master, also where a ROS 2 is sourced, which has none.
     if ros2 is not None:

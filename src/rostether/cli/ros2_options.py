@@ -54,7 +54,8 @@ _OPTIONS = (
         show_default=True,
         expose_value=False,
         callback=_keep,
-        help="With --ros2 zenoh, be the router of this machine: when there is none, never, or always.",
+        help="With --ros2 zenoh, be the router of this machine: when there is none, never, or always. A "
+        "router listens at localhost:7447; with always, only at --zenoh-listen where that is given.",
     ),
     click.option(
         "--params-file",

@@ -10,6 +10,9 @@ from rostether.cli.ros2_graph import ZenohReach, ros2_access
 from rostether.cli.ros_choice import Middleware
 
 
+_USUAL_PLACES = ("/localhost:7447", "/127.0.0.1:7447", "/[::1]:7447", "/0.0.0.0:7447", "/[::]:7447")
+
+
 async def serve_router(reach: ZenohReach) -> None:
     """Be the router until cancelled. Raises ConfigError, MasterUnreachableError where its place is taken."""
     async with ros2_access(Middleware.ZENOH, reach=replace(reach, router="always")):
@@ -18,5 +21,7 @@ async def serve_router(reach: ZenohReach) -> None:
             write_line(f"Connected to other routers as they are there: {', '.join(reach.connect)}")
         if not reach.listen:
             write_line("Only this machine can reach it; --zenoh-listen tcp/0.0.0.0:7447 lets others in")
+        elif not any(endpoint.endswith(_USUAL_PLACES) for endpoint in reach.listen):
+            write_line("Nodes of this machine look at tcp/localhost:7447: --zenoh-listen that too for them")
         write_line("Press Ctrl-C to stop")
         await asyncio.Event().wait()

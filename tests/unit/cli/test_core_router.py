@@ -10,6 +10,7 @@ from contract.graphs import STRING, Inbox, string, until
 from contract.zenoh_graphs import open_session
 from interop.command_line import started
 from interop.ros1_peers import free_port
+from rostether.ros2.zenoh.configuration import is_router_there
 from unit.cli.shell import Shell
 
 
@@ -46,6 +47,18 @@ async def test_its_place_is_taken_once() -> None:
         assert router.process.returncode == 1
     finally:
         await session.close()
+
+
+async def test_it_listens_only_where_it_is_told() -> None:
+    port = free_port()
+    router = await started("core", "--ros2", "zenoh", "--zenoh-listen", f"tcp/127.0.0.1:{port}")
+    try:
+        # Whether the usual place is taken on this machine makes no difference.
+        await router.wait_for("Nodes of this machine look at tcp/localhost:7447")
+        await router.wait_for("Press Ctrl-C")
+        assert await is_router_there(f"tcp/127.0.0.1:{port}")
+    finally:
+        await router.stop(signal.SIGTERM)
 
 
 @pytest.mark.parametrize(

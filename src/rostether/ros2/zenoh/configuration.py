@@ -61,7 +61,7 @@ class RouterChoice(Enum):
     NEVER = "never"
     """It waits for one as long as it takes."""
     ALWAYS = "always"
-    """It fails when the place is taken."""
+    """It fails when the place is taken. Endpoints to listen at are its place instead of the usual one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +100,10 @@ def router_configuration(environment: Ros2Environment, reach: Reach) -> zenoh.Co
     """Return the configuration of a session that is the router. Raises ConfigError."""
     if environment.zenoh_router_config is not None:
         return _override(_from_file(environment.zenoh_router_config), environment, reach)
-    settings = {**_SHARED, **_ROUTER, "listen/endpoints": json.dumps([ROUTER_ENDPOINT])}
+    # Who insists on being a router and says where may be one beside another, at a place of its own.
+    is_elsewhere = reach.router is RouterChoice.ALWAYS and reach.listen
+    place = [] if is_elsewhere else [ROUTER_ENDPOINT]
+    settings = {**_SHARED, **_ROUTER, "listen/endpoints": json.dumps(place)}
     return _override(_from_settings(settings), environment, reach)
 
 

@@ -60,13 +60,13 @@ class ZenohSession:
         self.graph = GraphCache()
         self.session_id = str(session.zid())
         self.is_router = False
-        self._named: Sequence[str] = ()
         self._ids = itertools.count()
         self._nodes: set[ZenohGraph] = set()
         self._is_closed = False
         self._news: Handover[tuple[str, bool]] = Handover(self.graph.take, limit=MAX_WAITING_NEWS)
         self._liveliness = session.liveliness()
         self._watch: zenoh.Subscriber[None] | None = None
+        self._asking: asyncio.Task[None] | None = None
 
     @classmethod
     async def open(
@@ -87,10 +87,9 @@ class ZenohSession:
             else:
                 opened = cls(session, environment, types)
                 opened.is_router = True
-                return await opened._start()
+                return await opened._start(reach.connect)
         opened = cls(await _open(peer_configuration(environment, reach)), environment, types)
-        opened._named = reach.connect
-        return await opened._start()
+        return await opened._start(reach.connect)
 
     async def join(
         self,
@@ -156,13 +155,18 @@ class ZenohSession:
         if self._is_closed:
             return
         self._is_closed = True
+        if self._asking is not None:
+            self._asking.cancel()
         await asyncio.gather(*(graph.close("the session ended") for graph in list(self._nodes)))
         self._news.close()
         await asyncio.to_thread(self.zenoh.close)
 
-    async def _start(self) -> ZenohSession:
+    async def _start(self, named: Sequence[str]) -> ZenohSession:
         if not self.is_router:
             await self._wait_for_link()
+        if named:
+            # Beside the start: a machine that is off is given up only after a second.
+            self._asking = asyncio.ensure_future(self._tell_of_silence(named))
         key = all_tokens(self.domain_id)
         self._watch = self._liveliness.declare_subscriber(
             key, zenoh.handlers.Callback(self._take_token, indirect=False), history=True
@@ -176,15 +180,29 @@ class ZenohSession:
 
     async def _wait_for_link(self) -> None:
         """Wait for the first connection: nobody hears what a session is asked before."""
-        info, deadline_s = self.zenoh.info, time.monotonic() + FIRST_LINK_TIMEOUT_S
+        deadline_s = time.monotonic() + FIRST_LINK_TIMEOUT_S
         # Zenoh announces no connections; looking is cheap.
-        while not (info.routers_zid() or info.peers_zid()) and time.monotonic() < deadline_s:  # noqa: ASYNC110
+        while not self._is_linked() and time.monotonic() < deadline_s:  # noqa: ASYNC110
             await asyncio.sleep(LINK_POLL_S)
-        if self._named and not (info.routers_zid() or info.peers_zid()):
+
+    def _is_linked(self) -> bool:
+        info = self.zenoh.info
+        return bool(info.routers_zid() or info.peers_zid())
+
+    async def _tell_of_silence(self, named: Sequence[str]) -> None:
+        """Say once which of the endpoints that the user named do not answer."""
+        answers = await asyncio.gather(*map(is_router_there, named))
+        silent = [endpoint for endpoint, is_there in zip(named, answers, strict=True) if not is_there]
+        if self.is_router:
+            await self._wait_for_link()
+        if not silent and not self._is_linked():
+            # Of other protocols than TCP only a connection tells.
+            silent = list(named)
+        if silent:
             _log.warning(
                 "no zenoh router answers at %s yet; it is tried until it does: is it running, and can it be "
                 "reached from here?",
-                " or ".join(self._named),
+                " or ".join(silent),
             )
 
     def _take_token(self, sample: zenoh.Sample) -> None:

@@ -11,6 +11,7 @@ from rostether.errors import ConfigError
 from rostether.ros2.environment import Ros2Environment
 from rostether.ros2.zenoh.configuration import (
     Reach,
+    RouterChoice,
     is_router_there,
     names_its_own_place,
     peer_configuration,
@@ -43,6 +44,13 @@ def test_endpoints_are_added() -> None:
     configuration = router_configuration(Ros2Environment(), reach)
     assert endpoints(configuration, "listen/endpoints") == ["tcp/localhost:7447", "tcp/10.0.0.2:7447"]
     assert endpoints(configuration, "connect/endpoints") == ["tcp/10.0.0.1:7447"]
+
+
+def test_who_insists_on_being_a_router_listens_only_where_told() -> None:
+    reach = Reach(RouterChoice.ALWAYS, listen=("tcp/10.0.0.2:7447",))
+    assert endpoints(router_configuration(Ros2Environment(), reach), "listen/endpoints") == list(reach.listen)
+    usual = router_configuration(Ros2Environment(), Reach(RouterChoice.ALWAYS))
+    assert endpoints(usual, "listen/endpoints") == ["tcp/localhost:7447"]
 
 
 @pytest.mark.parametrize("everywhere", ["tcp/0.0.0.0:7447", "tcp/[::]:7447"])

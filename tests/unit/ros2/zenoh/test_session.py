@@ -147,8 +147,34 @@ async def test_a_named_router_that_does_not_answer_is_told(caplog: pytest.LogCap
     environment = Ros2Environment(zenoh_overrides=overrides)
     reach = Reach(RouterChoice.NEVER, connect=(endpoint,))
     session = await ZenohSession.open(environment, ros2_types(), reach=reach)
-    assert f"no zenoh router answers at {endpoint} yet" in caplog.text
+    await until(lambda: f"no zenoh router answers at {endpoint} yet" in caplog.text)
     await session.close()
+
+
+async def test_a_router_tells_which_of_the_others_do_not_answer(caplog: pytest.LogCaptureFixture) -> None:
+    other, port = await open_router()
+    silent = f"tcp/127.0.0.1:{free_port()}"
+    reach = Reach(
+        RouterChoice.ALWAYS,
+        connect=(f"tcp/127.0.0.1:{port}", silent),
+        listen=(f"tcp/127.0.0.1:{free_port()}",),
+    )
+    session = await ZenohSession.open(Ros2Environment(), ros2_types(), reach=reach)
+    assert session.is_router
+    await until(lambda: f"no zenoh router answers at {silent} yet" in caplog.text)
+    await session.close()
+    await other.close()
+
+
+async def test_a_router_beside_another_has_a_place_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    other, port = await open_router()
+    monkeypatch.setattr(configuration, "ROUTER_ENDPOINT", f"tcp/127.0.0.1:{port}")
+    place = f"tcp/127.0.0.1:{free_port()}"
+    reach = Reach(RouterChoice.ALWAYS, listen=(place,))
+    session = await ZenohSession.open(Ros2Environment(), ros2_types(), reach=reach)
+    assert await configuration.is_router_there(place)
+    await session.close()
+    await other.close()
 
 
 async def _client(port: int) -> ZenohSession:
