@@ -78,7 +78,7 @@ def read_content(data: Buffer) -> BagContent:
         index_position = u64_field(fields, b"index_pos")
         chunk_count = u32_field(fields, b"chunk_count")
     except RecordingError as error:
-        return search(data, start + BAG_HEADER_BYTES, str(error))
+        return search(data, start + BAG_HEADER_BYTES + 8, str(error))
     if index_position == 0:
         return search(data, data_end, "it was not closed")
     try:

@@ -1,6 +1,6 @@
 """The records of a ROS 1 bag, format 2.0, and their header fields.
 
-    file     "#ROSBAG V2.0\\n"  bag header (4096 bytes)  (chunk  index...)...  connection...  chunk info...
+    file     "#ROSBAG V2.0\\n"  bag header (4104 bytes)  (chunk  index...)...  connection...  chunk info...
     record   u32 header length | header | u32 data length | data
     header   (u32 field length | name "=" value)...
     chunk    its data is a row of connection and message records, perhaps compressed
@@ -29,7 +29,7 @@ OP_CHUNK_INFO = 0x06
 OP_CONNECTION = 0x07
 
 BAG_HEADER_BYTES = 4096
-"""The bag header is padded to this, so that it can be written again in place."""
+"""The bag header and the spaces behind it, without their lengths: rosbag writes so many over it again."""
 
 INDEX_VERSION = 1
 CHUNK_INFO_VERSION = 1
@@ -136,5 +136,5 @@ def bag_header(index_position: int, connection_count: int, chunk_count: int) -> 
             b"chunk_count": U32.pack(chunk_count),
         }
     )
-    padding = BAG_HEADER_BYTES - len(header) - 8
+    padding = BAG_HEADER_BYTES - len(header)
     return U32.pack(len(header)) + header + U32.pack(padding) + b" " * padding

@@ -1,0 +1,271 @@
+"""Our recordings and Debian's rosbag: each reads, checks, mends and plays what the other recorded."""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+import json
+import signal
+import time
+from collections.abc import AsyncIterator, Callable
+from pathlib import Path
+
+import pytest
+import pytest_asyncio
+
+from interop.command_line import started
+from interop.node_stage import Stage, stage_on
+from interop.ros1_peers import Peer
+from rostether.graph.ports import Publisher
+from rostether.msgdef.registry import Registry
+from rostether.recording.bag_reader import BagReader
+from rostether.recording.bag_writer import BagWriter
+from rostether.recording.recorded import Connection
+from rostether.serde.store import TypeStore
+
+STORE = TypeStore(Registry())
+TYPES = (
+    *(
+        "std_msgs/String",
+        "sensor_msgs/Imu",
+        "nav_msgs/Odometry",
+        "sensor_msgs/JointState",
+        "sensor_msgs/LaserScan",
+    ),
+    *(
+        "geometry_msgs/Twist",
+        "diagnostic_msgs/DiagnosticArray",
+        "tf2_msgs/TFMessage",
+        "sensor_msgs/PointCloud2",
+    ),
+    *("std_msgs/Empty", "nav_msgs/Path", "trajectory_msgs/JointTrajectory", "sensor_msgs/Range"),
+    *("std_msgs/UInt8MultiArray", "visualization_msgs/Marker", "geometry_msgs/PoseWithCovarianceStamped"),
+    *("sensor_msgs/CompressedImage", "std_msgs/Header", "sensor_msgs/NavSatFix", "std_msgs/Time"),
+)
+START_NS = 1_700_000_000_123_456_789
+
+# Prints a JSON line for each message of a bag as Debian's rosbag reads it: all that there is to compare.
+READ = """
+import hashlib, json, sys, rosbag
+with rosbag.Bag(sys.argv[1]) as bag:
+    for topic, raw, t, header in bag.read_messages(raw=True, return_connection_header=True):
+        datatype, data, md5sum = raw[0], raw[1], raw[2]
+        text = {k: v.decode() if isinstance(v, bytes) else v for k, v in header.items()}
+        print(json.dumps([topic, datatype, md5sum, t.to_nsec(), hashlib.md5(data).hexdigest(),
+            hashlib.md5(text['message_definition'].encode()).hexdigest(), text.get('callerid', '')]))
+"""
+
+# Writes a bag as Debian's rosbag does, of the types given as arguments behind file and compression.
+WRITE = """
+import sys, genpy, rosbag, roslib.message
+with rosbag.Bag(sys.argv[1], 'w', compression=sys.argv[2], chunk_threshold=2000) as bag:
+    for round in range(15):
+        for index, name in enumerate(sys.argv[3:]):
+            message = roslib.message.get_message_class(name)()
+            if hasattr(message, 'header'):
+                message.header.seq, message.header.frame_id = round, 'frame_%d' % round
+            bag.write('/topic_%d' % index, message, genpy.Time(1700000000 + round, index * 1000 + 7))
+"""
+
+
+@pytest_asyncio.fixture
+async def stage(tmp_path: Path) -> AsyncIterator[Stage]:
+    async with stage_on("our master", tmp_path) as set_up:
+        yield set_up
+
+
+def _ours(path: Path) -> list[list[object]]:
+    reader = BagReader(path)
+    try:
+        assert not reader.damage
+        return [
+            [
+                *(
+                    each.connection.topic,
+                    each.connection.type.name,
+                    each.connection.type.md5sum,
+                    each.time_ns,
+                ),
+                hashlib.md5(each.payload).hexdigest(),
+                hashlib.md5(each.connection.type.definition.encode()).hexdigest(),
+                each.connection.caller_id,
+            ]
+            for each in reader.messages()
+        ]
+    finally:
+        reader.close()
+
+
+async def _theirs(stage: Stage, path: Path) -> list[list[object]]:
+    peer = await stage.peers.rospy(READ, str(path))
+    return [json.loads(line) for line in (await peer.finish()).splitlines()]
+
+
+async def _run(stage: Stage, *arguments: str) -> str:
+    peer = await started(*arguments, environment={"ROS_MASTER_URI": stage.peers.master_uri})
+    text = await peer.finish()
+    assert peer.process.returncode == 0, text
+    return text
+
+
+async def _ours_started(stage: Stage, *arguments: str) -> Peer:
+    return await started(*arguments, environment={"ROS_MASTER_URI": stage.peers.master_uri})
+
+
+async def _until(condition: Callable[[], bool]) -> None:
+    async with asyncio.timeout(20):
+        while not condition():
+            await asyncio.sleep(0.01)
+
+
+async def _publish(publisher: Publisher, path: Path, seconds: float) -> None:
+    """Publish a number every 5 ms, with the time it was."""
+    payload = STORE.codec("std_msgs/String").encode
+    until_s = time.time() + seconds
+    while time.time() < until_s:
+        publisher.publish_raw([payload({"data": f"{time.time():.6f}"})])
+        await asyncio.sleep(0.005)
+
+
+@pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])
+async def test_rosbag_reads_ours_of_twenty_types(stage: Stage, tmp_path: Path, compression: str) -> None:
+    path = tmp_path / "ours.bag"
+    writer = BagWriter(path, compression=compression, chunk_bytes=3000)
+    for round_number in range(20):
+        for index, name in enumerate(TYPES):
+            connection = Connection(f"/topic_{index}", STORE.registry.message_type(name), f"/node_{index}")
+            number = writer.add_connection(connection)
+            payload = STORE.codec(name).encode({})
+            writer.write(number, START_NS + round_number * 100_000_000 + index, [payload])
+    writer.close()
+    assert await _theirs(stage, path) == _ours(path)
+    text = await stage.peers.run("rosbag", "info", str(path))
+    assert "messages:    400" in text or "messages:     400" in text
+    # Definitions that lack rosbag's comments are another text to it, though of the same md5sum.
+    assert "All rules defined" in await stage.peers.run("rosbag", "check", str(path))
+    # What people read is the same, but for spaces that pad figures.
+    squeezed = [" ".join(line.split()) for line in text.splitlines()]
+    ours = [" ".join(line.split()) for line in (await _run(stage, "bag", "info", str(path))).splitlines()]
+    assert [line for line in ours if not line.startswith(("start", "end"))] == [
+        line for line in squeezed if not line.startswith(("start", "end"))
+    ]
+
+
+@pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])
+async def test_ours_reads_rosbags_of_twenty_types(stage: Stage, tmp_path: Path, compression: str) -> None:
+    path = tmp_path / "theirs.bag"
+    peer = await stage.peers.rospy(WRITE, str(path), compression, *TYPES)
+    assert not await peer.finish()
+    found = _ours(path)
+    assert len(found) == 15 * len(TYPES)
+    assert found == await _theirs(stage, path)
+    assert "all right" in await _run(stage, "bag", "check", str(path))
+
+
+async def test_conversion_to_mcap_and_back_loses_nothing_of_theirs(stage: Stage, tmp_path: Path) -> None:
+    path = tmp_path / "theirs.bag"
+    await (await stage.peers.rospy(WRITE, str(path), "none", *TYPES)).finish()
+    await _run(stage, "bag", "convert", str(path), str(tmp_path / "a.mcap"))
+    await _run(stage, "bag", "convert", str(tmp_path / "a.mcap"), str(tmp_path / "b.bag"))
+    assert _ours(tmp_path / "b.bag") == _ours(path)
+    assert await _theirs(stage, tmp_path / "b.bag") == await _theirs(stage, path)
+
+
+async def test_both_record_the_same_and_each_plays_the_others(stage: Stage, tmp_path: Path) -> None:
+    node = await stage.join("/node")
+    codec = STORE.codec("std_msgs/String")
+    publisher = await node.advertise("/chat", STORE.registry.message_type("std_msgs/String"))
+    theirs = await stage.peers.start(
+        "rosbag", "record", "-l", "50", "-O", str(tmp_path / "theirs.bag"), "/chat"
+    )
+    ours = await _ours_started(stage, "bag", "record", "-l", "50", "-O", str(tmp_path / "ours.bag"), "/chat")
+    await _until(lambda: publisher.subscriber_count == 2)
+    for number in range(50):
+        publisher.publish_raw([codec.encode({"data": f"message {number}"})])
+        await asyncio.sleep(0.002)
+    await theirs.finish()
+    await ours.finish()
+    await publisher.close()
+    read = [[row[:3] + row[4:] for row in _ours(tmp_path / f"{each}.bag")] for each in ("ours", "theirs")]
+    assert read[0] == read[1]
+    assert len(read[0]) == 50
+    heard: list[bytes] = []
+    await node.subscribe("/chat", STORE.registry.message_type("std_msgs/String"), heard.extend)
+    expected = [codec.encode({"data": f"message {number}"}) for number in range(50)]
+    await stage.peers.start("rosbag", "play", "--wait-for-subscribers", str(tmp_path / "ours.bag"))
+    await _until(lambda: len(heard) == 50)
+    assert heard == expected
+    heard.clear()
+    await _run(stage, "bag", "play", "--wait-for-subscribers", str(tmp_path / "theirs.bag"))
+    await _until(lambda: len(heard) == 50)
+    assert heard == expected
+
+
+async def test_a_killed_recording_lacks_a_second_at_most(stage: Stage, tmp_path: Path) -> None:
+    node = await stage.join("/node")
+    publisher = await node.advertise("/chat", STORE.registry.message_type("std_msgs/String"))
+    ours = await _ours_started(stage, "bag", "record", "--lz4", "-O", str(tmp_path / "a.bag"), "/chat")
+    await _until(lambda: publisher.subscriber_count == 1)
+    began_s = time.time()
+    await _publish(publisher, tmp_path, 2.5)
+    killed_s = time.time()
+    ours.process.send_signal(signal.SIGKILL)
+    await ours.process.wait()
+    active = tmp_path / "a.bag.active"
+    reader = BagReader(active)
+    assert reader.span_ns is not None
+    assert reader.span_ns[0] / 1e9 < began_s + 0.5
+    assert reader.span_ns[1] / 1e9 > killed_s - 1.0
+    count = sum(reader.counts.values())
+    # Debian's rosbag mends it as well as we do, to the same messages.
+    copy = tmp_path / "copy.bag"
+    copy.write_bytes(active.read_bytes())
+    await stage.peers.run("rosbag", "reindex", str(copy))
+    await _run(stage, "bag", "reindex", str(active))
+    mended = _ours(tmp_path / "a.bag")
+    assert len(mended) == count
+    assert await _theirs(stage, copy) == mended == await _theirs(stage, tmp_path / "a.bag")
+
+
+async def test_what_a_killed_roscpp_recorder_left_is_read_and_mended(stage: Stage, tmp_path: Path) -> None:
+    node = await stage.join("/node")
+    publisher = await node.advertise("/chat", STORE.registry.message_type("std_msgs/String"))
+    theirs = await stage.peers.start("rosbag", "record", "-O", str(tmp_path / "a.bag"), "/chat")
+    await _until(lambda: publisher.subscriber_count == 1)
+    payload = STORE.codec("std_msgs/String").encode({"data": "x" * 1000})
+    active = tmp_path / "a.bag.active"
+    for _ in range(1500):  # more than a chunk
+        publisher.publish_raw([payload])
+        await asyncio.sleep(0)
+    await _until(lambda: active.exists() and active.stat().st_size > 1_000_000)
+    await theirs.stop(signal.SIGKILL)
+    text = await _run(stage, "bag", "reindex", str(active))
+    assert "messages kept" in text
+    mended = _ours(tmp_path / "a.bag")
+    assert len(mended) > 900
+    assert await _theirs(stage, tmp_path / "a.bag") == mended
+
+
+async def test_a_file_that_may_not_grow_ends_the_recording_with_a_line(stage: Stage, tmp_path: Path) -> None:
+    node = await stage.join("/node")
+    publisher = await node.advertise("/chat", STORE.registry.message_type("std_msgs/String"))
+    path = tmp_path / "a.bag"
+    command = ("bag", "record", "--chunksize", "20", "-O", str(path), "/chat")
+    recorder = await started(
+        *command,
+        environment={"ROS_MASTER_URI": stage.peers.master_uri},
+        on=("prlimit", "--fsize=200000"),
+    )
+    await _until(lambda: publisher.subscriber_count == 1)
+    payload = STORE.codec("std_msgs/String").encode({"data": "x" * 1000})
+    while recorder.process.returncode is None:
+        publisher.publish_raw([payload] * 5)
+        await asyncio.sleep(0.01)
+    text = await recorder.finish()
+    assert recorder.process.returncode == 1
+    assert "cannot write" in text
+    assert "keeps what came until then" in text
+    assert "Traceback" not in text
+    found = _ours(path)
+    assert 150 < len(found) < 200
+    assert await _theirs(stage, path) == found
