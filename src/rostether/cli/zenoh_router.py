@@ -9,7 +9,6 @@ from rostether.cli.output import write_line
 from rostether.cli.ros2_graph import ZenohReach, ros2_access
 from rostether.cli.ros_choice import Middleware
 
-
 _USUAL_PLACES = ("/localhost:7447", "/127.0.0.1:7447", "/[::1]:7447", "/0.0.0.0:7447", "/[::]:7447")
 
 
