@@ -13,6 +13,7 @@ from rostether.errors import ConfigError
 
 if TYPE_CHECKING:
     from rostether.devices.device_book import DeviceBook
+    from rostether.transports.address import Address
 
 config_option = click.option(
     "--config",
@@ -51,3 +52,14 @@ def read_devices(config: Path | None, probes: Sequence[str]) -> DeviceBook:
         return book
     discovery = replace(book.discovery, probe=(*book.discovery.probe, *probes))
     return DeviceBook(book.devices, defaults=book.defaults, discovery=discovery)
+
+
+def unchosen_lines(devices: DeviceBook, links: Sequence[Address]) -> list[str]:
+    """Return a line for each board in the file that nothing can choose: it is easily a forgotten mark."""
+    from rostether.devices.devices_toml import MATCH_KEYS
+
+    return [
+        f"the settings of devices.{name} are for no board: write what to recognise it by "
+        f"({', '.join(MATCH_KEYS)}), or put ?name={name} behind an ADDRESS"
+        for name in devices.unchosen([link.name for link in links])
+    ]

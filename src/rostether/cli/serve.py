@@ -12,7 +12,13 @@ import click
 
 from rostether.cli.announcing import announced, check_mdns
 from rostether.cli.bridge_lines import ConsoleReporter
-from rostether.cli.device_options import config_option, discover_option, probe_option, read_devices
+from rostether.cli.device_options import (
+    config_option,
+    discover_option,
+    probe_option,
+    read_devices,
+    unchosen_lines,
+)
 from rostether.cli.graph_access import read_environment
 from rostether.cli.limit_options import BRIDGE_LIMITS, GRAPH_LIMITS, limit_option, read_limits
 from rostether.cli.options import allow_option, listen_option, msg_path_option
@@ -195,6 +201,8 @@ async def _serve(
     ) as graphs:
         for line in (*graphs.lines, *loopback_lines(graphs.ros1, links)):
             reporter.line(Level.INFO, line)
+        for line in unchosen_lines(devices, links):
+            reporter.line(Level.WARN, line)
         async with (
             recorded(record, record_limit_mb, reporter) as tap,
             simulated(links, reporter, msg_paths) as opened,

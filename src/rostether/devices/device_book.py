@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from rostether.devices.board_identity import BoardIdentity
 from rostether.devices.port_pattern import fits_port
@@ -44,6 +44,15 @@ class DeviceBook:
         """Return the settings of a board whose link may give it a name: that counts more than its marks."""
         named = self.settings_named(node_name) if node_name is not None else None
         return named if named is not None else self.settings_of(identity)
+
+    def unchosen(self, link_names: Collection[str | None]) -> list[str]:
+        """Return the devices that have no marks and that none of these links names."""
+        chosen = {name.strip("~/") for name in link_names if name is not None}
+        return [
+            device.name
+            for device in self.devices
+            if device.match is None and device.name is not None and device.name.strip("~/") not in chosen
+        ]
 
     def settings_named(self, node_name: str) -> DeviceSettings | None:
         """Return the settings of the device that has this name, for links that name their board."""

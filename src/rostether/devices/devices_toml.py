@@ -79,9 +79,10 @@ def parse_devices_toml(text: str, *, file: str = "devices.toml") -> DeviceBook:
     for name, table in root.tables("devices", known=(*MATCH_KEYS, *SETTING_KEYS)):
         table.check_name(name)
         match = _match(table)
-        if match in marks:
-            raise table.error(f"has the same marks as devices.{marks[match]}; keep one of them")
-        marks[match] = name
+        if match is not None:
+            if match in marks:
+                raise table.error(f"has the same marks as devices.{marks[match]}; keep one of them")
+            marks[match] = name
         devices.append(replace(_settings(table, defaults), name=name, match=match))
     return DeviceBook(devices, defaults=defaults, discovery=discovery)
 
@@ -93,7 +94,8 @@ def _discovery(table: TomlTable) -> DiscoverySettings:
     )
 
 
-def _match(table: TomlTable) -> DeviceMatch:
+def _match(table: TomlTable) -> DeviceMatch | None:
+    """Return a board's marks, None for a table that has none: only a link that names it can choose it."""
     match = DeviceMatch(
         serial_number=table.text("serial_number"),
         usb_id=_lower(table.text("usb_id", is_usb_id, 'four and four hex digits, such as "2341:0043"')),
@@ -103,9 +105,7 @@ def _match(table: TomlTable) -> DeviceMatch:
         psk=table.text("psk", bool, "the file of its key"),
         certificate=table.text("certificate", bool, "the file of its certificate"),
     )
-    if match == DeviceMatch():
-        raise table.error(f"says nothing to recognise the board by; write one of {', '.join(MATCH_KEYS)}")
-    return match
+    return None if match == DeviceMatch() else match
 
 
 def _settings(table: TomlTable, base: DeviceSettings) -> DeviceSettings:

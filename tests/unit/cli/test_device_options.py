@@ -4,8 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from rostether.cli.device_options import read_devices
+from rostether.cli.device_options import read_devices, unchosen_lines
 from rostether.errors import ConfigError
+from rostether.transports.address import parse_address
 
 
 def test_the_users_own_file_is_read_unless_another_is_named(
@@ -31,3 +32,13 @@ def test_ports_to_probe_are_added_to_those_of_the_file(tmp_path: Path) -> None:
     discovery = read_devices(file, ["1a86:7523"]).discovery
     assert discovery.probe == ("all", "1a86:7523")
     assert discovery.ignore == ("0403:6001",)
+
+
+def test_settings_that_no_board_can_have_are_told(tmp_path: Path) -> None:
+    file = tmp_path / "devices.toml"
+    file.write_text("[devices.arm]\nbaud = 9600\n")
+    book = read_devices(file, ())
+    (line,) = unchosen_lines(book, [parse_address("/dev/ttyUSB0?name=leg"), parse_address("/dev/ttyS0")])
+    assert "devices.arm are for no board" in line
+    assert "?name=arm behind an ADDRESS" in line
+    assert unchosen_lines(book, [parse_address("/dev/ttyUSB0?name=arm")]) == []

@@ -67,6 +67,15 @@ def test_a_board_is_found_by_all_its_marks_and_others_have_the_defaults() -> Non
     assert book.settings_named("leg") is None
 
 
+def test_a_table_without_marks_is_for_the_links_that_name_it() -> None:
+    book = parse_devices_toml('[devices.arm]\nbaud = 9600\n[devices."lab/leg"]\n[devices.a]\nport = "/x"')
+    here = BoardIdentity(port="/dev/ttyUSB0")
+    assert book.settings_for("arm", here).baud == 9600
+    assert book.settings_for(None, here) is book.settings_for("other", here) is book.defaults
+    assert book.unchosen([None, "other"]) == ["arm", "lab/leg"]
+    assert book.unchosen(["/lab/leg", None, "~arm"]) == []
+
+
 def test_a_port_is_found_by_its_link_and_by_a_pattern(tmp_path: Path) -> None:
     port, link = tmp_path / "ttyUSB0", tmp_path / "by-path-1"
     port.touch()
@@ -85,7 +94,6 @@ def test_a_port_is_found_by_its_link_and_by_a_pattern(tmp_path: Path) -> None:
         ("device = 1", "device", "unknown key; known are discovery, defaults, devices"),
         ("devices = 1", "devices", "must be a table, not 1"),
         ("[devices]\na = 1", "devices.a", "must be a table, not 1"),
-        ("[devices.a]", "devices.a", "recognise the board by; write one of serial_number, usb_id"),
         (
             '[devices.a]\nport = "/x"\nbaudrate = 9600',
             "devices.a.baudrate",
