@@ -146,5 +146,6 @@ def _what_else(start: bytes) -> str:
     if not start:
         return "is empty"
     if start.startswith(MAGIC_START):
-        return f"is a bag of format {start[len(MAGIC_START) :].split()[0].decode(errors='replace')}; only 2.0 can be read"
+        version = start[len(MAGIC_START) :].split()[0].decode(errors="replace")
+        return f"is a bag of format {version}; only 2.0 can be read"
     return "is no bag: bags begin with '#ROSBAG V2.0'"
