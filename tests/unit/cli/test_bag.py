@@ -1,0 +1,144 @@
+"""`rostether bag`, as its users type it."""
+
+from __future__ import annotations
+
+import json
+import os
+import pty
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+
+from rostether.msgdef.interface import ANY_MESSAGE
+from rostether.recording.bag_reader import BagReader
+from unit.cli.shell import LiveGraph, Shell
+from unit.recording.bags import STRING, text, write_bag
+
+
+@pytest.fixture
+def bag(tmp_path: Path) -> Path:
+    path = tmp_path / "a.bag"
+    write_bag(path)
+    return path
+
+
+def _started(graph: LiveGraph, *arguments: str, stdin: int = subprocess.DEVNULL) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, "-m", "rostether", "bag", *arguments],
+        env={**os.environ, "ROS_MASTER_URI": graph.uri},
+        stdin=stdin,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+
+
+def test_info_in_its_forms(bag: Path, shell: Shell) -> None:
+    printed = shell.output("bag", "info", str(bag))
+    assert "messages:    30\n" in printed
+    assert "topics:      /a   15 msgs    : std_msgs/String\n" in printed
+    facts = json.loads(shell.output("bag", "info", "--json", str(bag)))
+    assert (facts["messages"], facts["duration_s"], facts["indexed"]) == (30, 0.29, True)
+    assert facts["topics"][1] == {"topic": "/b", "type": "std_msgs/String", "messages": 15, "connections": 1}
+    assert yaml.safe_load(shell.output("bag", "info", "-y", str(bag)))["messages"] == 30
+    assert shell.output("bag", "info", "-y", "-k", "messages", str(bag)) == "30\n"
+    assert " Hz    : std_msgs/String" in shell.output("bag", "info", "--freq", str(bag))
+    assert "there is no 'color' in it" in shell.failure("bag", "info", "-y", "-k", "color", str(bag))
+
+
+def test_filter_by_topic_message_and_time(bag: Path, tmp_path: Path, shell: Shell) -> None:
+    target = tmp_path / "b.bag"
+
+    def kept(expression: str) -> list[bytes]:
+        shell.output("bag", "filter", str(bag), str(target), expression)
+        return [message.payload for message in BagReader(target).messages()]
+
+    assert kept("topic == '/b'") == [text(f"message {index}") for index in range(1, 30, 2)]
+    assert kept("m.data == 'message 7'") == [text("message 7")]
+    assert kept("t.nsecs < 130000000 and topic == '/a'") == [text("message 0")]
+    assert "EXPRESSION" in shell.failure("bag", "filter", str(bag), str(target), "m.nothing")
+    assert "is what is read" in shell.failure("bag", "filter", str(bag), str(bag), "True")
+
+
+def test_check_names_what_does_not_fit(tmp_path: Path, bag: Path, shell: Shell) -> None:
+    assert "30 messages, all right" in shell.output("bag", "check", str(bag))
+    data = bag.read_bytes()
+    bag.write_bytes(data.replace(text("message 7"), b"\xff" + text("message 7")[1:]))
+    result = shell("bag", "check", str(bag))
+    assert result.code == 1
+    assert "/b: 1 messages do not fit their type" in result.out
+    bag.write_bytes(data[:5000])
+    assert "bag reindex" in shell("bag", "check", str(bag)).out
+
+
+def test_reindex_and_convert(tmp_path: Path, bag: Path, shell: Shell) -> None:
+    active = tmp_path / "b.bag.active"
+    active.write_bytes(bag.read_bytes()[:-100])
+    assert "30 messages kept" in shell.output("bag", "reindex", str(active))
+    assert not active.exists()
+    assert (tmp_path / "b.orig.bag").exists()
+    mended, mcap = tmp_path / "b.bag", tmp_path / "b.mcap"
+    assert "whole as it was" in shell.output("bag", "reindex", "-f", str(mended))
+    assert shell.output("bag", "convert", str(mended), str(mcap)) == f"{mcap}: 30 messages\n"
+    assert shell.output("bag", "convert", str(mcap), str(mended), "--compression", "bz2")
+    assert list(BagReader(mended).messages()) == list(BagReader(bag).messages())
+
+
+def test_what_makes_no_sense_is_told(tmp_path: Path, bag: Path, shell: Shell) -> None:
+    assert "No such file" in shell.failure("bag", "info", str(tmp_path / "none.bag"))
+    assert "is no bag" in shell.failure("bag", "info", __file__)
+    assert "ends with .bag or .mcap" in shell.failure("bag", "convert", str(bag), str(tmp_path / "a.txt"))
+    assert "--all" in shell.failure("bag", "record", code=2)
+    assert "--size or --duration" in shell.failure("bag", "record", "-a", "--split", code=2)
+    assert "no duration" in shell.failure("bag", "record", "-a", "--duration", "soon", code=2)
+
+
+def test_recorded_until_interrupted_and_played_again(graph: LiveGraph, tmp_path: Path, shell: Shell) -> None:
+    node = graph.node("/node")
+    publisher = graph.do(node.advertise("/chat", STRING))
+    path = tmp_path / "chat.bag"
+    recorder = _started(graph, "record", "-O", str(path), "/chat", "__name:=keeper")
+    graph.wait_until(lambda: publisher.subscriber_count == 1)
+    payloads = [text(str(number)) for number in range(20)]
+    graph.do(_published(publisher, payloads))
+    active = tmp_path / "chat.bag.active"
+    graph.wait_until(lambda: active.stat().st_size > 4117)
+    recorder.send_signal(2)
+    printed, _ = recorder.communicate(timeout=20)
+    assert recorder.returncode == 0, printed
+    assert "20 messages" in printed
+    graph.do(publisher.close())
+    heard: list[bytes] = []
+    graph.do(node.subscribe("/again", ANY_MESSAGE, heard.extend))
+    player = _started(graph, "play", "--wait-for-subscribers", "-i", str(path), "/chat:=/again")
+    printed, _ = player.communicate(timeout=20)
+    assert (player.returncode, printed) == (0, "played 20 messages\n")
+    graph.wait_until(lambda: len(heard) == 20)
+    assert heard == payloads
+
+
+def test_keys_step_and_end_it(graph: LiveGraph, bag: Path) -> None:
+    heard: list[bytes] = []
+    node = graph.node("/node")
+    for topic in ("/a", "/b"):
+        graph.do(node.subscribe(topic, ANY_MESSAGE, heard.extend))
+    keyboard, terminal = pty.openpty()
+    try:
+        player = _started(graph, "play", "--pause", "--wait-for-subscribers", str(bag), stdin=terminal)
+        assert player.stdout is not None
+        assert "Space pauses" in player.stdout.readline()
+        for count in (1, 2):
+            os.write(keyboard, b"s")
+            graph.wait_until(lambda count=count: len(heard) == count)  # type: ignore[misc]
+        os.write(keyboard, b"q")
+        assert "played 2 messages" in player.communicate(timeout=20)[0]
+    finally:
+        os.close(keyboard)
+        os.close(terminal)
+
+
+async def _published(publisher: object, payloads: list[bytes]) -> None:
+    publisher.publish_raw(payloads)  # type: ignore[attr-defined]
