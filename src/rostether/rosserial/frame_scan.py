@@ -14,13 +14,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum, auto
+from functools import lru_cache
 from struct import Struct
 from typing import NamedTuple
 from zlib import adler32
 
 from rostether.rosserial.checksum import RunningSums, summer_for
 from rostether.rosserial.events import DiscardReason, FrameDiscarded
-from rostether.rosserial.frame import FORMS, SYNC, read_header
+from rostether.rosserial.frame import FORMS, SYNC
 
 MAX_STRETCHES = 64
 """Stretches reported apart between two good frames; in worse noise the rest joins the last one."""
@@ -38,7 +39,6 @@ MAX_KNOWN_HEADERS = 1024
 """A few dozen topics times the lengths their strings take; beyond it the memory starts anew."""
 
 _SYNC = bytes((SYNC,))
-_NOTHING = Struct("")
 _JOINABLE = (DiscardReason.NOISE, DiscardReason.VERSION)
 
 
@@ -58,7 +58,6 @@ class _Known(NamedTuple):
 
     topic_id: int
     stride: int
-    layout: Struct
     summer: Callable[[bytes], int]
     target: int
 
@@ -149,7 +148,7 @@ class FrameScanner:
                     header = buffer[position : position + header_bytes]
                     continue
                 known = verdict
-            topic_id, stride, layout, summer, target = known
+            topic_id, stride, summer, target = known
             end = position + stride
             if end > total:
                 unfinished = unfinished or (position, stride)
@@ -169,7 +168,7 @@ class FrameScanner:
             elif following == header:
                 good = []
                 run = view[position : total - (total - position) % stride]
-                for head, payload, check in layout.iter_unpack(run):
+                for head, payload, check in _run_layout(header_bytes, stride).iter_unpack(run):
                     if head != header or (summer(payload) + check) & 0xFF != target:
                         break
                     good.append(payload)
@@ -225,30 +224,33 @@ class FrameScanner:
             if length > self._max_payload_bytes:
                 return DiscardReason.TOO_LONG
             # The rest of this is for sound headers; noise is refused at half its price.
-            if size >= 7 and length > self._most(header[5] | header[6] << 8):
-                return DiscardReason.TOO_LONG
+            if size == self._header_bytes:
+                return self._remember(header, header[5] | header[6] << 8, length, header[5] + header[6])
         if size < self._header_bytes:
-            return _Known(-1, size + 1, _NOTHING, adler32, 0)
-        fields = read_header(self._version, header)
-        if fields is None:
-            return DiscardReason.LENGTH_CHECKSUM
-        if fields.size > min(self._most(fields.topic_id), self._max_payload_bytes):
+            return _Known(-1, size + 1, adler32, 0)
+        length = header[4] | header[5] << 8
+        return self._remember(header, header[2] | header[3] << 8, length, sum(header[2:]))
+
+    def _remember(self, header: bytes, topic_id: int, length: int, base: int) -> _Known | DiscardReason:
+        """Judge a sound header by its length; `base` is what the checksum adds to the payload's sum."""
+        if length > self._most(topic_id) or length > self._max_payload_bytes:
             return DiscardReason.TOO_LONG
         if len(self._known) >= MAX_KNOWN_HEADERS:
             self._known.clear()
-        known = self._known[header] = _Known(
-            fields.topic_id,
-            fields.size + self._overhead_bytes,
-            Struct(f"{self._header_bytes}s{fields.size}sB"),
-            summer_for(fields.size),
-            -fields.base & 0xFF,
-        )
+        known = _Known(topic_id, length + self._overhead_bytes, summer_for(length), -base & 0xFF)
+        self._known[header] = known
         return known
 
     def _most(self, topic_id: int) -> int:
         """Return the longest payload that a frame on this id may have."""
         most = self._refused_above.get(topic_id)
         return self._refused_above.get(None, self._max_payload_bytes) if most is None else most
+
+
+@lru_cache(maxsize=MAX_KNOWN_HEADERS)
+def _run_layout(header_bytes: int, stride: int) -> Struct:
+    """Return what cuts a run of frames; made when one comes, because most headers in noise come once."""
+    return Struct(f"{header_bytes}s{stride - header_bytes - 1}sB")
 
 
 class _Waste:

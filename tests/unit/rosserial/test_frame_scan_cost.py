@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable
+from struct import Struct
 
 import pytest
 
+from rostether.rosserial import frame_scan
 from rostether.rosserial.events import FrameDiscarded
 from rostether.rosserial.frame import encode_frame
 from rostether.rosserial.frame_decoder import MAX_SAVED_LOOKS, VAIN_LOOKS_PER_S, FrameDecoder, Frames
@@ -102,3 +104,20 @@ def test_every_byte_is_accounted_for_when_the_middle_is_not_looked_at() -> None:
     assert sum(len(item.data) for item in scan.discarded) + len(GOOD) == len(noise)
     assert scan.groups == {125: [b"good"]}
     assert scan.vain_looks < 400
+
+
+def test_headers_that_come_once_cost_no_layout(monkeypatch: pytest.MonkeyPatch) -> None:
+    made: list[str] = []
+
+    def counted(layout: str) -> Struct:
+        made.append(layout)
+        return Struct(layout)
+
+    monkeypatch.setattr(frame_scan, "Struct", counted)
+    decoder = FrameDecoder()
+    frames = [encode_frame(300 + number, bytes(5000 + number)) for number in range(200)]
+    decoded = decoder.feed(b"".join(frames), 0.0)
+    assert [item.topic_id for item in decoded if isinstance(item, Frames)] == [*range(300, 500)]
+    assert made == []
+    decoder.feed(frames[0] * 3 + frames[1], 0.1)
+    assert len(made) == 1
