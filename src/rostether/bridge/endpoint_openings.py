@@ -1,7 +1,8 @@
 """Endpoints on their way into the graph and out of it, each name's old one out before its new one is in.
 
 An opening waits for the closings of its name that began before it, a closing for the opening of its own
-endpoint: whoever waits, waits for something older, so that nothing waits for itself.
+endpoint: whoever waits, waits for something older, so that nothing waits for itself. One begins
+in each turn of the loop.
 """
 
 from __future__ import annotations
@@ -44,6 +45,7 @@ class EndpointOpenings:
         # Refused for their type, which another endpoint holds that the board may be just giving up.
         self._refused: set[Endpoint] = set()
         self._tasks: set[asyncio.Task[None]] = set()
+        self._turn = asyncio.Lock()
 
     def open(self, slot: Slot, endpoint: Endpoint) -> None:
         """Bring an endpoint into the graph as soon as the earlier ones of its slot have left it."""
@@ -77,6 +79,11 @@ class EndpointOpenings:
         task.add_done_callback(self._tasks.discard)
         return task
 
+    async def _take_turn(self) -> None:
+        """Let the loop go round: what a board announces at once must not hold up the messages of others."""
+        async with self._turn:
+            await asyncio.sleep(0)
+
     async def _open(
         self,
         endpoint: Endpoint,
@@ -95,7 +102,10 @@ class EndpointOpenings:
     ) -> None:
         backoff = Backoff(first_s=0.2, limit_s=MAX_RETRY_S)
         name = name_of(endpoint)
-        while endpoint not in self._unwanted:
+        while True:
+            await self._take_turn()
+            if endpoint in self._unwanted:
+                return
             try:
                 await open_it()
             except (DefinitionError, InvalidNameError, TypeMismatchError) as error:
@@ -119,6 +129,7 @@ class EndpointOpenings:
             opening = self._opening.get(endpoint)
             if opening is not None:
                 await asyncio.wait([opening])
+            await self._take_turn()
             await endpoint.close()
         except GraphError as error:
             self._notices.episode("withdraw", Level.WARN, f"{name_of(endpoint)} may still be listed: {error}")

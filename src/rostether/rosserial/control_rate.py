@@ -22,8 +22,8 @@ class Allowance(NamedTuple):
 ANNOUNCEMENTS = Allowance(512.0, 2048)
 """A negotiation of the largest device, 256 halves, takes some rounds; a line of 115200 baud brings 150/s."""
 
-CHANGES = Allowance(20.0, 512)
-"""Each opens or closes something in the graph. The largest device starts once, and once again as another."""
+CHANGES = Allowance(50.0, 256)
+"""Each opens or closes something in the graph. The largest device starts at once, in 5 s as another."""
 
 LOGS = Allowance(500.0, 2000)
 """Lines: as many as a full line of 115200 baud brings, and nobody reads more."""

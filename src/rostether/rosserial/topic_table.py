@@ -145,8 +145,9 @@ class TopicTable:
             self._endpoints[key] = _Endpoint(kind, info)
             if kind in _ROLES:
                 events.append(TopicAnnounced(_ROLES[kind], info))
-            events += self._pair_services()
-        self._set_limits()
+            if kind not in _ROLES or (known is not None and known.kind not in _ROLES):
+                events += self._pair_services()
+        self._set_limit(key, info, known.info if known is not None else None)
         return events
 
     def withdraw_all_but(self, keys: Iterable[EndpointKey]) -> list[HostEvent]:
@@ -169,6 +170,20 @@ class TopicTable:
         if endpoint.kind in _ROLES:
             return [TopicWithdrawn(_ROLES[endpoint.kind], endpoint.info)]
         return []
+
+    def _set_limit(self, key: EndpointKey, info: TopicInfo, before: TopicInfo | None) -> None:
+        """Set what one announcement changes: a burst of them must not cost its square."""
+        if not key.sends:
+            self.send_limits[key.topic_id] = info.buffer_size
+            return
+        largest = self.refused_above.get(None, -1)
+        was_largest = before is not None and before.buffer_size == largest
+        if info.buffer_size > largest or (was_largest and info.buffer_size < largest):
+            self._set_limits()
+            return
+        self.senders.add(key.topic_id)
+        size = self._largest_payload(info)
+        self.payload_limits[key.topic_id] = self.refused_above[key.topic_id] = size
 
     def _set_limits(self) -> None:
         self.payload_limits.clear()

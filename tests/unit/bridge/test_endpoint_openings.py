@@ -102,3 +102,33 @@ async def test_finishing_waits_for_nobody_for_long(world: World, monkeypatch: py
     openings.open(SLOT, hanging)
     openings.close(SLOT, hanging)
     await asyncio.wait_for(openings.finish(), 1.0)
+
+
+async def test_what_is_announced_at_once_comes_in_turn_by_turn(world: World) -> None:
+    done: list[str] = []
+    openings = EndpointOpenings(world.notices)
+    endpoints: list[Any] = [Endpoint(str(number), done) for number in range(50)]
+    for number, endpoint in enumerate(endpoints):
+        openings.open((TopicRole.PUBLISHER, str(number)), endpoint)
+    most, before = 0, 0
+    for _ in range(500):
+        await asyncio.sleep(0)
+        most, before = max(most, len(done) - before), len(done)
+    assert done == [f"{number} in" for number in range(50)]
+    assert most == 1
+
+
+async def test_an_endpoint_that_hangs_holds_up_no_other(world: World) -> None:
+    done: list[str] = []
+    openings = EndpointOpenings(world.notices)
+    hanging: Any = Endpoint("hanging", done)
+    hanging.may_close.clear()
+    openings.open(SLOT, hanging)
+    await until(lambda: done == ["hanging in"], "the first")
+    openings.close(SLOT, hanging)
+    other: Any = Endpoint("other", done)
+    openings.open((TopicRole.PUBLISHER, "other"), other)
+    await until(lambda: "other in" in done, "the other")
+    assert "hanging out" not in done
+    hanging.may_close.set()
+    await until(lambda: "hanging out" in done, "the end")

@@ -1,6 +1,9 @@
 from __future__ import annotations
 
+import random
 from dataclasses import replace
+
+import pytest
 
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.events import (
@@ -154,3 +157,46 @@ def test_input_buffer_is_that_of_subscribers_else_of_publishers() -> None:
     assert table.input_buffer_bytes == 280
     table.announce(ids.SUBSCRIBER, LED)
     assert table.input_buffer_bytes == 150
+
+
+def test_limits_are_those_of_a_table_made_anew() -> None:
+    """Whatever came before: they are kept up step by step, because a burst must not cost its square."""
+    rng = random.Random(7)
+    table = TopicTable(40)
+    for step in range(600):
+        kind = rng.choice(ids.ANNOUNCEMENTS)
+        size = rng.choice((0, 100, 280, 65535))
+        info = TopicInfo(rng.randrange(100, 125), rng.choice("abc"), STRING, STRING_MD5, size)
+        table.announce(kind, info)
+        if step % 50 == 49:
+            table.withdraw_all_but([key for key in sorted(table.keys()) if rng.random() < 0.7])
+        kept = dict(table._endpoints)
+        anew = TopicTable(40)
+        for key, endpoint in kept.items():
+            anew.announce(endpoint.kind, endpoint.info)
+            assert anew.info(key) == endpoint.info
+        assert anew.payload_limits == table.payload_limits
+        assert anew.refused_above == table.refused_above
+        assert anew.send_limits == table.send_limits
+        assert anew.senders == table.senders
+        assert anew.service_count == table.service_count
+        if table.senders:
+            largest = max(endpoint.info.buffer_size for key, endpoint in kept.items() if key.sends)
+            assert table.refused_above[None] == largest
+
+
+def test_a_burst_of_announcements_looks_at_each_a_few_times(monkeypatch: pytest.MonkeyPatch) -> None:
+    full = 0
+    set_limits = TopicTable._set_limits
+
+    def counted(table: TopicTable) -> None:
+        nonlocal full
+        full += 1
+        set_limits(table)
+
+    monkeypatch.setattr(TopicTable, "_set_limits", counted)
+    table = TopicTable(256)
+    for number in range(250):
+        table.announce(ids.PUBLISHER, replace(CHATTER, topic_id=125 + number))
+    assert len(table) == 250
+    assert full <= 2
