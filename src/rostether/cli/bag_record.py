@@ -118,8 +118,6 @@ def bag_record(
     """
     from rostether.recording.recorder import RecordLimits, TopicChoice
 
-    if not topics and not is_all and node is None:
-        raise click.UsageError("name topics to record, or say --all")
     if split and size_mb is None and duration_s is None:
         raise click.UsageError("--split needs to know when: add --size or --duration")
     if bz2 and lz4:
@@ -132,6 +130,8 @@ def bag_record(
         if marker and not old.startswith("_")
     }
     topics = tuple(each for each in topics if ":=" not in each)
+    if not topics and not is_all and node is None:
+        raise click.UsageError("name topics to record, or say --all")
     full_names = [] if is_regex else [resolve(each, environment) for each in topics]
     choice = TopicChoice(
         names=tuple(dict.fromkeys(remapped.get(each, each) for each in full_names)),

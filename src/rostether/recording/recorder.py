@@ -104,6 +104,7 @@ class Recorder:
         self._path = Path()
         self._writer: RecordingWriter | None = None
         self._began_s = 0.0
+        self._file_count = 0
         self._latched: dict[Connection, bytes] | None = {} if repeat_latched else None
 
     @property
@@ -203,6 +204,7 @@ class Recorder:
             return
         self.progress.counts[topic] = before + len(payloads)
         self.progress.message_count += len(payloads)
+        self._file_count += len(payloads)
         if self._latched is not None and connection.is_latching:
             self._latched[connection] = payloads[-1]
         if self._limits.size_bytes is not None and self._writer.size_bytes >= self._limits.size_bytes:
@@ -240,6 +242,8 @@ class Recorder:
             now_ns = self._graph.now().to_ns()
             for connection, payload in (latched or {}).items():
                 writer.write(writer.add_connection(connection), now_ns, [payload])
+                self.progress.message_count += 1
+                self._file_count += 1
 
     def _open(self) -> None:
         number = len(self.progress.files)
@@ -257,12 +261,15 @@ class Recorder:
         writer, self._writer = self._writer, None
         if writer is None:
             return
+        before = self.progress.message_count - self._file_count
         try:
             writer.close()
         except RecordingError as error:
-            self._failure = self._failure or RecordingError(
-                f"{error}; what came until then is kept: `rostether bag reindex {self._path}` mends it"
-            )
+            told = f"{self._failure or error}; `rostether bag reindex {self._path}` gives it an index"
+            self._failure = RecordingError(told)
+        # A chunk that found no room is not counted.
+        self.progress.message_count = before + writer.message_count
+        self._file_count = 0
         self.progress.finished_bytes += writer.size_bytes
         self._path.with_name(self._path.name + ACTIVE_SUFFIX).replace(self._path)
 
