@@ -185,3 +185,7 @@ class ExtrapolationError(TransformError):
 
 class SessionError(RostetherError):
     """One board's session cannot go on."""
+
+
+class NodeEndedError(SessionError):
+    """A board's node was shut down from outside; the board is served again when it connects anew."""

@@ -25,7 +25,7 @@ class Board:
     """One node name that is taken: no node while it still joins, no session while the board is lost.
 
     A node that `is_kept` stays in the graph without its board: before that has come, and after it is lost.
-    `grace_s` is the board's own, instead of the registry's.
+    `grace_s` is the board's own, instead of the registry's. `is_dismissed`: its name is served no more.
     """
 
     name: str
@@ -33,6 +33,7 @@ class Board:
     session: Session | None = None
     is_lost: bool = False
     is_kept: bool = False
+    is_dismissed: bool = False
     grace_s: float | None = None
     farewell: asyncio.TimerHandle | None = None
     leaving: asyncio.Task[None] | None = None
@@ -57,14 +58,14 @@ class BoardRegistry:
         `node_name` is the full name, to which a number is added while others have it.
 
         With `replaces_silent` a connection that has fallen silent gives way, since its peer has come anew.
-        Raises SessionError for a name whose node was shut down from outside.
+        Raises SessionError for a name that was dismissed.
         """
         number = 1
         has_waited = False
         while True:
             name = numbered(node_name, number)
             if name in self._dismissed:
-                raise SessionError(f"node {name} was shut down from outside; start again to serve its board")
+                raise SessionError(f"another node has the name {name}; start again to serve its board")
             board = self._boards.get(name)
             if board is None:
                 board = self._boards[name] = Board(name)
@@ -99,8 +100,13 @@ class BoardRegistry:
             grace_s = self._grace_s if board.grace_s is None else board.grace_s
             board.farewell = asyncio.get_running_loop().call_later(grace_s, self._part, board)
 
+    def end(self, board: Board) -> None:
+        """The board's node was shut down from outside: it leaves at once, until the board connects anew."""
+        self._leave(board)
+
     def dismiss(self, board: Board) -> None:
-        """The board's node was shut down from outside: whoever did it would be fought by serving it again."""
+        """Another node took the board's name: two that take it from each other would never end."""
+        board.is_dismissed = True
         self._dismissed.add(board.name)
         self._leave(board)
 

@@ -61,6 +61,13 @@ def network_address(peer: str) -> str | None:
     return place.rpartition(":")[0].strip("[]") or place
 
 
+def hardware_id(identity: BoardIdentity, peer: str) -> str:
+    """Return what stays the same when the board comes back."""
+    kind, _, place = peer.partition(" ")
+    peer = f"{kind} {place.rpartition(':')[0]}" if kind in ("tcp", "udp") else peer
+    return identity.own_serial_number or identity.usb_location or peer
+
+
 def numbered(base_name: str, number: int) -> str:
     """Return the name of the `number`th board of one name, counted from 1."""
     return base_name if number == 1 else f"{base_name}_{number}"

@@ -14,7 +14,7 @@ from rostether.devices.device_book import DeviceBook
 from rostether.devices.port_finder import PortFinder
 from rostether.devices.port_watch import ListPorts
 from rostether.devices.settings import DeviceSettings
-from rostether.errors import TransportError
+from rostether.errors import NodeEndedError, TransportError
 from rostether.graph.ports import Level
 from rostether.transports.address import Address, SerialAddress
 from rostether.transports.backoff import Backoff
@@ -67,15 +67,21 @@ class LinkKeeper:
         self._reporter = reporter
         self._devices = devices if devices is not None else DeviceBook()
         self._finder: PortFinder | None = None
-        # What is no path is a port of Windows, which tells only by opening it.
-        if isinstance(address, SerialAddress) and "/" in address.path:
+        if isinstance(address, SerialAddress) and _comes_and_goes(address):
             self._finder = PortFinder(address.path, list_ports, asyncio.get_running_loop().time)
 
     async def run(self) -> None:
         """Serve the link until cancelled."""
         while True:
             address, identity, transport = await self._open()
-            error = await self._serve(address, transport, identity or identify_peer(transport.peer))
+            try:
+                error = await self._serve(address, transport, identity or identify_peer(transport.peer))
+            except NodeEndedError:
+                if self._finder is None:
+                    raise
+                # To open the port again at once would be to fight who ended the node.
+                await self._wait_gone(self._finder)
+                continue
             if error is not None:
                 self._reporter.line(Level.WARN, str(error))
             # An own close, after a fault of the session, must not become a busy loop.
@@ -116,6 +122,10 @@ class LinkKeeper:
             await asyncio.sleep(PRESENCE_POLL_S)
         return path
 
+    async def _wait_gone(self, finder: PortFinder) -> None:
+        while finder.find() is not None:  # noqa: ASYNC110 - systems differ in how they would tell
+            await asyncio.sleep(PRESENCE_POLL_S)
+
     def _identify(self, path: str | None) -> tuple[Address, BoardIdentity | None]:
         """Return who is behind a serial port, and the address with what is set for that board."""
         address = self._address
@@ -123,6 +133,13 @@ class LinkKeeper:
             return address, None
         identity = self._finder.identify(path)
         return with_settings(address, self._devices.settings_for(address.name, identity)), identity
+
+
+def way_back(address: Address) -> str:
+    """Return what must happen to serve a board again whose node was shut down from outside."""
+    if address.listens:
+        return "it connects anew"
+    return "it is plugged out and in" if _comes_and_goes(address) else "you start again"
 
 
 def identify_address(address: Address, list_ports: ListPorts = list_serial_ports) -> BoardIdentity:
@@ -139,6 +156,11 @@ def with_settings(address: SerialAddress, device: DeviceSettings) -> SerialAddre
     if device.reset is not None and "reset" not in address.given:
         address = replace(address, reset=device.reset)
     return address
+
+
+def _comes_and_goes(address: Address) -> bool:
+    """Tell whether a link's port is seen to: what is no path is a port of Windows, which tells by opening."""
+    return isinstance(address, SerialAddress) and "/" in address.path
 
 
 def _at(address: Address, path: str) -> Address:

@@ -16,8 +16,8 @@ from rostether.bridge.board_registry import Board, BoardRegistry
 from rostether.bridge.diagnostics import BoardView, view_board
 from rostether.bridge.discovery import Discovery
 from rostether.bridge.health_round import HealthRound
-from rostether.bridge.identity import identify_peer, node_name
-from rostether.bridge.link_keeper import LinkKeeper, identify_address
+from rostether.bridge.identity import hardware_id, identify_peer, node_name
+from rostether.bridge.link_keeper import LinkKeeper, identify_address, way_back
 from rostether.bridge.machine_ports import THIS_MACHINE, MachinePorts
 from rostether.bridge.reporter import LimitedReporter, Reporter, SilentReporter
 from rostether.bridge.session import Session
@@ -26,8 +26,14 @@ from rostether.devices.board_identity import BoardIdentity
 from rostether.devices.device_book import DeviceBook
 from rostether.devices.known_boards import KnownBoards
 from rostether.devices.settings import DeviceSettings
-from rostether.errors import MasterUnreachableError, RostetherError, SessionError, TransportError
-from rostether.graph.ports import Graph, JoinGraph, Level
+from rostether.errors import (
+    MasterUnreachableError,
+    NodeEndedError,
+    RostetherError,
+    SessionError,
+    TransportError,
+)
+from rostether.graph.ports import NAME_TAKEN, Graph, JoinGraph, Level
 from rostether.names.graph_name import join as join_names
 from rostether.names.graph_name import validate_name
 from rostether.serde.store import TypeStore
@@ -211,7 +217,7 @@ class Supervisor:
         timer: asyncio.TimerHandle | None = None
         try:
             node = board.node or await self._give_node(address, board, device)
-            node.hardware_id = _hardware_id(identity, transport.peer)
+            node.hardware_id = hardware_id(identity, transport.peer)
             baud = address.baud if isinstance(address, SerialAddress | XbeeAddress) else None
             if self._tap is not None:
                 transport = self._tap(transport)
@@ -221,7 +227,8 @@ class Supervisor:
                 timer = asyncio.get_running_loop().call_later(SPEECHLESS_S, _end_if_speechless, session)
             error = await session.wait_ended()
             if board.leaving is not None:
-                raise SessionError(f"node {board.name} was shut down from outside")
+                ended = SessionError if board.is_dismissed else NodeEndedError
+                raise ended(f"node {board.name} was shut down from outside")
             return error
         finally:
             if timer is not None:
@@ -229,18 +236,20 @@ class Supervisor:
             transport.close()
             self._boards.lose(board, session)
 
-    async def _watch(self, board: Board, node: BoardNode) -> None:
+    async def _watch(self, address: Address, board: Board, node: BoardNode) -> None:
         """Obey when the graph shuts a board's node down."""
         reason = await node.graph.wait_closed()
         if board.leaving is not None or self._is_closing:
             return
         session = board.session
-        self._boards.dismiss(board)
-        self._reporter.line(
-            Level.ERROR,
-            f"{reason}; its board is served no more until you start again",
-            node=node.graph.node_name,
-        )
+        if board.is_kept or NAME_TAKEN in reason:
+            self._boards.dismiss(board)
+            return_way = "you start again"
+        else:
+            self._boards.end(board)
+            return_way = way_back(address)
+        text = f"{reason}; its board is served no more until {return_way}"
+        self._reporter.line(Level.ERROR, text, node=node.graph.node_name)
         if session is not None:
             await session.stop()
         if board.is_kept:
@@ -263,7 +272,7 @@ class Supervisor:
         graph = await self._join_graph(board.name, namespace, {**self._remappings, **device.remap})
         node = board.node = BoardNode(graph, self._store, self._reporter, self._clock, self._settings, device)
         board.grace_s = device.grace_s
-        self._run(self._watch(board, node))
+        self._run(self._watch(address, board, node))
         return node
 
     async def _join_graph(self, name: str, namespace: str, remappings: Mapping[str, str]) -> Graph:
@@ -301,13 +310,6 @@ class Supervisor:
             self._door.line(
                 Level.ERROR, f"a link broke down: {type(error).__name__}: {error}; please report it"
             )
-
-
-def _hardware_id(identity: BoardIdentity, peer: str) -> str:
-    """Return what stays the same when the board comes back."""
-    kind, _, place = peer.partition(" ")
-    peer = f"{kind} {place.rpartition(':')[0]}" if kind in ("tcp", "udp") else peer
-    return identity.own_serial_number or identity.usb_location or peer
 
 
 def _end_if_speechless(session: Session) -> None:

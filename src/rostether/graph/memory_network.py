@@ -13,7 +13,7 @@ from rostether.graph.memory_graph import MemoryGraph
 from rostether.graph.memory_parameters import MemoryParameters
 from rostether.graph.memory_services import MemoryServiceServer
 from rostether.graph.memory_topics import MemoryPublisher, MemorySubscriber
-from rostether.graph.ports import ServiceInfo, Snapshot, TopicInfo
+from rostether.graph.ports import NAME_TAKEN, ServiceInfo, Snapshot, TopicInfo
 from rostether.msgdef.interface import ANY_TYPE
 from rostether.names.graph_name import join, validate_name
 from rostether.rostime import Time
@@ -41,7 +41,7 @@ class MemoryNetwork:
         """Join as `node_name`; a node that has the name leaves. Raises InvalidNameError."""
         full_name = join(namespace, validate_name(node_name))
         if before := self.nodes.get(full_name):
-            await before.close("new node registered with same name")
+            await before.close(NAME_TAKEN)
         graph = MemoryGraph(self, full_name, namespace, remappings or {})
         self.nodes[full_name] = graph
         self.notify()

@@ -22,6 +22,9 @@ ParamValue: TypeAlias = bool | int | float | str | bytes | list["ParamValue"] | 
 OnMessages: TypeAlias = Callable[[Sequence[bytes]], None]
 ServiceHandler: TypeAlias = Callable[[bytes], Awaitable[bytes]]
 
+NAME_TAKEN = "new node registered with same name"
+"""In the reason that `Graph.wait_closed` returns when another node has the name now; rosmaster's words."""
+
 
 class Level(IntEnum):
     """Log severities with the values of rosgraph_msgs/Log."""

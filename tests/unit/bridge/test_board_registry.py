@@ -130,12 +130,27 @@ async def test_a_connection_that_was_taken_over_ends_nothing() -> None:
     assert not node.is_closed
 
 
-async def test_a_node_that_was_shut_down_is_not_served_again() -> None:
+async def test_a_node_that_was_shut_down_comes_with_the_next_connection() -> None:
+    boards = BoardRegistry(60.0, lambda: 0.0)
+    board, node = await served(boards, "/arm")
+    node.may_leave.clear()
+    boards.end(board)
+    boards.lose(board, board.session)
+    claim = asyncio.ensure_future(boards.claim("/arm"))
+    await asyncio.sleep(0)
+    assert not claim.done()
+    node.may_leave.set()
+    fresh = await claim
+    assert (fresh.name, fresh.node) == ("/arm", None)
+    assert node.is_closed
+
+
+async def test_a_name_that_another_node_took_is_not_served_again() -> None:
     boards = BoardRegistry(60.0, lambda: 0.0)
     board, node = await served(boards, "/arm")
     boards.dismiss(board)
     await until(lambda: node.is_closed, "the node to leave")
-    with pytest.raises(SessionError, match="/arm was shut down"):
+    with pytest.raises(SessionError, match="another node has the name /arm"):
         await boards.claim("/arm")
 
 

@@ -339,16 +339,19 @@ async def test_a_port_that_is_served_by_its_address_is_not_served_twice(site: Si
         assert site.machine.opens.keys() == {"ttyACM1"}
 
 
-async def test_a_board_whose_node_is_shut_down_is_left_alone(site: Site) -> None:
+async def test_a_board_whose_node_is_shut_down_is_left_alone_until_it_is_plugged_in_again(site: Site) -> None:
     await site.start()
     async with site.machine.board("ttyACM0", chatter, serial_number="7533", **UNO):
         await until(lambda: site.settled("/board_7533"), "the board")
         await site.network.nodes["/board_7533"].close("somebody wanted so")
-        await until(lambda: site.reporter.having("served no more"), "the line")
+        await until(lambda: site.reporter.having("served no more until it is plugged"), "the line")
         await until(lambda: not site.connected(), "the end")
         async with site.machine.board("ttyACM1", chatter, serial_number="7534", **UNO):
             await until(lambda: site.settled("/board_7534"), "another board")
         assert site.machine.opens["ttyACM0"] == 1
+    await until(lambda: not site.nodes(), "both to be unplugged")
+    async with site.machine.board("ttyACM0", chatter, serial_number="7533", **UNO):
+        await until(lambda: site.settled("/board_7533"), "the board that was plugged in again")
 
 
 async def test_a_list_that_fails_once_is_made_again(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -239,7 +239,7 @@ async def test_a_defect_in_one_link_stays_there(site: Site) -> None:
     await site.serving("/arm")
 
 
-async def test_a_node_that_is_shut_down_is_served_no_more(site: Site) -> None:
+async def test_a_node_whose_name_is_taken_is_served_no_more(site: Site) -> None:
     await site.start(f"{PORT}?name=arm")
     await site.serving("/arm")
     other = await site.network.join("/arm")
@@ -250,7 +250,39 @@ async def test_a_node_that_is_shut_down_is_served_no_more(site: Site) -> None:
     assert [level for level, _, node in site.reporter.lines if node == "/arm"][-1] is Level.ERROR
 
 
-async def test_a_board_of_a_node_that_was_shut_down_is_sent_away(site: Site) -> None:
+async def test_a_board_whose_node_was_shut_down_joins_when_it_connects_anew(site: Site) -> None:
+    await site.start("tcp://:11411?name=arm")
+    site.connect()
+    await site.serving("/arm")
+    await site.network.nodes["/arm"].close("/rosnode asked for it")
+    await until(lambda: site.boards[0].is_lost and not site.nodes(), "the end of the session")
+    assert site.boards[0].order[-1] == ids.TX_STOP
+    assert site.reporter.texts.count(
+        "/rosnode asked for it; its board is served no more until it connects anew"
+    )
+    site.connect()
+    await site.serving("/arm")
+
+
+async def test_a_board_whose_node_was_shut_down_joins_when_it_is_plugged_in_again(
+    site: Site, tmp_path: Path
+) -> None:
+    port = tmp_path / "ttyACM0"
+    port.touch()
+    await site.start(f"{port}?name=arm")
+    await site.serving("/arm")
+    await site.network.nodes["/arm"].close("/rosnode asked for it")
+    await until(lambda: site.boards[0].is_lost and not site.nodes(), "the end of the session")
+    assert site.reporter.having("served no more until it is plugged out and in")
+    await asyncio.sleep(0.2)
+    assert len(site.boards) == 1
+    port.unlink()
+    await until(lambda: site.reporter.having("waiting for it to be plugged in"), "the port to be gone")
+    port.touch()
+    await site.serving("/arm")
+
+
+async def test_a_board_of_a_node_whose_name_was_taken_is_sent_away(site: Site) -> None:
     await site.start("tcp://:11411?name=arm")
     site.connect()
     await site.serving("/arm")

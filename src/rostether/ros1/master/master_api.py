@@ -13,6 +13,7 @@ from functools import partial
 from typing import Any, NamedTuple, Protocol, TypeAlias
 
 from rostether.errors import GraphError, UnknownNameError
+from rostether.graph.ports import NAME_TAKEN
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.ros1.master.argument_checks import (
     MAX_NAME_LENGTH,
@@ -145,7 +146,7 @@ class MasterApi:
             replaced = self.registrations.register(kind, key, caller_id, caller_api)
         if replaced is not None:
             _log.info("%s is started anew: the old one at %s is shut down", caller_id, replaced.api)
-            reason = f"[{caller_id}] Reason: new node registered with same name"
+            reason = f"[{caller_id}] Reason: {NAME_TAKEN}"
             self._node_calls.shut_down(replaced.api, reason)
             self._tell_subscribers(replaced.topics)
         if node is None or replaced is not None:
