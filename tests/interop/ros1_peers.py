@@ -56,7 +56,11 @@ def missing_robot() -> str:
         if not Path(program).exists():
             return f"no {program} (apt install {package})"
     probe = subprocess.run([DEBIAN_PYTHON, "-c", "import tf2_ros, PyKDL"], capture_output=True, check=False)
-    return "" if probe.returncode == 0 else "/usr/bin/python3 cannot import tf2_ros and PyKDL (python3-tf2-ros python3-pykdl)"
+    return (
+        ""
+        if probe.returncode == 0
+        else "/usr/bin/python3 cannot import tf2_ros and PyKDL (python3-tf2-ros python3-pykdl)"
+    )
 
 
 def free_port() -> int:

@@ -61,7 +61,7 @@ def test_rosbags_writes_the_same_bytes(name: str) -> None:
         cdr = converter.to_cdr(payload)
         their_name = name.replace("/", "/msg/")
         assert bytes(ROSBAGS.ros1_to_cdr(payload, their_name)) == cdr
-    # A header's number does not come back: ROS 2 has none.
+        # A header's number does not come back: ROS 2 has none.
         back = converter.from_cdr(cdr)
         assert len(back) == len(payload)
         assert bytes(ROSBAGS.ros1_to_cdr(back, their_name)) == cdr

@@ -42,8 +42,8 @@ def describe(file, argv):
     try:
         loader.load(file, config, argv=argv, verbose=False)
         config.assign_machines()
-    except BaseException as error:
-        return {"error": "%s: %s" % (type(error).__name__, error)}
+    except (Exception, SystemExit) as error:  # noqa: BLE001 - roslaunch raises what it likes
+        return {"error": f"{type(error).__name__}: {error}"}
     return {
         "parameters": {key: plain(param.value) for key, param in config.params.items()},
         "nodes": [describe_node(node) for node in config.nodes],
