@@ -118,7 +118,7 @@ async def _until(condition: Callable[[], bool]) -> None:
             await asyncio.sleep(0.01)
 
 
-async def _publish(publisher: Publisher, path: Path, seconds: float) -> None:
+async def _publish(publisher: Publisher, seconds: float) -> None:
     """Publish a number every 5 ms, with the time it was."""
     payload = STORE.codec("std_msgs/String").encode
     until_s = time.time() + seconds
@@ -207,7 +207,7 @@ async def test_a_killed_recording_lacks_a_second_at_most(stage: Stage, tmp_path:
     ours = await _ours_started(stage, "bag", "record", "--lz4", "-O", str(tmp_path / "a.bag"), "/chat")
     await _until(lambda: publisher.subscriber_count == 1)
     began_s = time.time()
-    await _publish(publisher, tmp_path, 2.5)
+    await _publish(publisher, 2.5)
     killed_s = time.time()
     ours.process.send_signal(signal.SIGKILL)
     await ours.process.wait()
@@ -234,15 +234,16 @@ async def test_what_a_killed_roscpp_recorder_left_is_read_and_mended(stage: Stag
     await _until(lambda: publisher.subscriber_count == 1)
     payload = STORE.codec("std_msgs/String").encode({"data": "x" * 1000})
     active = tmp_path / "a.bag.active"
-    for _ in range(1500):  # more than a chunk
-        publisher.publish_raw([payload])
-        await asyncio.sleep(0)
-    await _until(lambda: active.exists() and active.stat().st_size > 1_000_000)
+    # More than a chunk; it drops what comes too fast.
+    async with asyncio.timeout(60):
+        while not active.exists() or active.stat().st_size < 1_000_000:
+            publisher.publish_raw([payload] * 10)
+            await asyncio.sleep(0.005)
     await theirs.stop(signal.SIGKILL)
     text = await _run(stage, "bag", "reindex", str(active))
     assert "messages kept" in text
     mended = _ours(tmp_path / "a.bag")
-    assert len(mended) > 900
+    assert len(mended) > 700
     assert await _theirs(stage, tmp_path / "a.bag") == mended
 
 
