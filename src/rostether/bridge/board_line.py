@@ -22,6 +22,9 @@ class BoardLine(Protocol):
     def congested(self, wait: Callable[[], Awaitable[object]]) -> bool:
         """Read nothing from the board until `wait()` ends; False, and nothing awaited, if it cannot pause."""
 
+    def look_inside(self, payload: bytes) -> None:
+        """Handle what noise has swallowed: the frames in a message that does not have its type's layout."""
+
     def call_started(self) -> None:
         """Tell that the board itself waits for a response."""
 

@@ -11,6 +11,7 @@ from rostether.bridge.reporter import Notices
 from rostether.bridge.settings import BridgeSettings
 from rostether.graph.ports import Graph, Level, Publisher
 from rostether.msgdef.interface import MessageType
+from rostether.rosserial.frame import SYNC
 from rostether.rosserial.packets import TopicInfo
 from rostether.serde.layout import Layout
 
@@ -18,6 +19,7 @@ from rostether.serde.layout import Layout
 HELD_BYTES = 256 * 1024
 # Each held message costs this much beside its payload.
 MESSAGE_OVERHEAD_BYTES = 64
+_SYNC = bytes((SYNC,))
 # How long a flood waits for a topic to be advertised before its oldest messages go.
 SETUP_PAUSE_S = 1.0
 
@@ -89,14 +91,16 @@ class PublisherEndpoint:
 
     def receive(self, payloads: list[bytes]) -> None:
         """Take messages from the board."""
-        if not self._accepts_all(payloads):
-            payloads = self._drop_misfits(payloads)
-            if not payloads:
-                return
+        if self._accepts_all(payloads):
+            self._take(payloads)
+        else:
+            self._sort_out(payloads)
+
+    def _take(self, payloads: list[bytes]) -> None:
         if self._rate is not None:
             payloads = self._keep_rate(self._rate, payloads)
-            if not payloads:
-                return
+        if not payloads:
+            return
         self.message_count += len(payloads)
         if self._publisher is None:
             self._hold(payloads)
@@ -121,12 +125,24 @@ class PublisherEndpoint:
             )
         return payloads[:admitted]
 
-    def _drop_misfits(self, payloads: list[bytes]) -> list[bytes]:
+    def _sort_out(self, payloads: list[bytes]) -> None:
+        """Take what fits, and look for swallowed frames in what does not, in the order in which they came."""
         accepts = self._layout.accepts
-        fitting = [payload for payload in payloads if accepts(payload)]
-        count = len(payloads) - len(fitting)
-        self.misfit_count += count
-        first = next(payload for payload in payloads if not accepts(payload))
+        line = self._line
+        fitting: list[bytes] = []
+        misfits: list[bytes] = []
+        for payload in payloads:
+            if accepts(payload):
+                fitting.append(payload)
+                continue
+            misfits.append(payload)
+            if line is not None and _SYNC in payload:
+                self._take(fitting)
+                fitting = []
+                line.look_inside(payload)
+        self._take(fitting)
+        first = misfits[0]
+        self.misfit_count += len(misfits)
         self._notices.episode(
             f"misfit {self.info.topic_name}",
             Level.WARN,
@@ -134,9 +150,8 @@ class PublisherEndpoint:
                 f"dropped a message of {self.info.topic_name} that came damaged or from another definition: "
                 f"{self._layout.explain(first)}"
             ),
-            count=count,
+            count=len(misfits),
         )
-        return fitting
 
     def _hold(self, payloads: list[bytes]) -> None:
         self._held += payloads

@@ -19,6 +19,7 @@ from rostether.bridge.log_relay import relay_log
 from rostether.bridge.outbox import Outbox
 from rostether.bridge.parameter_relay import ParameterRelay
 from rostether.bridge.reading_pause import ReadingPause
+from rostether.bridge.second_look import SecondLook
 from rostether.bridge.setup_lines import SetupLines
 from rostether.bridge.stamps import Stamps
 from rostether.errors import TransportError
@@ -92,6 +93,7 @@ class Session:
         self._pause = ReadingPause(transport)
         self._setup = SetupLines(node.notices)
         self._was_reset = False
+        self._second_look = SecondLook(self.link, self._handle)
         self._ended: asyncio.Future[TransportError | None] = self._loop.create_future()
         self._handlers: dict[type[Any], Callable[[Any], None]] = {
             TopicAnnounced: self._topic_announced,
@@ -172,6 +174,11 @@ class Session:
     def congested(self, wait: Callable[[], Awaitable[object]]) -> bool:
         """Read nothing from the board until `wait()` ends; False, and nothing awaited, if it cannot pause."""
         return not self._ended.done() and self._pause.until(wait)
+
+    def look_inside(self, payload: bytes) -> None:
+        """Handle what noise has swallowed: the frames in a message that does not have its type's layout."""
+        self._second_look.take(payload, self._loop.time())
+        self._after_link()
 
     def call_started(self) -> None:
         """Tell that the board itself waits for a response."""

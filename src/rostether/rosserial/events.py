@@ -47,6 +47,10 @@ class DiscardReason(Enum):
     TOO_MANY = "announcement beyond the limit of endpoints"
 
 
+DAMAGE = frozenset({DiscardReason.LENGTH_CHECKSUM, DiscardReason.PAYLOAD_CHECKSUM, DiscardReason.PACKET})
+"""What tells of a line that damages frames."""
+
+
 @dataclass(frozen=True, slots=True)
 class MessagesReceived:
     """Payloads of one announced topic id, in order; at most one event for each topic id a chunk."""

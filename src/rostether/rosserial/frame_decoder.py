@@ -22,7 +22,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from rostether.rosserial.events import FrameDiscarded
-from rostether.rosserial.frame import FORMS, MAX_PAYLOAD_BYTES, Header, read_header
+from rostether.rosserial.frame import FORMS, MAX_PAYLOAD_BYTES, SYNC, Header, read_header
 from rostether.rosserial.frame_scan import FrameScanner, Patience, Scan
 
 FIRST_LOOK_S = 0.1
@@ -76,6 +76,7 @@ class FrameDecoder:
     ) -> None:
         self._version = version
         self._header_bytes = FORMS[version].header_bytes
+        self._start = bytes((SYNC, FORMS[version].version_byte))
         self._scanner = FrameScanner(version, max_payload_bytes, refused_above)
         self._limits = {} if limits is None else limits
         self._abandon_after_s = abandon_after_s
@@ -174,6 +175,13 @@ class FrameDecoder:
         """Wait no longer for the unfinished frame; return what it holds."""
         buffer = bytes(self._pending)
         return self._accept(buffer, self._scan(buffer, Patience.NONE, now_s), now_s)
+
+    def look_inside(self, payload: bytes, now_s: float) -> list[Decoded]:
+        """Return the frames inside a payload that proved to be none; what is around them was told before."""
+        if self._start not in payload:
+            return []
+        scan = self._scan(payload, Patience.NONE, now_s)
+        return [Frames(topic_id, payloads) for topic_id, payloads in scan.groups.items()]
 
     def _scan(self, buffer: bytes, patience: Patience, now_s: float) -> Scan:
         """Cut a buffer, at no greater cost than this line may cause."""

@@ -9,8 +9,7 @@ The link itself has no states of its own; it joins machines that have:
     ControlRate                      how much of what is no message it may bring
     HostOutput                       what goes to it, and what must wait
 
-A device is never sent a payload larger than the buffer it announced, nor an id it did not announce since its
-last reset: either can crash the established library.
+Nothing beyond its buffer goes to a device, nor an id not announced since its last reset: either can crash it.
 """
 
 from __future__ import annotations
@@ -22,6 +21,7 @@ from rostether.rosserial.announcements import Announcements
 from rostether.rosserial.control_events import control_event
 from rostether.rosserial.control_rate import ControlRate
 from rostether.rosserial.events import (
+    DAMAGE,
     ControlFlood,
     DeviceReset,
     DeviceSilent,
@@ -44,8 +44,6 @@ from rostether.rosserial.presence import Presence, Verdict
 from rostether.rosserial.protocol_detector import ProtocolDetector
 from rostether.rosserial.topic_table import TopicTable
 from rostether.rostime import Time
-
-_DAMAGE = frozenset({DiscardReason.LENGTH_CHECKSUM, DiscardReason.PAYLOAD_CHECKSUM, DiscardReason.PACKET})
 
 
 class HostLink:
@@ -112,6 +110,14 @@ class HostLink:
         statistics.count_received(message[0], 1)
         self._presence.message(now_s)
         return message
+
+    def look_inside(self, payload: bytes, now_s: float) -> list[HostEvent]:
+        """Return what noise has swallowed: the frames in a message that does not have its type's layout."""
+        if isinstance(self._line, ProtocolDetector) or self._is_stopped:
+            return []
+        events = self._take(self._line.look_inside(payload, now_s), now_s)
+        self._pump(now_s)
+        return events
 
     def get_timer(self) -> float | None:
         """Return when `handle_timer` wants to be called, on the clock of `now_s`."""
@@ -262,7 +268,7 @@ class HostLink:
     def _report(self, event: HostEvent, now_s: float, events: list[HostEvent]) -> None:
         if isinstance(event, FrameDiscarded):
             self.statistics.count_discarded(event.reason, len(event.data))
-            if event.reason in _DAMAGE:
+            if event.reason in DAMAGE:
                 self._negotiation.note_damage(now_s)
         elif isinstance(event, ControlFlood):
             self.statistics.dropped_control_frames += event.count
@@ -280,8 +286,7 @@ class HostLink:
 
     def _settle(self, now_s: float, events: list[HostEvent]) -> None:
         negotiation = self._negotiation
-        changes = self._announcements.withdraw_all_but(negotiation.complete)
-        events += changes
+        events += (changes := self._announcements.withdraw_all_but(negotiation.complete))
         if negotiation.rounds > 1:
             events += self._announcements.refuse_lone_halves()
         self._presence.sign(now_s)

@@ -183,6 +183,7 @@ class FakeLine:
         self.link = FakeLink()
         self.waits: list[Callable[[], Awaitable[object]]] = []
         self.calls_started = 0
+        self.looked_inside: list[bytes] = []
         self.calls_finished = 0
         self.dropped: list[tuple[str, int]] = []
         self.outbox = Outbox(
@@ -197,6 +198,9 @@ class FakeLine:
         if self.transport.can_pause:
             self.waits.append(wait)
         return self.transport.can_pause
+
+    def look_inside(self, payload: bytes) -> None:
+        self.looked_inside.append(payload)
 
     def call_started(self) -> None:
         self.calls_started += 1

@@ -180,3 +180,15 @@ async def test_a_board_brings_no_more_than_its_rate(world: World) -> None:
     assert heard == expected
     assert (chatter.message_count, chatter.dropped_count) == (15, 21)
     assert "sends more than 10 messages a second, its limit messages_hz" in world.reporter.texts[-1]
+
+
+async def test_what_does_not_fit_is_looked_into_where_it_stood(world: World) -> None:
+    heard, line, chatter = await world.listen("/chatter"), FakeLine(), endpoint(world)
+    chatter.attach(line, chatter.info)
+    await chatter.open()
+    swallower = b"\xff\xfe and more"
+    line.look_inside = lambda payload: chatter.receive([text("swallowed")])  # type: ignore[method-assign]
+    line.receivers[125]([text("before"), swallower, text("after"), b"no sync"])
+    await until(lambda: len(heard) == 3, "three messages")
+    assert heard == [text("before"), text("swallowed"), text("after")]
+    assert chatter.misfit_count == 2

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rostether.rosserial import topic_id as ids
-from rostether.rosserial.events import DiscardReason, FrameDiscarded, MessagesReceived
+from rostether.rosserial.events import DiscardReason, FrameDiscarded, MessagesReceived, TimeRequested
 from rostether.rosserial.frame import encode_frame
 from rostether.rosserial.frame_decoder import FIRST_LOOK_S, FrameDecoder, Frames
 from rostether.rosserial.host_link import HostLink, HostLinkConfig
@@ -100,3 +100,25 @@ def test_looking_for_what_a_possible_length_swallows_gets_rarer() -> None:
         now_s += 0.02
         decoder.feed(b"\x00" * 100, now_s)
     assert len(looks) <= 12
+
+
+def test_a_message_that_is_none_gives_back_what_it_swallowed() -> None:
+    link, now_s = settled_link()
+    swallowed = header(CHATTER.topic_id, 3) + GOOD + TIME + b"\xff"
+    events = link.look_inside(swallowed, now_s)
+    assert MessagesReceived(CHATTER.topic_id, [b"\x02\0\0\0hi"]) in events
+    assert TimeRequested() in events
+    assert not any(isinstance(event, FrameDiscarded) for event in events)
+    assert link.look_inside(b"\xff" * 100, now_s) == []
+    link.stop()
+    assert link.look_inside(swallowed, now_s) == []
+
+
+def test_looking_inside_is_paid_from_what_noise_may_cost() -> None:
+    decoder = FrameDecoder()
+    noise = b"\xff\xfe\x01\x00\xfe\x7d\x00\x00\x00" * 7000
+    found = 0
+    for _ in range(20):
+        found += len(decoder.look_inside(noise + GOOD, 0.0))
+    assert found == 20
+    assert decoder._looks_left < 1000
