@@ -118,25 +118,28 @@ async def _run(program: Path, start: _Start, msg_paths: Sequence[Path], as_json:
     from rostether.boards.simavr.kinds import kind_of
     from rostether.boards.simavr.simulated_board import SimulatedBoard
     from rostether.cli.board_program import find_program
+    from rostether.cli.long_waits import told_when_long
 
     if start.board in MACHINES:
         others = (start.words, start.duration, start.uart, start.tcp_port, start.is_fast, start.seed)
         await run_in_qemu(program, start.board, start.link_path, has_words=any(others), as_json=as_json)
         return
     kind_of(start.board)
-    found = await find_program(program, start.board, msg_paths)
     link: Literal["pty", "tcp"] = "pty" if start.tcp_port is None else "tcp"
-    board = await SimulatedBoard.start(
-        found,
-        board=start.board,
-        link=link,
-        tcp_port=start.tcp_port or 0,
-        link_path=start.link_path,
-        uart=start.uart,
-        realtime=not start.is_fast,
-        seed=start.seed,
-        words=[*start.words, *([f"for {start.duration}"] if start.duration else [])],
-    )
+    preparing = f"preparing a simulated {start.board} for {program}; the first time takes longest"
+    with told_when_long(warn, preparing):
+        found = await find_program(program, start.board, msg_paths)
+        board = await SimulatedBoard.start(
+            found,
+            board=start.board,
+            link=link,
+            tcp_port=start.tcp_port or 0,
+            link_path=start.link_path,
+            uart=start.uart,
+            realtime=not start.is_fast,
+            seed=start.seed,
+            words=[*start.words, *([f"for {start.duration}"] if start.duration else [])],
+        )
     async with board:
         if not as_json:
             write_line(_title(board, program, start.link_path))

@@ -6,6 +6,7 @@ import asyncio
 import re
 from collections.abc import AsyncIterator, Coroutine, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -69,14 +70,17 @@ async def _start_avr(
     from rostether.boards.simavr.kinds import kind_of
     from rostether.boards.simavr.simulated_board import SimulatedBoard
     from rostether.cli.board_program import find_program
+    from rostether.cli.long_waits import told_when_long
 
     kind_of(link.board)
-    program = await find_program(Path(link.program), link.board, msg_paths)
-    board = await stack.enter_async_context(
-        await SimulatedBoard.start(
-            program, board=link.board, words=link.words, uart=link.uart, seed=link.seed
+    preparing = f"preparing a simulated {link.board} for {link.program}; the first time takes longest"
+    with told_when_long(partial(reporter.line, Level.INFO), preparing):
+        program = await find_program(Path(link.program), link.board, msg_paths)
+        board = await stack.enter_async_context(
+            await SimulatedBoard.start(
+                program, board=link.board, words=link.words, uart=link.uart, seed=link.seed
+            )
         )
-    )
     reporter.line(Level.INFO, f"simulated {board.kind} runs {link.program} at {board.address}{_note(board)}")
     return board.address, _report(board, str(link), reporter)
 
