@@ -100,7 +100,7 @@ class Message(_SerdeMessage):
 
     @classmethod
     def _field_names(cls) -> tuple[str, ...]:
-        return tuple(name for name, _ in cls._fields)
+        return tuple(name for name, _ in cls._zeros)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, type(self)) and all(

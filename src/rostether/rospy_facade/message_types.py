@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import keyword
 import os
 import threading
 from functools import cached_property
@@ -58,8 +59,11 @@ class FacadeClasses(MessageClasses):
         description = self._types.registry.message_type(tree.name)
         first = tree.members[0] if tree.members else None
         namespace |= {
-            # A list: programs of users join and index it.
+            _python_name(name): value for name, value in namespace.items() if keyword.iskeyword(name)
+        }
+        namespace |= {
             "__slots__": [member.name for member in tree.members],
+            "_zeros": tuple((_python_name(name), zero) for name, zero in made._zeros),
             "__module__": f"{tree.name.partition('/')[0]}.{self._types.module_of(tree.name)}",
             "_md5sum": description.md5sum,
             "_full_text": description.definition,
@@ -68,7 +72,18 @@ class FacadeClasses(MessageClasses):
             and (first.name, str(first.type)) == ("header", "std_msgs/Header"),
             "__hash__": None,
         }
-        return type(made.__name__, (Message,), namespace)
+        facade_class: Any = type(made.__name__, (Message,), namespace)
+        for member in tree.members:
+            # One slot under two names: the codec knows that of the definition.
+            setattr(facade_class, _python_name(member.name), vars(facade_class)[member.name])
+        # A list: programs of users join and index it.
+        facade_class.__slots__ = [_python_name(member.name) for member in tree.members]
+        return facade_class  # type: ignore[no-any-return]
+
+
+def _python_name(name: str) -> str:
+    """Return the name that genpy gives a field or constant in Python: `from`, a keyword, is `from_`."""
+    return f"{name}_" if keyword.iskeyword(name) or name == "self" else name
 
 
 class MessageTypes:

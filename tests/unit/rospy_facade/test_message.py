@@ -1,6 +1,8 @@
 from __future__ import annotations
 
+import copy
 import io
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -126,3 +128,19 @@ def test_prints_as_yaml(types: MessageTypes) -> None:
         "    secs: 0",
         "    nsecs:         0",
     ]
+
+
+def test_names_that_are_words_of_python_end_with_an_underscore(tmp_path: Path) -> None:
+    package = tmp_path / "mail"
+    (package / "msg").mkdir(parents=True)
+    (package / "package.xml").write_text("<package><name>mail</name></package>")
+    (package / "msg" / "Letter.msg").write_text("int8 pass=3\nstring from\nfloat64 self\nint8 to\n")
+    letter = made(MessageTypes(Registry(package_path=[tmp_path])), "mail/Letter")
+    sent = letter(from_="karl", to=2)
+    sent.self_ = 0.5
+    assert letter.__slots__ == ["from_", "self_", "to"]
+    assert letter.pass_ == 3
+    assert str(sent) == 'from_: "karl"\nself_: 0.5\nto: 2'
+    received = read_message(letter, message_bytes(sent))
+    assert (received.from_, received.self_, received.to) == ("karl", 0.5, 2)
+    assert received == sent == letter("karl", 0.5, 2) == copy.deepcopy(sent)
