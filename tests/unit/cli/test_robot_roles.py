@@ -10,7 +10,7 @@ def test_a_robot_stands_up(graph: LiveGraph, shell: Shell) -> None:
     states = ("role", "joint-state-publisher", "__name:=joints", "_rate:=50", "joint_states:=arm/joints")
     frames = ("role", "robot-state-publisher", "joint_states:=arm/joints", "_publish_frequency:=20")
     with started(graph.uri, *states) as joints, started(graph.uri, *frames) as state:
-        assert "- Translation: [" in shell.output("tf", "echo", "-n", "1", "base", "hand")
+        assert "- Translation: [" in shell("tf", "echo", "-n", "1", "base", "hand").out
         assert shell.output("param", "get", "/joints/rate") == "50\n"
         assert shell.output("node", "list").split() == ["/joints", "/robot_state_publisher", "/setter"]
         shell("node", "kill", "/joints")

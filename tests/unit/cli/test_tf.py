@@ -91,8 +91,10 @@ def test_static_publishes_until_told_to_end(
 ) -> None:
     words = ["1", "-2", "-0.5", str(math.pi / 2), "0", "0", "world", "laser", "__name:=here"]
     with started(graph.uri, *verb, *words) as process:
-        text = shell.output("tf", "echo", "-n", "1", "world", "laser")
-        assert "[1.000, -2.000, -0.500]" in text
+        # Where the process is slow to start, echo says on stderr that it waits.
+        result = shell("tf", "echo", "-n", "1", "world", "laser")
+        assert result.code == 0
+        assert "[1.000, -2.000, -0.500]" in result.out
         assert "/here" in shell.output("node", "list")
         process.terminate()
         assert process.wait(10) == 0
