@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TypeAlias
+from typing import Generic, TypeAlias, TypeVar
 
 from rostether.errors import DefinitionError, UnknownTypeError
-from rostether.msgdef.primitives import PRIMITIVE_TYPES
+from rostether.msgdef.ros2.spec import Ros2Field, Ros2Message
 from rostether.msgdef.spec import Field, MessageSpec
 
 Lookup: TypeAlias = Callable[[str], MessageSpec]
+SpecT = TypeVar("SpecT", MessageSpec, Ros2Message)
 
 MAX_DEPTH = 32  # the deepest in use nest about 8; definitions also come from peers
 # Values that every message holds because of fixed arrays and nesting: two fields of the next type on each of
@@ -18,30 +19,30 @@ MAX_FIXED_VALUES = 1 << 20
 _BYTES_A_VALUE = 256  # a fixed array of bytes is one value in memory, so it counts by size only
 
 
-def dependencies(spec: MessageSpec, lookup: Lookup) -> list[MessageSpec]:
-    """Return all messages below `spec`, each once, in the order of first use, depth first.
+def dependencies(spec: SpecT, lookup: Callable[[str], SpecT]) -> list[SpecT]:
+    """Return all messages below `spec`, of ROS 1 or ROS 2, each once, in the order of first use, depth first.
 
     `lookup` maps a full name to its definition. Raises UnknownTypeError naming the field that needs the
     missing type, DefinitionError for a type that holds itself, nests too deep or is too large.
     """
-    walk = _Walk(lookup)
+    walk: _Walk[SpecT] = _Walk(lookup)
     walk.visit(spec, (spec.full_name,))
     return list(walk.found.values())
 
 
-class _Walk:
-    def __init__(self, lookup: Lookup) -> None:
-        self.found: dict[str, MessageSpec] = {}
-        self._lookup = lookup
+class _Walk(Generic[SpecT]):
+    def __init__(self, lookup: Callable[[str], SpecT]) -> None:
+        self.found: dict[str, SpecT] = {}
+        self._lookup: Callable[[str], SpecT] = lookup
         self._values: dict[str, int] = {}
 
-    def visit(self, spec: MessageSpec, path: tuple[str, ...]) -> int:
+    def visit(self, spec: SpecT, path: tuple[str, ...]) -> int:
         """Find everything below `spec` and return how many values each of its messages holds."""
         if len(path) > MAX_DEPTH:
             raise DefinitionError(f"messages nest deeper than {MAX_DEPTH}: {' -> '.join(path)}", file=path[0])
         total = 0
         for field in spec.fields:
-            if field.type.base in PRIMITIVE_TYPES:
+            if "/" not in field.type.base:  # a primitive
                 total += _primitive_values(field)
                 continue
             each = self._visit_field(spec, field, path)
@@ -58,23 +59,23 @@ class _Walk:
         self._values[spec.full_name] = total
         return total
 
-    def _visit_field(self, spec: MessageSpec, field: Field, path: tuple[str, ...]) -> int:
-        name = field.type.base
+    def _visit_field(self, spec: SpecT, field: Field | Ros2Field, path: tuple[str, ...]) -> int:
+        name: str = field.type.base
         if name in path:
             cycle = " -> ".join((*path[path.index(name) :], name))
             raise DefinitionError(f"a message cannot hold itself: {cycle}", file=spec.full_name)
         if name in self._values:
             return self._values[name]
         try:
-            nested = self._lookup(name)
+            nested: SpecT = self._lookup(name)
         except UnknownTypeError as error:
             raise UnknownTypeError(f"{spec.full_name}, field {field.name!r}: {error}") from error
         self.found[name] = nested
         return self.visit(nested, (*path, name))
 
 
-def _primitive_values(field: Field) -> int:
+def _primitive_values(field: Field | Ros2Field) -> int:
     length = field.type.length
     if not field.type.is_array or length is None:
         return 1
-    return 1 + length // _BYTES_A_VALUE if field.type.base in ("uint8", "char") else length
+    return 1 + length // _BYTES_A_VALUE if field.type.base in ("uint8", "char", "byte") else length

@@ -10,8 +10,8 @@ import hashlib
 import json
 from typing import Any, Protocol
 
+from rostether.msgdef.resolve_types import dependencies
 from rostether.msgdef.ros2.primitives import PRIMITIVE_TYPES
-from rostether.msgdef.ros2.resolve_types import dependencies
 from rostether.msgdef.ros2.spec import Ros2Field, Ros2Message, Ros2Service, Ros2Type
 
 TYPE_HASH_NOT_SUPPORTED = "TypeHashNotSupported"

@@ -10,8 +10,8 @@ from __future__ import annotations
 from typing import Protocol
 
 from rostether.errors import DefinitionError
+from rostether.msgdef.resolve_types import dependencies
 from rostether.msgdef.ros2.primitives import PRIMITIVE_TYPES
-from rostether.msgdef.ros2.resolve_types import dependencies
 from rostether.msgdef.ros2.spec import Ros2Constant, Ros2Field, Ros2Message
 from rostether.msgdef.spec import Constant, Field, FieldType, MessageSpec
 

@@ -16,9 +16,9 @@ from rostether.ros2.endpoint_info import EndpointInfo
 from rostether.ros2.listed_client import ListedClient
 from rostether.ros2.naming import validate_topic_name
 from rostether.ros2.parameters.graph_parameters import GraphParameters
+from rostether.ros2.parameters.parameter_methods import ParameterMethods
 from rostether.ros2.parameters.services import ParameterServices
 from rostether.ros2.parameters.store import ParameterStore
-from rostether.ros2.parameters.watches import ParameterWatch
 from rostether.ros2.rosout import RosoutLog
 from rostether.ros2.zenoh.endpoint_list import list_endpoints
 from rostether.ros2.zenoh.endpoints import Endpoints
@@ -40,7 +40,7 @@ _LOGGING_LEVELS = {
 }
 
 
-class ZenohGraph:
+class ZenohGraph(ParameterMethods):
     """A `graph.ports.Graph`; made by `ZenohSession.join`."""
 
     def __init__(
@@ -128,35 +128,6 @@ class ZenohGraph:
         """Be listed as a client of a service. Raises UnknownTypeError, TypeMismatchError."""
         self._check_open()
         return self._endpoints.list_client(self._resolve_ros2(service), service_type)
-
-    async def get_param(self, name: str) -> ParamValue:
-        """Return a parameter's value. Raises UnknownNameError."""
-        return await self._parameters.get(self.resolve(name))
-
-    async def set_param(self, name: str, value: ParamValue) -> None:
-        """Set a parameter; a mapping replaces the whole tree below it."""
-        await self._parameters.set(self.resolve(name), value)
-
-    async def delete_param(self, name: str) -> None:
-        """Delete a parameter. Raises UnknownNameError."""
-        await self._parameters.delete(self.resolve(name))
-
-    async def has_param(self, name: str) -> bool:
-        """Tell whether a parameter is set."""
-        return await self._parameters.has(self.resolve(name))
-
-    async def search_param(self, name: str) -> str | None:
-        """Find a parameter of this node by a relative name."""
-        return await self._parameters.search(name, self.resolve)
-
-    async def list_params(self) -> list[str]:
-        """Return the full names of the parameters of all nodes, sorted."""
-        return await self._parameters.names()
-
-    async def watch_param(self, name: str, on_change: Callable[[ParamValue], None]) -> ParameterWatch:
-        """Call back with the value now and whenever it has changed; None means it is unset."""
-        self._check_open()
-        return await self._parameters.watch(self.resolve(name), on_change)
 
     def log(self, level: Level, text: str) -> None:
         """Publish a log message on /rosout under this node's name."""

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from rostether.errors import ConfigError, DefinitionError, UnknownTypeError
+from rostether.msgdef.resolve_types import dependencies
 from rostether.msgdef.ros2.definition_files import BUNDLED_FOLDER
 from rostether.msgdef.ros2.definitions import Ros2Definitions
-from rostether.msgdef.ros2.resolve_types import dependencies
 
 PACKAGE_XML = "<package format='3'><name>{name}</name><version>1.0.0</version>{rest}</package>"
 ROS2 = "<buildtool_depend>ament_cmake</buildtool_depend><export><build_type>ament_cmake</build_type></export>"
