@@ -157,6 +157,8 @@ class Peer:
 
     async def stop(self, signal_number: int = signal.SIGINT) -> None:
         """End it and all it started, politely first."""
+        # roslaunch puts its nodes into groups of their own; they would outlive it and hold its output open.
+        groups = _descendants(self.process.pid)
         for number in (signal_number, signal.SIGTERM, signal.SIGKILL):
             if self.process.returncode is not None:
                 break
@@ -164,10 +166,24 @@ class Peer:
                 os.killpg(self.process.pid, number)
             with contextlib.suppress(TimeoutError):
                 await asyncio.wait_for(self.process.wait(), 3.0)
-        with contextlib.suppress(ProcessLookupError, PermissionError):
-            os.killpg(self.process.pid, signal.SIGKILL)
+        for group in groups:
+            with contextlib.suppress(ProcessLookupError, PermissionError):
+                os.killpg(group, signal.SIGKILL)
         if self.reader is not None:
-            await self.reader
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(self.reader, 3.0)
+
+
+def _descendants(pid: int) -> set[int]:
+    """Return the ids of a process, its children, and theirs."""
+    parents: dict[int, int] = {}
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):
+            parents[int(stat.parent.name)] = int(stat.read_text().rpartition(")")[2].split()[1])
+    found = {pid}
+    while added := {child for child, parent in parents.items() if parent in found} - found:
+        found |= added
+    return found
 
 
 class Ros1Peers:

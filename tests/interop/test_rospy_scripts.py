@@ -63,7 +63,10 @@ async def observe(peers: Ros1Peers, python: str, how_to_end: str, *arguments: st
         talker.process.send_signal(getattr(signal, how_to_end))
     await talker.finish()
     await observer.finish()
-    assert "LEFT" in observer.lines, observer.text
+    left = observer.lines[-1]
+    assert left.startswith("LEFT"), observer.text
+    # Debian's rospy may close its connections before its shutdown hook's message has left.
+    assert python == DEBIAN_PYTHON or left == "LEFT with a word"
     found: dict[str, Any] = json.loads(next(line for line in observer.lines if line.startswith("FOUND"))[6:])
     found["exit"] = talker.process.returncode
     found["printed"] = [re.sub(r"\d+\.\d+", "time", line) for line in talker.lines if "tick" in line]

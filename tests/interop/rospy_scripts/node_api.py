@@ -4,7 +4,7 @@ Started with: chatter:=/talk/other _rate:=5 _name:=karl __ns:=/robot number:=ren
 """
 
 # Written as users write their nodes.
-# ruff: noqa: BLE001, E402, UP031
+# ruff: noqa: A001, BLE001, E402, UP031
 
 import logging
 import sys
@@ -15,6 +15,11 @@ import std_msgs
 from rospy.numpy_msg import numpy_msg
 from std_msgs.msg import Bool, Empty, Float32MultiArray, Header, Int32, String
 from std_srvs.srv import SetBool, SetBoolResponse, Trigger, TriggerResponse
+
+
+def print(*values):
+    # In one piece: rospy's debug messages come from other threads and would stand in the middle of a line.
+    sys.stdout.write(" ".join(map(str, values)) + "\n")
 
 
 def attempt(label, function):

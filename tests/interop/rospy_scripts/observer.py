@@ -78,13 +78,20 @@ answer = next(name for name in found["registered"][2] if name.endswith("answer")
 found["calls"] = [call(answer, SetBool, True), call(answer, SetBool, False), call(node + "/refuse", Trigger)]
 print("FOUND " + json.dumps(found, sort_keys=True))
 last = []
+
+
+def said_goodbye():
+    return any(payload.endswith(b"bye") for payload in last)
+
+
 early = next(topic for topic in found["registered"][0] if topic.endswith("early") or topic.endswith("moved"))
 rospy.Subscriber(early, rospy.AnyMsg, lambda message: last.append(message._buff))
 wait_until(lambda: last, "more messages")
 print("READY")
 sys.stdout.flush()
-# The talker's loop may say one thing more while its hook, in a thread of rospy's, says good-bye.
-wait_until(lambda: any(each.endswith(b"bye") for each in last[-3:]), "word at the end")
 wait_until(lambda: not any(registered()), "end of the registrations")
+end = time.time() + 3
+while not said_goodbye() and time.time() < end:
+    time.sleep(0.02)
 rospy.delete_param(node)  # a next talker must set its own
-print("LEFT")
+print("LEFT with a word" if said_goodbye() else "LEFT in silence")
