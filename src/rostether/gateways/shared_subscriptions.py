@@ -1,0 +1,232 @@
+"""One subscription of a topic on the graph, however many clients of a gateway listen to it.
+
+What comes is handed to all of them as it is, with the type that its publisher said; a client that comes late
+gets what latched publishers have said last. Nobody is ever paused: each taker bounds its own queue.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
+from typing import Any, TypeAlias
+
+from rostether.errors import GraphError
+from rostether.graph.callbacks import call_contained
+from rostether.graph.message_stream import LearnedTypes
+from rostether.graph.ports import Graph, OnMessages, Subscriber
+from rostether.msgdef.interface import ANY_MD5SUM, ANY_MESSAGE, ANY_TYPE, MessageType
+from rostether.serde.codec import Codec
+from rostether.serde.store import TypeStore
+
+MAX_CONNECTIONS = 256
+"""Publishers of one topic that are remembered with what they latched; names of nodes are made up by peers."""
+
+
+class PublisherConnection:
+    """One publisher of a topic as it introduced itself."""
+
+    def __init__(self, topic: str, fields: Mapping[str, str], types: LearnedTypes) -> None:
+        self.topic = topic
+        self.type = MessageType(
+            fields.get("type", ANY_TYPE),
+            fields.get("md5sum", ANY_MD5SUM),
+            fields.get("message_definition", ""),
+        )
+        self.node_name = fields.get("callerid", "")
+        self.is_latching = fields.get("latching") == "1"
+        self._fields = fields
+        self._types = types
+
+    @cached_property
+    def codec(self) -> Codec:
+        """What its messages are decoded with. Raises UnknownTypeError, DefinitionError, TypeMismatchError."""
+        return self._types.codec(self._fields)
+
+
+class Batch:
+    """Messages that came at once from one publisher; `forms` is what takers made of them, for each other."""
+
+    __slots__ = ("connection", "forms", "payloads")
+
+    def __init__(self, connection: PublisherConnection, payloads: Sequence[bytes]) -> None:
+        self.connection = connection
+        self.payloads = payloads
+        self.forms: dict[Any, Any] = {}
+
+
+OnBatch: TypeAlias = Callable[[Batch], None]
+OnConnection: TypeAlias = Callable[[PublisherConnection], None]
+
+
+class SharedSubscription:
+    """One taker's share; made by `SharedSubscriptions.subscribe`."""
+
+    def __init__(self, source: _Source, on_batch: OnBatch, on_connection: OnConnection | None) -> None:
+        self.topic = source.topic
+        self._source = source
+        self._on_batch = on_batch
+        self._on_connection = on_connection
+        self._is_closed = False
+
+    @property
+    def publisher_count(self) -> int:
+        """How many publishers are connected now."""
+        return self._source.publisher_count
+
+    @property
+    def connections(self) -> Sequence[PublisherConnection]:
+        """The publishers that have introduced themselves, the last one last."""
+        return tuple(self._source.connections.values())
+
+    async def close(self) -> None:
+        """Take no more; the last one ends the subscription on the graph. Idempotent."""
+        if not self._is_closed:
+            self._is_closed = True
+            await self._source.remove(self)
+
+    def take(self, batch: Batch) -> None:
+        """Hand a batch on; an error of the taker's stays here."""
+        if not self._is_closed:
+            call_contained(f"taker of {self.topic}", self._on_batch, batch)
+
+    def meet(self, connection: PublisherConnection) -> None:
+        """Tell of a publisher."""
+        if self._on_connection is not None and not self._is_closed:
+            call_contained(f"on_connection of {self.topic}", self._on_connection, connection)
+
+
+class SharedSubscriptions:
+    """All topics that the clients of a gateway listen to, each subscribed once."""
+
+    def __init__(self, graph: Graph, store: TypeStore) -> None:
+        self.types = LearnedTypes(store)
+        self._graph = graph
+        self._sources: dict[str, _Source] = {}
+
+    @property
+    def topics(self) -> Sequence[str]:
+        """The topics that somebody listens to."""
+        return tuple(self._sources)
+
+    async def subscribe(
+        self, topic: str, on_batch: OnBatch, on_connection: OnConnection | None = None
+    ) -> SharedSubscription:
+        """Listen to a topic of any type. `on_connection` is told of each publisher before its first batch.
+
+        Raises InvalidNameError, GraphError.
+        """
+        name = self._graph.resolve(topic)
+        source = self._sources.get(name)
+        if source is None:
+            source = self._sources[name] = _Source(self._graph, name, self.types, self._forget)
+        share = SharedSubscription(source, on_batch, on_connection)
+        try:
+            await source.add(share)
+        except BaseException:
+            await share.close()
+            raise
+        return share
+
+    async def close(self) -> None:
+        """End all subscriptions."""
+        await asyncio.gather(*(source.close() for source in list(self._sources.values())))
+
+    def _forget(self, source: _Source) -> None:
+        if self._sources.get(source.topic) is source:
+            del self._sources[source.topic]
+
+
+class _Source:
+    """One topic on the graph and those who share it."""
+
+    def __init__(
+        self, graph: Graph, topic: str, types: LearnedTypes, on_end: Callable[[_Source], None]
+    ) -> None:
+        self.topic = topic
+        self.connections: dict[str, PublisherConnection] = {}
+        self._graph = graph
+        self._types = types
+        self._on_end = on_end
+        self._shares: tuple[SharedSubscription, ...] = ()
+        self._latched: dict[str, Batch] = {}
+        self._last: PublisherConnection | None = None
+        self._opening = asyncio.ensure_future(self._open())
+        # Whoever waits for it is told; nobody may be left who does.
+        self._opening.add_done_callback(lambda task: task.cancelled() or task.exception())
+        self._is_ended = False
+
+    @property
+    def publisher_count(self) -> int:
+        is_open = self._opening.done() and not self._opening.cancelled() and not self._opening.exception()
+        return self._opening.result().publisher_count if is_open else 0
+
+    async def add(self, share: SharedSubscription) -> None:
+        connections, latched = list(self.connections.values()), list(self._latched.values())
+        self._shares = (*self._shares, share)
+        await asyncio.shield(self._opening)
+        for connection in connections:
+            share.meet(connection)
+        if not latched:
+            return
+        there = await self._publishers()
+        for batch in latched:
+            # Who has left has taken back what it latched; newer words of the others have come meanwhile.
+            node_name = batch.connection.node_name
+            if (there is None or node_name in there) and self._latched.get(node_name) is batch:
+                share.take(batch)
+
+    async def remove(self, share: SharedSubscription) -> None:
+        self._shares = tuple(each for each in self._shares if each is not share)
+        if not self._shares:
+            await self.close()
+
+    async def close(self) -> None:
+        if self._is_ended:
+            return
+        self._is_ended = True
+        self._on_end(self)
+        # A subscription that is being made is let be made: half of one could not be taken back.
+        await asyncio.wait([self._opening])
+        if not self._opening.cancelled() and self._opening.exception() is None:
+            await self._opening.result().close()
+
+    async def _publishers(self) -> Sequence[str] | None:
+        try:
+            info = (await self._graph.snapshot()).topics.get(self.topic)
+        except GraphError:
+            return None
+        return info.publishers if info is not None else ()
+
+    async def _open(self) -> Subscriber:
+        return await self._graph.subscribe(
+            self.topic,
+            ANY_MESSAGE,
+            self._take_of_last,
+            on_connection=self._meet,  # type: ignore[arg-type]
+        )
+
+    def _meet(self, fields: Mapping[str, str]) -> OnMessages:
+        connection = PublisherConnection(self.topic, dict(fields), self._types)
+        for table in (self.connections, self._latched):
+            table.pop(connection.node_name, None)
+            while len(table) >= MAX_CONNECTIONS:
+                del table[next(iter(table))]
+        self.connections[connection.node_name] = self._last = connection
+        for share in self._shares:
+            share.meet(connection)
+        return lambda payloads: self._take(connection, payloads)
+
+    def _take_of_last(self, payloads: Sequence[bytes]) -> None:
+        # A graph that does not tell publishers apart.
+        if self._last is not None:
+            self._take(self._last, payloads)
+
+    def _take(self, connection: PublisherConnection, payloads: Sequence[bytes]) -> None:
+        if not payloads:
+            return
+        if connection.is_latching:
+            self._latched[connection.node_name] = Batch(connection, payloads[-1:])
+        batch = Batch(connection, payloads)
+        for share in self._shares:
+            share.take(batch)
