@@ -1,0 +1,178 @@
+"""The records of an MCAP file, and what is in them.
+
+    file     magic  header  (schema | channel | chunk  message index...)...  data end  summary  footer  magic
+    record   u8 kind | u64 length | content
+    chunk    its records are schemas, channels and messages in a row, perhaps compressed
+    summary  schemas and channels once more, statistics, chunk indexes, and where each kind of them begins
+
+All integers are little-endian; texts have a u32 length before them. Source: mcap.dev/spec
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+MAGIC = b"\x89MCAP0\r\n"
+
+OP_HEADER = 0x01
+OP_FOOTER = 0x02
+OP_SCHEMA = 0x03
+OP_CHANNEL = 0x04
+OP_MESSAGE = 0x05
+OP_CHUNK = 0x06
+OP_MESSAGE_INDEX = 0x07
+OP_CHUNK_INDEX = 0x08
+OP_ATTACHMENT = 0x09
+OP_ATTACHMENT_INDEX = 0x0A
+OP_STATISTICS = 0x0B
+OP_METADATA = 0x0C
+OP_METADATA_INDEX = 0x0D
+OP_SUMMARY_OFFSET = 0x0E
+OP_DATA_END = 0x0F
+
+KINDS = {
+    OP_HEADER: "header",
+    OP_FOOTER: "footer",
+    OP_SCHEMA: "schema",
+    OP_CHANNEL: "channel",
+    OP_MESSAGE: "message",
+    OP_CHUNK: "chunk",
+    OP_MESSAGE_INDEX: "message index",
+    OP_CHUNK_INDEX: "chunk index",
+    OP_ATTACHMENT: "attachment",
+    OP_ATTACHMENT_INDEX: "attachment index",
+    OP_STATISTICS: "statistics",
+    OP_METADATA: "metadata",
+    OP_METADATA_INDEX: "metadata index",
+    OP_SUMMARY_OFFSET: "summary offset",
+    OP_DATA_END: "data end",
+}
+
+RECORD_HEAD = struct.Struct("<BQ")
+MESSAGE_HEAD = struct.Struct("<HIQQ")
+CHUNK_HEAD = struct.Struct("<QQQI")
+FOOTER = struct.Struct("<QQI")
+FOOTER_BYTES = RECORD_HEAD.size + FOOTER.size
+STATISTICS = struct.Struct("<QHIIIIQQ")
+SUMMARY_OFFSET = struct.Struct("<BQQ")
+TIME_AND_OFFSET = struct.Struct("<QQ")
+CHANNEL_AND_NUMBER = struct.Struct("<HQ")
+CHUNK_PLACE = struct.Struct("<QQQQ")
+U16_PAIR = struct.Struct("<HH")
+U16 = struct.Struct("<H")
+U32 = struct.Struct("<I")
+U64 = struct.Struct("<Q")
+
+
+@dataclass(frozen=True, slots=True)
+class Schema:
+    """A type: its name, in which language its definition is written, and the definition."""
+
+    number: int
+    name: str
+    encoding: str
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Channel:
+    """A topic of a publisher; schema 0 is none."""
+
+    number: int
+    schema: int
+    topic: str
+    encoding: str
+    metadata: Mapping[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class Chunk:
+    """A chunk, its stored records between two places of the file."""
+
+    start_ns: int
+    end_ns: int
+    size_bytes: int
+    crc: int
+    compression: str
+    data_start: int
+    data_end: int
+
+
+@dataclass(frozen=True, slots=True)
+class ChunkIndex:
+    """Where a chunk and the indexes of its messages stand; `indexes` by channel number."""
+
+    start_ns: int
+    end_ns: int
+    position: int
+    length: int
+    indexes: Mapping[int, int]
+    indexes_bytes: int
+    compression: str
+    compressed_bytes: int
+    size_bytes: int
+
+
+@dataclass(frozen=True, slots=True)
+class Statistics:
+    """How much a file says that it holds; `counts` by channel number."""
+
+    message_count: int
+    schema_count: int
+    channel_count: int
+    attachment_count: int
+    metadata_count: int
+    chunk_count: int
+    start_ns: int
+    end_ns: int
+    counts: Mapping[int, int]
+
+
+def encode_record(op: int, content: bytes) -> bytes:
+    """Return a whole record."""
+    return RECORD_HEAD.pack(op, len(content)) + content
+
+
+def encode_text(text: str | bytes) -> bytes:
+    """Return a text with its length."""
+    data = text.encode("utf-8", "surrogateescape") if isinstance(text, str) else text
+    return U32.pack(len(data)) + data
+
+
+def encode_map(values: Mapping[str, str]) -> bytes:
+    """Return texts by name, with the length of them all."""
+    return encode_text(b"".join(encode_text(key) + encode_text(value) for key, value in values.items()))
+
+
+def encode_numbers(values: Mapping[int, int]) -> bytes:
+    """Return numbers by channel, with the length of them all."""
+    return encode_text(b"".join(CHANNEL_AND_NUMBER.pack(*each) for each in values.items()))
+
+
+def encode_statistics(statistics: Statistics) -> bytes:
+    """Return the record of statistics."""
+    head = STATISTICS.pack(
+        statistics.message_count,
+        statistics.schema_count,
+        statistics.channel_count,
+        statistics.attachment_count,
+        statistics.metadata_count,
+        statistics.chunk_count,
+        statistics.start_ns,
+        statistics.end_ns,
+    )
+    return encode_record(OP_STATISTICS, head + encode_numbers(statistics.counts))
+
+
+def encode_chunk_index(index: ChunkIndex) -> bytes:
+    """Return the record of a chunk's index."""
+    parts = (
+        CHUNK_PLACE.pack(index.start_ns, index.end_ns, index.position, index.length),
+        encode_numbers(index.indexes),
+        U64.pack(index.indexes_bytes),
+        encode_text(index.compression),
+        TIME_AND_OFFSET.pack(index.compressed_bytes, index.size_bytes),
+    )
+    return encode_record(OP_CHUNK_INDEX, b"".join(parts))
