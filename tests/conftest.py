@@ -11,6 +11,7 @@ from collections.abc import Callable
 import pytest
 
 from interop.ros1_peers import missing_robot, missing_ros1, missing_roscpp
+from interop_web.web_peers import missing_web
 from unit.boards.simavr.programs import missing_simavr
 from unit.codegen.compilers import COMPILERS, missing_compiler
 
@@ -36,6 +37,7 @@ PEERS: dict[str, Callable[[], str]] = {
     "fish": functools.partial(missing_program, "fish", "fish"),
     "qemu": functools.partial(missing_program, "qemu-system-arm", "qemu-system-arm"),
     "wine": functools.partial(missing_program, "wine", "wine"),
+    "web": missing_web,
     "rclpy": functools.partial(missing_module, "rclpy", "rostether[rclpy]"),
 }
 

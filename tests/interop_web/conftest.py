@@ -1,0 +1,42 @@
+"""Fixtures of the tests with the web's own libraries."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+import pytest
+import pytest_asyncio
+
+from interop_web.web_peers import WebPeers, install_packages
+
+
+@pytest.fixture(scope="session")
+def node_modules() -> Path:
+    """The installed npm packages."""
+    try:
+        return install_packages()
+    except (subprocess.CalledProcessError, subprocess.TimeoutExpired) as error:
+        text = error.stderr.decode() if isinstance(error.stderr, bytes) else error.stderr or ""
+        reason = f"npm ci failed, is the network up? {text or error}"
+        if os.environ.get("CI") == "true":
+            pytest.fail(f"CI needs every peer: {reason}", pytrace=False)
+        pytest.skip(reason)
+
+
+@pytest_asyncio.fixture
+async def web_peers(node_modules: Path, tmp_path: Path) -> AsyncIterator[WebPeers]:
+    """Programs of `peers/` to start; all are ended with the test."""
+    peers = WebPeers(node_modules, tmp_path / "web_peers")
+    yield peers
+    await peers.close()
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Everything in this folder needs Node; the first test of a run also waits for npm."""
+    for item in items:
+        if "interop_web" in item.path.parts:
+            item.add_marker("web")
+            item.add_marker(pytest.mark.timeout(240))
