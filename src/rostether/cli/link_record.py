@@ -48,7 +48,7 @@ def link_record(
         serve,
         addresses=(address,),
         master=master,
-        record=file,
+        record_line=file,
         record_limit_mb=record_limit_mb,
         listen=listen,
         allowed=allowed,

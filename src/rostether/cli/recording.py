@@ -26,7 +26,7 @@ record_limit_option = click.option(
     type=click.FloatRange(min=0.01),
     default=100,
     metavar="MB",
-    help="Stop recording, not serving, when the file has that size (100).",
+    help="Stop recording lines, not serving, when the file has that size (100).",
 )
 
 

@@ -11,6 +11,12 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.announcing import announced, check_mdns
+from rostether.cli.bag_recording import (
+    BagRecording,
+    bag_recording_options,
+    bags_recorded,
+    read_bag_recording,
+)
 from rostether.cli.bridge_lines import ConsoleReporter
 from rostether.cli.device_options import (
     config_option,
@@ -57,6 +63,7 @@ if TYPE_CHECKING:
     rostether serve /dev/ttyACM0 /dev/ttyACM1 --ns-per-board
     rostether serve /dev/ttyACM0 --ros2 zenoh         a ROS 2 node
     rostether serve /dev/ttyACM0 --ros1 --ros2 rclpy  in both graphs
+    rostether serve /dev/ttyACM0 --record bags        all topics into bags, too
     """,
 )
 @click.argument("addresses", nargs=-1, metavar="[ADDRESS...]")
@@ -81,8 +88,9 @@ if TYPE_CHECKING:
 )
 @click.option("--ns-per-board", is_flag=True, help="Put each board's topics into a namespace of its name.")
 @click.option("--no-diagnostics", is_flag=True, help="Do not publish /diagnostics from the boards' nodes.")
+@bag_recording_options
 @click.option(
-    "--record",
+    "--record-line",
     type=click.Path(path_type=Path, dir_okay=False),
     metavar="FILE",
     help="Record what goes over the lines to a new file; see `rostether link`.",
@@ -104,7 +112,7 @@ def serve(
     mdns: bool | None,
     ns_per_board: bool,
     no_diagnostics: bool,
-    record: Path | None,
+    record_line: Path | None,
     record_limit_mb: float,
     limits: tuple[str, ...],
     verbose: bool,
@@ -149,7 +157,8 @@ def serve(
             discovers=discovers,
             announces=announces,
             wants_mdns=mdns is True,
-            record=record,
+            bags=read_bag_recording(),
+            record_line=record_line,
             record_limit_mb=record_limit_mb,
             settings=settings,
             board_keys=devices.board_keys(),
@@ -176,7 +185,8 @@ async def _serve(
     discovers: bool,
     announces: bool,
     wants_mdns: bool,
-    record: Path | None,
+    bags: BagRecording | None,
+    record_line: Path | None,
     record_limit_mb: float,
     settings: BridgeSettings,
     board_keys: BoardKeys,
@@ -204,7 +214,8 @@ async def _serve(
         for line in unchosen_lines(devices, links):
             reporter.line(Level.WARN, line)
         async with (
-            recorded(record, record_limit_mb, reporter) as tap,
+            recorded(record_line, record_limit_mb, reporter) as tap,
+            bags_recorded(bags, graphs.join, reporter),
             simulated(links, reporter, msg_paths) as opened,
             bridge(
                 graphs.join,

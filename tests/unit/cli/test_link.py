@@ -81,7 +81,7 @@ async def test_serve_records_and_says_so_at_its_end(tmp_path: Path) -> None:
     async with (
         board_at(tmp_path / "arm"),
         master() as environ,
-        started("serve", f"{tmp_path}/arm", "--record", str(file), **environ) as serve,
+        started("serve", f"{tmp_path}/arm", "--record-line", str(file), **environ) as serve,
     ):
         await hear(environ, "/chatter", 2)
         await serve.stop(signal.SIGINT)

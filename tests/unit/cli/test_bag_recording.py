@@ -1,0 +1,78 @@
+"""`serve --record DIR`: bags of all topics, and what becomes of the bridge when they cannot be written."""
+
+from __future__ import annotations
+
+import asyncio
+import signal
+from pathlib import Path
+
+from rostether.cli.bag_recording import BagRecording, bags_recorded
+from rostether.graph.memory_network import MemoryNetwork
+from rostether.graph.ports import Level
+from rostether.recording.bag_reader import BagReader
+from unit.cli.serving_process import started
+from unit.cli.shell import Shell
+from unit.cli.test_link import board_at, hear, master
+from unit.recording.bags import STRING, text
+
+
+class _Lines:
+    def __init__(self) -> None:
+        self.lines: list[tuple[Level, str]] = []
+
+    def line(self, level: Level, text: str, *, node: str = "") -> None:
+        self.lines.append((level, text))
+
+    async def wait_for(self, part: str) -> Level:
+        async with asyncio.timeout(20):
+            while True:
+                for level, line in self.lines:
+                    if part in line:
+                        return level
+                await asyncio.sleep(0.005)
+
+
+async def test_serve_records_what_its_boards_say(tmp_path: Path) -> None:
+    bags = tmp_path / "bags"
+    async with (
+        board_at(tmp_path / "arm"),
+        master() as environ,
+        started("serve", f"{tmp_path}/arm", "--record", str(bags), **environ) as serve,
+    ):
+        await hear(environ, "/chatter", 10)
+        await serve.stop(signal.SIGINT)
+        assert f", in {bags}" in serve.text
+    (path,) = bags.iterdir()
+    reader = BagReader(path)
+    heard = [each.payload for each in reader.messages() if each.connection.topic == "/chatter"]
+    assert not reader.damage
+    assert len(heard) >= 5
+    assert set(heard) == {text("hello")}
+
+
+async def test_full_bags_are_followed_by_others_and_the_oldest_go(tmp_path: Path) -> None:
+    network = MemoryNetwork()
+    node = await network.join("/node")
+    publisher = await node.advertise("/chat", STRING)
+    told = _Lines()
+    async with bags_recorded(BagRecording(tmp_path, 0.1, 2), network.join, told):
+        await told.wait_for("Subscribing to /chat")
+        async with asyncio.timeout(20):
+            while not any("_3.bag" in line for _, line in told.lines):
+                publisher.publish_raw([text("x" * 1000)] * 10)
+                await asyncio.sleep(0)
+    assert sorted(path.name[-6:] for path in tmp_path.iterdir()) == ["_2.bag", "_3.bag"]
+    assert all(path.stat().st_size < 200_000 for path in tmp_path.iterdir())
+    await node.close()
+
+
+async def test_a_folder_that_takes_nothing_stops_the_recording_alone(tmp_path: Path) -> None:
+    told = _Lines()
+    async with bags_recorded(BagRecording(tmp_path / "gone", 1, None), MemoryNetwork().join, told):
+        assert await told.wait_for("; serving goes on") is Level.ERROR
+    assert told.lines[0][1].startswith(f"cannot write {tmp_path / 'gone'}")
+
+
+def test_a_file_is_no_folder_for_bags(tmp_path: Path, shell: Shell) -> None:
+    line = shell.failure("serve", "tcp://:0", "--record", str(tmp_path / "problem.jsonl"))
+    assert "--record-line FILE records what goes over the lines" in line
