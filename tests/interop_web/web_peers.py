@@ -128,5 +128,7 @@ def _version(node: str) -> int:
 
 def _environment() -> dict[str, str]:
     node = node_folder()
-    environment = {name: value for name, value in os.environ.items() if not name.startswith("NODE_")}
+    environment = {
+        name: value for name, value in os.environ.items() if name not in ("NODE_OPTIONS", "NODE_PATH")
+    }
     return environment | {"PATH": f"{node}{os.pathsep}{os.environ.get('PATH', '')}", "PYTHONUNBUFFERED": "1"}
