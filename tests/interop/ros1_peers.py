@@ -11,6 +11,7 @@ import contextlib
 import fcntl
 import hashlib
 import os
+import secrets
 import shutil
 import signal
 import socket
@@ -21,12 +22,29 @@ from collections.abc import AsyncIterator, Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from rostether.errors import GraphError
+from rostether.ros1.node.master_client import MasterClient
+
 DEBIAN_PYTHON = "/usr/bin/python3"
 ROBOT_PROGRAMS = {
     "/usr/lib/robot_state_publisher/robot_state_publisher": "ros-robot-state-publisher",
     "/usr/lib/joint_state_publisher/joint_state_publisher": "joint-state-publisher",
     "/usr/lib/tf2_ros/static_transform_publisher": "tf2-tools",
     "/usr/bin/check_urdf": "liburdfdom-tools",
+}
+# Above the ports that programs are known for (11311, 11411), below those the system gives by itself.
+_FIRST_PORT = 12_000
+_PORTS_EACH = 1_000
+_MAX_WORKERS = 20
+_WORKER = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw")) % _MAX_WORKERS
+_GIVEN_PORTS: set[int] = set()
+# A machine that is busy with other things may be five times slower than a quiet one.
+PATIENCE_S = 60.0
+ROSOUT = "/usr/lib/rosout/rosout"
+CORE_PARAMETERS = {
+    "/run_id": "4df0c52c-e59c-11f1-8b3a-02fc00000001",
+    "/rosdistro": "noetic\n",
+    "/rosversion": "1.15.15\n",
 }
 PEER_SOURCE = Path(__file__).parent / "peers" / "roscpp_peer.cpp"
 
@@ -64,10 +82,18 @@ def missing_robot() -> str:
 
 
 def free_port() -> int:
-    """Return a TCP port of loopback that was free a moment ago."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
+    """Return a TCP port that is free, and that nobody else is given before it is used.
+
+    It lies below the ports that the system gives to connections and to who asks for any; beside us only the
+    other test processes take such ports, each its own.
+    """
+    while True:
+        port = _FIRST_PORT + secrets.randbelow(_PORTS_EACH) * _MAX_WORKERS + _WORKER
+        with socket.socket() as probe, contextlib.suppress(OSError):
+            probe.bind(("", port))
+            if port not in _GIVEN_PORTS:
+                _GIVEN_PORTS.add(port)
+                return port
 
 
 def roscpp_peer() -> Path:
@@ -127,7 +153,9 @@ class Peer:
         async for line in self.process.stdout:
             self.lines.append(line.decode(errors="replace").rstrip("\n"))
 
-    async def wait_for(self, condition: Callable[[list[str]], bool] | str, timeout_s: float = 20.0) -> None:
+    async def wait_for(
+        self, condition: Callable[[list[str]], bool] | str, timeout_s: float = PATIENCE_S
+    ) -> None:
         """Wait until its output holds a text or meets a condition."""
         wanted = (
             (lambda lines: any(condition in line for line in lines))
@@ -145,7 +173,7 @@ class Peer:
         """Tell whether its output has ended."""
         return self.reader is None or self.reader.done()
 
-    async def finish(self, timeout_s: float = 20.0) -> str:
+    async def finish(self, timeout_s: float = PATIENCE_S) -> str:
         """Wait until it ends by itself; returns what it printed."""
         try:
             await asyncio.wait_for(self.process.wait(), timeout_s)
@@ -219,7 +247,7 @@ class Ros1Peers:
         self._peers.append(peer)
         return peer
 
-    async def run(self, *command: str, timeout_s: float = 30.0, check: bool = True) -> str:
+    async def run(self, *command: str, timeout_s: float = PATIENCE_S, check: bool = True) -> str:
         """Run a program to its end; returns what it printed, and fails when it fails."""
         peer = await self.start(*command)
         text = await peer.finish(timeout_s)
@@ -237,18 +265,33 @@ class Ros1Peers:
         return await self.start(str(program), role, *arguments)
 
     async def close(self) -> None:
-        """End every program still running."""
-        await asyncio.gather(*(peer.stop() for peer in self._peers))
+        """End every program still running; how one takes its leave is for a test to see, not to wait for."""
+        await asyncio.gather(*(peer.stop(signal.SIGKILL) for peer in self._peers))
 
 
 @contextlib.asynccontextmanager
 async def debian_roscore(home: Path) -> AsyncIterator[Ros1Peers]:
-    """Run Debian's own roscore on a free port."""
+    """Run what Debian's roscore runs, on a free port; roslaunch between them would only take its time."""
     port = free_port()
     peers = Ros1Peers(f"http://localhost:{port}/", home)
+    master = MasterClient(peers.master_uri, "/roslaunch")
     try:
-        core = await peers.start("roscore", "-p", str(port))
-        await core.wait_for("started core service [/rosout]")
+        await peers.start("rosmaster", "--core", "-p", str(port))
+        async with asyncio.timeout(PATIENCE_S):
+            while not await _answers(master):
+                await asyncio.sleep(0.01)
+            for name, value in CORE_PARAMETERS.items():
+                await master.set_param(name, value)
+            await peers.start(ROSOUT, "__name:=rosout")
+            while "/rosout_agg" not in (await master.system_state())[0]:
+                await asyncio.sleep(0.01)
         yield peers
     finally:
+        await master.close()
         await peers.close()
+
+
+async def _answers(master: MasterClient) -> bool:
+    with contextlib.suppress(GraphError):
+        return await master.get_pid() > 0
+    return False

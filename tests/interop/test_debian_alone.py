@@ -2,12 +2,32 @@
 
 from __future__ import annotations
 
+import asyncio
+from pathlib import Path
+
 import pytest
 
-from interop.ros1_peers import Ros1Peers
+from interop.ros1_peers import Ros1Peers, free_port
 
 
 @pytest.mark.roscpp
 async def test_roscpp_publisher_to_rostopic_echo(roscore: Ros1Peers) -> None:
     await roscore.roscpp("latch", "/chatter", "over the line")
     assert "over the line" in await roscore.run("rostopic", "echo", "-n", "1", "/chatter")
+
+
+async def test_roscore_is_what_the_other_tests_start_in_its_place(roscore: Ros1Peers, tmp_path: Path) -> None:
+    port = free_port()
+    other = Ros1Peers(f"http://localhost:{port}/", tmp_path / "other")
+    try:
+        core = await other.start("roscore", "-p", str(port))
+        await core.wait_for("started core service [/rosout]")
+        for command in (("rosnode", "list"), ("rostopic", "list", "-v"), ("rosservice", "list")):
+            theirs, ours = await asyncio.gather(other.run(*command), roscore.run(*command))
+            assert theirs == ours
+        named, ours_named = await asyncio.gather(
+            other.run("rosparam", "list"), roscore.run("rosparam", "list")
+        )
+        assert [name for name in named.splitlines() if "/roslaunch/" not in name] == ours_named.splitlines()
+    finally:
+        await other.close()

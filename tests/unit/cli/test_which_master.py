@@ -1,10 +1,10 @@
 from __future__ import annotations
 
 import asyncio
-import socket
 
 import pytest
 
+from interop import ros1_peers
 from rostether.cli.which_master import used_master
 from rostether.errors import GraphError
 from rostether.ros1.environment import RosEnvironment
@@ -14,9 +14,7 @@ from rostether.ros1.roscore import Roscore
 
 @pytest.fixture
 def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
+    return ros1_peers.free_port()
 
 
 async def answers(uri: str) -> bool:
