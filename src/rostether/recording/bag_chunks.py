@@ -33,6 +33,12 @@ from rostether.recording.bag_records import (
 from rostether.recording.compression import NONE, decompress
 from rostether.recording.recorded import Connection
 
+MAX_CONNECTIONS = 100_000
+"""Ten times those of a fleet recorded for a day; a packed chunk can tell of millions in a few bytes."""
+
+MAX_CONNECTIONS_BYTES = 256 << 20
+"""Their headers, each with its definition, which take a few KB."""
+
 
 @dataclass(frozen=True, slots=True)
 class Chunk:
@@ -55,9 +61,14 @@ class BagContent:
     chunks: list[Chunk] = field(default_factory=list)
     damage: str = ""
     whole_bytes: int = 0
+    connections_bytes: int = 0
 
     def add_connection(self, fields: Fields, header: Buffer) -> None:
-        """Take a connection record. Raises RecordingError."""
+        """Take a connection record. Raises RecordingError, also when there are more than any robot has."""
+        self.connections_bytes += len(header)
+        if len(self.connections) >= MAX_CONNECTIONS or self.connections_bytes > MAX_CONNECTIONS_BYTES:
+            told = f"{len(self.connections)} connections with {self.connections_bytes} bytes of definitions"
+            raise RecordingError(f"it tells of {told} and more, which nothing needs")
         named = {
             name.decode("utf-8", "surrogateescape"): value.decode("utf-8", "surrogateescape")
             for name, value in decode_fields(header).items()
@@ -105,7 +116,7 @@ def _by_index(data: Buffer, position: int, chunk_count: int) -> BagContent:
 
 
 def _indexed_chunk(data: Buffer, fields: Fields, counts: Buffer) -> Chunk:
-    if len(counts) % U32_PAIR.size:
+    if len(counts) % U32_PAIR.size or len(counts) > MAX_CONNECTIONS * U32_PAIR.size:
         raise RecordingError("the counts of a chunk are cut")
     chunk_fields, start, end = read_record(data, u64_field(fields, b"chunk_pos"))
     if op_of(chunk_fields) != OP_CHUNK:
@@ -158,21 +169,21 @@ def _end_of_open_chunk(data: Buffer, position: int) -> int:
 def _add_found(
     content: BagContent, data: Buffer, span: tuple[int, int], compression: str, size_bytes: int
 ) -> None:
-    plain = decompress(compression, bytes(data[slice(*span)]), size_bytes)
+    plain = decompress(compression, memoryview(data)[slice(*span)], size_bytes)
     counts: dict[int, int] = {}
-    times: list[int] = []
-
+    first_ns, last_ns = 1 << 64, -1
     for number, time_ns, _, _ in messages_in(plain, content.add_connection):
         if number not in content.connections:
             raise RecordingError(f"a message is of connection {number}, which nobody told of")
         counts[number] = counts.get(number, 0) + 1
-        times.append(time_ns)
-    if times:
-        content.chunks.append(Chunk(*span, compression, size_bytes, min(times), max(times), counts))
+        first_ns = min(first_ns, time_ns)
+        last_ns = max(last_ns, time_ns)
+    if counts:
+        content.chunks.append(Chunk(*span, compression, size_bytes, first_ns, last_ns, counts))
 
 
 def messages_in(
-    plain: bytes, on_connection: Callable[[Fields, Buffer], None] | None = None
+    plain: Buffer, on_connection: Callable[[Fields, Buffer], None] | None = None
 ) -> Iterator[tuple[int, int, int, int]]:
     """Yield connection number, time in ns, and where the payload begins and ends, of each in a chunk.
 

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
 import mmap
 import os
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from heapq import heappop, heappush
+from functools import partial
 from pathlib import Path
 
 from rostether.errors import RecordingError
 from rostether.recording.bag_chunks import Chunk, messages_in, read_content
 from rostether.recording.bag_records import MAGIC, MAGIC_START
+from rostether.recording.chunk_order import MAX_LISTED_BYTES, Entry, Unpacked, in_order
 from rostether.recording.compression import decompress
 from rostether.recording.recorded import CompressionShare, Connection, RecordedMessage, Wanted
 
@@ -109,37 +111,33 @@ class BagReader:
             and (end_ns is None or chunk.start_ns <= end_ns)
             and (start_ns is None or chunk.end_ns >= start_ns)
         ]
-        # Chunks may overlap in time: messages wait until no later chunk can hold an earlier one.
-        waiting: list[tuple[int, int, RecordedMessage]] = []
-        order = 0
-        for index, chunk in enumerate(chunks):
-            for message in self._messages_of(chunk, connections):
-                if (start_ns is None or message.time_ns >= start_ns) and (
-                    end_ns is None or message.time_ns <= end_ns
-                ):
-                    heappush(waiting, (message.time_ns, order, message))
-                    order += 1
-            until_ns = chunks[index + 1].start_ns if index + 1 < len(chunks) else None
-            while waiting and (until_ns is None or waiting[0][0] < until_ns):
-                yield heappop(waiting)[2]
-
-    def close(self) -> None:
-        """Close the file. Idempotent."""
-        self._view.release()
-        self._data.close()
-
-    def _messages_of(self, chunk: Chunk, connections: Mapping[int, Connection]) -> Iterator[RecordedMessage]:
-        stored = bytes(self._view[chunk.data_start : chunk.data_end])
+        found = in_order(chunks, partial(self._unpack, connections), start_ns=start_ns, end_ns=end_ns)
         try:
-            plain = decompress(chunk.compression, stored, chunk.size_bytes)
-            for number, time_ns, start, end in messages_in(plain):
-                connection = connections.get(number)
-                if connection is not None:
-                    yield RecordedMessage(connection, time_ns, plain[start:end])
+            for number, time_ns, payload in found:
+                yield RecordedMessage(connections[number], time_ns, payload)
         except RecordingError as error:
             raise RecordingError(
                 f"{self.path}: {error}; `rostether bag reindex` keeps what is whole before it"
             ) from None
+
+    def close(self) -> None:
+        """Close the file. Idempotent."""
+        self._view.release()
+        with contextlib.suppress(BufferError):  # a reading that was left holds a part of it, and frees it
+            self._data.close()
+
+    def _unpack(self, connections: Mapping[int, Connection], chunk: Chunk) -> Unpacked:
+        stored = self._view[chunk.data_start : chunk.data_end]
+        plain = decompress(chunk.compression, stored, chunk.size_bytes)
+        if len(plain) <= MAX_LISTED_BYTES:
+            plain = bytes(plain)  # a slice of bytes costs half of what one of a view does
+
+        def walk() -> Iterator[Entry]:
+            for number, time_ns, start, end in messages_in(plain):
+                if number in connections:
+                    yield time_ns, start, end, number
+
+        return plain, walk
 
 
 def _what_else(start: bytes) -> str:

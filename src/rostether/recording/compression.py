@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 import bz2
-from typing import Any
+from typing import Any, TypeAlias
 
 from rostether.errors import ConfigError, RecordingError
+
+Buffer: TypeAlias = bytes | memoryview
 
 NONE = "none"
 BZ2 = "bz2"
 LZ4 = "lz4"
 COMPRESSIONS = (NONE, BZ2, LZ4)
 
-MAX_CHUNK_BYTES = 1 << 30
-"""No recorder makes chunks of a gigabyte; a broken size must not eat the memory."""
+ZSTD = "zstd"
+"""Of MCAP files of others; ours are not written so."""
+
+MAX_CHUNK_BYTES = 256 << 20
+"""Recorders make chunks of a megabyte, or of one message when that is larger. A few bytes can unpack to any
+size, and must not eat the memory."""
 
 
 def check_compression(name: str) -> None:
@@ -43,24 +49,36 @@ def compress(name: str, data: bytes) -> bytes:
     return data
 
 
-def decompress(name: str, data: bytes, size_bytes: int) -> bytes:
+def decompress(name: str, data: Buffer, size_bytes: int) -> bytes | memoryview:
     """Return a chunk's data, which must have that size. Raises RecordingError, ConfigError."""
-    if size_bytes > MAX_CHUNK_BYTES:
+    plain: Buffer
+    if name in ("", NONE):
+        plain = data
+    elif size_bytes > MAX_CHUNK_BYTES:
         raise RecordingError(f"a chunk says that it holds {size_bytes} bytes")
-    try:
-        if name == NONE:
-            plain = data
-        elif name == BZ2:
-            plain = bz2.BZ2Decompressor().decompress(data, max_length=size_bytes + 1)
-        elif name == LZ4:
-            plain = bytes(_lz4_frame().LZ4FrameDecompressor().decompress(data, max_length=size_bytes + 1))
-        else:
-            raise RecordingError(f"a chunk is compressed by {name!r}, which nobody knows")
-    except (OSError, RuntimeError, EOFError, ValueError) as error:
-        raise RecordingError(f"a chunk compressed by {name} is broken ({error})") from None
+    else:
+        try:
+            plain = _unpacked(name, data, size_bytes)
+        except (ConfigError, RecordingError):
+            raise
+        except Exception as error:  # noqa: BLE001 - each library has its own at broken data
+            told = str(error) or type(error).__name__
+            raise RecordingError(f"a chunk compressed by {name} is broken ({told})") from None
     if len(plain) != size_bytes:
         raise RecordingError(f"a chunk holds {len(plain)} bytes in place of {size_bytes}")
     return plain
+
+
+def _unpacked(name: str, data: Buffer, size_bytes: int) -> bytes:
+    # One byte more than there may be shows that there is more.
+    if name == BZ2:
+        return bz2.BZ2Decompressor().decompress(data, max_length=size_bytes + 1)
+    if name == LZ4:
+        return bytes(_lz4_frame().LZ4FrameDecompressor().decompress(data, max_length=size_bytes + 1))
+    if name == ZSTD:
+        with _zstandard().ZstdDecompressor().stream_reader(data) as stream:
+            return bytes(stream.read(size_bytes + 1))
+    raise RecordingError(f"a chunk is compressed by {name!r}, which nobody knows")
 
 
 def _lz4_frame() -> Any:
@@ -69,3 +87,11 @@ def _lz4_frame() -> Any:
     except ImportError:
         raise ConfigError("LZ4 is not installed; type: pip install 'rostether[recording]'") from None
     return lz4.frame
+
+
+def _zstandard() -> Any:
+    try:
+        import zstandard
+    except ImportError:
+        raise ConfigError("Zstandard is not installed; type: pip install 'rostether[recording]'") from None
+    return zstandard

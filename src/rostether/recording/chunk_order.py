@@ -1,0 +1,200 @@
+"""Messages of chunks in the order of their times, in bounded memory, whatever chunks say of themselves.
+
+Chunks may overlap in time: a chunk is opened when the times come to its first message, and its messages are
+merged with those of the others that are open. Opened chunks that take too much memory are put aside, and
+opened again when it is their turn.
+"""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from heapq import heappop, heappush
+from itertools import islice, pairwise
+from typing import Generic, Protocol, TypeVar
+
+from rostether.recording.compression import NONE
+
+MAX_OPEN_BYTES = 256 << 20
+"""What open chunks hold unpacked; files written in order have one open, or a few."""
+
+MAX_LISTED_BYTES = 8 << 20
+"""Larger chunks are walked over twice in place of listing their messages: a list takes more than they do."""
+
+_ENTRY_BYTES = 220
+"""What a listed message takes: a tuple of four numbers."""
+
+Entry = tuple[int, int, int, int]
+"""Time in ns, where the payload begins and ends in the unpacked chunk, and the connection's number."""
+
+
+class OrderedChunk(Protocol):
+    """What a chunk says of itself."""
+
+    @property
+    def start_ns(self) -> int:
+        """The time of its first message."""
+
+    @property
+    def compression(self) -> str:
+        """How it is packed."""
+
+    @property
+    def size_bytes(self) -> int:
+        """Its size unpacked."""
+
+
+_Chunk = TypeVar("_Chunk", bound=OrderedChunk)
+Unpacked = tuple[bytes | memoryview, Callable[[], Iterator[Entry]]]
+"""A chunk's data, and what walks over its messages as they stand there."""
+
+
+def in_order(
+    chunks: Sequence[_Chunk],
+    unpack: Callable[[_Chunk], Unpacked],
+    *,
+    start_ns: int | None = None,
+    end_ns: int | None = None,
+) -> Iterator[tuple[int, int, bytes]]:
+    """Yield (connection number, time in ns, payload) by time, both ends included; equal times as they stand.
+
+    `chunks` come by their first times. Raises what `unpack` and its walk raise.
+    """
+    heap: list[tuple[int, int, _Open[_Chunk]]] = []
+    opened: dict[int, _Open[_Chunk]] = {}
+    open_bytes = 0
+    following = 0
+    least, most = -1 if start_ns is None else start_ns, 1 << 64 if end_ns is None else end_ns
+    while True:
+        while following < len(chunks) and (not heap or chunks[following].start_ns <= heap[0][0]):
+            chunk = _Open(chunks[following], unpack, least, most)
+            if chunk.advance():
+                heappush(heap, (chunk.time_ns, following, chunk))
+                opened[following] = chunk
+                open_bytes += chunk.held_bytes
+                if open_bytes > MAX_OPEN_BYTES:
+                    open_bytes -= _put_aside(opened, heap[0][1])
+            following += 1
+        if not heap:
+            return
+        _, rank, chunk = heappop(heap)
+        if rank not in opened:
+            opened[rank] = chunk
+            open_bytes += chunk.held_bytes
+            if open_bytes > MAX_OPEN_BYTES:
+                open_bytes -= _put_aside(opened, rank)
+        until_ns = heap[0][0] if heap else 1 << 64
+        if following < len(chunks):
+            until_ns = min(until_ns, chunks[following].start_ns)
+        yield chunk.take()
+        while chunk.advance():
+            # Alone until then, so without the heap.
+            if chunk.time_ns >= until_ns:
+                heappush(heap, (chunk.time_ns, rank, chunk))
+                break
+            yield chunk.take()
+        else:
+            del opened[rank]
+            open_bytes -= chunk.held_bytes
+
+
+def _put_aside(opened: dict[int, _Open[_Chunk]], kept: int) -> int:
+    """Close all chunks but one; returns how much that freed."""
+    freed = 0
+    for rank in [each for each in opened if each != kept]:
+        chunk = opened.pop(rank)
+        chunk.put_aside()
+        freed += chunk.held_bytes
+    return freed
+
+
+class _Open(Generic[_Chunk]):
+    """A chunk whose messages are taken one after the other; `time_ns` is the next one's."""
+
+    __slots__ = (
+        "_chunk",
+        "_entry",
+        "_items",
+        "_least",
+        "_most",
+        "_passed",
+        "_plain",
+        "_unpack",
+        "held_bytes",
+    )
+
+    def __init__(
+        self, chunk: _Chunk, unpack: Callable[[_Chunk], Unpacked], least_ns: int, most_ns: int
+    ) -> None:
+        self._chunk = chunk
+        self._unpack = unpack
+        self._least = least_ns
+        self._most = most_ns
+        self._passed = 0
+        self._plain: bytes | memoryview | None = None
+        self._items: Iterator[Entry] | None = None
+        self._entry: Entry = (0, 0, 0, 0)
+        self.held_bytes = 0
+        self._open()
+
+    @property
+    def time_ns(self) -> int:
+        return self._entry[0]
+
+    def advance(self) -> bool:
+        """Go to the next message; False when there is none."""
+        if self._items is None:
+            self._open()
+        assert self._items is not None
+        entry = next(self._items, None)
+        if entry is None:
+            self.put_aside()
+            return False
+        self._entry = entry
+        self._passed += 1
+        return True
+
+    def take(self) -> tuple[int, int, bytes]:
+        """Return number, time and payload of the message it is at."""
+        if self._plain is None:
+            self._open()
+        assert self._plain is not None
+        time_ns, start, end, number = self._entry
+        return number, time_ns, bytes(self._plain[start:end])
+
+    def put_aside(self) -> None:
+        """Let go of what it holds, until it is asked again."""
+        self._items = self._plain = None
+
+    def _open(self) -> None:
+        self._plain, walk = self._unpack(self._chunk)
+        least, most = self._least, self._most
+        entries: Iterable[Entry]
+        self.held_bytes = 0
+        if self._chunk.size_bytes <= MAX_LISTED_BYTES:
+            listed = [entry for entry in walk() if least <= entry[0] <= most]
+            listed.sort()
+            entries = listed
+            self.held_bytes = len(listed) * _ENTRY_BYTES
+        elif _is_in_order(walk()):
+            entries = (entry for entry in walk() if least <= entry[0] <= most)
+        else:
+            entries = (entry for entry in _sorted(walk()) if least <= entry[0] <= most)
+        if self._chunk.compression not in ("", NONE):
+            self.held_bytes += self._chunk.size_bytes
+        self._items = islice(entries, self._passed, None)
+
+
+def _is_in_order(entries: Iterable[Entry]) -> bool:
+    return all(earlier[0] <= later[0] for earlier, later in pairwise(entries))
+
+
+def _sorted(entries: Iterable[Entry]) -> Iterator[Entry]:
+    """Yield by time, in a fifth of the memory that a list of entries takes."""
+    columns = (array("Q"), array("Q"), array("Q"), array("Q"))
+    for entry in entries:
+        for column, value in zip(columns, entry, strict=True):
+            column.append(value)
+    for place in sorted(range(len(columns[0])), key=columns[0].__getitem__):
+        time_ns, start, end, number = (column[place] for column in columns)
+        yield time_ns, start, end, number
