@@ -10,13 +10,33 @@ from rostether.msgdef.interface import MessageType
 
 
 @dataclass(frozen=True, slots=True)
+class Ros2Origin:
+    """What a recording of ROS 2 says of a topic: its type there, and what its publishers offered (YAML).
+
+    `encoding` is that of `definition`, `ros2msg` or `ros2idl`, empty where it is not told.
+    """
+
+    type_name: str
+    type_hash: str = ""
+    encoding: str = ""
+    definition: str = ""
+    qos: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class Connection:
-    """One publisher on one topic, as its connection header told it."""
+    """One publisher on one topic, as its connection header told it; `origin` where it is of ROS 2."""
 
     topic: str
     type: MessageType
     caller_id: str = ""
     is_latching: bool = False
+    origin: Ros2Origin | None = None
+
+    @property
+    def shown_type(self) -> str:
+        """The type's name for people: ROS 2's in a recording of ROS 2."""
+        return self.type.name if self.origin is None else self.origin.type_name
 
     @classmethod
     def from_fields(cls, topic: str, fields: Mapping[str, str]) -> Connection:
@@ -102,6 +122,10 @@ class RecordingReader(Protocol):
     @property
     def counts(self) -> Mapping[Connection, int]:
         """How many messages each connection has."""
+
+    @property
+    def unreadable(self) -> Mapping[str, str]:
+        """Topics whose messages cannot be given, and why; `counts` and `messages` leave them out."""
 
     @property
     def span_ns(self) -> tuple[int, int] | None:

@@ -1,0 +1,72 @@
+"""What ROS 2's recordings say of quality of service: a YAML list of what each publisher of a topic offered.
+
+Since Jazzy policies are words; before, the numbers of rmw.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import yaml
+
+_WORDS = {
+    "history": ("system_default", "keep_last", "keep_all", "unknown"),
+    "reliability": ("system_default", "reliable", "best_effort", "unknown", "best_available"),
+    "durability": ("system_default", "transient_local", "volatile", "unknown", "best_available"),
+    "liveliness": (
+        *("system_default", "automatic", "manual_by_node", "manual_by_topic", "unknown", "best_available"),
+    ),
+}
+_INFINITE = {"sec": 9223372036, "nsec": 854775807}
+MAX_PROFILES = 1000
+"""Files may come from anybody; a topic with more publishers says no more than its first ones."""
+
+
+def offered(*, is_latching: bool) -> str:
+    """Return the text for a publisher of ROS 1, or one of whom no more is known than whether it latches."""
+    return profiles_text(
+        [
+            {
+                "history": "keep_last",
+                "depth": 1 if is_latching else 10,
+                "reliability": "reliable",
+                "durability": "transient_local" if is_latching else "volatile",
+                "deadline": dict(_INFINITE),
+                "lifespan": dict(_INFINITE),
+                "liveliness": "automatic",
+                "liveliness_lease_duration": dict(_INFINITE),
+                "avoid_ros_namespace_conventions": False,
+            }
+        ]
+    )
+
+
+def read_profiles(stored: object) -> list[dict[str, Any]]:
+    """Return what a recording says, text or list, with policies as words; what is no such thing is empty."""
+    if isinstance(stored, str):
+        try:
+            stored = yaml.load(stored, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+        except yaml.YAMLError:
+            return []
+    if not isinstance(stored, list):
+        return []
+    return [_in_words(each) for each in stored[:MAX_PROFILES] if isinstance(each, dict)]
+
+
+def profiles_text(profiles: list[dict[str, Any]]) -> str:
+    """Return profiles as the text that stands in channels and tables; empty for none."""
+    return yaml.safe_dump(profiles, sort_keys=False).strip() if profiles else ""
+
+
+def is_latching(profiles: list[dict[str, Any]]) -> bool:
+    """Tell whether a publisher was what ROS 1 calls latched."""
+    return any(each.get("durability") == "transient_local" for each in profiles)
+
+
+def _in_words(profile: dict[str, Any]) -> dict[str, Any]:
+    words = dict(profile)
+    for key, names in _WORDS.items():
+        value = words.get(key)
+        if isinstance(value, int) and 0 <= value < len(names):
+            words[key] = names[value]
+    return words
