@@ -75,7 +75,7 @@ class Inbox:
         self.headers.append(dict(fields))
 
 
-async def until(condition: Callable[[], object], timeout_s: float = 10.0) -> None:
+async def until(condition: Callable[[], object], timeout_s: float = 60.0) -> None:
     """Wait until a condition holds; fails when it does not in time."""
     deadline_s = time.monotonic() + timeout_s
     while not condition():

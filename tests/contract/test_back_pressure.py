@@ -110,7 +110,7 @@ async def test_waiting_ends_when_the_subscriber_goes(join: JoinGraph, can: Capab
     await publish_until_behind(publisher, quick)
     waiting = asyncio.ensure_future(publisher.drained(60.0))
     await subscriber.close()
-    await asyncio.wait_for(waiting, 10.0)
+    await asyncio.wait_for(waiting, 60)
     assert publisher.publish_raw([payload(0)])
 
 

@@ -24,7 +24,7 @@ REPOSITORY = Path(__file__).parents[2]
 PAGES = sorted(
     page for page in [REPOSITORY / "README.md", *(REPOSITORY / "docs").rglob("*.md")] if steps(page)
 )
-PATIENCE_S = 20.0
+PATIENCE_S = 60.0
 SIMULATING = ("board run", "firmware sim ", "sim:")
 # Commands that set a machine up are typed by tests of their own.
 NOT_TYPED = ("make test", "git clone", "cd ", "pip ", "pipx ", "sudo ")
@@ -136,7 +136,7 @@ def _needs(page: Path) -> list[pytest.MarkDecorator]:
     return [pytest.mark.simavr] if any(sign in typed for sign in SIMULATING) else []
 
 
-@pytest.mark.timeout(240)
+@pytest.mark.timeout(300)
 @pytest.mark.usefixtures("alone")
 @pytest.mark.parametrize("page", [pytest.param(page, marks=_needs(page), id=_name(page)) for page in PAGES])
 def test_page(page: Path, tmp_path: Path) -> None:

@@ -20,14 +20,14 @@ from interop.machines import Machines, machines, missing_namespaces
 HOW_TO = Path(__file__).parents[2] / "docs" / "how-to"
 PAGE = HOW_TO / "fleet-of-robots.md"
 COMMANDS = on_machines(PAGE)
-PATIENCE_S = 20.0
+PATIENCE_S = 60.0
 LAMP = 'rostether service call --ros2 zenoh /robot1/lamp std_srvs/srv/SetBool "{data: true}"'
 TWISTS = "/robot1/cmd_vel geometry_msgs/msg/Twist"
 ECHO = "rostether topic echo --ros2 zenoh --once /robot1/chatter"
 
 pytestmark = [
     pytest.mark.simavr,
-    pytest.mark.timeout(120),
+    pytest.mark.timeout(300),
     pytest.mark.skipif(bool(missing_namespaces()), reason=missing_namespaces()),
 ]
 

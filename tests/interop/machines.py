@@ -86,4 +86,4 @@ def machines(*names: str) -> Iterator[Machines]:
         yield network
     finally:
         holder.kill()
-        holder.communicate(timeout=10)
+        holder.communicate(timeout=60)

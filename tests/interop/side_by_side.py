@@ -74,7 +74,7 @@ class SideBySide:
             stderr=asyncio.subprocess.PIPE,
         )
         try:
-            out, err = await asyncio.wait_for(process.communicate(stdin.encode()), 30)
+            out, err = await asyncio.wait_for(process.communicate(stdin.encode()), 60)
         except BaseException:
             process.kill()
             await process.wait()

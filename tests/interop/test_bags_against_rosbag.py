@@ -113,7 +113,7 @@ async def _ours_started(stage: Stage, *arguments: str) -> Peer:
 
 
 async def _until(condition: Callable[[], bool]) -> None:
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(60):
         while not condition():
             await asyncio.sleep(0.01)
 

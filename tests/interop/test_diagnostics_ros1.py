@@ -107,7 +107,7 @@ async def test_a_topic_that_brings_more_than_the_line_takes(roscore: Ros1Peers, 
     async with started("serve", f"sim:{sketch}?name=deaf", ROS_MASTER_URI=roscore.master_uri) as serve:
         await serve.wait_for("Setup subscriber on words")
         await roscore.start("rostopic", "pub", "-r", "400", "/words", "std_msgs/String", "x" * 200)
-        await serve.wait_for("lost", timeout_s=40.0)
+        await serve.wait_for("lost", timeout_s=60)
         status = await echoed(roscore)
     assert status["level"] == WARN
     finding = values(status)["finding messages-lost"]

@@ -85,11 +85,11 @@ async def test_services_both_ways(world: World) -> None:
     await world.board.advertise_service("/switch", SET_BOOL, agreeing)
     for peer in (world.ros1, world.ros2):
         await served(peer, "/switch")
-        assert await peer.call_service("/switch", SET_BOOL, TRUE, timeout_s=10.0) == answer("as you say")
+        assert await peer.call_service("/switch", SET_BOOL, TRUE, timeout_s=60) == answer("as you say")
     for number, peer in enumerate((world.ros1, world.ros2)):
         await peer.advertise_service(f"/peer{number}", SET_BOOL, agreeing)
         await served(world.board, f"/peer{number}")
-        called = await world.board.call_service(f"/peer{number}", SET_BOOL, TRUE, timeout_s=10.0)
+        called = await world.board.call_service(f"/peer{number}", SET_BOOL, TRUE, timeout_s=60)
         assert called == answer("as you say")
 
 
@@ -109,7 +109,7 @@ async def test_a_master_that_dies_does_not_disturb_ros2(world: World) -> None:
     inbox = Inbox()
     publisher = await world.board.advertise("/before", STRING)
     await world.master.close()
-    late = await asyncio.wait_for(world.board.advertise("/after", STRING), 20.0)
+    late = await asyncio.wait_for(world.board.advertise("/after", STRING), 60)
     for topic, talker in (("/before", publisher), ("/after", late)):
         await world.ros2.subscribe(topic, STRING, inbox.take)
         await until(lambda: talker.subscriber_count)  # noqa: B023 - awaited at once

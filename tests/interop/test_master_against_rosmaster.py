@@ -119,7 +119,7 @@ async def sides(tmp_path: Path) -> AsyncIterator[tuple[Side, Side]]:
             client = XmlRpcClient(master_uri)
             stack.push_async_callback(client.close)
             both.append(Side(client, nodes))
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(60):
             while True:
                 with contextlib.suppress(GraphError):
                     await both[1].master.call("getPid", "/test")
@@ -192,7 +192,7 @@ class Sequence:
 
 async def settled(side: Side) -> None:
     """Wait until a master has told its nodes everything: nothing new for a while."""
-    async with asyncio.timeout(30):
+    async with asyncio.timeout(60):
         before, quiet = -1, 0
         while quiet < 5:
             await asyncio.sleep(0.1)

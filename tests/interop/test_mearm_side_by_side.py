@@ -54,7 +54,7 @@ class Recorder:
     async def servos(self, *angles: int) -> None:
         """Wait until these are the last servo angles."""
         wanted = struct.pack("<4h", *angles)
-        await until(lambda: self.payloads["/servo_pose_server"][-1:] == [wanted], f"servos at {angles}", 20)
+        await until(lambda: self.payloads["/servo_pose_server"][-1:] == [wanted], f"servos at {angles}", 60)
 
 
 async def run_nodes(peers: Ros1Peers, side: str) -> list[Any]:
@@ -81,13 +81,13 @@ async def answers_and_messages(peers: Ros1Peers, side: str) -> tuple[list[bool],
                 await graph.set_param(f"/{key}", value)
         await recorder.listen(graph)
         nodes = await run_nodes(peers, side)
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(60):
             while not {"/select_position_set", "/set_servo_pose"} <= set((await graph.snapshot()).services):
                 await asyncio.sleep(0.05)
         await recorder.servos(0, 0, 0, 0)
 
         async def ask(service: str, type_name: str, **request: Any) -> None:
-            answer: Any = await graph.call(service, f"mearm_model/{type_name}", request, timeout_s=20)
+            answer: Any = await graph.call(service, f"mearm_model/{type_name}", request, timeout_s=60)
             answers.append(answer.success)
 
         await ask("/select_position_set", "MoveJoints", set_name="set3")

@@ -153,7 +153,7 @@ def genmsg_answer(search_path: str, service_path: str) -> Any:
     """Ask genmsg, in one process, for everything in the given folders (JSON in, parsed JSON out)."""
     request = f'{{"search_path": {search_path}, "service_path": {service_path}}}'
     done = subprocess.run(
-        [DEBIAN_PYTHON, "-c", GENMSG_REFERENCE], input=request.encode(), capture_output=True, timeout=50
+        [DEBIAN_PYTHON, "-c", GENMSG_REFERENCE], input=request.encode(), capture_output=True, timeout=120
     )
     assert done.returncode == 0, done.stderr.decode()
     return json.loads(done.stdout)
@@ -233,7 +233,7 @@ def test_bundled_roscpp_types_are_those_of_debians_rospy() -> None:
         "import json, roscpp.msg, roscpp.srv; print(json.dumps({c._type: c._md5sum for c in ("
         "roscpp.msg.Logger, roscpp.srv.Empty, roscpp.srv.GetLoggers, roscpp.srv.SetLoggerLevel)}))"
     )
-    done = subprocess.run([DEBIAN_PYTHON, "-c", program], capture_output=True, timeout=50)
+    done = subprocess.run([DEBIAN_PYTHON, "-c", program], capture_output=True, timeout=120)
     assert done.returncode == 0, done.stderr.decode()
     expected = json.loads(done.stdout)
     bundled = Registry()

@@ -101,9 +101,9 @@ async def test_service_client_to_rospy_server(stage: Stage) -> None:
         client = node.service_client("/switch", SET_BOOL, persistent=persistent)
         await client.wait_until_available(20.0)
         for _ in range(3):
-            assert await client.call(b"\x01", timeout_s=10.0) == b"\x01" + string("on it")
+            assert await client.call(b"\x01", timeout_s=60) == b"\x01" + string("on it")
             with pytest.raises(ServiceCallError, match="only on"):
-                await client.call(b"\x00", timeout_s=10.0)
+                await client.call(b"\x00", timeout_s=60)
         await client.close()
     with pytest.raises(TypeMismatchError, match="md5sums do not match"):
         await node.call_service("/switch", EMPTY, b"")
@@ -118,8 +118,8 @@ async def test_service_client_to_roscpp_server(stage: Stage) -> None:
         client = node.service_client("/switch", SET_BOOL, persistent=persistent)
         await client.wait_until_available(20.0)
         for _ in range(20):
-            assert await client.call(b"\x01", timeout_s=10.0) == b"\x01" + string("on")
-            assert await client.call(b"\x00", timeout_s=10.0) == b"\x00" + string("off")
+            assert await client.call(b"\x01", timeout_s=60) == b"\x01" + string("on")
+            assert await client.call(b"\x00", timeout_s=60) == b"\x00" + string("off")
         await client.close()
     with pytest.raises(TypeMismatchError):
         await node.call_service("/switch", EMPTY, b"")

@@ -162,7 +162,7 @@ async def test_service_called_by_sdk(node: Graph, peer: SdkPeer) -> None:
 async def test_service_of_sdk_called(node: Graph, peer: SdkPeer) -> None:
     halves = {"request_definition": "bool data", "response_definition": "bool success\nstring message"}
     await peer.do("serve", "/switch", srv_type="std_srvs/srv/SetBool", answer="you said ", **halves)
-    response = await node.call_service("/switch", SET_BOOL, b"\x01", timeout_s=10.0)
+    response = await node.call_service("/switch", SET_BOOL, b"\x01", timeout_s=60)
     assert response == b"\x01" + string("you said True")
     assert await node.call_service("/switch", SET_BOOL, b"\x00") == b"\x00" + string("you said False")
     await peer.do("close", "srv /switch")

@@ -36,7 +36,7 @@ class SdkPeer:
         self._process.stdin.write(line.encode() + b"\n")
         return await self.answer(what)
 
-    async def answer(self, what: str, timeout_s: float = 20.0) -> dict[str, Any]:
+    async def answer(self, what: str, timeout_s: float = 60.0) -> dict[str, Any]:
         """Wait for the answer to an order."""
         async with asyncio.timeout(timeout_s):
             answer = await self._answers.get()

@@ -64,4 +64,4 @@ def rclpy_peer() -> Iterator[RclpyPeer]:
         yield peer
     finally:
         process.kill()
-        process.communicate(timeout=10)
+        process.communicate(timeout=60)

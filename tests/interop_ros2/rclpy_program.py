@@ -19,7 +19,7 @@ from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 
-PATIENCE_S = 10.0
+PATIENCE_S = 60.0
 QUALITIES = {
     "default": QoSProfile(depth=100),
     "sensor": qos_profile_sensor_data,

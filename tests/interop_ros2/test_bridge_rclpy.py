@@ -54,7 +54,7 @@ class Boards:
                 if (each.role, each.name, each.is_attached) == (role, name, True)
             ]
 
-        await until(nodes, f"{role} {name}", 10.0)
+        await until(nodes, f"{role} {name}", 60)
         return nodes()[0]
 
     async def close(self) -> None:

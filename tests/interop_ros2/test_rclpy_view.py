@@ -52,7 +52,7 @@ async def test_we_see_the_nodes_of_rclpy(join: JoinGraph, peer: RclpyPeer) -> No
     await anext(changes)
     await peer.ask("advertise", topic="/seen", type="std_msgs/msg/String")
     while True:
-        snapshot = await asyncio.wait_for(anext(changes), 10.0)
+        snapshot = await asyncio.wait_for(anext(changes), 60)
         if "/seen" in snapshot.topics:
             break
     assert PEER_NAME in snapshot.nodes
@@ -61,7 +61,7 @@ async def test_we_see_the_nodes_of_rclpy(join: JoinGraph, peer: RclpyPeer) -> No
     assert snapshot.services[f"{PEER_NAME}/get_parameters"].providers == (PEER_NAME,)
     await peer.ask("unadvertise", topic="/seen")
     while "/seen" in snapshot.topics:
-        snapshot = await asyncio.wait_for(anext(changes), 10.0)
+        snapshot = await asyncio.wait_for(anext(changes), 60)
 
 
 async def test_a_node_that_leaves_is_gone_over_there(join: JoinGraph, peer: RclpyPeer) -> None:

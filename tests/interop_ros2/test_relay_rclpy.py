@@ -20,10 +20,10 @@ pytestmark = [
     pytest.mark.ros1,
     pytest.mark.rclpy,
     pytest.mark.asyncio(loop_scope="module"),
-    pytest.mark.timeout(60),
+    pytest.mark.timeout(300),
 ]
 
-PATIENCE_S = 30.0
+PATIENCE_S = 60.0
 SERVER = """
 import rospy
 from std_srvs.srv import SetBool, SetBoolResponse

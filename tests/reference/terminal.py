@@ -11,7 +11,7 @@ import sys
 import time
 from pathlib import Path
 
-PATIENCE_S = 40.0
+PATIENCE_S = 60.0
 
 
 class Command:

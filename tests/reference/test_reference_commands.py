@@ -96,7 +96,7 @@ MEARM = (
 
 TYPED = (*GETTING_STARTED, *BY_EXAMPLE, *EMBEDDED, *MEARM)
 
-pytestmark = pytest.mark.timeout(240)
+pytestmark = pytest.mark.timeout(300)
 
 
 def test_what_is_ours_is_typed_and_the_rest_is_the_shells() -> None:

@@ -26,7 +26,7 @@ EXAMPLES = Path(__file__).parents[3] / "client" / "examples"
 STORE = TypeStore(Registry())
 NODE = "board"
 # A busy machine takes its time; nothing here takes longer than two seconds on an idle one.
-PATIENCE_S = 20.0
+PATIENCE_S = 60.0
 
 Meets = Callable[[Message], object]
 Prepare = Callable[[TypedGraph, str], Awaitable[None]]

@@ -12,7 +12,7 @@ from interop.ros1_peers import DEBIAN_PYTHON, Ros1Peers
 from rostether.graph.typed_graph import TypedGraph
 from rostether.msgdef import registry
 
-pytestmark = [pytest.mark.ros1, pytest.mark.timeout(120)]
+pytestmark = [pytest.mark.ros1, pytest.mark.timeout(300)]
 
 GENERATOR = Path("/usr/lib/genpy/gensrv_py.py")
 TEST_SRV = Path(registry.__file__).parent / "share" / "rosserial_arduino" / "srv" / "Test.srv"

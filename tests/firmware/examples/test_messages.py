@@ -36,10 +36,12 @@ async def test_blinker_with_class(kind: str) -> None:
         assert gaps_ms == pytest.approx([50] * 3, abs=4)
 
         await stage.service("/activate_blinker")
-        answer = await stage.graph.call("/activate_blinker", "std_srvs/SetBool", {"data": False}, timeout_s=5)
+        answer = await stage.graph.call(
+            "/activate_blinker", "std_srvs/SetBool", {"data": False}, timeout_s=60
+        )
         assert (answer.success, answer.message) == (True, "dark")
         assert not await board.pin_level("D13")
-        answer = await stage.graph.call("/activate_blinker", "std_srvs/SetBool", {"data": True}, timeout_s=5)
+        answer = await stage.graph.call("/activate_blinker", "std_srvs/SetBool", {"data": True}, timeout_s=60)
         assert answer.message == "blinking"
         await board.wait_for_pin("D13", True)
 

@@ -53,5 +53,5 @@ async def test_tcp_shared_key_of_others(key: str | None, says: bytes, tmp_path: 
     file.write_text(key or "")
     psk = f"&psk={file}" if key else ""
     async with running("TcpSharedKey", "uno", ["watch serial"], uses_network=True, options=psk) as stage:
-        await until(lambda: says in stage.board.serial, "what the sketch says of it", 20.0)
+        await until(lambda: says in stage.board.serial, "what the sketch says of it", 60)
         assert "chatter" not in str(await stage.graph.raw.snapshot())

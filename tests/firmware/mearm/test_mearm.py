@@ -42,7 +42,7 @@ async def hears(graph: TypedGraph, topic: str, wanted: Sequence[int]) -> None:
     """Wait for a message with these servo angles."""
     seen = None
     try:
-        async with asyncio.timeout(20), aclosing(aiter(graph.messages(topic))) as messages:
+        async with asyncio.timeout(60), aclosing(aiter(graph.messages(topic))) as messages:
             async for message in messages:
                 seen = angles_of(message)
                 if seen == tuple(wanted):
@@ -54,7 +54,7 @@ async def hears(graph: TypedGraph, topic: str, wanted: Sequence[int]) -> None:
 async def servos_stand(board: SimulatedBoard, wanted: Sequence[float]) -> None:
     angles: list[float] = []
     try:
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(60):
             while not angles or max(abs(a - b) for a, b in zip(angles, wanted, strict=True)) > JITTER_DEGREES:
                 angles = [await board.servo_angle(pin) for pin in PINS]
                 await asyncio.sleep(0.01)
@@ -65,7 +65,7 @@ async def servos_stand(board: SimulatedBoard, wanted: Sequence[float]) -> None:
 async def a_buffer(graph: TypedGraph, child: str, turn: float) -> TransformBuffer:
     """Return the frames, as soon as a joint's link has been turned so far about z."""
     buffer = TransformBuffer()
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(60):
         static = await graph.wait_for_message("/tf_static", "tf2_msgs/TFMessage")
         async with aclosing(aiter(graph.messages("/tf", "tf2_msgs/TFMessage"))) as messages:
             async for message in messages:

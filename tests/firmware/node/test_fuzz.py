@@ -12,7 +12,7 @@ FRAMES = 100_000
 
 
 @pytest.mark.gcc
-@pytest.mark.timeout(240)
+@pytest.mark.timeout(300)
 def test_any_frame_leaves_the_node_whole(test_library: Path) -> None:
     program = built("gcc", "fuzz", test_library, "-O1", "-g1")
     said = run(program, "1", str(FRAMES), timeout_s=120)

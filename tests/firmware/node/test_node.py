@@ -14,6 +14,6 @@ COMPILER_NAMES = [pytest.param(name, marks=getattr(pytest.mark, name)) for name 
 
 @pytest.mark.parametrize("concept", CONCEPTS)
 @pytest.mark.parametrize("compiler", COMPILER_NAMES)
-@pytest.mark.timeout(180)
+@pytest.mark.timeout(300)
 def test_concept(compiler: str, concept: str, test_library: Path) -> None:
     run(built(compiler, "node", test_library), concept)

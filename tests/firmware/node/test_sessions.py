@@ -42,7 +42,7 @@ def sent_by_host(capture: Capture) -> dict[int, int]:
 
 
 @pytest.mark.gcc
-@pytest.mark.timeout(180)
+@pytest.mark.timeout(300)
 @pytest.mark.parametrize("name", [each for each in captures.names() if each not in LEFT_OUT])
 def test_recorded_host_is_understood(name: str, test_library: Path) -> None:
     capture = captures.load(name)

@@ -19,7 +19,7 @@ from unit.bridge.doubles import RecordingReporter, until
 
 STORE = TypeStore(Registry())
 # Longer than any silence of a node that works; a busy machine takes its time.
-PATIENCE_S = 20.0
+PATIENCE_S = 60.0
 
 
 class Meeting:

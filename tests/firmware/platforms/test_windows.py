@@ -13,7 +13,7 @@ import pytest
 from firmware.platforms.meeting import meeting
 from firmware.platforms.programs import running
 
-pytestmark = [pytest.mark.mingw, pytest.mark.wine, pytest.mark.timeout(120)]
+pytestmark = [pytest.mark.mingw, pytest.mark.wine, pytest.mark.timeout(300)]
 
 
 @pytest.fixture

@@ -20,7 +20,7 @@ def layout_and(form: str, values: list[int] | list[float]) -> bytes:
     return struct.pack(f"<III{len(values)}{form}", 0, 0, len(values), *values)
 
 
-@pytest.mark.timeout(120)
+@pytest.mark.timeout(300)
 async def test_messages_of_280_bytes_all_come_back() -> None:
     async with running(SKETCH) as stage:
         ear = await stage.listen("/texts_out", "std_msgs/String")
@@ -32,7 +32,7 @@ async def test_messages_of_280_bytes_all_come_back() -> None:
             assert ear.heard[-1].data == wanted
 
 
-@pytest.mark.timeout(120)
+@pytest.mark.timeout(300)
 async def test_sixty_four_bits_come_back_exactly() -> None:
     numbers = random.Random(1)
     edges = [0, -1, 1, 2**63 - 1, -(2**63), 2**32, -(2**32) - 1]
@@ -46,7 +46,7 @@ async def test_sixty_four_bits_come_back_exactly() -> None:
             assert list(ear.heard[-1].data) == batch
 
 
-@pytest.mark.timeout(120)
+@pytest.mark.timeout(300)
 async def test_doubles_come_back_as_the_nearest_floats() -> None:
     numbers = random.Random(2)
 

@@ -19,7 +19,7 @@ BATCH = 20
 QUIET_MS = 500
 
 
-@pytest.mark.timeout(240)
+@pytest.mark.timeout(300)
 @pytest.mark.parametrize("baud", BAUDS)
 async def test_any_frames_leave_the_board_alive(baud: int) -> None:
     built = await build_sketch(SKETCH, find_board("uno"), BuildOptions(defines=(f"BAUD={baud}",)))

@@ -15,9 +15,9 @@ from interop.ros1_peers import Peer
 from interop_ros2.rclpy_peer import RclpyPeer, rclpy_peer
 from interop_ros2.samples import ADDED, ros2_name
 
-pytestmark = [pytest.mark.rclpy, pytest.mark.asyncio(loop_scope="module"), pytest.mark.timeout(120)]
+pytestmark = [pytest.mark.rclpy, pytest.mark.asyncio(loop_scope="module"), pytest.mark.timeout(300)]
 
-PATIENCE_S = 30.0
+PATIENCE_S = 60.0
 WARN = 30
 
 

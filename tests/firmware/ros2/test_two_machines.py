@@ -22,12 +22,12 @@ from unit.bridge.doubles import until
 
 pytestmark = [
     pytest.mark.asyncio(loop_scope="module"),
-    pytest.mark.timeout(120),
+    pytest.mark.timeout(300),
     pytest.mark.skipif(bool(missing_sdk()), reason=missing_sdk()),
     pytest.mark.skipif(bool(missing_namespaces()), reason=missing_namespaces()),
 ]
 
-PATIENCE_S = 30.0
+PATIENCE_S = 60.0
 ROUTER_PORT = 7447
 UINT32 = {"msg_type": "std_msgs/msg/UInt32", "msg_definition": "uint32 data\n"}
 HALVES = {"request_definition": "bool data", "response_definition": "bool success\nstring message"}

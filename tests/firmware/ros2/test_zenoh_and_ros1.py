@@ -29,12 +29,12 @@ from rostether.serde.store import TypeStore
 pytestmark = [
     pytest.mark.ros1,
     pytest.mark.asyncio(loop_scope="module"),
-    pytest.mark.timeout(120),
+    pytest.mark.timeout(300),
     pytest.mark.skipif(bool(missing_sdk()), reason=missing_sdk()),
 ]
 
 DOMAIN = 9
-PATIENCE_S = 30.0
+PATIENCE_S = 60.0
 STORE = TypeStore(Registry())
 STRING = STORE.registry.message_type("std_msgs/String")
 EMPTY = STORE.registry.message_type("std_msgs/Empty")

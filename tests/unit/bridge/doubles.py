@@ -212,7 +212,7 @@ class FakeLine:
         self.dropped.append((lane.topic, count))
 
 
-async def until(condition: Callable[[], object], what: str, limit_s: float = 5.0) -> None:
+async def until(condition: Callable[[], object], what: str, limit_s: float = 60.0) -> None:
     """Wait for a condition; fails with `what` it waited for."""
     loop = asyncio.get_running_loop()
     deadline = loop.time() + limit_s

@@ -101,7 +101,7 @@ async def test_finishing_waits_for_nobody_for_long(world: World, monkeypatch: py
     hanging.may_close.clear()
     openings.open(SLOT, hanging)
     openings.close(SLOT, hanging)
-    await asyncio.wait_for(openings.finish(), 1.0)
+    await asyncio.wait_for(openings.finish(), 10.0)
 
 
 async def test_what_is_announced_at_once_comes_in_turn_by_turn(world: World) -> None:

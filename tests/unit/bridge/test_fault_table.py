@@ -196,7 +196,7 @@ async def test_a_possible_length_that_never_comes_on_a_board_that_streams(
         await _flows_behind(board, encode_frame(126, bytes(size))[:7], heard)
 
 
-@pytest.mark.timeout(120)
+@pytest.mark.timeout(300)
 @pytest.mark.parametrize("name", ["random", "headers", "lengths", "damaged"])
 async def test_seconds_of_garbage_at_ten_megabytes_a_second(name: str) -> None:
     noise = {

@@ -100,7 +100,7 @@ async def test_a_serial_port_that_goes_and_comes_back(site: Site, tmp_path: Path
                     asked.set()
 
         loop.add_reader(master, read)
-        async with asyncio.timeout(10.0):
+        async with asyncio.timeout(60):
             await asked.wait()
         loop.remove_reader(master)
         port.unlink()

@@ -43,7 +43,7 @@ async def _come_and_go(bridge: Bridge, board: TcpBoard, heard: list[int], number
     bridge.network.logs.clear()
 
 
-@pytest.mark.timeout(240)
+@pytest.mark.timeout(300)
 @pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
 async def test_a_thousand_reconnects_leave_nothing_behind() -> None:
     async with Bridge(BridgeSettings(grace_s=60.0)) as bridge:

@@ -243,7 +243,7 @@ async def test_a_node_whose_name_is_taken_is_served_no_more(site: Site) -> None:
     await site.start(f"{PORT}?name=arm")
     await site.serving("/arm")
     other = await site.network.join("/arm")
-    await asyncio.wait_for(site.supervisor.wait_done(), 5.0)
+    await asyncio.wait_for(site.supervisor.wait_done(), 60)
     assert site.network.nodes["/arm"] is other
     assert site.boards[0].order[-1] == ids.TX_STOP
     assert len(site.boards) == 1
@@ -318,7 +318,7 @@ async def test_a_node_to_keep_is_there_before_its_board_and_its_end_is_ours(site
     await asyncio.sleep(0.01)
     assert not done.done(), "only the node to keep ends it all"
     await site.network.join("/lab/arm")
-    await asyncio.wait_for(done, 5.0)
+    await asyncio.wait_for(done, 60)
     assert board.order[-1] == ids.TX_STOP
     await supervisor.close()
 
@@ -337,7 +337,7 @@ async def test_a_node_to_keep_waits_for_the_master_before_anything_listens(site:
     await until(lambda: site.reporter.having("no ROS master answers"), "the line")
     assert site.listeners == []
     site.join_errors.clear()
-    await asyncio.wait_for(start, 5.0)
+    await asyncio.wait_for(start, 60)
     assert site.nodes() == {"/arm"}
     await supervisor.close()
     assert site.nodes() == set()
@@ -353,7 +353,7 @@ async def test_closing_stops_every_board_and_leaves_nothing(site: Site) -> None:
     await site.start(f"{PORT}?name=left", f"{PORT}?name=right", "tcp://:11411")
     site.connect()
     await site.serving("/left", "/right", "/tcp_127_0_0_1")
-    await asyncio.wait_for(site.supervisor.close(), 2.0)
+    await asyncio.wait_for(site.supervisor.close(), 10.0)
     await until(lambda: all(board.is_lost for board in site.boards), "the boards to learn of it")
     assert all(board.order[-1] == ids.TX_STOP for board in site.boards)
     assert site.nodes() == set()
@@ -376,14 +376,14 @@ async def test_closing_waits_for_no_hanging_graph_and_no_hanging_transport(
     loop = asyncio.get_running_loop()
     before = loop.time()
     await site.supervisor.close()
-    assert loop.time() - before < 2.5
+    assert loop.time() - before < 10.0
 
 
 async def test_closing_while_everything_waits(site: Site, tmp_path: Path) -> None:
     site.join_errors = [MasterUnreachableError("no ROS master answers") for _ in range(1000)]
     await site.start(str(tmp_path / "never"), f"{PORT}?name=arm")
     await until(lambda: site.reporter.having("no ROS master answers"), "the line")
-    await asyncio.wait_for(site.supervisor.close(), 1.0)
+    await asyncio.wait_for(site.supervisor.close(), 10.0)
     assert site.nodes() == set()
 
 
@@ -413,7 +413,7 @@ async def test_who_connects_and_never_speaks_gives_the_place_back(
     site.connect("tcp 192.168.1.7:40000")
     silent, theirs = memory_pair()
     site.listeners[0].on_transport(silent)
-    await asyncio.wait_for(theirs.wait_closed(), 10)
-    await asyncio.wait_for(silent.wait_closed(), 10)
+    await asyncio.wait_for(theirs.wait_closed(), 60)
+    await asyncio.wait_for(silent.wait_closed(), 60)
     await site.serving("/tcp_192_168_1_7")
     assert "/tcp_192_168_1_7" in site.connected(), "who speaks stays"

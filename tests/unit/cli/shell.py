@@ -43,7 +43,7 @@ class LiveGraph:
 
     def do(self, work: Coroutine[Any, Any, T]) -> T:
         """Run a coroutine in the thread and wait for its result."""
-        return self.begin(work).result(20)
+        return self.begin(work).result(60)
 
     def begin(self, work: Coroutine[Any, Any, T]) -> Future[T]:
         """Start a coroutine in the thread."""
@@ -57,7 +57,7 @@ class LiveGraph:
 
     def wait_until(self, condition: Callable[[], bool]) -> None:
         """Wait until something has become true in the thread."""
-        deadline_s = time.monotonic() + 20
+        deadline_s = time.monotonic() + 60
         while not condition():
             assert time.monotonic() < deadline_s, "it never became true"
             time.sleep(0.002)

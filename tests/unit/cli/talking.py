@@ -37,7 +37,7 @@ def publish(graph: LiveGraph, topic: str, type_name: str, *messages: dict[str, A
 
     def send() -> None:
         # Not every command that is tried out gets as far as subscribing.
-        deadline_s = time.monotonic() + 20
+        deadline_s = time.monotonic() + 60
         while publisher.subscriber_count == 0:
             if graph.is_closed or time.monotonic() > deadline_s:
                 return

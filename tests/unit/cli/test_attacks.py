@@ -37,7 +37,7 @@ async def attack(port: int, data: bytes, count: int) -> None:
             reader, writer = await asyncio.open_connection("127.0.0.1", port)
             writer.write(data)
             with contextlib.suppress(TimeoutError):
-                await asyncio.wait_for(reader.read(100), 10)
+                await asyncio.wait_for(reader.read(100), 60)
             writer.close()
 
     await asyncio.gather(*(one() for _ in range(count)))

@@ -107,14 +107,14 @@ def test_recorded_until_interrupted_and_played_again(graph: LiveGraph, tmp_path:
     active = tmp_path / "chat.bag.active"
     graph.wait_until(lambda: active.stat().st_size > 4117)
     recorder.send_signal(2)
-    printed, _ = recorder.communicate(timeout=20)
+    printed, _ = recorder.communicate(timeout=60)
     assert recorder.returncode == 0, printed
     assert "20 messages" in printed
     graph.do(publisher.close())
     heard: list[bytes] = []
     graph.do(node.subscribe("/again", ANY_MESSAGE, heard.extend))
     player = _started(graph, "play", "--wait-for-subscribers", "-i", str(path), "/chat:=/again")
-    printed, _ = player.communicate(timeout=20)
+    printed, _ = player.communicate(timeout=60)
     assert (player.returncode, printed) == (0, "played 20 messages\n")
     graph.wait_until(lambda: len(heard) == 20)
     assert heard == payloads
@@ -134,7 +134,7 @@ def test_keys_step_and_end_it(graph: LiveGraph, bag: Path) -> None:
             os.write(keyboard, b"s")
             graph.wait_until(lambda count=count: len(heard) == count)  # type: ignore[misc]
         os.write(keyboard, b"q")
-        assert "played 2 messages" in player.communicate(timeout=20)[0]
+        assert "played 2 messages" in player.communicate(timeout=60)[0]
     finally:
         os.close(keyboard)
         os.close(terminal)

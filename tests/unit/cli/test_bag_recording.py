@@ -24,7 +24,7 @@ class _Lines:
         self.lines.append((level, text))
 
     async def wait_for(self, part: str) -> Level:
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(60):
             while True:
                 for level, line in self.lines:
                     if part in line:
@@ -57,7 +57,7 @@ async def test_full_bags_are_followed_by_others_and_the_oldest_go(tmp_path: Path
     told = _Lines()
     async with bags_recorded(BagRecording(tmp_path, 0.1, 2), network.join, told):
         await told.wait_for("Subscribing to /chat")
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(60):
             while not any("_3.bag" in line for _, line in told.lines):
                 publisher.publish_raw([text("x" * 1000)] * 10)
                 await asyncio.sleep(0)

@@ -18,7 +18,7 @@ COMMAND = (sys.executable, "-m", "rostether", "board", "run", "--board", "lm3s69
 
 def run_to_end(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [*COMMAND, *arguments], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=30
+        [*COMMAND, *arguments], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120
     )
 
 

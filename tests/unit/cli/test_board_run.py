@@ -23,7 +23,7 @@ COMMAND = (sys.executable, "-m", "rostether", "board", "run")
 
 
 def run_to_end(*arguments: str, words: str = "") -> subprocess.CompletedProcess[str]:
-    return subprocess.run([*COMMAND, *arguments], input=words, capture_output=True, text=True, timeout=30)
+    return subprocess.run([*COMMAND, *arguments], input=words, capture_output=True, text=True, timeout=120)
 
 
 @contextmanager
@@ -79,7 +79,7 @@ def test_the_end_of_input_does_not_end_it(tmp_path: Path) -> None:
     lines = tmp_path / "words"
     lines.write_text("watch D13")
     with lines.open() as given, running(str(build("tick")), "--for", "300ms", stdin=given) as process:
-        stdout, _ = process.communicate(timeout=20)
+        stdout, _ = process.communicate(timeout=60)
     assert "pin D13 level=0" in stdout
     assert "stopped" in stdout
     assert process.returncode == 0
@@ -115,7 +115,7 @@ def test_words_typed_in_a_terminal() -> None:
 def test_a_reader_who_has_had_enough_ends_it() -> None:
     command = f"{' '.join(COMMAND)} {build('tick')} --watch serial --json | head -n 3"
     result = subprocess.run(
-        ["bash", "-o", "pipefail", "-c", command], capture_output=True, text=True, timeout=30
+        ["bash", "-o", "pipefail", "-c", command], capture_output=True, text=True, timeout=120
     )
     assert (result.returncode, result.stderr) == (0, "")
     assert len(result.stdout.splitlines()) == 3

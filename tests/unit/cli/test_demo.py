@@ -16,7 +16,7 @@ def test_the_demo_is_interrupted(graph: LiveGraph) -> None:
     with started(graph.uri, "demo") as process:
         read_until(process, "virtual board ready")
         process.send_signal(signal.SIGINT)
-        process.communicate(timeout=20)
+        process.communicate(timeout=60)
     assert process.returncode == 130
     assert not graph.master.api.registrations.nodes
 
@@ -28,7 +28,7 @@ def test_settings_are_tried_on_the_demo_s_board(graph: LiveGraph, tmp_path: Path
         'required_topics = ["odom"]\naccess = { publish = { deny = ["/tf"] } }\n'
     )
     with started(graph.uri, "demo", "--config", str(config), "--seconds", "4") as process:
-        _, said = process.communicate(timeout=30)
+        _, said = process.communicate(timeout=60)
     assert "may not publish /tf" in said
     assert "does not announce odom, which devices.toml requires" in said
 
@@ -41,7 +41,7 @@ def test_the_user_s_own_settings_do_not_spoil_the_demo(
     config.write_text("[defaults]\naccess = { publish = { allow = [] } }\n")
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
     with started(graph.uri, "demo", "--seconds", "3") as process:
-        text, _ = process.communicate(timeout=20)
+        text, _ = process.communicate(timeout=60)
     assert process.returncode == 0, text
 
 

@@ -21,7 +21,7 @@ from rostether.cli.launch_sources import complete_launch
 from rostether.cli.main import main
 from unit.cli.shell import LiveGraph
 
-LIMIT_S = 20.0
+LIMIT_S = 60.0
 STAY = '#!/bin/sh\necho $$ > "$ROS_HOME/$1.pid"\necho "hello from $1"\nexec sleep 100\n'
 DISPLAY = """<launch>
   <arg name="rate" default="10" doc="how often"/>

@@ -45,7 +45,7 @@ async def master() -> AsyncIterator[dict[str, str]]:
 
 
 async def hear(environ: dict[str, str], topic: str, count: int) -> None:
-    async with asyncio.timeout(20), join("listener", environ=environ) as graph:
+    async with asyncio.timeout(60), join("listener", environ=environ) as graph:
         async for _ in graph.messages(topic):
             count -= 1
             if not count:
@@ -100,7 +100,7 @@ async def test_the_limit_is_told_and_the_board_served_on(tmp_path: Path) -> None
         ) as record,
     ):
         await hear(environ, "/chatter", 3)
-        await record.wait_for("has reached 0.01 MB: nothing more is recorded", timeout_s=40)
+        await record.wait_for("has reached 0.01 MB: nothing more is recorded", timeout_s=60)
         await hear(environ, "/chatter", 3)
     assert file.stat().st_size <= 10_000
 

@@ -45,7 +45,7 @@ async def bridged(folder: Path) -> AsyncIterator[dict[str, str]]:
 
 async def test_one_table_and_objects_without_a_terminal(tmp_path: Path) -> None:
     async with (
-        asyncio.timeout(40),
+        asyncio.timeout(60),
         bridged(tmp_path) as environ,
         started("monitor", **environ) as table,
         started("monitor", "--once", "--json", **environ) as record,
@@ -72,7 +72,7 @@ async def test_json_goes_on(tmp_path: Path) -> None:
 
 
 async def test_live_in_a_terminal(tmp_path: Path) -> None:
-    async with asyncio.timeout(40), bridged(tmp_path) as environ:
+    async with asyncio.timeout(60), bridged(tmp_path) as environ:
         ours, theirs = pty.openpty()
         process = await asyncio.create_subprocess_exec(
             sys.executable,

@@ -22,6 +22,6 @@ def test_a_robot_stands_up(graph: LiveGraph, shell: Shell) -> None:
 def test_without_a_description_a_line_says_who_sets_it(graph: LiveGraph) -> None:
     for role in ("robot-state-publisher", "joint-state-publisher"):
         with started(graph.uri, "role", role) as process:
-            _, said = process.communicate(timeout=20)
+            _, said = process.communicate(timeout=60)
             assert process.returncode == 1
             assert "no parameter robot_description holds a URDF; a launch file sets it" in said

@@ -37,7 +37,7 @@ async def graph(master: MasterServer) -> AsyncIterator[TypedGraph]:
 
 
 async def appear(graph: TypedGraph, *nodes: str) -> None:
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(60):
         async for snapshot in graph.changes():
             if set(nodes) <= set(snapshot.nodes):
                 return
@@ -49,10 +49,10 @@ async def test_a_relay_from_its_name_in_ros(master: MasterServer, graph: TypedGr
     arguments = ("run", "topic_tools", "relay", "from", "to", "__name:=copier", "__ns:=/lab", "from:=a")
     async with started(*arguments, ROS_MASTER_URI=master.uri) as node:
         await appear(graph, "/lab/copier")
-        assert (await graph.wait_for_message("/lab/to", timeout_s=20)).data == "x"
+        assert (await graph.wait_for_message("/lab/to", timeout_s=60)).data == "x"
         # Another node takes its name: the process ends, so that a launch can start it again.
         async with join("/lab/copier", environ={"ROS_MASTER_URI": master.uri}):
-            assert await asyncio.wait_for(node.process.wait(), 20) == 0
+            assert await asyncio.wait_for(node.process.wait(), 60) == 0
 
 
 async def test_a_throttle_of_bytes(master: MasterServer, graph: TypedGraph) -> None:
@@ -60,7 +60,7 @@ async def test_a_throttle_of_bytes(master: MasterServer, graph: TypedGraph) -> N
     talker.publish(data="x")
     arguments = ("role", "throttle", "bytes", "/a", "100", "1.0", "__name:=slow", "_wall_clock:=true")
     async with started(*arguments, ROS_MASTER_URI=master.uri):
-        assert (await graph.wait_for_message("/a_throttle", timeout_s=20)).data == "x"
+        assert (await graph.wait_for_message("/a_throttle", timeout_s=60)).data == "x"
         assert await graph.get_param("/slow/wall_clock") is True
 
 
@@ -69,16 +69,16 @@ async def test_a_mux_and_what_steers_it(master: MasterServer, graph: TypedGraph)
         (await graph.publisher(name, "std_msgs/String", latch=True)).publish(data=name)
     environ = {"ROS_MASTER_URI": master.uri}
     async with started("role", "mux", "/out", "/a", "_latch:=true", "__name:=chooser", **environ):
-        assert (await graph.wait_for_message("/out", timeout_s=20)).data == "/a"
+        assert (await graph.wait_for_message("/out", timeout_s=60)).data == "/a"
         for words in (("mux-add", "mux", "/b"), ("mux-select", "mux", "/b"), ("mux-delete", "mux", "/a")):
             async with started("role", *words, **environ) as command:
-                assert await asyncio.wait_for(command.process.wait(), 20) == 0, command.lines
+                assert await asyncio.wait_for(command.process.wait(), 60) == 0, command.lines
         async with started("role", "mux-list", "mux", **environ) as command:
-            assert await asyncio.wait_for(command.process.wait(), 20) == 0
+            assert await asyncio.wait_for(command.process.wait(), 60) == 0
             await command.wait_for("/b")
             assert command.lines == ["/b"]
         async with started("role", "mux-select", "mux", "/c", **environ) as command:
-            assert await asyncio.wait_for(command.process.wait(), 20) == 1
+            assert await asyncio.wait_for(command.process.wait(), 60) == 1
             await command.wait_for("/c is no input; there are /b")
 
 
@@ -91,7 +91,7 @@ async def test_a_joystick(master: MasterServer, graph: TypedGraph, tmp_path: Pat
         async with started(*arguments, ROS_MASTER_URI=master.uri) as node:
             await node.wait_for("Opened joystick")
             os.write(writer, struct.pack("<IhBB", 0, 1, 1, 3))
-            async with asyncio.timeout(20):
+            async with asyncio.timeout(60):
                 async for message in graph.messages("/joy"):
                     if list(message.buttons) == [0, 0, 0, 1]:
                         break
@@ -146,7 +146,7 @@ def test_the_links_of_rosserial_server() -> None:
 )
 async def test_what_is_typed_wrong(master: MasterServer, words: tuple[str, ...], reason: str) -> None:
     async with started("role", *words, ROS_MASTER_URI=master.uri) as command:
-        assert await asyncio.wait_for(command.process.wait(), 20) == 1
+        assert await asyncio.wait_for(command.process.wait(), 60) == 1
         await command.wait_for(reason)
 
 
@@ -161,6 +161,6 @@ async def test_nodes_are_gone_when_they_are_told_to_end(master: MasterServer, gr
     async with started("role", "relay", "/a", "__name:=copier", ROS_MASTER_URI=master.uri) as node:
         await appear(graph, "/copier")
         node.process.terminate()
-        assert await asyncio.wait_for(node.process.wait(), 20) == 0
+        assert await asyncio.wait_for(node.process.wait(), 60) == 0
     names: set[str] = set((await graph.snapshot()).nodes)
     assert "/copier" not in names

@@ -27,7 +27,7 @@ def test_a_signal_ends_a_command_that_then_leaves_the_graph(
     with started(graph.uri, *ECHO, ignores_sigint=ignores_sigint) as process:
         graph.wait_until(lambda: command_node(graph) is not None)
         process.send_signal(number)
-        _, errors = process.communicate(timeout=20)
+        _, errors = process.communicate(timeout=60)
     assert process.returncode == code
     assert errors in ("", "WARNING: topic [/ultrasound/range] does not appear to be published yet\n")
     assert command_node(graph) is None
@@ -38,7 +38,7 @@ def test_a_service_that_is_told_to_end_has_done_its_work(graph: LiveGraph) -> No
         assert process.stdout is not None
         assert process.stdout.readline().startswith("ROS_MASTER_URI=http://")
         process.send_signal(signal.SIGTERM)
-        process.communicate(timeout=20)
+        process.communicate(timeout=60)
     assert process.returncode == 0
 
 
@@ -48,7 +48,7 @@ def test_a_reader_that_has_had_enough_is_no_error(graph: LiveGraph, command: lis
         assert process.stdout is not None
         process.stdout.close()
         process.stdout = None
-        _, errors = process.communicate(timeout=20)
+        _, errors = process.communicate(timeout=60)
     assert (process.returncode, errors) == (0, "")
 
 

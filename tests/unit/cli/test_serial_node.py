@@ -112,7 +112,7 @@ async def test_the_user_s_own_file_is_read_and_its_mistakes_are_told(tmp_path: P
     config.parent.mkdir()
     config.write_text("[devices.arm]\nbauds = 1\n")
     async with started("serial-node", "tcp", "0", XDG_CONFIG_HOME=str(tmp_path)) as node:
-        assert await asyncio.wait_for(node.process.wait(), 10.0) == 1
+        assert await asyncio.wait_for(node.process.wait(), 60) == 1
         await node.wait_for("devices.toml:devices.arm.bauds: unknown key")
 
 
@@ -125,7 +125,7 @@ async def test_the_node_is_there_before_a_board_and_the_process_ends_with_it() -
             async with join("looker", environ=environ) as graph:
                 assert "/serial_node" in (await graph.snapshot()).nodes
             async with join("serial_node", environ=environ) as graph:
-                assert await asyncio.wait_for(node.process.wait(), 10.0) == 0
+                assert await asyncio.wait_for(node.process.wait(), 60) == 0
                 assert (await graph.snapshot()).nodes.count("/serial_node") == 1
     finally:
         await master.close()

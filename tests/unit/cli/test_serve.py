@@ -18,7 +18,7 @@ from unit.cli.serving_process import started
 
 
 async def _until(condition: Callable[[], Awaitable[bool]]) -> None:
-    async with asyncio.timeout(15):
+    async with asyncio.timeout(60):
         while not await condition():
             await asyncio.sleep(0.02)
 
@@ -85,7 +85,7 @@ async def test_end_tells_the_board_and_leaves_the_graph(number: signal.Signals) 
                 await serve.wait_for("Note: publish buffer size is")
                 await device.wait_connected()
                 serve.process.send_signal(number)
-                async with asyncio.timeout(2.5):
+                async with asyncio.timeout(10):
                     await serve.process.wait()
                     while device.connected:
                         await asyncio.sleep(0.01)

@@ -19,7 +19,7 @@ async def test_findings_in_the_log_once_and_in_diagnostics(tmp_path: Path) -> No
     environ = {"ROS_MASTER_URI": master.uri}
     try:
         async with (
-            asyncio.timeout(30),
+            asyncio.timeout(60),
             started("serve", f"{tmp_path}/board?name=arm", **environ) as serve,
             join("looker", environ=environ) as graph,
         ):
@@ -46,7 +46,7 @@ async def test_diagnostics_can_be_left_out(tmp_path: Path) -> None:
     environ = {"ROS_MASTER_URI": master.uri}
     try:
         async with (
-            asyncio.timeout(30),
+            asyncio.timeout(60),
             started("serve", "--no-diagnostics", f"{tmp_path}/board", **environ) as serve,
             join("looker", environ=environ) as graph,
         ):

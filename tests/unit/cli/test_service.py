@@ -183,7 +183,7 @@ def test_wait_for_a_service(graph: LiveGraph, shell: Shell) -> None:
 
     task = graph.begin(advertise_when_asked_for())
     assert shell.output("service", "call", "--wait", "--timeout", "20", "/late") == "\n"
-    task.result(10)
+    task.result(60)
 
 
 def test_without_a_master_the_next_step_is_named(shell: Shell) -> None:

@@ -56,7 +56,7 @@ class Lines:
         self.lines.append((level, text))
 
     async def wait_for(self, part: str) -> None:
-        async with asyncio.timeout(10):
+        async with asyncio.timeout(60):
             while not any(part in text for _, text in self.lines):
                 await asyncio.sleep(0.01)
 
@@ -74,14 +74,14 @@ async def test_a_sketch_joins_the_graph_in_one_step(tmp_path: Path) -> None:
 
 async def _use(uri: str, serve: Peer) -> None:
     async with join("tester", environ={"ROS_MASTER_URI": uri}) as graph:
-        async with asyncio.timeout(30):
+        async with asyncio.timeout(60):
             async for message in graph.messages("/volts"):
                 assert message.data == pytest.approx(2.5, abs=0.01)
                 break
         assert "/volt_meter" in (await graph.snapshot()).nodes
         publisher = await graph.publisher("/toggle", "std_msgs/Empty")
         await serve.wait_for("pin D13 level=0")
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(60):
             while "pin D13 level=1" not in serve.text:
                 publisher.publish()
                 await asyncio.sleep(0.1)

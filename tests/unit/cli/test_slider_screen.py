@@ -16,7 +16,7 @@ from unit.cli.processes import started
 from unit.cli.shell import LiveGraph, Shell
 from unit.robot.robots import ARM
 
-LIMIT_S = 20.0
+LIMIT_S = 60.0
 
 
 class Terminal:

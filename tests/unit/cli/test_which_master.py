@@ -64,7 +64,7 @@ async def test_two_that_start_at_once_agree(free_port: int) -> None:
             lines.append(used.line.partition(" ")[0])
             await both.wait()
 
-    await asyncio.wait_for(asyncio.gather(serve(), serve()), 20)
+    await asyncio.wait_for(asyncio.gather(serve(), serve()), 60)
     assert sorted(lines) == ["Being", "Joining"]
 
 

@@ -126,7 +126,7 @@ class WireProgram:
 
     def _ask(self, requests: Iterable[tuple[int, bytes]]) -> list[Answer]:
         stdin = b"".join(struct.pack("<II", number, len(data)) + data for number, data in requests)
-        done = subprocess.run([self._program], input=stdin, capture_output=True, timeout=50)
+        done = subprocess.run([self._program], input=stdin, capture_output=True, timeout=120)
         assert done.returncode == 0, done.stderr.decode(errors="replace")
         return list(_answers(done.stdout))
 

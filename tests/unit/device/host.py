@@ -29,7 +29,7 @@ from rostether.serde.store import TypeStore
 from rostether.serde.values import Message
 from rostether.transports.transport import Transport
 
-WAIT_LIMIT_S = 20.0
+WAIT_LIMIT_S = 60.0
 HOST_TIME = Time(1_700_000_000, 500)
 STORE = TypeStore(Registry())
 

@@ -122,7 +122,7 @@ async def test_bytes_go_both_ways_over_the_simulated_network(tmp_path: Path) -> 
     async def accept(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         await connected.put((reader, writer))
 
-    async with asyncio.timeout(50), await asyncio.start_server(accept, "127.0.0.1", 0) as server:
+    async with asyncio.timeout(60), await asyncio.start_server(accept, "127.0.0.1", 0) as server:
         port = server.sockets[0].getsockname()[1]
         words = [f"network 127.0.0.1:{port}", "watch serial"]
         async with await SimulatedBoard.start(built.elf, board="uno", words=words) as simulated:

@@ -22,7 +22,7 @@ from rostether.launch.runner import RunOptions, run_plan
 from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node.master_client import MasterClient
 
-LIMIT_S = 20.0
+LIMIT_S = 60.0
 
 
 class Stage:

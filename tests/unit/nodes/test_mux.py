@@ -47,12 +47,12 @@ class World:
             await asyncio.wait([running])
 
     async def call(self, service: str, kind: str, **request: str) -> dict[str, object]:
-        answer = await self.listener.call(service, f"topic_tools/{kind}", request, timeout_s=5)
+        answer = await self.listener.call(service, f"topic_tools/{kind}", request, timeout_s=60)
         fields: tuple[str, ...] = ("prev_topic", "topics")
         return {each: getattr(answer, each) for each in fields if hasattr(answer, each)}
 
     async def selected(self) -> object:
-        return (await self.listener.wait_for_message("/mux/selected", timeout_s=5)).data
+        return (await self.listener.wait_for_message("/mux/selected", timeout_s=60)).data
 
 
 @pytest.fixture
@@ -125,4 +125,4 @@ async def test_a_latched_mux_tells_who_comes_later(world: World) -> None:
         await until(lambda: world.inputs["/a"].subscriber_count == 1)
         world.inputs["/a"].publish_raw([string("kept")])
         await until(lambda: inbox.payloads == [string("kept")])
-        assert (await world.listener.wait_for_message("/out", timeout_s=5)).data == "kept"
+        assert (await world.listener.wait_for_message("/out", timeout_s=60)).data == "kept"

@@ -61,13 +61,13 @@ async def stage(tmp_path: Path) -> AsyncIterator[Stage]:
 
 
 async def _subscribed(*publishers: Publisher) -> None:
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(60):
         while not all(each.subscriber_count for each in publishers):
             await asyncio.sleep(0.005)
 
 
 async def _recorded(recorder: Recorder, count: int) -> None:
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(60):
         while recorder.progress.message_count < count:
             await asyncio.sleep(0.005)
 
@@ -124,7 +124,7 @@ async def test_it_ends_when_each_topic_has_its_messages(stage: Stage) -> None:
     await _subscribed(publisher)
     publisher.publish_raw([text(str(index)) for index in range(2)])
     publisher.publish_raw([text(str(index)) for index in range(2, 9)])
-    await asyncio.wait_for(task, 10)
+    await asyncio.wait_for(task, 60)
     assert stage.payloads() == [text(str(index)) for index in range(3)]
 
 
@@ -156,7 +156,7 @@ async def test_each_file_begins_with_the_latched_messages(stage: Stage) -> None:
         TopicChoice(names=("/map",)), RecordLimits(duration_s=0.3, is_splitting=True), repeat_latched=True
     )
     task = asyncio.create_task(recorder.run())
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(60):
         while len(recorder.progress.files) < 3:
             await asyncio.sleep(0.01)
     await _end(task)
@@ -180,6 +180,6 @@ async def test_a_full_disk_ends_it_with_a_line_and_keeps_what_is_there(stage: St
     await _subscribed(publisher)
     publisher.publish_raw([text(str(index)) for index in range(5)])
     with pytest.raises(RecordingError, match=r"No space left on device; recording stopped, .*0\.bag keeps"):
-        await asyncio.wait_for(task, 10)
+        await asyncio.wait_for(task, 60)
     assert len(stage.payloads()) == 5
     assert recorder.progress.message_count == 5

@@ -70,4 +70,4 @@ async def test_it_ends_when_its_node_is_told_to_leave() -> None:
         async with running(publish_joint_states(node, await read_joint_states(node))) as publishing:
             await first(arm, "/joint_states", STATE)
             await node.close()
-            await asyncio.wait_for(publishing, 5)
+            await asyncio.wait_for(publishing, 60)

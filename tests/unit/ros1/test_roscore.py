@@ -17,7 +17,7 @@ from rostether.ros1.xmlrpc_client import XmlRpcClient
 
 
 async def until(condition: Callable[[], object]) -> None:
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(60):
         while not condition():
             await asyncio.sleep(0.005)
 
@@ -41,7 +41,7 @@ async def logs_arrive(node: Ros1Graph) -> None:
     """Log until it arrives: the first messages may come before the connections."""
     logs: list[bytes] = []
     collected = await node.subscribe("/rosout_agg", LOG_TYPE, logs.extend)
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(60):
         while not any(b"battery low" in log and b"/tester" in log for log in logs):
             node.log(Level.WARN, "battery low")
             await asyncio.sleep(0.01)
@@ -79,4 +79,4 @@ async def test_a_master_stopped_from_outside_can_be_waited_for(core: Roscore) ->
     client = XmlRpcClient(core.uri)
     await client.call("shutdown", "/x", "enough")
     await client.close()
-    await asyncio.wait_for(core.wait_closed(), 10)
+    await asyncio.wait_for(core.wait_closed(), 60)

@@ -186,7 +186,7 @@ async def test_close_does_not_wait_for_a_client_that_hangs(monkeypatch: pytest.M
     raw.reader._transport.pause_reading()  # type: ignore[attr-defined]
     raw.writer.write(request("big"))
     await asyncio.sleep(0.05)
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(60):
         await server.close()
     raw.writer.transport.abort()
     await raw.close()

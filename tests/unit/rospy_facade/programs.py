@@ -60,7 +60,7 @@ async def printed(
     async with started(
         script, *arguments, master_uri=master_uri, packages=packages, environ=environ
     ) as process:
-        out, err = await asyncio.wait_for(process.communicate(), 40)
+        out, err = await asyncio.wait_for(process.communicate(), 60)
         assert process.returncode == 0, err.decode()
         return out.decode().splitlines()
 
@@ -68,7 +68,7 @@ async def printed(
 async def line_of(process: asyncio.subprocess.Process, text: str) -> str:
     """Wait for a line of standard output with a text, and return it."""
     assert process.stdout is not None
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(60):
         while line := (await process.stdout.readline()).decode():
             if text in line:
                 return line.rstrip("\n")

@@ -63,7 +63,7 @@ def test_handlers_may_wait_for_one_another(loop: LoopThread) -> None:
     async def run() -> list[int]:
         return await asyncio.gather(*(run_in_thread(barrier.wait) for _ in range(count)))
 
-    assert sorted(loop.call(run(), timeout_s=20)) == list(range(count))
+    assert sorted(loop.call(run(), timeout_s=60)) == list(range(count))
 
 
 def test_an_exit_in_a_handler_ends_nothing(loop: LoopThread) -> None:

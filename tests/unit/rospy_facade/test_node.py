@@ -38,12 +38,12 @@ async def test_a_node_waits_for_its_master() -> None:
     script = "import rospy; rospy.init_node('late'); print('here', rospy.get_name())"
     async with started(script, master_uri=f"http://127.0.0.1:{port}") as process:
         assert process.stderr is not None
-        waiting = await asyncio.wait_for(process.stderr.readline(), 20)
+        waiting = await asyncio.wait_for(process.stderr.readline(), 60)
         assert f"Unable to register with master node [http://127.0.0.1:{port}]".encode() in waiting
         server = await MasterServer.start(port=port)
         try:
             assert await line_of(process, "here") == "here /late"
-            assert await asyncio.wait_for(process.wait(), 20) == 0
+            assert await asyncio.wait_for(process.wait(), 60) == 0
         finally:
             await server.close()
 
@@ -64,7 +64,7 @@ except rospy.ROSInterruptException:
     async with started(script, master_uri=master) as process:
         await line_of(process, "ready")
         process.send_signal(number)
-        out, err = await asyncio.wait_for(process.communicate(), 20)
+        out, err = await asyncio.wait_for(process.communicate(), 60)
         assert out.decode().split() == ["hook", "interrupted"], err.decode()
         assert process.returncode == 0
 

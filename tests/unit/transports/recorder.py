@@ -8,7 +8,7 @@ from collections.abc import Callable
 from rostether.errors import TransportError
 from rostether.transports.transport import Transport
 
-WAIT_LIMIT_S = 20.0
+WAIT_LIMIT_S = 60.0
 
 
 class Recorder:

@@ -32,7 +32,7 @@ async def stranger(port: int) -> AsyncIterator[tuple[asyncio.StreamReader, async
 
 async def is_hung_up(reader: asyncio.StreamReader) -> bool:
     """Tell whether the other side ends the connection without a byte."""
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(60):
         with contextlib.suppress(ConnectionResetError):
             return await reader.read(1) == b""
     return True

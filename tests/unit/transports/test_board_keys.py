@@ -29,7 +29,7 @@ class Door:
         return int(self.listener.address.partition("?")[0].rpartition(":")[2])
 
     async def proof(self) -> Proof:
-        transport = await asyncio.wait_for(self.came.get(), 10)
+        transport = await asyncio.wait_for(self.came.get(), 60)
         assert isinstance(transport, TcpTransport)
         return transport.proof
 
@@ -91,7 +91,7 @@ async def test_a_board_is_known_by_its_certificate(tmp_path: Path) -> None:
             boards.append(await connect_tcp(TcpAddress("127.0.0.1", port, connect=True, tls=tls)))
         except TransportError:
             pass
-        async with asyncio.timeout(10):
+        async with asyncio.timeout(60):
             while not door.listener.refused_count:
                 await asyncio.sleep(0.01)
         assert door.came.empty()

@@ -49,7 +49,7 @@ class Peer:
         self.pid = self._process.pid
 
     def end(self) -> None:
-        self._process.communicate("", timeout=10)
+        self._process.communicate("", timeout=60)
 
 
 def test_who_holds_a_port_is_named(pty: str) -> None:

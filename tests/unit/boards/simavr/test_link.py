@@ -28,7 +28,7 @@ async def read_exactly(descriptor: int, count: int) -> bytes:
         ready = asyncio.Event()
         loop.add_reader(descriptor, ready.set)
         try:
-            await asyncio.wait_for(ready.wait(), 10)
+            await asyncio.wait_for(ready.wait(), 60)
         finally:
             loop.remove_reader(descriptor)
         data += os.read(descriptor, count - len(data))
@@ -66,7 +66,7 @@ async def exchange(address: str, data: bytes) -> None:
         # The first bytes may come before the board has seen who is there.
         await asyncio.sleep(0.02)
         transport.write(data)
-        await asyncio.wait_for(collector.complete.wait(), 10)
+        await asyncio.wait_for(collector.complete.wait(), 60)
         assert collector.got == data
     finally:
         transport.close()

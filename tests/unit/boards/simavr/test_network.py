@@ -60,10 +60,10 @@ async def test_a_sketch_reaches_the_host_it_is_given(tmp_path: Path) -> None:
     program = await build_text(tmp_path, ECHO)
     async with server() as (place, arrived), await networked(program, place) as board:
         for expected in (1, 2):
-            reader, writer = await asyncio.wait_for(arrived.get(), 10)
+            reader, writer = await asyncio.wait_for(arrived.get(), 60)
             data = bytes(range(256)) * 20
             writer.write(data)
-            assert await asyncio.wait_for(reader.readexactly(len(data)), 20) == data
+            assert await asyncio.wait_for(reader.readexactly(len(data)), 60) == data
             assert await number(board, "connects") == expected
             writer.close()
             await writer.wait_closed()
@@ -74,10 +74,10 @@ async def test_a_sketch_reaches_the_host_it_is_given(tmp_path: Path) -> None:
 async def test_a_reset_hangs_up(tmp_path: Path) -> None:
     program = await build_text(tmp_path, ECHO)
     async with server() as (place, arrived), await networked(program, place) as board:
-        reader, _ = await asyncio.wait_for(arrived.get(), 10)
+        reader, _ = await asyncio.wait_for(arrived.get(), 60)
         await board.reset()
-        assert await asyncio.wait_for(reader.read(), 10) == b""
-        await asyncio.wait_for(arrived.get(), 10)
+        assert await asyncio.wait_for(reader.read(), 60) == b""
+        await asyncio.wait_for(arrived.get(), 60)
 
 
 async def test_without_a_network_nothing_is_reached(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from rostether.ros1.master.node_calls import NodeCallQueue
 from rostether.ros1.xmlrpc_server import XmlRpcServer
 
 
-async def until(condition: Callable[[], object], timeout_s: float = 10.0) -> None:
+async def until(condition: Callable[[], object], timeout_s: float = 60.0) -> None:
     async with asyncio.timeout(timeout_s):
         while not condition():
             await asyncio.sleep(0.002)

@@ -61,7 +61,7 @@ class RawPeer:
     async def is_hung_up(self) -> bool:
         """Wait for the other side to hang up; False when it says something instead."""
         try:
-            return await asyncio.wait_for(self.reader.read(1), 10.0) == b""
+            return await asyncio.wait_for(self.reader.read(1), 60) == b""
         except ConnectionError:
             return True
 

@@ -151,7 +151,7 @@ async def test_a_node_that_is_told_to_shut_down_leaves(
     client = XmlRpcClient(node.node_uri)
     assert await client.call_status("shutdown", "/rosnode", "user request") == (1, "shutdown", 0)
     await client.close()
-    assert await asyncio.wait_for(node.wait_closed(), 10.0) == "/rosnode asked for it: user request"
+    assert await asyncio.wait_for(node.wait_closed(), 60) == "/rosnode asked for it: user request"
     assert "leaving the graph: /rosnode asked for it: user request" in caplog.text
     with pytest.raises(GraphError, match="/node has left the graph"):
         await node.advertise("/chat", STRING)
@@ -165,7 +165,7 @@ async def test_a_node_whose_name_was_taken_unnoticed_leaves(stage: Stage) -> Non
     # A server without the shutdown method: the old node is told of it by nobody else.
     node._endpoints._server._methods.pop("shutdown")
     await client.call_status("registerPublisher", "/node", "/chat", STRING.name, server.uri)
-    assert "has taken the name /node" in await asyncio.wait_for(node.wait_closed(), 10.0)
+    assert "has taken the name /node" in await asyncio.wait_for(node.wait_closed(), 60)
     code, _, uri = await client.call_status("lookupNode", "/test", "/node")
     assert (code, uri) == (1, server.uri)
     await client.close()
@@ -197,7 +197,7 @@ async def test_leaving_is_quick_when_the_master_hangs(stage: Stage, monkeypatch:
         writer.close()
 
     silent = await asyncio.start_server(hang, "127.0.0.1", parse_rpc_uri(stage.uri).port)
-    await asyncio.wait_for(node.close(), 2.0)
+    await asyncio.wait_for(node.close(), 10.0)
     silent.close()
     await silent.wait_closed()
 

@@ -91,7 +91,7 @@ async def test_a_server_that_ends_during_the_call(session: ZenohSession) -> None
     await called.wait()
     await handle.close()
     with pytest.raises(ServiceCallError, match="/switch ended during the call"):
-        await asyncio.wait_for(call, 10.0)
+        await asyncio.wait_for(call, 60)
 
 
 async def test_a_server_whose_machine_is_gone(session: ZenohSession) -> None:
@@ -110,7 +110,7 @@ async def test_a_server_whose_machine_is_gone(session: ZenohSession) -> None:
     await called.wait()
     await asyncio.to_thread(far.zenoh.close)
     with pytest.raises(ServiceCallError):
-        await asyncio.wait_for(call, 10.0)
+        await asyncio.wait_for(call, 60)
     await near.close()
     await far.close()
 
@@ -153,7 +153,7 @@ async def test_a_late_answer_disturbs_nobody(session: ZenohSession) -> None:
     for result in await asyncio.gather(*calls, return_exceptions=True):
         assert isinstance(result, ServiceTimeoutError)
     go_on.set()
-    assert await client.call_service("/switch", SET_BOOL, b"\x00", timeout_s=5.0) == b"\x00" + string("late")
+    assert await client.call_service("/switch", SET_BOOL, b"\x00", timeout_s=60) == b"\x00" + string("late")
 
 
 async def test_clients_are_listed_and_forgotten(
@@ -164,6 +164,6 @@ async def test_clients_are_listed_and_forgotten(
     for name in ("/a", "/b", "/c", "/a"):
         if name not in session.graph.snapshot().services:
             await node.advertise_service(name, SET_BOOL, agree)
-        assert await node.call_service(name, SET_BOOL, b"\x01", timeout_s=5.0)
+        assert await node.call_service(name, SET_BOOL, b"\x01", timeout_s=60)
     found = await session.look("@ros2_lv/0/*/*/*/SC/**", 1.0)
     assert sorted(text.split("/")[9] for text in found) == ["%a", "%c"]

@@ -57,10 +57,10 @@ async def test_a_routers_restart_heals_and_doubles_nothing() -> None:
     publisher.publish_raw([string("nobody hears it")])
 
     router = await open_session(port, is_router=True)
-    await until(lambda: publisher.subscriber_count == 1 and subscriber.publisher_count == 1, 20.0)
+    await until(lambda: publisher.subscriber_count == 1 and subscriber.publisher_count == 1, 60)
     publisher.publish_raw([string("after"), string("last")])
     await until(lambda: len(inbox.payloads) >= 3)
-    assert await listener.call_service("/echo", echo, b"", timeout_s=10.0) == b""
+    assert await listener.call_service("/echo", echo, b"", timeout_s=60) == b""
     assert inbox.payloads == [string("before"), string("after"), string("last")]
     assert len(inbox.headers) == 2
     assert (await _nodes(router)) == {"/talker", "/listener"}
@@ -101,7 +101,7 @@ async def test_who_starts_before_the_router_finds_it() -> None:
     router = await open_session(port, is_router=True)
     listener = await router.join("listener")
     await listener.subscribe("/map", STRING, inbox.take)
-    await until(lambda: inbox.payloads, 20.0)
+    await until(lambda: inbox.payloads, 60)
     assert inbox.payloads == [string("kept")]
     await early.close()
     await router.close()

@@ -169,7 +169,7 @@ def test_encapsulations() -> None:
         converter.from_cdr(big[:-1])
 
 
-@pytest.mark.timeout(10)
+@pytest.mark.timeout(60)
 @pytest.mark.parametrize("element", ["uint8", "float64", "string", "bool", "Empty", "Padded", "Texts"])
 def test_announced_lengths_cost_nothing(element: str) -> None:
     inner = {"Empty": "", "Padded": "uint8 x\nfloat64 y", "Texts": "string s"}
@@ -197,7 +197,7 @@ def chain(link: str, length: int, last: str) -> Pairs:
     return Pairs(texts, texts)
 
 
-@pytest.mark.timeout(20)
+@pytest.mark.timeout(60)
 def test_types_that_double_at_each_level_stay_small() -> None:
     converter = chain("NEXT a\nNEXT b", 12, "string s\nuint64 n").converter("L0", "L0")
     payload = 4096 * (text(b"abc") + b"12345678")
