@@ -45,7 +45,7 @@ def read_profiles(stored: object) -> list[dict[str, Any]]:
     """Return what a recording says, text or list, with policies as words; what is no such thing is empty."""
     if isinstance(stored, str):
         try:
-            stored = yaml.load(stored, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+            stored = yaml.safe_load(stored)
         except yaml.YAMLError:
             return []
     if not isinstance(stored, list):

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from rostether.errors import DefinitionError, RostetherError, UnknownTypeError
+from rostether.errors import RostetherError, UnknownTypeError
 from rostether.msgdef.full_text import SEPARATOR, split_full_text
 from rostether.msgdef.interface import MessageType
 from rostether.msgdef.registry import Registry
-from rostether.msgdef.resolve_types import dependencies
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.msgdef.ros2.parse import parse_message
-from rostether.msgdef.ros2.spec import Ros2Field, Ros2Message
+from rostether.msgdef.ros2.spec import Ros2Message
 from rostether.msgdef.ros2.to_ros1 import express, ros1_name
+from rostether.msgdef.spec import MessageSpec
 from rostether.recording.recorded import Ros2Origin
 from rostether.ros2.native_registry import NativeRegistry
 from rostether.ros2.native_types import NativeTypes
@@ -21,7 +21,7 @@ from rostether.ros2.type_support import MessageSupport, Ros2Types
 
 ROS2MSG = "ros2msg"
 
-_STAMPS = {"builtin_interfaces/msg/Time": "time", "builtin_interfaces/msg/Duration": "duration"}
+_STAMPS = {"builtin_interfaces/Time": "time", "builtin_interfaces/Duration": "duration"}
 
 
 class RecordedDefinitions(Ros2Definitions):
@@ -117,16 +117,28 @@ def in_ros1_words(message: Ros2Message, definitions: Ros2Definitions) -> Message
 
     Raises UnknownTypeError, and DefinitionError for what ROS 1 cannot express.
     """
-    known = Registry()
-    own = [message]
-    for below in dependencies(message, definitions.message):
-        if below.full_name not in _STAMPS and not _is_known(known, ros1_name(below.full_name)):
-            own.append(below)
-    specs = [express(_without_stamps(each), definitions)[0] for each in own]
-    texts = [_with_stamps(spec.text) for spec in specs]
-    parts = [texts[0]]
-    parts += [
-        f"{SEPARATOR}\nMSG: {spec.full_name}\n{text}" for spec, text in zip(specs[1:], texts[1:], strict=True)
+    registry = Registry()
+    own, *below = express(message, definitions)
+    parts = [
+        f"{SEPARATOR}\nMSG: {each.full_name}\n{_text(each)}"
+        for each in below
+        if each.full_name not in _STAMPS and not _is_known(registry, each.full_name)
     ]
-    known.add_full_text(specs[0].full_name, "\n".join(parts))
-    return known.message_type(specs[0].full_name)
+    registry.add_full_text(own.full_name, "\n".join([_text(own), *parts]))
+    return registry.message_type(own.full_name)
+
+
+def _text(spec: MessageSpec) -> str:
+    lines = [f"{each.type} {each.name}={each.text}" for each in spec.constants]
+    for field in spec.fields:
+        kind = replace(field.type, base=_STAMPS.get(field.type.base, field.type.base))
+        lines.append(f"{kind} {field.name}")
+    return "\n".join(lines)
+
+
+def _is_known(registry: Registry, name: str) -> bool:
+    try:
+        registry.message(name)
+    except UnknownTypeError:
+        return False
+    return True

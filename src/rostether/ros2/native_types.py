@@ -5,7 +5,7 @@ from __future__ import annotations
 from rostether.errors import UnknownTypeError
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.ros2.native_registry import NativeRegistry
-from rostether.ros2.paired_definitions import NativeView, native_service_type
+from rostether.ros2.paired_definitions import NativeView, PairedDefinitions, native_service_type
 from rostether.ros2.type_hash import message_hash, service_hash
 from rostether.ros2.type_support import MessageSupport, Ros2Types, ServiceSupport
 
@@ -44,6 +44,13 @@ class NativeTypes(Ros2Types):
         if support is not None and support.ros1_type.md5sum == service_type.md5sum:
             return support
         return super().service(service_type)
+
+    def _texts(self, message_type: MessageType) -> PairedDefinitions:
+        self.message(message_type)
+        support = self._native_supports.get(message_type.name)
+        if support is not None and support.ros1_type.md5sum == message_type.md5sum:
+            return self._native.source
+        return super()._texts(message_type)
 
     def _describe(self, name: str) -> MessageSupport:
         source = self._native.source

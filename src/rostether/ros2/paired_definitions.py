@@ -9,6 +9,7 @@ from rostether.msgdef.full_text import message_full_text
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.msgdef.md5sum import digest, message_md5_text
 from rostether.msgdef.registry import Registry
+from rostether.msgdef.ros2.definition_text import message_text
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.msgdef.ros2.from_ros1 import derive
 from rostether.msgdef.ros2.spec import Ros2Message, Ros2Service
@@ -41,6 +42,12 @@ class PairedDefinitions:
             derived = derive(self._registry.message(ros1_message_name(name)), self._registry)
             self._derived[name] = derived
         return derived
+
+    def text(self, name: str) -> str:
+        """Return a message's text by `package/msg/Name`. Raises as `message`."""
+        return (
+            self._definitions.text(name) if self._definitions.has(name) else message_text(self.message(name))
+        )
 
     def counterpart(self, ros1_name: str) -> Ros2Message:
         """Return what a ROS 1 message `package/Name` is in ROS 2. Raises as `message`."""

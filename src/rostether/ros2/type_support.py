@@ -8,6 +8,7 @@ from rostether.errors import DefinitionError, TypeMismatchError
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.msgdef.md5sum import digest
 from rostether.msgdef.registry import Registry
+from rostether.msgdef.ros2.definition_text import full_text
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.ros2.paired_definitions import NativeView, PairedDefinitions, native_service_type
 from rostether.ros2.type_hash import message_hash, service_hash
@@ -113,6 +114,17 @@ class Ros2Types:
     def native_service(self, name: str) -> ServiceType:
         """Return a ROS 2 service's own fields in ROS 1's words. Raises UnknownTypeError, DefinitionError."""
         return self._native_service(name).ros1_type
+
+    def full_text(self, message_type: MessageType) -> str:
+        """Return the text of what a message type is in ROS 2, and of all below, as ROS 2's bags carry it.
+
+        Raises as `message`.
+        """
+        source = self._texts(message_type)
+        return full_text(source.message(self.message(message_type).name), source)
+
+    def _texts(self, message_type: MessageType) -> PairedDefinitions:
+        return PairedDefinitions(self._source(message_type), self.definitions)
 
     def _paired(self, name: str) -> MessageSupport | None:
         try:

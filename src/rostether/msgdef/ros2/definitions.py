@@ -18,6 +18,7 @@ from rostether.msgdef.ros2.definition_files import (
     install_prefixes,
     python_prefixes,
 )
+from rostether.msgdef.ros2.definition_text import message_text
 from rostether.msgdef.ros2.parse import (
     REQUEST_SUFFIX,
     RESPONSE_SUFFIX,
@@ -101,6 +102,12 @@ class Ros2Definitions:
             assert isinstance(loaded, Ros2Service)
             found = self._services[name] = loaded
         return found
+
+    def text(self, name: str) -> str:
+        """Return a message's text by `package/msg/Name`, as it stands in its file. Raises as `message`."""
+        package, kind, short_name = split_name(name)
+        file = self._file(kind, package, short_name) if kind is Kind.MESSAGE else None
+        return message_text(self.message(name)) if file is None else read_definition(file)
 
     def has(self, name: str) -> bool:
         """Tell whether a message, service or half a service is known; reads only the user's own texts."""

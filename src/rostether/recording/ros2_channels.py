@@ -1,0 +1,120 @@
+"""The topics of a ROS 2 recording that is written: their types there, and messages as CDR."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from rostether.errors import RecordingError, RostetherError, SerializationError
+from rostether.msgdef.registry import Registry
+from rostether.msgdef.ros2.definitions import Ros2Definitions
+from rostether.recording.recorded import Connection, Ros2Origin
+from rostether.recording.ros2_qos import offered, profiles_text, read_profiles
+from rostether.recording.ros2_types import ROS2MSG, RecordedDefinitions
+from rostether.ros2.native_registry import NativeRegistry
+from rostether.ros2.native_types import NativeTypes
+from rostether.ros2.type_hash import TYPE_HASH_NOT_SUPPORTED
+from rostether.ros2.type_support import Ros2Types
+
+
+@dataclass(slots=True)
+class Channel:
+    """One topic with one type in one file; `origin` is what the file says of it."""
+
+    number: int
+    topic: str
+    origin: Ros2Origin
+    to_cdr: Callable[[bytes], bytes]
+    message_count: int = 0
+
+
+class Ros2Channels:
+    """The channels of one file, in the order of their numbers from 1.
+
+    As rosbag2 does it, all publishers of a topic share one. `types` know the types of what is written: those
+    of the graph that is recorded, else those of the environment.
+    """
+
+    def __init__(self, types: Ros2Types | None = None) -> None:
+        self.channels: list[Channel] = []
+        self.refused_count = 0
+        """Messages that do not fit their type, and so have no CDR."""
+        self._types = types
+        self._by_connection: dict[Connection, Channel] = {}
+        self._by_topic: dict[tuple[str, str, str], Channel] = {}
+
+    def channel(self, connection: Connection) -> tuple[Channel, bool]:
+        """Return a connection's channel, and whether it is new. Raises RecordingError naming the topic."""
+        channel = self._by_connection.get(connection)
+        if channel is not None:
+            return channel, False
+        try:
+            origin, to_cdr = self._describe(connection)
+        except RostetherError as error:
+            raise RecordingError(f"{connection.topic} cannot be written for ROS 2: {error}") from None
+        key = (connection.topic, origin.type_name, origin.type_hash)
+        channel = self._by_topic.get(key)
+        is_new = channel is None
+        if channel is None:
+            channel = Channel(len(self.channels) + 1, connection.topic, origin, to_cdr)
+            self.channels.append(channel)
+            self._by_topic[key] = channel
+        else:
+            _add_offers(channel, origin.qos)
+        self._by_connection[connection] = channel
+        return channel, is_new
+
+    def converted(self, channel: Channel, payloads: Sequence[bytes]) -> list[bytes]:
+        """Return messages as CDR, counted; those that do not fit their type are left out."""
+        try:
+            converted = list(map(channel.to_cdr, payloads))
+        except SerializationError:
+            converted = []
+            for payload in payloads:
+                try:
+                    converted.append(channel.to_cdr(payload))
+                except SerializationError:
+                    self.refused_count += 1
+        channel.message_count += len(converted)
+        return converted
+
+    def _describe(self, connection: Connection) -> tuple[Ros2Origin, Callable[[bytes], bytes]]:
+        if connection.origin is not None:
+            definitions = RecordedDefinitions()
+            definitions.learn(connection.origin)
+            types: Ros2Types = NativeTypes(NativeRegistry(definitions, Registry.from_environment()))
+        else:
+            types = self._own_types()
+        support = types.message(connection.type)
+        type_hash = "" if support.type_hash == TYPE_HASH_NOT_SUPPORTED else support.type_hash
+        if connection.origin is not None and connection.origin.type_name == support.name:
+            origin = connection.origin
+            if origin.definition and origin.type_hash:
+                return origin, support.converter.to_cdr
+            qos = origin.qos
+        else:
+            qos = offered(is_latching=connection.is_latching)
+        text = types.full_text(connection.type)
+        return Ros2Origin(support.name, type_hash, ROS2MSG, text, qos), support.converter.to_cdr
+
+    def _own_types(self) -> Ros2Types:
+        if self._types is None:
+            registry = Registry.from_environment()
+            self._types = NativeTypes(NativeRegistry(Ros2Definitions.from_environment(), registry))
+        return self._types
+
+
+def _add_offers(channel: Channel, qos: str) -> None:
+    """Let the recording's summary tell what a further publisher of the topic offered."""
+    if qos and qos != channel.origin.qos:
+        known = read_profiles(channel.origin.qos)
+        added = [each for each in read_profiles(qos) if each not in known]
+        if added:
+            origin = channel.origin
+            channel.origin = Ros2Origin(
+                origin.type_name,
+                origin.type_hash,
+                origin.encoding,
+                origin.definition,
+                profiles_text([*known, *added]),
+            )
