@@ -1,0 +1,72 @@
+"""ROS messages in CBOR, as rosbridge sends them to subscribers that ask for `cbor` or `cbor-raw`.
+
+Arrays of numbers are RFC 8746's typed arrays in little-endian order, uint8[] and char[] byte strings, times
+as in JSON. `cbor-raw` holds the serialization itself, as it went over ROS 1's wire, with the time of receipt.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable
+from typing import Any, Final
+
+import cbor2
+
+from rostether.gateways.rosbridge.values import OMITTED, Style, stamp_reader
+from rostether.gateways.rosbridge.values_source import Leaves, ReadValues, compile_values
+from rostether.rostime import Time
+from rostether.serde.codec import Codec
+from rostether.serde.plain_form import clean_text
+
+_MAX_FORMS: Final = 512
+"""Types of one gateway whose functions are kept; definitions come from peers."""
+
+_TYPED_ARRAY_TAGS: Final = {
+    "H": 69,
+    "I": 70,
+    "Q": 71,
+    "b": 72,
+    "h": 77,
+    "i": 78,
+    "q": 79,
+    "f": 85,
+    "d": 86,
+}
+"""By `struct` format; uint8[] is a byte string, and flags have no tag."""
+
+
+class CborForm:
+    """Messages of all types in CBOR; `style` is how times are worded."""
+
+    def __init__(self, style: Style = Style.ROS1) -> None:
+        self._leaves = Leaves(stamp_reader(style), clean_text, _as_it_is, _typed_array, OMITTED[style])
+        self._readers: dict[Codec, ReadValues] = {}
+
+    def publish(self, topic: str, codec: Codec, payload: bytes) -> bytes:
+        """Return the `publish` frame of a payload. Raises SerializationError."""
+        message = codec.decode(payload)
+        read = self._readers.get(codec)
+        if read is None:
+            if len(self._readers) >= _MAX_FORMS:
+                del self._readers[next(iter(self._readers))]
+            read = self._readers[codec] = compile_values(codec.tree, self._leaves)
+        return cbor2.dumps({"op": "publish", "topic": topic, "msg": read(message)})
+
+
+def publish_raw(topic: str, payload: bytes, now: Time) -> bytes:
+    """Return the `publish` frame that holds a payload itself; `now` is when it came."""
+    message = {"secs": now.secs, "nsecs": now.nsecs, "bytes": payload}
+    return cbor2.dumps({"op": "publish", "topic": topic, "msg": message})
+
+
+def _typed_array(code: str) -> Callable[[list[Any]], cbor2.CBORTag]:
+    tag = _TYPED_ARRAY_TAGS[code]
+
+    def pack(values: list[Any]) -> cbor2.CBORTag:
+        return cbor2.CBORTag(tag, struct.pack(f"<{len(values)}{code}", *values))
+
+    return pack
+
+
+def _as_it_is(value: bytes) -> bytes:
+    return value

@@ -1,0 +1,99 @@
+"""ROS messages in rosbridge's JSON, out and in.
+
+As rosbridge has them: uint8[] and char[] are base64, times and durations `{"secs": ..., "nsecs": ...}` (of a
+ROS 2 graph `{"sec": ..., "nanosec": ...}`), numbers that JSON does not know (NaN, infinities) null. Bytes of
+a text that are not UTF-8 become U+FFFD. What comes in is taken in either ROS's words.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from binascii import b2a_base64
+from collections.abc import Mapping
+from enum import Enum
+from typing import Any, Final
+
+from rostether.gateways.rosbridge.values_in import message_payload
+from rostether.gateways.rosbridge.values_source import Leaves, ReadValues, compile_values
+from rostether.rostime import Duration, Time
+from rostether.serde.codec import Codec
+from rostether.serde.plain_form import clean_text
+
+_MAX_FORMS: Final = 512
+"""Types of one gateway whose functions are kept; definitions come from peers."""
+
+
+class Style(Enum):
+    """Whose words a client gets: names of times, and the field that only one ROS's header has."""
+
+    ROS1 = 1
+    ROS2 = 2
+
+
+def stamp_reader(style: Style) -> Any:
+    """Return what makes a dict of a time or duration."""
+    if style is Style.ROS1:
+        return _ros1_stamp
+    return _ros2_stamp
+
+
+OMITTED: Final = {Style.ROS1: frozenset[str](), Style.ROS2: frozenset({"std_msgs/Header.seq"})}
+"""Fields that a style's clients do not know."""
+
+
+class JsonForm:
+    """Messages of all types as values for JSON, and back; `style` is how they are worded."""
+
+    def __init__(self, style: Style = Style.ROS1) -> None:
+        self.style = style
+        self._leaves = Leaves(stamp_reader(style), clean_text, _base64, omitted=OMITTED[style])
+        self._readers: dict[Codec, ReadValues] = {}
+
+    def to_json(self, codec: Codec, payload: bytes) -> dict[str, Any]:
+        """Return a payload as values that `write_json` takes. Raises SerializationError."""
+        message = codec.decode(payload)
+        read = self._readers.get(codec)
+        if read is None:
+            if len(self._readers) >= _MAX_FORMS:
+                del self._readers[next(iter(self._readers))]
+            read = self._readers[codec] = compile_values(codec.tree, self._leaves)
+        return read(message)
+
+    def from_json(self, codec: Codec, value: object, now: Time) -> bytes:
+        """Return the payload of a value that came as JSON.
+
+        Missing fields are zero; stamps of headers that are missing, and times that are "now", become `now`.
+        Raises SerializationError naming the field that does not fit.
+        """
+        return message_payload(codec, value, now)
+
+
+def write_json(value: object) -> str:
+    """Return values of `to_json`, and dicts and lists of them, as JSON; floats it has not become null."""
+    try:
+        return json.dumps(value, allow_nan=False, separators=(",", ":"))
+    except ValueError:
+        return json.dumps(_finite(value), allow_nan=False, separators=(",", ":"))
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, Mapping):
+        return {name: _finite(each) for name, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(each) for each in value]
+    return value
+
+
+def _base64(value: bytes) -> str:
+    return b2a_base64(value, newline=False).decode("ascii")
+
+
+def _ros1_stamp(value: Time | Duration) -> dict[str, int]:
+    return {"secs": value[0], "nsecs": value[1]}
+
+
+def _ros2_stamp(value: Time | Duration) -> dict[str, int]:
+    return {"sec": value[0], "nanosec": value[1]}

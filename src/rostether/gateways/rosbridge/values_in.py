@@ -1,0 +1,196 @@
+"""A value that came as JSON, as the payload of a message; what does not fit is told by its field.
+
+Lenient where web pages are: fields may be missing, a header's stamp as well (it becomes the time now), bytes
+are base64 or a list, null is NaN where a float is meant, times have either ROS's names for their halves.
+"""
+
+from __future__ import annotations
+
+import math
+from binascii import Error as Base64Error
+from binascii import a2b_base64
+from collections.abc import Mapping
+from typing import Any, Final
+
+from rostether.errors import SerializationError
+from rostether.rostime import Duration, Time
+from rostether.serde.codec import Codec
+from rostether.serde.type_tree import Array, Node, Number, Stamp, Struct, Text
+
+HEADER: Final = "std_msgs/Header"
+
+_MAX_SHOWN: Final = 40
+_FLOATS: Final = frozenset({float, int})
+_INTEGERS: Final = frozenset({int})
+_SECONDS: Final = ("secs", "sec")
+_NANOSECONDS: Final = ("nsecs", "nanosec")
+
+
+def message_payload(codec: Codec, value: object, now: Time) -> bytes:
+    """Return the serialization. Raises SerializationError."""
+    try:
+        fields = _struct(codec.tree, value, now)
+    except _MisfitError as misfit:
+        raise SerializationError(misfit.sentence(codec.type_name)) from None
+    return codec.encode(fields)
+
+
+class _MisfitError(Exception):
+    """A value does not fit; the path to it grows on the way out."""
+
+    def __init__(self, wanted: str, got: object) -> None:
+        super().__init__(wanted)
+        self.path = ""
+        self._wanted = wanted
+        self._got = got
+
+    def within(self, step: str) -> None:
+        """Put a step before the path."""
+        self.path = step + self.path if not self.path or self.path[0] == "[" else f"{step}.{self.path}"
+
+    def sentence(self, type_name: str) -> str:
+        """Return the whole error in one line."""
+        if not self._wanted:
+            return f"{type_name} has no field {self.path}; {self._got}"
+        where = f" for field {self.path}" if self.path else ""
+        return f"{type_name} wants {self._wanted}{where}, got {_show(self._got)}"
+
+
+def _struct(tree: Struct, value: object, now: Time) -> dict[str, Any]:
+    if not isinstance(value, Mapping):
+        raise _MisfitError(f"an object ({tree.name})", value)
+    fields: dict[str, Any] = {}
+    left = len(value)
+    for member in tree.members:
+        name = member.name
+        if name in value:
+            left -= 1
+            try:
+                fields[name] = _node(member.node, value[name], now)
+            except _MisfitError as misfit:
+                misfit.within(name)
+                raise
+        elif isinstance(member.node, Struct) and member.node.name == HEADER and name == "header":
+            fields[name] = {"stamp": now}
+    if tree.name == HEADER and "stamp" not in value:
+        fields["stamp"] = now
+    if left:
+        _refuse_unknown(tree, value)
+    return fields
+
+
+def _refuse_unknown(tree: Struct, value: Mapping[Any, Any]) -> None:
+    known = [member.name for member in tree.members]
+    for name in value:
+        if name not in known:
+            has = f"it has {', '.join(known)}" if known else "it has no fields"
+            misfit = _MisfitError("", has)
+            misfit.within(str(name)[:_MAX_SHOWN])
+            raise misfit
+
+
+def _node(node: Node, value: Any, now: Time) -> Any:
+    if isinstance(node, Number):
+        return _number(node, value)
+    if isinstance(node, Text):
+        if not isinstance(value, str):
+            raise _MisfitError("a string", value)
+        return value if value.isascii() else _sound_text(value)
+    if isinstance(node, Struct):
+        return _struct(node, value, now)
+    if isinstance(node, Stamp):
+        return _stamp(node, value, now)
+    return _array(node, value, now)
+
+
+def _number(node: Number, value: Any) -> bool | int | float:
+    kind = type(value)
+    if node.code == "?":
+        if kind is bool:
+            return bool(value)
+    elif node.code in "fd":
+        if kind in _FLOATS:
+            return value  # type: ignore[no-any-return]
+        if value is None:
+            return math.nan
+    elif kind is int or (kind is float and value.is_integer()):
+        return int(value)
+    raise _MisfitError(f"{'an' if node.name[0] == 'i' else 'a'} {node.name}", value)
+
+
+def _stamp(node: Stamp, value: Any, now: Time) -> Time | Duration:
+    kind = Time if node.name == "time" else Duration
+    if value == "now" and kind is Time:
+        return now
+    if not isinstance(value, Mapping):
+        raise _MisfitError(f"a {node.name}, an object of secs and nsecs", value)
+    left = set(value)
+    halves = []
+    for names in (_SECONDS, _NANOSECONDS):
+        name = next((each for each in names if each in value), None)
+        half = 0 if name is None else value[name]
+        left.discard(name)
+        if type(half) is float and half.is_integer():
+            half = int(half)
+        if type(half) is not int:
+            misfit = _MisfitError("an integer", half)
+            misfit.within(str(name))
+            raise misfit
+        halves.append(half)
+    if left:
+        misfit = _MisfitError("", "it has secs and nsecs, or sec and nanosec")
+        misfit.within(str(left.pop())[:_MAX_SHOWN])
+        raise misfit
+    return kind(*halves)
+
+
+def _array(array: Array, value: Any, now: Time) -> bytes | list[Any]:
+    element = array.element
+    if array.is_bytes and isinstance(value, str):
+        try:
+            return a2b_base64(value)
+        except (Base64Error, ValueError):
+            raise _MisfitError(f"base64 or a list of integers ({array.name})", value) from None
+    if not isinstance(value, list):
+        raise _MisfitError(f"a list ({array.name})", value)
+    if isinstance(element, Number):
+        kinds = set(map(type, value))
+        # The bulk of large messages; whether each number fits is found out when it is packed.
+        if kinds <= (_FLOATS if element.code in "fd" else _INTEGERS) and element.code != "?":
+            return value
+    items = []
+    for index, each in enumerate(value):
+        try:
+            items.append(_node(element, each, now))
+        except _MisfitError as misfit:
+            misfit.within(f"[{index}]")
+            raise
+    return items
+
+
+def _sound_text(text: str) -> str:
+    """Return a text with halves of pairs joined, and those that stand alone replaced: UTF-8 has neither."""
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        return text.encode("utf-16", "surrogatepass").decode("utf-16", "replace")
+    return text
+
+
+def _show(value: object) -> str:
+    """Return a value as an error repeats it: short, so that the error stays one line."""
+    text = "null" if value is None else repr(value)[: _MAX_SHOWN + 1] if _is_short(value) else _kind(value)
+    return text if len(text) <= _MAX_SHOWN else f"{text[: _MAX_SHOWN - 3]}..."
+
+
+def _is_short(value: object) -> bool:
+    # The repr of a huge array would be built whole.
+    return not isinstance(value, list | dict | str | int) or (
+        abs(value) < 1 << 128 if isinstance(value, int) else len(value) <= _MAX_SHOWN
+    )
+
+
+def _kind(value: object) -> str:
+    names: dict[type, str] = {list: "a list", dict: "an object", str: "a text", int: "an integer"}
+    size = f" of {len(value)}" if isinstance(value, list | dict | str) else ""
+    return f"{names.get(type(value), 'something')}{size}"
