@@ -1,0 +1,143 @@
+"""Which columns a table of messages has: one for each number, text and time, or those that are asked for.
+
+Nested fields are named with dots. Arrays of a few elements, always as many, have a column for each
+(`covariance[0]`); others are one column of lists. A time has two columns, in seconds (`header.stamp_s`) and
+in nanoseconds (`header.stamp_ns`).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from operator import attrgetter
+from typing import Any
+
+from rostether.errors import ConfigError, SerializationError
+from rostether.serde.codec import Codec
+from rostether.serde.field_path import FieldPath
+from rostether.serde.type_tree import Array, Node, Stamp, Struct
+
+MAX_SPREAD = 64
+"""Elements of an array that have columns of their own: a covariance has 36."""
+
+_INDEX = re.compile(r"\[[^\]]*\]")
+_WHOLE = "[:]"
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """One column; `node` is the type of what `read` gives of a message, below `lists` lists."""
+
+    name: str
+    node: Node
+    read: Callable[[Any], Any]
+    lists: int = 0
+
+
+def columns_of(codec: Codec, paths: Sequence[str] = ()) -> list[Column]:
+    """Return the columns of a type, or of the fields asked for: paths, or patterns with `*` and `?`.
+
+    Raises ConfigError for a path that there is not, naming the fields that there are.
+    """
+    if not paths:
+        return list(_below(codec.tree, "", ()))
+    chosen: dict[str, Column] = {}
+    for path in paths:
+        for column in _chosen(codec, path.strip("./").replace("/", ".").replace("[*]", _WHOLE)):
+            chosen.setdefault(column.name, column)
+    return list(chosen.values())
+
+
+def _chosen(codec: Codec, path: str) -> Iterator[Column]:
+    if re.search(r"[*?]", path):
+        found = [
+            column
+            for column in _below(codec.tree, "", ())
+            if fnmatchcase(_plain(column.name), _plain(path))
+            or fnmatchcase(_plain(column.name), f"{_plain(path)}.*")
+        ]
+        if not found:
+            known = ", ".join(column.name for column in _below(codec.tree, "", ()))
+            raise ConfigError(f"{codec.type_name} has no field like {path!r}; it has {known}")
+        yield from found
+        return
+    field = FieldPath(codec, path.replace(".", "/"))
+    node, lists = _end_of(codec.tree, path)
+    yield from _spread(node, path, lambda message: _given(field, message), lists)
+
+
+def _plain(name: str) -> str:
+    """Return a name in which brackets mean themselves to `fnmatch`."""
+    return name.replace("[", "<").replace("]", ">")
+
+
+def _end_of(tree: Struct, path: str) -> tuple[Node, int]:
+    """Return the type at the end of a path that is known to exist, and how many slices it has."""
+    node: Node = tree
+    lists = 0
+    for part in path.split("."):
+        name, _, index = part.partition("[")
+        assert isinstance(node, Struct)
+        node = next(member.node for member in node.members if member.name == name)
+        if index:
+            assert isinstance(node, Array)
+            node = node.element
+            lists += ":" in index
+    return node, lists
+
+
+def _given(field: FieldPath, message: Any) -> Any:
+    try:
+        return field.read(message)
+    except SerializationError:  # an array that is shorter this time
+        return None
+
+
+def _below(struct: Struct, prefix: str, path: tuple[str, ...]) -> Iterator[Column]:
+    for member in struct.members:
+        below = (*path, member.name)
+        yield from _spread(member.node, prefix + member.name, attrgetter(".".join(below)), 0, below)
+
+
+def _spread(
+    node: Node, name: str, read: Callable[[Any], Any], lists: int, path: tuple[str, ...] = ()
+) -> Iterator[Column]:
+    if lists:
+        yield Column(name, node, read, lists)
+    elif isinstance(node, Struct):
+        if path:
+            yield from _below(node, f"{name}.", path)
+        else:
+            for member in node.members:
+                yield from _spread(member.node, f"{name}.{member.name}", _within(read, member.name), 0)
+    elif isinstance(node, Stamp):
+        yield Column(f"{name}_s", node, _within(read, "to_s", calls=True))
+        yield Column(f"{name}_ns", node, _within(read, "to_ns", calls=True))
+    elif (
+        isinstance(node, Array)
+        and node.length is not None
+        and node.length <= MAX_SPREAD
+        and not node.is_bytes
+        and not isinstance(node.element, Struct)
+    ):
+        for index in range(node.length):
+            yield from _spread(node.element, f"{name}[{index}]", _element(read, index), 0)
+    else:
+        yield Column(name, node, read)
+
+
+def _within(read: Callable[[Any], Any], name: str, *, calls: bool = False) -> Callable[[Any], Any]:
+    def inner(message: Any) -> Any:
+        value = read(message)
+        if value is None:
+            return None
+        found = getattr(value, name)
+        return found() if calls else found
+
+    return inner
+
+
+def _element(read: Callable[[Any], Any], index: int) -> Callable[[Any], Any]:
+    return lambda message: None if (value := read(message)) is None else value[index]

@@ -1,0 +1,115 @@
+"""Tables as Parquet files, through the package `pyarrow` (extra `parquet`)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from rostether.errors import ConfigError, RecordingError
+from rostether.recording.export_columns import Column
+from rostether.recording.export_tables import TIME_COLUMNS, nested
+from rostether.rostime import NS_PER_S
+from rostether.serde.type_tree import Array, Node, Number, Stamp, Struct, Text
+from rostether.serde.values import Message
+
+MAX_GROUP_ROWS = 50_000
+"""Rows that are written together: enough for columns to pack well."""
+
+MAX_GROUP_BYTES = 8 << 20
+"""And how large they may be: several tables wait in memory at once."""
+
+_NUMBERS = {"byte": "int8", "char": "uint8", "bool": "bool_"}
+
+
+def parquet_package() -> Any:
+    """Return `pyarrow` with its Parquet part. Raises ConfigError when it is not installed."""
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError:
+        raise ConfigError("Parquet is not installed; type: pip install 'rostether[parquet]'") from None
+    return pyarrow
+
+
+class ParquetTable:
+    """A Parquet file being written; see `recording.export_tables.Table`."""
+
+    def __init__(self, path: Path, columns: Sequence[Column]) -> None:
+        self._arrow = arrow = parquet_package()
+        self._path = path
+        self._columns = columns
+        fields = [
+            arrow.field(TIME_COLUMNS[0], arrow.float64()),
+            arrow.field(TIME_COLUMNS[1], arrow.int64()),
+            *(arrow.field(column.name, _type_of(arrow, column)) for column in columns),
+        ]
+        self._schema = arrow.schema(fields)
+        self._values: list[list[Any]] = [[] for _ in fields]
+        self._waiting_bytes = 0
+        self._is_closed = False
+        try:
+            self._writer = arrow.parquet.ParquetWriter(str(path), self._schema)
+        except OSError as error:
+            raise RecordingError(f"cannot write {path}: {error.strerror or error}") from None
+
+    def add(self, time_ns: int, size_bytes: int, message: Message) -> None:
+        """Take a row, and write those that wait when they are many."""
+        values = self._values
+        values[0].append(time_ns / NS_PER_S)
+        values[1].append(time_ns)
+        for place, column in enumerate(self._columns, 2):
+            values[place].append(nested(column.read(message), bytes))
+        self._waiting_bytes += size_bytes
+        if self._waiting_bytes > MAX_GROUP_BYTES or len(values[0]) >= MAX_GROUP_ROWS:
+            self._write()
+
+    def close(self) -> None:
+        """Write what waits, and end the file. Idempotent."""
+        if self._is_closed:
+            return
+        self._is_closed = True
+        try:
+            self._write()
+        finally:
+            try:
+                self._writer.close()
+            except OSError as error:
+                raise RecordingError(f"cannot write {self._path}: {error.strerror or error}") from None
+
+    def _write(self) -> None:
+        if not self._values[0]:
+            return
+        arrow = self._arrow
+        columns = [
+            arrow.array(values, type=field.type)
+            for values, field in zip(self._values, self._schema, strict=True)
+        ]
+        self._values = [[] for _ in columns]
+        self._waiting_bytes = 0
+        try:
+            self._writer.write_table(arrow.Table.from_arrays(columns, schema=self._schema))
+        except OSError as error:
+            raise RecordingError(f"cannot write {self._path}: {error.strerror or error}") from None
+
+
+def _type_of(arrow: Any, column: Column) -> Any:
+    if isinstance(column.node, Stamp) and not column.lists and column.name.endswith("_s"):
+        return arrow.float64()
+    found = _node_type(arrow, column.node)
+    for _ in range(column.lists):
+        found = arrow.list_(found)
+    return found
+
+
+def _node_type(arrow: Any, node: Node) -> Any:
+    if isinstance(node, Number):
+        return getattr(arrow, _NUMBERS.get(node.name, node.name))()
+    if isinstance(node, Stamp):
+        return arrow.int64()
+    if isinstance(node, Text):
+        return arrow.string()
+    if isinstance(node, Array):
+        return arrow.binary() if node.is_bytes else arrow.list_(_node_type(arrow, node.element))
+    assert isinstance(node, Struct)
+    return arrow.struct([arrow.field(member.name, _node_type(arrow, member.node)) for member in node.members])
