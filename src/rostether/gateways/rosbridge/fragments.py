@@ -1,0 +1,79 @@
+"""Messages in pieces: rosbridge's `fragment` operation, both ways, without I/O.
+
+A message's text is cut into pieces; each travels as a message of its own with the id of the whole, its number
+from 0, and how many there are. Pieces come in any order; several messages may be on their way at once.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from typing import Any, Final
+
+from rostether.errors import RemoteProtocolError
+
+MAX_FRAGMENTS: Final = 100_000
+"""Pieces of one message: the largest message in pieces of a hundred characters."""
+
+MAX_UNFINISHED: Final = 32
+"""Messages that one client may have on their way at once; then the oldest is given up."""
+
+
+def split_fragments(text: str, size: int, message_id: str) -> Iterator[str]:
+    """Yield a message's fragments of `size` characters each, as JSON."""
+    size = max(size, -(-len(text) // MAX_FRAGMENTS))
+    total = -(-len(text) // size)
+    for number in range(total):
+        piece = text[number * size : (number + 1) * size]
+        fields = {"op": "fragment", "id": message_id, "data": piece, "num": number, "total": total}
+        yield json.dumps(fields, separators=(",", ":"))
+
+
+class _Unfinished:
+    def __init__(self, total: int) -> None:
+        self.total = total
+        self.size = 0
+        self.pieces: dict[int, str] = {}
+
+
+class Defragmenter:
+    """Joins what one client sends; `max_bytes` bounds what is unfinished, of which the oldest goes first."""
+
+    def __init__(self, max_bytes: int) -> None:
+        self._max_bytes = max_bytes
+        self._size = 0
+        self._unfinished: dict[str | int, _Unfinished] = {}
+
+    def add(self, fields: Mapping[str, Any]) -> str | None:
+        """Take a fragment; returns the whole text with its last one. Raises RemoteProtocolError."""
+        message_id, data = fields.get("id"), fields.get("data")
+        number, total = fields.get("num"), fields.get("total")
+        if not isinstance(message_id, str | int) or not isinstance(data, str):
+            raise RemoteProtocolError("fragment: an id and a text as data are needed")
+        if type(number) is not int or type(total) is not int or not 0 <= number < total <= MAX_FRAGMENTS:
+            raise RemoteProtocolError(
+                f"fragment: num counts from 0 and stays below total, which is {MAX_FRAGMENTS} at most"
+            )
+        # A message that goes on is the newest.
+        whole = self._unfinished.pop(message_id, None)
+        if whole is None or whole.total != total:
+            self._size -= whole.size if whole is not None else 0
+            whole = _Unfinished(total)
+        self._unfinished[message_id] = whole
+        # A piece that comes twice counts once.
+        grown = len(data) - len(whole.pieces.get(number, ""))
+        whole.pieces[number] = data
+        whole.size += grown
+        self._size += grown
+        while self._size > self._max_bytes or len(self._unfinished) > MAX_UNFINISHED:
+            oldest = next(iter(self._unfinished))
+            self._forget(oldest)
+            if oldest == message_id:
+                raise RemoteProtocolError(f"fragment: the message has more than {self._max_bytes} bytes")
+        if len(whole.pieces) < total:
+            return None
+        self._forget(message_id)
+        return "".join(whole.pieces[each] for each in range(total))
+
+    def _forget(self, message_id: str | int) -> None:
+        self._size -= self._unfinished.pop(message_id).size
