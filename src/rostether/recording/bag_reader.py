@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
+from types import MappingProxyType
 
 from rostether.errors import RecordingError
 from rostether.recording.bag_chunks import Chunk, messages_in, read_content
@@ -22,6 +23,7 @@ class BagReader:
     """A bag being read; see `recording.recorded.RecordingReader`. Raises RecordingError when it is none."""
 
     format_version = "2.0"
+    unreadable: Mapping[str, str] = MappingProxyType({})
 
     def __init__(self, path: Path) -> None:
         self.path = path

@@ -1,8 +1,10 @@
-"""Opening recordings by the name of their file: `.mcap`, else a ROS 1 bag."""
+"""Opening recordings by their names and by what they begin with: bags, MCAP, and those of ROS 2."""
 
 from __future__ import annotations
 
+from enum import StrEnum
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rostether.errors import ConfigError
 from rostether.recording.bag_reader import BagReader
@@ -10,37 +12,115 @@ from rostether.recording.bag_writer import DEFAULT_CHUNK_BYTES, BagWriter
 from rostether.recording.compression import NONE
 from rostether.recording.recorded import RecordingReader, RecordingWriter
 
+if TYPE_CHECKING:
+    from rostether.ros2.type_support import Ros2Types
+
+BAG_SUFFIX = ".bag"
 MCAP_SUFFIX = ".mcap"
+DB3_SUFFIX = ".db3"
 MCAP_MAGIC = b"\x89MCAP"
+SQLITE_MAGIC = b"SQLite format 3\0"
+_ACTIVE_SUFFIX = ".active"
 
 
-def open_recording(path: Path) -> RecordingReader:
-    """Open a recording to read. Raises RecordingError, ConfigError when the extra is missing."""
+class Form(StrEnum):
+    """Whose messages a recording holds."""
+
+    ROS1 = "ros1"
+    ROS2 = "ros2"
+
+
+def open_recording(path: Path, *, is_native: bool = False) -> RecordingReader:
+    """Open a recording to read. Raises RecordingError, ConfigError when an extra is missing.
+
+    Messages of ROS 2 are given as ROS 1 bytes: in the form that ROS 1's nodes have of their type, or
+    natively, in ROS 2's own fields.
+    """
+    if path.is_dir() or path.name == "metadata.yaml":
+        from rostether.recording.ros2_bag_reader import Ros2BagReader
+
+        return Ros2BagReader(path if path.is_dir() else path.parent, is_native=is_native)
     if is_mcap(path):
         from rostether.recording.mcap_reader import McapReader
 
-        return McapReader(path)
+        return McapReader(path, is_native=is_native)
+    if _begins_with(path, SQLITE_MAGIC):
+        from rostether.recording.db3_reader import Db3Reader
+
+        return Db3Reader(path, is_native=is_native)
     return BagReader(path)
 
 
-def create_recording(
-    path: Path, *, compression: str = NONE, chunk_bytes: int = DEFAULT_CHUNK_BYTES
-) -> RecordingWriter:
-    """Create a recording, over one that is there. Raises RecordingError, ConfigError."""
-    name = path.name.removesuffix(".active")
+def form_of(reader: RecordingReader) -> Form:
+    """Return whose messages a recording holds."""
+    return Form.ROS2 if any(each.origin is not None for each in reader.counts) else Form.ROS1
+
+
+def form_for(path: Path, source: Form, asked: Form | None = None) -> Form:
+    """Return whose messages a recording of that name gets, of a source with such. Raises ConfigError."""
+    name = path.name.removesuffix(_ACTIVE_SUFFIX)
+    if name.endswith((BAG_SUFFIX, ".bag.orig")):
+        if asked is Form.ROS2:
+            raise ConfigError(
+                f"{path}: a .bag holds ROS 1's messages; name a folder, or a .mcap or .db3 file"
+            )
+        return Form.ROS1
     if name.endswith(MCAP_SUFFIX):
+        return asked or source
+    if asked is Form.ROS1:
+        raise ConfigError(f"{path}: a recording of ROS 1 is a .bag or a .mcap file")
+    return Form.ROS2
+
+
+def create_recording(
+    path: Path,
+    *,
+    compression: str = NONE,
+    chunk_bytes: int = DEFAULT_CHUNK_BYTES,
+    form: Form = Form.ROS1,
+    types: Ros2Types | None = None,
+    storage: str = "mcap",
+) -> RecordingWriter:
+    """Create a recording, over one that is there. Raises RecordingError, ConfigError.
+
+    `types` know the types of what is written, where they are not those of the environment. A name without one
+    of the known endings is that of a folder, a ROS 2 bag, whose file is of `storage`, mcap or sqlite3.
+    """
+    name = path.name.removesuffix(_ACTIVE_SUFFIX)
+    if name.endswith(MCAP_SUFFIX):
+        if form is Form.ROS2:
+            from rostether.recording.ros2_mcap_writer import Ros2McapWriter
+
+            return Ros2McapWriter(path, compression=compression, chunk_bytes=chunk_bytes, types=types)
         from rostether.recording.mcap_writer import McapWriter
 
         return McapWriter(path, compression=compression, chunk_bytes=chunk_bytes)
-    if not name.endswith(".bag") and not name.endswith(".bag.orig"):
-        raise ConfigError(f"{path}: a recording's name ends with .bag or .mcap")
-    return BagWriter(path, compression=compression, chunk_bytes=chunk_bytes)
+    if name.endswith((BAG_SUFFIX, ".bag.orig")):
+        return BagWriter(path, compression=compression, chunk_bytes=chunk_bytes)
+    if compression != NONE and (name.endswith(DB3_SUFFIX) or storage != "mcap"):
+        raise ConfigError("a .db3 file is not compressed; take MCAP")
+    if name.endswith(DB3_SUFFIX):
+        from rostether.recording.db3_writer import Db3Writer
+
+        return Db3Writer(path, types=types)
+    if form is Form.ROS1 or path.suffix[1:].isalpha():
+        raise ConfigError(
+            f"{path}: a recording's name ends with .bag, .mcap or .db3, that of a ROS 2 bag's folder with none"
+        )
+    from rostether.recording.ros2_bag_writer import Ros2Bag, Storage
+
+    bag = Ros2Bag(path, Storage(storage), compression=compression, chunk_bytes=chunk_bytes, types=types)
+    return bag.create(bag.path_of(0))
 
 
 def is_mcap(path: Path) -> bool:
     """Tell whether a file is MCAP, by what it begins with; a file that cannot be read is none."""
+    return _begins_with(path, MCAP_MAGIC)
+
+
+def _begins_with(path: Path, magic: bytes) -> bool:
     try:
         with path.open("rb") as file:
-            return file.read(len(MCAP_MAGIC)) == MCAP_MAGIC
+            return file.read(len(magic)) == magic
     except OSError:
         return False

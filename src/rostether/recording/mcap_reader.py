@@ -1,4 +1,7 @@
-"""Reads MCAP files with ROS 1 messages, whoever wrote them, closed or not. Source: mcap.dev/spec"""
+"""Reads MCAP files with messages of ROS 1 or ROS 2, whoever wrote them, closed or not.
+
+Source: mcap.dev/spec
+"""
 
 from __future__ import annotations
 
@@ -6,9 +9,10 @@ import contextlib
 import mmap
 import os
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rostether.errors import RecordingError
 from rostether.msgdef.interface import MessageType
@@ -16,21 +20,35 @@ from rostether.recording.chunk_order import MAX_LISTED_BYTES, Entry, Unpacked, i
 from rostether.recording.compression import NONE, decompress
 from rostether.recording.mcap_content import StoredChunk, messages_in, read_content
 from rostether.recording.mcap_records import Channel, Schema
-from rostether.recording.recorded import CompressionShare, Connection, RecordedMessage, Wanted
+from rostether.recording.recorded import (
+    CompressionShare,
+    Connection,
+    RecordedMessage,
+    Ros2Origin,
+    Wanted,
+)
+
+if TYPE_CHECKING:
+    from rostether.recording.ros2_reading import Ros2Topics
 
 _ENCODING = "ros1"
 
 
 class McapReader:
-    """An MCAP file being read; see `recording.recorded.RecordingReader`. Only messages of ROS 1 are given.
+    """An MCAP file being read; see `recording.recorded.RecordingReader`.
 
-    Where it has no md5sum of a type, that is computed from the definition.
+    Only messages of ROS 1 and CDR are given; the latter as ROS 1 bytes, in ROS 2's own fields if `is_native`.
+    `unpack` undoes the compression of single messages, as a ROS 2 bag's summary tells it.
+    Where there is no md5sum of a type, it is computed from the definition.
     """
 
-    format_version = "MCAP"
-
-    def __init__(self, path: Path) -> None:
+    def __init__(
+        self, path: Path, *, is_native: bool = False, unpack: Callable[[bytes], bytes] | None = None
+    ) -> None:
         self.path = path
+        self._unpack_message = unpack
+        self._is_native = is_native
+        self._ros2: Ros2Topics | None = None
         try:
             descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
             try:
@@ -58,6 +76,16 @@ class McapReader:
     def damage(self) -> str:
         """Why the file had to be searched for its messages, or an empty string."""
         return self._content.damage
+
+    @property
+    def format_version(self) -> str:
+        """The format's name, and ROS 2 where its messages are of that."""
+        return "MCAP" if self._ros2 is None else "MCAP (ROS 2)"
+
+    @property
+    def unreadable(self) -> Mapping[str, str]:
+        """Topics with messages that cannot be given, and why."""
+        return {} if self._ros2 is None else self._ros2.unreadable
 
     @property
     def profile(self) -> str:
@@ -113,7 +141,14 @@ class McapReader:
         found = in_order(chunks, partial(self._unpack, connections), start_ns=start_ns, end_ns=end_ns)
         try:
             for number, time_ns, payload in found:
-                yield RecordedMessage(connections[number], time_ns, payload)
+                connection = connections[number]
+                if connection.origin is None or self._ros2 is None:
+                    yield RecordedMessage(connection, time_ns, payload)
+                    continue
+                cdr = payload if self._unpack_message is None else self._unpack_message(payload)
+                converted = self._ros2.convert(connection, cdr)
+                if converted is not None:
+                    yield RecordedMessage(connection, time_ns, converted)
         except RecordingError as error:
             raise RecordingError(
                 f"{self.path}: {error}; `rostether bag reindex` keeps what is whole"
@@ -140,9 +175,11 @@ class McapReader:
 
     def _connection(self, schema: Schema | None, channel: Channel) -> Connection | None:
         """Return what a channel is to us; None when its messages cannot be given."""
+        name = schema.name if schema is not None else "*"
+        if channel.encoding == "cdr" and schema is not None:
+            return self._ros2_connection(schema, channel)
         if channel.encoding != _ENCODING:
             return None
-        name = schema.name if schema is not None else "*"
         definition = schema.data.decode("utf-8", "surrogateescape") if schema is not None else ""
         md5sum = channel.metadata.get("md5sum") or _md5sum(name, definition)
         return Connection(
@@ -151,6 +188,19 @@ class McapReader:
             channel.metadata.get("callerid", ""),
             channel.metadata.get("latching", "") in ("1", "true"),
         )
+
+    def _ros2_connection(self, schema: Schema, channel: Channel) -> Connection | None:
+        if self._ros2 is None:
+            from rostether.recording.ros2_reading import Ros2Topics
+
+            self._ros2 = Ros2Topics(is_native=self._is_native)
+        origin = Ros2Origin(
+            schema.name,
+            channel.metadata.get("topic_type_hash", ""),
+            schema.encoding,
+            schema.data.decode("utf-8", "surrogateescape"),
+        )
+        return self._ros2.connection(channel.topic, origin, channel.metadata.get("offered_qos_profiles"))
 
 
 def _md5sum(name: str, definition: str) -> str:

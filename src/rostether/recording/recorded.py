@@ -125,7 +125,10 @@ class RecordingReader(Protocol):
 
     @property
     def unreadable(self) -> Mapping[str, str]:
-        """Topics whose messages cannot be given, and why; `counts` and `messages` leave them out."""
+        """Topics with messages that cannot be given, and why; `messages` leaves them out.
+
+        What does not fit its type is found while reading; a topic of unknown type is in `counts` no more.
+        """
 
     @property
     def span_ns(self) -> tuple[int, int] | None:

@@ -43,18 +43,17 @@ class Ros2Channels:
         self._by_connection: dict[Connection, Channel] = {}
         self._by_topic: dict[tuple[str, str, str], Channel] = {}
 
-    def channel(self, connection: Connection) -> tuple[Channel, bool]:
-        """Return a connection's channel, and whether it is new. Raises RecordingError naming the topic."""
+    def channel(self, connection: Connection) -> Channel:
+        """Return a connection's channel. Raises RecordingError naming the topic."""
         channel = self._by_connection.get(connection)
         if channel is not None:
-            return channel, False
+            return channel
         try:
             origin, to_cdr = self._describe(connection)
         except RostetherError as error:
             raise RecordingError(f"{connection.topic} cannot be written for ROS 2: {error}") from None
         key = (connection.topic, origin.type_name, origin.type_hash)
         channel = self._by_topic.get(key)
-        is_new = channel is None
         if channel is None:
             channel = Channel(len(self.channels) + 1, connection.topic, origin, to_cdr)
             self.channels.append(channel)
@@ -62,7 +61,7 @@ class Ros2Channels:
         else:
             _add_offers(channel, origin.qos)
         self._by_connection[connection] = channel
-        return channel, is_new
+        return channel
 
     def converted(self, channel: Channel, payloads: Sequence[bytes]) -> list[bytes]:
         """Return messages as CDR, counted; those that do not fit their type are left out."""
