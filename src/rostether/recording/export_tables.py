@@ -23,8 +23,11 @@ TIME_COLUMNS = ("time_s", "time_ns")
 class Table(Protocol):
     """One table being written. Every method raises RecordingError when the disk takes no more."""
 
-    def add(self, time_ns: int, size_bytes: int, message: Message) -> None:
-        """Write a row; `size_bytes` is what the message takes about."""
+    def add(self, time_ns: int, message: Message) -> None:
+        """Take a row."""
+
+    def flush(self) -> None:
+        """Write what waits: all tables together may take too much memory."""
 
     def close(self) -> None:
         """Write what waits, and end the table. Idempotent."""
@@ -46,12 +49,15 @@ class CsvTable:
         self._writer = csv.writer(self._file, lineterminator="\n")
         self._write((*TIME_COLUMNS, *(column.name for column in columns)))
 
-    def add(self, time_ns: int, size_bytes: int, message: Message) -> None:
+    def add(self, time_ns: int, message: Message) -> None:
         """Write a row."""
         seconds, nanoseconds = divmod(time_ns, NS_PER_S)
         self._write(
             (f"{seconds}.{nanoseconds:09d}", time_ns, *(read(message) for read in self._cells)),
         )
+
+    def flush(self) -> None:
+        """Nothing waits but what the file holds."""
 
     def close(self) -> None:
         """End the table. Idempotent."""

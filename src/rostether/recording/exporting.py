@@ -16,6 +16,11 @@ from rostether.recording.recorded import Connection, RecordingReader
 MAX_OPEN_TABLES = 100
 """Files open at a time, and what they hold in memory; more topics are written in several readings."""
 
+MAX_WAITING_BYTES = 32 << 20
+"""What all tables together keep until it is written; as Python's values it takes a few times as much."""
+
+_CELL_BYTES = 8
+
 
 @dataclass(slots=True)
 class ExportedTable:
@@ -92,6 +97,7 @@ class Export:
             for table in some:
                 target = opened.enter_context(closing(create(table)))
                 targets |= dict.fromkeys(table.connections, (table, target))
+            waiting_bytes = 0
             for found in self._reader.messages(targets.__contains__):
                 table, target = targets[found.connection]
                 try:
@@ -100,8 +106,13 @@ class Export:
                     table.unfit_count += 1
                     table.why = table.why or str(error)
                     continue
-                target.add(found.time_ns, len(found.payload), message)
+                target.add(found.time_ns, message)
                 table.row_count += 1
+                waiting_bytes += len(found.payload) + _CELL_BYTES * len(table.columns)
+                if waiting_bytes > MAX_WAITING_BYTES:
+                    waiting_bytes = 0
+                    for _, each in targets.values():
+                        each.flush()
 
 
 def _full(topic: str) -> str:

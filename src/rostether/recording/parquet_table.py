@@ -16,9 +16,6 @@ from rostether.serde.values import Message
 MAX_GROUP_ROWS = 50_000
 """Rows that are written together: enough for columns to pack well."""
 
-MAX_GROUP_BYTES = 8 << 20
-"""And how large they may be: several tables wait in memory at once."""
-
 _NUMBERS = {"byte": "int8", "char": "uint8", "bool": "bool_"}
 
 
@@ -46,38 +43,24 @@ class ParquetTable:
         ]
         self._schema = arrow.schema(fields)
         self._values: list[list[Any]] = [[] for _ in fields]
-        self._waiting_bytes = 0
         self._is_closed = False
         try:
             self._writer = arrow.parquet.ParquetWriter(str(path), self._schema)
         except OSError as error:
             raise RecordingError(f"cannot write {path}: {error.strerror or error}") from None
 
-    def add(self, time_ns: int, size_bytes: int, message: Message) -> None:
+    def add(self, time_ns: int, message: Message) -> None:
         """Take a row, and write those that wait when they are many."""
         values = self._values
         values[0].append(time_ns / NS_PER_S)
         values[1].append(time_ns)
         for place, column in enumerate(self._columns, 2):
             values[place].append(nested(column.read(message), bytes))
-        self._waiting_bytes += size_bytes
-        if self._waiting_bytes > MAX_GROUP_BYTES or len(values[0]) >= MAX_GROUP_ROWS:
-            self._write()
+        if len(values[0]) >= MAX_GROUP_ROWS:
+            self.flush()
 
-    def close(self) -> None:
-        """Write what waits, and end the file. Idempotent."""
-        if self._is_closed:
-            return
-        self._is_closed = True
-        try:
-            self._write()
-        finally:
-            try:
-                self._writer.close()
-            except OSError as error:
-                raise RecordingError(f"cannot write {self._path}: {error.strerror or error}") from None
-
-    def _write(self) -> None:
+    def flush(self) -> None:
+        """Write the rows that wait."""
         if not self._values[0]:
             return
         arrow = self._arrow
@@ -86,11 +69,23 @@ class ParquetTable:
             for values, field in zip(self._values, self._schema, strict=True)
         ]
         self._values = [[] for _ in columns]
-        self._waiting_bytes = 0
         try:
             self._writer.write_table(arrow.Table.from_arrays(columns, schema=self._schema))
         except OSError as error:
             raise RecordingError(f"cannot write {self._path}: {error.strerror or error}") from None
+
+    def close(self) -> None:
+        """Write what waits, and end the file. Idempotent."""
+        if self._is_closed:
+            return
+        self._is_closed = True
+        try:
+            self.flush()
+        finally:
+            try:
+                self._writer.close()
+            except OSError as error:
+                raise RecordingError(f"cannot write {self._path}: {error.strerror or error}") from None
 
 
 def _type_of(arrow: Any, column: Column) -> Any:
