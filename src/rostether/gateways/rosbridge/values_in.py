@@ -18,12 +18,15 @@ from rostether.serde.codec import Codec
 from rostether.serde.type_tree import Array, Node, Number, Stamp, Struct, Text
 
 HEADER: Final = "std_msgs/Header"
+ROS2_TIME: Final = "builtin_interfaces/Time"
+"""What a time is where definitions are ROS 2's own."""
 
 _MAX_SHOWN: Final = 40
 _FLOATS: Final = frozenset({float, int})
 _INTEGERS: Final = frozenset({int})
 _SECONDS: Final = ("secs", "sec")
 _NANOSECONDS: Final = ("nsecs", "nanosec")
+_ROS2_HALVES: Final = {"secs": "sec", "nsecs": "nanosec"}
 
 
 def message_payload(codec: Codec, value: object, now: Time) -> bytes:
@@ -57,6 +60,11 @@ class _MisfitError(Exception):
 
 
 def _struct(tree: Struct, value: object, now: Time) -> dict[str, Any]:
+    if tree.name == ROS2_TIME:
+        if value == "now":
+            return _ros2_time(now)
+        if isinstance(value, Mapping):
+            value = {_ROS2_HALVES.get(name, name): each for name, each in value.items()}
     if not isinstance(value, Mapping):
         raise _MisfitError(f"an object ({tree.name})", value)
     fields: dict[str, Any] = {}
@@ -70,13 +78,17 @@ def _struct(tree: Struct, value: object, now: Time) -> dict[str, Any]:
             except _MisfitError as misfit:
                 misfit.within(name)
                 raise
-        elif isinstance(member.node, Struct) and member.node.name == HEADER and name == "header":
-            fields[name] = {"stamp": now}
-    if tree.name == HEADER and "stamp" not in value:
-        fields["stamp"] = now
+        elif name == "header" and isinstance(member.node, Struct) and member.node.name == HEADER:
+            fields[name] = _struct(member.node, {}, now)
+        elif name == "stamp" and tree.name == HEADER:
+            fields[name] = _node(member.node, "now", now)
     if left:
         _refuse_unknown(tree, value)
     return fields
+
+
+def _ros2_time(now: Time) -> dict[str, Any]:
+    return {"sec": now.secs, "nanosec": now.nsecs}
 
 
 def _refuse_unknown(tree: Struct, value: Mapping[Any, Any]) -> None:

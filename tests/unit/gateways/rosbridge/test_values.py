@@ -9,6 +9,7 @@ import pytest
 from rostether.errors import SerializationError
 from rostether.gateways.rosbridge.values import JsonForm, Style, write_json
 from rostether.msgdef.registry import Registry
+from rostether.ros2.native_registry import NativeRegistry
 from rostether.rostime import Time
 from rostether.serde.codec import Codec
 from rostether.serde.store import TypeStore
@@ -122,6 +123,16 @@ def test_a_stamp_of_zero_stays() -> None:
 def test_times_in_either_ros_words(stamp: dict[str, int]) -> None:
     assert back("std_msgs/Time", {"data": stamp}).data == Time(4, 5)
     assert back("std_msgs/Duration", {"data": stamp}).data == (4, 5)
+
+
+def test_definitions_of_ros2_itself_are_known() -> None:
+    header = TypeStore(NativeRegistry.from_environment(environ={})).codec("std_msgs/Header")
+    form = JsonForm(Style.ROS2)
+    for value in ({}, {"stamp": "now"}, {"stamp": {"secs": NOW.secs, "nsecs": NOW.nsecs}}):
+        assert form.to_json(header, form.from_json(header, value, NOW)) == {
+            "stamp": {"sec": NOW.secs, "nanosec": NOW.nsecs},
+            "frame_id": "",
+        }
 
 
 def test_whole_floats_are_integers() -> None:
