@@ -1,0 +1,102 @@
+"""Files of packages that clients show: the meshes and pictures of a robot description.
+
+Only files inside of packages that are found here, hidden ones not among them; nothing is fetched.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+from rostether.errors import ConfigError
+
+FindPackages = Callable[[], Mapping[str, Path]]
+"""Maps the packages' names to their folders."""
+
+_CHUNK_BYTES = 1 << 20  # read at once: some 0.3 ms in which nothing else runs
+
+
+class Assets:
+    """Reads what a client may see."""
+
+    def __init__(self, find_packages: FindPackages, max_bytes: int) -> None:
+        self._find_packages = find_packages
+        self._max_bytes = max_bytes
+        self._folders: Mapping[str, Path] = {}
+
+    async def read(self, uri: str) -> bytes:
+        """Return a file's bytes. Raises ConfigError that says why there are none."""
+        path = self._locate(uri)
+        data = bytearray()
+        try:
+            with path.open("rb") as file:
+                while chunk := file.read(_CHUNK_BYTES):
+                    data += chunk
+                    if len(data) > self._max_bytes:
+                        raise ConfigError(f"{uri[:200]} is larger than {self._max_bytes >> 20} MB")
+                    await asyncio.sleep(0)
+        except OSError as error:
+            raise ConfigError(f"{uri[:200]} cannot be read: {error.strerror or error}") from None
+        return bytes(data)
+
+    def _locate(self, uri: str) -> Path:
+        try:
+            parts = urlsplit(uri)
+        except ValueError:
+            raise ConfigError(f"{uri[:200]!r} is no address of a file") from None
+        # What stands behind ? and # belongs to the name of a file.
+        rest = unquote(uri.partition("://")[2])
+        if "\0" in rest:
+            raise ConfigError("an address with a zero byte is no address of a file")
+        if parts.scheme == "package":
+            name, _, below = rest.partition("/")
+            return self._in_package(uri, name, below)
+        if parts.scheme == "file":
+            return self._in_any_package(uri, rest)
+        raise ConfigError(
+            f"{uri[:200]} is not fetched: only package:// and file:// of found packages are; "
+            "clients fetch http themselves"
+        )
+
+    def _in_package(self, uri: str, name: str, below: str) -> Path:
+        folder = self._folder(name)
+        if folder is None:
+            raise ConfigError(
+                f"there is no package {name[:80]!r} for {uri[:200]}: give its folder with ROS_PACKAGE_PATH"
+            )
+        path = _inside(folder, folder / below)
+        if path is None:
+            raise ConfigError(f"{uri[:200]} is no file of the package {name}")
+        return path
+
+    def _in_any_package(self, uri: str, rest: str) -> Path:
+        # Neither another host nor a relative path is a file here.
+        text = rest if rest.startswith("/") else "/" + rest.partition("/")[2]
+        if rest.startswith(("/", "localhost/")):
+            self._folders = self._find_packages()
+            for folder in self._folders.values():
+                if (path := _inside(folder, Path(text))) is not None:
+                    return path
+        raise ConfigError(f"{uri[:200]} is no file of any package that is found here")
+
+    def _folder(self, name: str) -> Path | None:
+        folder = self._folders.get(name)
+        if folder is None or not folder.is_dir():
+            self._folders = self._find_packages()
+            folder = self._folders.get(name)
+        return folder
+
+
+def _inside(folder: Path, path: Path) -> Path | None:
+    """Return the path, when it leads to a file in the folder, whatever it has of links and `..`."""
+    try:
+        root, real = folder.resolve(), path.resolve()
+        if not real.is_relative_to(root) or not real.is_file():
+            return None
+    except (OSError, ValueError, RuntimeError):
+        return None
+    if any(part.startswith(".") for part in real.relative_to(root).parts):
+        return None
+    return real

@@ -1,0 +1,158 @@
+"""The topics of a graph as channels: which there are, and the definition by which clients read each.
+
+A type that is not known here is learned from its publisher. So is one that its publisher defines in another
+way: then the channel gets a new id, and clients subscribe anew.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Iterable, Sequence
+
+from rostether.errors import RostetherError
+from rostether.gateways.foxglove.server_messages import Channel
+from rostether.gateways.shared_subscriptions import (
+    PublisherConnection,
+    SharedSubscription,
+    SharedSubscriptions,
+)
+from rostether.graph.ports import Snapshot, TopicInfo
+from rostether.msgdef.interface import ANY_MD5SUM, ANY_TYPE, MessageType
+from rostether.msgdef.registry import Registry
+from rostether.serde.store import TypeStore
+
+MAX_CHANNELS = 20_000
+"""More topics than any graph has; their offer to one client is then some 20 MB."""
+
+
+class Channels:
+    """The channels of one gateway; `on_offer` and `on_end` are told of what is new and gone."""
+
+    def __init__(
+        self,
+        store: TypeStore,
+        shared: SharedSubscriptions,
+        on_offer: Callable[[Sequence[Channel]], None],
+        on_end: Callable[[Sequence[Channel]], None],
+        tell: Callable[[str], None],
+    ) -> None:
+        self.by_id: dict[int, Channel] = {}
+        self._store = store
+        self._shared = shared
+        self._on_offer = on_offer
+        self._on_end = on_end
+        self._tell = tell
+        self._by_topic: dict[str, Channel] = {}
+        self._names: dict[str, str] = {}
+        self._learning: dict[str, asyncio.Task[None]] = {}
+        self._learned: set[str] = set()
+        self._next_id = 1
+
+    def update(self, snapshot: Snapshot) -> None:
+        """Follow the graph: topics that are published are channels."""
+        there = {info.name: info for info in snapshot.topics.values() if info.publishers}
+        gone = [topic for topic in self._names if topic not in there or self._has_changed(there[topic])]
+        for topic in gone:
+            del self._names[topic]
+            self._learned.discard(topic)
+            if task := self._learning.pop(topic, None):
+                task.cancel()
+        self._end(topic for topic in gone if topic in self._by_topic)
+        new: list[Channel] = []
+        for info in there.values():
+            if info.name in self._names or info.type == ANY_TYPE or len(self._names) >= MAX_CHANNELS:
+                continue
+            self._names[info.name] = info.type
+            message_type = self._known(info.type)
+            if message_type is None:
+                self._learning[info.name] = asyncio.ensure_future(self._learn(info.name))
+            else:
+                new.append(self._add(info.name, message_type))
+        if new:
+            self._on_offer(new)
+
+    def met(self, channel: Channel, connection: PublisherConnection) -> None:
+        """Take what a publisher of a channel says about its type."""
+        told = connection.type
+        if told.md5sum in (channel.type.md5sum, ANY_MD5SUM) or self.by_id.get(channel.id) is not channel:
+            return
+        if channel.topic in self._learned:
+            # Two publishers disagree: the first is believed, as long as it is there.
+            return
+        if not self._is_sound(told):
+            self._tell(
+                f"{channel.topic} is sent as {told.name} of another definition than is known here, which its "
+                "publisher does not tell: give its package with --msg-path or ROS_PACKAGE_PATH"
+            )
+            return
+        self._learned.add(channel.topic)
+        self._end([channel.topic])
+        self._on_offer([self._add(channel.topic, told)])
+
+    async def close(self) -> None:
+        """Learn no more."""
+        tasks = list(self._learning.values())
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
+    def _has_changed(self, topic: TopicInfo) -> bool:
+        return topic.type not in (ANY_TYPE, self._names[topic.name])
+
+    def _known(self, name: str) -> MessageType | None:
+        try:
+            return self._store.registry.message_type(name)
+        except RostetherError:
+            return None
+
+    def _add(self, topic: str, message_type: MessageType) -> Channel:
+        channel = Channel(self._next_id, topic, message_type)
+        self._next_id += 1
+        self._by_topic[topic] = self.by_id[channel.id] = channel
+        return channel
+
+    def _end(self, topics: Iterable[str]) -> None:
+        ended = [self._by_topic.pop(topic) for topic in topics]
+        for channel in ended:
+            del self.by_id[channel.id]
+        if ended:
+            self._on_end(ended)
+
+    async def _learn(self, topic: str) -> None:
+        """Listen until a publisher has told its definition."""
+        told: asyncio.Future[MessageType] = asyncio.get_running_loop().create_future()
+
+        def meet(connection: PublisherConnection) -> None:
+            if not told.done():
+                told.set_result(connection.type)
+
+        share: SharedSubscription | None = None
+        try:
+            share = await self._shared.subscribe(topic, lambda _: None, meet)
+            message_type = await told
+        except RostetherError as error:
+            self._tell(f"{topic} cannot be shown: {error}")
+            return
+        finally:
+            if share is not None:
+                await share.close()
+        if self._is_sound(message_type):
+            self._learned.add(topic)
+            self._on_offer([self._add(topic, message_type)])
+        else:
+            self._tell(
+                f"{topic} cannot be shown: its type {self._names[topic]} is not known, and its publisher "
+                "does not define it; give its package with --msg-path or ROS_PACKAGE_PATH"
+            )
+        self._learning.pop(topic, None)
+
+    def _is_sound(self, told: MessageType) -> bool:
+        if not told.definition.strip():
+            return False
+        try:
+            learned = Registry(bundled=False)
+            learned.add_full_text(told.name, told.definition)
+            # Clients read by this text; one that says something else than it sends would only show nonsense.
+            return learned.message_type(told.name).md5sum == told.md5sum
+        except RostetherError:
+            return False

@@ -1,0 +1,295 @@
+"""One client of a gateway: what it asks for, and what it is told."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Coroutine
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from rostether.errors import RemoteProtocolError, RostetherError
+from rostether.gateways.foxglove import client_messages as asked
+from rostether.gateways.foxglove import server_messages as told
+from rostether.gateways.foxglove.client_topics import ClientTopic, drained
+from rostether.gateways.foxglove.server_messages import Channel, StatusLevel
+from rostether.gateways.foxglove.subscription import Subscription
+
+if TYPE_CHECKING:
+    from rostether.gateways.foxglove.gateway import FoxgloveGateway
+    from rostether.gateways.foxglove.line import Line
+    from rostether.graph.ports import Publisher
+
+MAX_MISTAKES_TOLD = 100
+"""Statuses about a client's own mistakes; one that makes more would only be flooded by the answers."""
+
+_SLOW_STATUS = "slow-client"
+_SLOW_PERIOD_S = 5.0  # how often a client is told what it lost
+
+ResultT = TypeVar("ResultT")
+
+
+class Client:
+    """One connection; `line` carries what is said."""
+
+    def __init__(self, gateway: FoxgloveGateway, line: Line) -> None:
+        self.line = line
+        self.wants_connection_graph = False
+        self._gateway = gateway
+        self._subscriptions: dict[int, Subscription] = {}
+        self._by_channel: dict[int, Subscription] = {}
+        self._topics: dict[int, ClientTopic] = {}
+        self._watched: set[str] = set()
+        self._work: set[asyncio.Task[Any]] = set()
+        self._calls = 0
+        self._mistakes = 0
+        self._dropped = 0
+        self._dropped_before = 0
+        self._slow_timer: asyncio.TimerHandle | None = None
+        self._asleep = 0
+        self._handlers: dict[type, Callable[[Any], None]] = {
+            asked.Subscribe: self._subscribe,
+            asked.Unsubscribe: self._unsubscribe,
+            asked.Advertise: self._advertise,
+            asked.Unadvertise: self._unadvertise,
+            asked.MessageData: self._publish,
+            asked.ServiceRequest: self._call,
+            asked.GetParameters: self._get_parameters,
+            asked.SetParameters: self._set_parameters,
+            asked.SubscribeParameters: self._watch_parameters,
+            asked.UnsubscribeParameters: self._unwatch_parameters,
+            asked.SubscribeConnectionGraph: self._watch_graph,
+            asked.UnsubscribeConnectionGraph: self._unwatch_graph,
+            asked.FetchAsset: self._fetch,
+        }
+
+    # the line's side
+
+    def opened(self) -> None:
+        """Tell what there is."""
+        self._gateway.greet(self)
+
+    def received(self, message: str | bytes) -> None:
+        """Do what is asked."""
+        try:
+            request = asked.parse_text(message) if isinstance(message, str) else asked.parse_binary(message)
+        except RemoteProtocolError as error:
+            self.mistake(str(error))
+            return
+        self._handlers[type(request)](request)
+
+    def dropped(self, count: int) -> None:
+        """Tell the client now and then what it lost."""
+        self._dropped += count
+        if self._slow_timer is None:
+            self._tell_dropped()
+
+    def closed(self) -> None:
+        """End everything that the client had."""
+        if self._slow_timer is not None:
+            self._slow_timer.cancel()
+        self._gateway.forget(self)
+        for task in self._work:
+            task.cancel()
+        for subscription in self._subscriptions.values():
+            self._gateway.run(subscription.close())
+        for topic in self._topics.values():
+            self._gateway.run(topic.close())
+        self._subscriptions.clear()
+        self._by_channel.clear()
+        self._topics.clear()
+        for name in self._watched:
+            self._gateway.run(self._gateway.parameters.unwatch(name, self._parameter_changed))
+
+    # the gateway's side
+
+    def status(self, level: StatusLevel, text: str, status_id: str | None = None) -> None:
+        """Show a line to the people at the client."""
+        self.line.send(told.status(level, text, status_id))
+
+    def mistake(self, text: str) -> None:
+        """Tell the client what it did wrong, up to a limit."""
+        self._mistakes += 1
+        if self._mistakes <= MAX_MISTAKES_TOLD:
+            self.status(StatusLevel.ERROR, text)
+
+    def channel_ended(self, channel: Channel) -> None:
+        """End the subscription to a channel that is gone."""
+        if subscription := self._by_channel.pop(channel.id, None):
+            del self._subscriptions[subscription.id]
+            self._gateway.run(subscription.close())
+
+    # requests
+
+    def _subscribe(self, request: asked.Subscribe) -> None:
+        for subscription_id, channel_id in request.subscriptions:
+            channel = self._gateway.channels.by_id.get(channel_id)
+            if channel is None:
+                # Not the client's mistake when the channel has just ended.
+                self.mistake(f"there is no channel {channel_id}")
+            elif subscription_id in self._subscriptions or channel_id in self._by_channel:
+                self.mistake(f"channel {channel_id} or subscription {subscription_id} is subscribed already")
+            elif len(self._subscriptions) >= self._gateway.limits.subscriptions:
+                self.mistake(f"a client may have {self._gateway.limits.subscriptions} subscriptions")
+            else:
+                subscription = Subscription(
+                    subscription_id, channel, self.line, self._gateway.channels, self._gateway.clock.now_ns
+                )
+                self._subscriptions[subscription_id] = self._by_channel[channel_id] = subscription
+                subscription.open(self._gateway.shared, self.mistake)
+
+    def _unsubscribe(self, request: asked.Unsubscribe) -> None:
+        for subscription_id in request.subscription_ids:
+            # It may have ended with its channel.
+            if subscription := self._subscriptions.pop(subscription_id, None):
+                del self._by_channel[subscription.channel.id]
+                self._gateway.run(subscription.close())
+
+    def _advertise(self, request: asked.Advertise) -> None:
+        for channel in request.channels:
+            if channel.id in self._topics:
+                self.mistake(f"channel {channel.id} is advertised already")
+            elif len(self._topics) >= self._gateway.limits.client_channels:
+                self.mistake(f"a client may publish {self._gateway.limits.client_channels} topics")
+            else:
+                topic = self._topics[channel.id] = ClientTopic(channel, self.mistake)
+                topic.open(self._gateway.graph, self._gateway.store)
+
+    def _unadvertise(self, request: asked.Unadvertise) -> None:
+        for channel_id in request.channel_ids:
+            if topic := self._topics.pop(channel_id, None):
+                self._gateway.run(topic.close())
+            else:
+                self.mistake(f"channel {channel_id} is not advertised")
+
+    def _publish(self, message: asked.MessageData) -> None:
+        topic = self._topics.get(message.channel_id)
+        if topic is None:
+            self.mistake(f"channel {message.channel_id} is not advertised")
+        elif (behind := topic.publish(message.payload)) is not None:
+            self._start(self._wait_for(behind))
+
+    async def _wait_for(self, behind: Publisher) -> None:
+        self._asleep += 1
+        self.line.pause_reading()
+        try:
+            await drained(behind)
+        finally:
+            self._asleep -= 1
+            if not self._asleep:
+                self.line.resume_reading()
+
+    def _call(self, request: asked.ServiceRequest) -> None:
+        def fail(text: str) -> None:
+            self.line.send(told.service_failure(request.service_id, request.call_id, text))
+
+        service = self._gateway.services.by_id.get(request.service_id)
+        if service is None:
+            fail(f"there is no service {request.service_id}: it may have just ended")
+            return
+
+        async def call() -> None:
+            answer = await self._gateway.services.call(
+                service, request.encoding, request.payload, self._gateway.limits.call_timeout_s
+            )
+            self.line.send(
+                told.service_response(request.service_id, request.call_id, request.encoding, answer)
+            )
+
+        self._ask(call(), fail)
+
+    def _get_parameters(self, request: asked.GetParameters) -> None:
+        async def get() -> None:
+            async with asyncio.timeout(self._gateway.limits.parameters_timeout_s):
+                values = await self._gateway.parameters.get(request.names)
+            self.line.send(told.parameter_values(values, request.request_id))
+
+        self._ask(get(), lambda text: self.mistake(f"parameters cannot be read: {text}"))
+
+    def _set_parameters(self, request: asked.SetParameters) -> None:
+        async def set_them() -> None:
+            async with asyncio.timeout(self._gateway.limits.parameters_timeout_s):
+                values, mistakes = await self._gateway.parameters.set(request.parameters)
+            for text in mistakes:
+                self.mistake(text)
+            if request.request_id is not None:
+                self.line.send(told.parameter_values(values, request.request_id))
+
+        self._ask(set_them(), lambda text: self.mistake(f"parameters cannot be set: {text}"))
+
+    def _watch_parameters(self, request: asked.SubscribeParameters) -> None:
+        for name in request.names:
+            if name in self._watched:
+                continue
+            if len(self._watched) >= self._gateway.limits.watched_parameters:
+                self.mistake(f"a client may watch {self._gateway.limits.watched_parameters} parameters")
+                return
+            self._watched.add(name)
+            self._start(self._watch(name))
+
+    async def _watch(self, name: str) -> None:
+        try:
+            await self._gateway.parameters.watch(name, self._parameter_changed)
+        except RostetherError as error:
+            self._watched.discard(name)
+            self.mistake(f"parameter {name[:80]} cannot be watched: {error}")
+
+    def _unwatch_parameters(self, request: asked.UnsubscribeParameters) -> None:
+        # As Foxglove's own server has it, no names means none, not all.
+        for name in request.names:
+            if name in self._watched:
+                self._watched.discard(name)
+                self._gateway.run(self._gateway.parameters.unwatch(name, self._parameter_changed))
+
+    def _parameter_changed(self, described: dict[str, Any]) -> None:
+        self.line.send(told.parameter_values([described]))
+
+    def _watch_graph(self, _: asked.SubscribeConnectionGraph) -> None:
+        if not self.wants_connection_graph:
+            self.wants_connection_graph = True
+            self.line.send(told.connection_graph_update(self._gateway.connections.whole()))
+
+    def _unwatch_graph(self, _: asked.UnsubscribeConnectionGraph) -> None:
+        self.wants_connection_graph = False
+
+    def _fetch(self, request: asked.FetchAsset) -> None:
+        async def fetch() -> None:
+            data = await self._gateway.assets.read(request.uri)
+            self.line.send(told.asset(request.request_id, data))
+
+        self._ask(fetch(), lambda text: self.line.send(told.asset_failure(request.request_id, text)))
+
+    # within
+
+    def _ask(self, work: Coroutine[Any, Any, None], fail: Callable[[str], None]) -> None:
+        """Do something that takes time, a bounded number at once; what goes wrong is told in one line."""
+        if self._calls >= self._gateway.limits.calls:
+            work.close()
+            fail(f"more than {self._gateway.limits.calls} requests at once: wait for answers")
+            return
+
+        async def bounded() -> None:
+            self._calls += 1
+            try:
+                await work
+            except RostetherError as error:
+                fail(str(error))
+            except TimeoutError:
+                fail("no answer in time")
+            finally:
+                self._calls -= 1
+
+        self._start(bounded())
+
+    def _start(self, work: Coroutine[Any, Any, None]) -> None:
+        task = asyncio.ensure_future(work)
+        self._work.add(task)
+        task.add_done_callback(self._work.discard)
+
+    def _tell_dropped(self) -> None:
+        self._slow_timer = None
+        if self._dropped == self._dropped_before:
+            self.line.send(told.remove_status([_SLOW_STATUS]))
+            return
+        self._dropped_before = self._dropped
+        text = f"this client reads too slowly: {self._dropped} messages were left out so far"
+        self.status(StatusLevel.WARNING, text, _SLOW_STATUS)
+        self._slow_timer = asyncio.get_running_loop().call_later(_SLOW_PERIOD_S, self._tell_dropped)

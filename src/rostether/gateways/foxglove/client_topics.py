@@ -1,0 +1,118 @@
+"""A topic that a client publishes on the graph."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from collections.abc import Callable
+
+from rostether.errors import ConfigError, RostetherError, SerializationError, UnknownTypeError
+from rostether.gateways.foxglove.client_messages import ClientChannel
+from rostether.gateways.foxglove.json_messages import decode_json
+from rostether.gateways.foxglove.server_messages import JSON_ENCODING, ROS1_ENCODING
+from rostether.graph.ports import Graph, Publisher
+from rostether.msgdef.registry import Registry
+from rostether.serde.store import TypeStore
+
+MAX_EARLY_MESSAGES = 100
+"""What a client sends before the graph has taken its topic."""
+
+_DRAIN_S = 0.1
+"""As long as a slow subscriber may hold up the client, as with boards."""
+
+
+class ClientTopic:
+    """One channel of one client; `tell` gets a line for each kind of mistake, once."""
+
+    def __init__(self, channel: ClientChannel, tell: Callable[[str], None]) -> None:
+        self.channel = channel
+        self._tell = tell
+        self._publisher: Publisher | None = None
+        self._encode: Callable[[bytes], bytes] | None = None
+        self._early: deque[bytes] = deque(maxlen=MAX_EARLY_MESSAGES)
+        self._told: set[str] = set()
+        self._opening: asyncio.Task[None] | None = None
+        self._is_closed = False
+
+    def open(self, graph: Graph, store: TypeStore) -> None:
+        """Advertise the topic; what goes wrong is told."""
+        self._opening = asyncio.ensure_future(self._open(graph, store))
+
+    def publish(self, payload: bytes) -> Publisher | None:
+        """Publish a message; returns the publisher when its subscribers cannot keep up, to wait for."""
+        if self._publisher is None or self._encode is None:
+            self._early.append(payload)
+            return None
+        try:
+            message = self._encode(payload)
+        except RostetherError as error:
+            self._tell_once(f"a message on {self.channel.topic} is not published: {error}")
+            return None
+        return None if self._publisher.publish_raw([message]) else self._publisher
+
+    async def close(self) -> None:
+        """Unadvertise."""
+        self._is_closed = True
+        if self._opening is not None:
+            await asyncio.wait([self._opening])
+        if self._publisher is not None:
+            publisher, self._publisher = self._publisher, None
+            await publisher.close()
+
+    async def _open(self, graph: Graph, store: TypeStore) -> None:
+        try:
+            type_name = _ros1_name(self.channel.schema_name)
+            store = _knowing(store, type_name, self.channel.schema)
+            self._encode = _encoder(self.channel, store, type_name)
+            message_type = store.registry.message_type(type_name)
+            self._publisher = await graph.advertise(self.channel.topic, message_type)
+        except RostetherError as error:
+            self._tell_once(f"{self.channel.topic[:200]} cannot be published: {error}")
+            return
+        while self._early and not self._is_closed:
+            self.publish(self._early.popleft())
+
+    def _tell_once(self, text: str) -> None:
+        if text not in self._told and len(self._told) < MAX_EARLY_MESSAGES:
+            self._told.add(text)
+            self._tell(text)
+
+
+async def drained(publisher: Publisher) -> None:
+    """Wait until subscribers have caught up, or count as slow."""
+    await publisher.drained(_DRAIN_S)
+
+
+def _ros1_name(name: str) -> str:
+    # ROS 2 names of types are taken too: std_msgs/msg/String.
+    package, _, rest = name.partition("/")
+    return f"{package}/{rest.removeprefix('msg/')}"
+
+
+def _knowing(store: TypeStore, type_name: str, definition: str) -> TypeStore:
+    """Return types that have the client's one: ours, else as the client defines it."""
+    try:
+        store.registry.message(type_name)
+    except UnknownTypeError:
+        if not definition:
+            raise
+        registry = Registry(bundled=False)
+        registry.add_full_text(type_name, definition)
+        return TypeStore(registry)
+    return store
+
+
+def _encoder(channel: ClientChannel, store: TypeStore, type_name: str) -> Callable[[bytes], bytes]:
+    codec = store.codec(type_name)
+    if channel.encoding == JSON_ENCODING:
+        return lambda payload: codec.encode(decode_json(codec, payload))
+    if channel.encoding != ROS1_ENCODING:
+        raise ConfigError(f"messages are {ROS1_ENCODING} or {JSON_ENCODING}, not {channel.encoding[:40]!r}")
+    layout = codec.layout
+
+    def check(payload: bytes) -> bytes:
+        if not layout.accepts(payload):
+            raise SerializationError(layout.explain(payload))
+        return payload
+
+    return check

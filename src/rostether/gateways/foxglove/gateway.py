@@ -1,0 +1,327 @@
+"""A live graph for Foxglove: topics, services, parameters, publishing, assets, over its WebSocket protocol.
+
+async with FoxgloveGateway(graph, store, FoxgloveSettings()) as gateway:
+    print(gateway.url)
+
+Payloads go to clients as they come, with the definition of their publisher; a topic is subscribed on the
+graph only while a client wants it. A client that reads slowly loses its own oldest messages and disturbs
+nobody.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable, Coroutine, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+from rostether.errors import ConfigError, RostetherError
+from rostether.gateways.foxglove import server_messages as told
+from rostether.gateways.foxglove.admission import Admission
+from rostether.gateways.foxglove.assets import Assets, FindPackages
+from rostether.gateways.foxglove.channels import Channels
+from rostether.gateways.foxglove.client import Client
+from rostether.gateways.foxglove.connection_graph import ConnectionGraph
+from rostether.gateways.foxglove.limits import FoxgloveLimits
+from rostether.gateways.foxglove.line import Line
+from rostether.gateways.foxglove.parameters import Parameters
+from rostether.gateways.foxglove.server_messages import Channel, OfferedService, StatusLevel
+from rostether.gateways.foxglove.services import FindServiceType, Services
+from rostether.gateways.foxglove.sim_clock import SimClock
+from rostether.gateways.shared_subscriptions import SharedSubscriptions
+from rostether.graph.ports import Graph, Level
+from rostether.serde.store import TypeStore
+from rostether.transports.allow_list import AllowList
+
+DEFAULT_HOST = "localhost"
+DEFAULT_PORT = 8765
+"""Where Foxglove looks when nobody tells it."""
+
+_CAPABILITIES = (
+    "clientPublish",
+    "parameters",
+    "parametersSubscribe",
+    "services",
+    "connectionGraph",
+    "assets",
+)
+_TIME_CAPABILITY = "time"
+_MAX_SHOWN_STATUSES = 50  # lines that a client that comes later is shown too
+_RETRY_S = 1.0  # for a graph that could not be read
+_SERVICE_RESTART = 1012  # the WebSocket's close code that makes clients come back
+
+
+@dataclass(frozen=True, slots=True)
+class FoxgloveSettings:
+    """How a gateway serves.
+
+    `host` is one name or address of ours, `localhost` both loopback addresses. Clients must give `token` where
+    it is not empty; `origins` are more web pages that may connect (`*`: all), `allow` networks.
+    """
+
+    host: str = DEFAULT_HOST
+    port: int = DEFAULT_PORT
+    name: str = "rostether"
+    token: str = field(default="", repr=False)
+    origins: tuple[str, ...] = ()
+    allow: tuple[str, ...] = ()
+    limits: FoxgloveLimits = field(default_factory=FoxgloveLimits)
+
+
+class FoxgloveGateway:
+    """One gateway on one node's membership of a graph, which stays the caller's."""
+
+    def __init__(
+        self,
+        graph: Graph,
+        store: TypeStore,
+        settings: FoxgloveSettings,
+        *,
+        find_service_type: FindServiceType | None = None,
+        find_packages: FindPackages | None = None,
+        tell: Callable[[Level, str], None] | None = None,
+    ) -> None:
+        self.graph = graph
+        self.store = store
+        self.settings = settings
+        self.limits = settings.limits
+        self.shared = SharedSubscriptions(graph, store)
+        self.channels = Channels(
+            store, self.shared, self._offer_channels, self._end_channels, self._warn_clients
+        )
+        self.services = Services(graph, store, find_service_type, self._offer_services, self._end_services)
+        self.parameters = Parameters(graph)
+        self.connections = ConnectionGraph()
+        self.assets = Assets(find_packages or _no_packages, self.limits.asset_bytes)
+        self.clock = SimClock(graph, self.shared, self._tell_time, self._restart_clients)
+        self._tell = tell or (lambda level, text: None)
+        self._admission = Admission(settings.origins, settings.token)
+        self._allowed = AllowList(settings.allow)
+        self._clients: dict[Client, None] = {}
+        self._statuses: dict[str, str] = {}
+        self._servers: list[asyncio.Server] = []
+        self._work: set[asyncio.Task[Any]] = set()
+        self._following: asyncio.Task[None] | None = None
+        self._is_closing = False
+        self._refused: set[str] = set()
+        self._session_id = ""
+
+    @property
+    def port(self) -> int:
+        """The port that is listened on; zero before the start."""
+        sockets = self._servers[0].sockets if self._servers else ()
+        return int(sockets[0].getsockname()[1]) if sockets else 0
+
+    @property
+    def url(self) -> str:
+        """What to type into Foxglove's dialog."""
+        host = self.settings.host
+        return f"ws://{f'[{host}]' if ':' in host else host or 'localhost'}:{self.port}"
+
+    @property
+    def client_count(self) -> int:
+        """How many clients are connected."""
+        return len(self._clients)
+
+    async def start(self) -> None:
+        """Listen, and follow the graph. Raises ConfigError when the port is taken."""
+        await self.clock.start()
+        self._following = asyncio.ensure_future(self._follow())
+        try:
+            await self._listen()
+        except BaseException:
+            await self.close()
+            raise
+
+    async def close(self) -> None:
+        """Hang up, and leave nothing on the graph."""
+        self._is_closing = True
+        for server in self._servers:
+            server.close()
+        if self._following is not None:
+            self._following.cancel()
+            await asyncio.wait([self._following])
+        for client in list(self._clients):
+            client.line.close()
+        if self._clients:
+            self.run(self._wait_for_clients())
+        while self._work:
+            await asyncio.wait(self._work)
+        await asyncio.gather(
+            self.channels.close(), self.services.close(), self.parameters.close(), self.clock.close()
+        )
+        await self.shared.close()
+
+    async def __aenter__(self) -> FoxgloveGateway:
+        await self.start()
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        await self.close()
+
+    # for clients
+
+    def greet(self, client: Client) -> None:
+        """Tell a new client everything."""
+        self._clients[client] = None
+        capabilities = [*_CAPABILITIES, _TIME_CAPABILITY] if self.clock.is_simulated else _CAPABILITIES
+        send = client.line.send
+        send(
+            told.server_info(
+                name=self.settings.name,
+                capabilities=capabilities,
+                # A client that comes back finds everything again: ids are those of this run.
+                session_id=self._session_id,
+                metadata={"ROS_DISTRO": "noetic"},
+            )
+        )
+        if self.channels.by_id:
+            send(told.advertise(self.channels.by_id.values()))
+        if self.services.by_id:
+            send(told.advertise_services(self.services.by_id.values()))
+        for text in self._statuses.values():
+            send(text)
+
+    def forget(self, client: Client) -> None:
+        """Take a client's leave."""
+        self._clients.pop(client, None)
+
+    def run(self, work: Coroutine[Any, Any, None]) -> None:
+        """Let something end that a client or a channel leaves behind; errors of the graph are not its."""
+        task = asyncio.ensure_future(_contained(work))
+        self._work.add(task)
+        task.add_done_callback(self._work.discard)
+
+    # within
+
+    async def _listen(self) -> None:
+        loop = asyncio.get_running_loop()
+        self._session_id = str(time.time_ns())
+        hosts = ["127.0.0.1", "::1"] if self.settings.host == "localhost" else [self.settings.host or None]
+        port = self.settings.port
+        for host in hosts:
+            try:
+                server = await loop.create_server(self._connect, host, port)
+            except OSError as error:
+                if self._servers:
+                    # A machine without IPv6.
+                    continue
+                raise ConfigError(
+                    f"cannot listen on {self.settings.host}:{port} for Foxglove: {error.strerror or error}; "
+                    "give another port, or end what uses it"
+                ) from error
+            self._servers.append(server)
+            port = self.port
+
+    def _connect(self) -> Line:
+        line = _BoundedLine(self, self._admission, self.limits, self._tell_refused)
+        line.user = Client(self, line)
+        return line
+
+    def refuses(self, peer: str, own: str) -> bool:
+        """Tell whether a connection is closed at once."""
+        if self._is_closing or len(self._clients) >= self.limits.clients:
+            return True
+        if self._allowed.allows_connection(peer, own):
+            return False
+        self._tell_refused(f"{peer} may not connect: allow it with --allow {peer}")
+        return True
+
+    def _tell_refused(self, text: str) -> None:
+        if text not in self._refused and len(self._refused) < _MAX_SHOWN_STATUSES:
+            self._refused.add(text)
+            self._tell(Level.WARN, f"foxglove: {text}")
+
+    async def _follow(self) -> None:
+        while not self._is_closing:
+            try:
+                async for snapshot in self.graph.changes():
+                    self.channels.update(snapshot)
+                    self.services.update(snapshot)
+                    if (changes := self.connections.update(snapshot)) is not None:
+                        message = told.connection_graph_update(changes)
+                        for client in self._clients:
+                            if client.wants_connection_graph:
+                                client.line.send(message)
+            except RostetherError as error:
+                self._tell(Level.WARN, f"foxglove: the graph cannot be read: {error}")
+            await asyncio.sleep(_RETRY_S)
+
+    async def _wait_for_clients(self) -> None:
+        for _ in range(100):
+            if not self._clients:
+                return
+            await asyncio.sleep(0.02)
+        for client in list(self._clients):
+            client.line.abort()
+
+    def _broadcast(self, message: str | bytes) -> None:
+        for client in list(self._clients):
+            client.line.send(message)
+
+    def _offer_channels(self, channels: Sequence[Channel]) -> None:
+        if self._clients:
+            self._broadcast(told.advertise(channels))
+
+    def _end_channels(self, channels: Sequence[Channel]) -> None:
+        for client in list(self._clients):
+            for channel in channels:
+                client.channel_ended(channel)
+        self._broadcast(told.unadvertise(channel.id for channel in channels))
+
+    def _offer_services(self, services: Sequence[OfferedService]) -> None:
+        if self._clients:
+            self._broadcast(told.advertise_services(services))
+
+    def _end_services(self, services: Sequence[OfferedService]) -> None:
+        self._broadcast(told.unadvertise_services(service.id for service in services))
+
+    def _warn_clients(self, text: str) -> None:
+        if text in self._statuses or len(self._statuses) >= _MAX_SHOWN_STATUSES:
+            return
+        self._tell(Level.WARN, f"foxglove: {text}")
+        message = self._statuses[text] = told.status(
+            StatusLevel.WARNING, text, f"warning-{len(self._statuses)}"
+        )
+        self._broadcast(message)
+
+    def _tell_time(self, time_ns: int) -> None:
+        self._broadcast(told.time(time_ns))
+
+    def _restart_clients(self) -> None:
+        # Which clock there is, is said once in a connection.
+        self._session_id = str(time.time_ns())
+        for client in list(self._clients):
+            client.line.close(_SERVICE_RESTART, "the clock is another one now")
+
+
+class _BoundedLine(Line):
+    """A line that is closed at once when the gateway takes no more."""
+
+    def __init__(self, gateway: FoxgloveGateway, *rest: Any) -> None:
+        super().__init__(*rest)
+        self._gateway = gateway
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Look who it is."""
+        super().connection_made(transport)
+        peer, own = (transport.get_extra_info(name) or ("",) for name in ("peername", "sockname"))
+        if self._gateway.refuses(str(peer[0]), str(own[0])):
+            self.abort()
+
+
+def _no_packages() -> Mapping[str, Path]:
+    return {}
+
+
+async def _contained(work: Coroutine[Any, Any, None]) -> None:
+    try:
+        await work
+    except RostetherError:
+        # The graph is away, and forgets by itself.
+        return

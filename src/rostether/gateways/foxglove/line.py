@@ -1,0 +1,302 @@
+"""One WebSocket connection of a client: handshake, messages in and out, and what a slow reader loses.
+
+The WebSocket protocol itself is that of the library websockets, without I/O. Only frames with messages of
+topics are written past it (see `data_frames.py`), gathered over one turn of the event loop.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Sequence
+from typing import Any, Protocol
+
+from websockets.datastructures import Headers
+from websockets.exceptions import ConnectionClosed
+from websockets.frames import Frame, Opcode
+from websockets.http11 import Request, Response
+from websockets.protocol import OPEN
+from websockets.server import ServerProtocol
+from websockets.typing import Subprotocol
+
+from rostether.gateways.foxglove.admission import Admission
+from rostether.gateways.foxglove.data_frames import add_data_frames
+from rostether.gateways.foxglove.limits import FoxgloveLimits
+from rostether.gateways.foxglove.server_messages import SUBPROTOCOLS
+from rostether.gateways.foxglove.waiting_messages import WaitingMessages
+
+HIGH_WATER_BYTES = 1 << 20
+"""What stands in the process for a client before messages wait in queues where they can be dropped: 50 ms of
+what a fast network takes."""
+
+_DRAIN_BYTES = (
+    64 << 10
+)  # written at once of what waited: enough for one system call, little enough to be fair
+_JOIN_BYTES = 64 << 10  # larger pieces are not copied together first
+_CLOSE_S = 5.0  # for a client to answer that the connection ends; then it is cut
+
+
+class LineUser(Protocol):
+    """What is told of one connection."""
+
+    def opened(self) -> None:
+        """The handshake is done."""
+
+    def received(self, message: str | bytes) -> None:
+        """A whole message came."""
+
+    def dropped(self, count: int) -> None:
+        """So many messages more were lost because the client reads slowly."""
+
+    def closed(self) -> None:
+        """The connection has ended; also after a handshake that failed."""
+
+
+class Line(asyncio.Protocol):
+    """One connection; `user` is set by whoever made it."""
+
+    user: LineUser
+
+    def __init__(
+        self, admission: Admission, limits: FoxgloveLimits, tell_refused: Callable[[str], None]
+    ) -> None:
+        self._admission = admission
+        self._limits = limits
+        self._tell_refused = tell_refused
+        self._websocket = ServerProtocol(
+            subprotocols=[Subprotocol(each) for each in SUBPROTOCOLS],
+            select_subprotocol=_choose_subprotocol,
+            max_size=limits.message_bytes,
+        )
+        self._loop = asyncio.get_running_loop()
+        self._transport: asyncio.Transport | None = None
+        self._pieces: list[bytes] = []
+        self._pieces_bytes = 0
+        self._is_flush_due = False
+        self._is_paused = False
+        self._waiting = WaitingMessages(limits.waiting_bytes)
+        self._told_dropped = 0
+        self._parts: list[bytes] = []
+        self._is_text = False
+        self._timer: asyncio.TimerHandle | None = None
+        self._is_answered = True
+        self.is_open = False
+        """Whether messages can be sent."""
+
+    # asyncio's side
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Wait for the handshake."""
+        assert isinstance(transport, asyncio.Transport)
+        self._transport = transport
+        transport.set_write_buffer_limits(high=HIGH_WATER_BYTES)
+        self._timer = self._loop.call_later(self._limits.handshake_s, self.abort)
+
+    def data_received(self, data: bytes) -> None:
+        """Take bytes."""
+        self._websocket.receive_data(data)
+        self._work()
+
+    def eof_received(self) -> bool:
+        """Take the end."""
+        self._websocket.receive_eof()
+        self._work()
+        return False
+
+    def connection_lost(self, _: Exception | None) -> None:
+        """Tell the user."""
+        self.is_open = False
+        self._pieces.clear()
+        if self._timer is not None:
+            self._timer.cancel()
+        self.user.closed()
+
+    def pause_writing(self) -> None:
+        """Let messages of topics wait."""
+        self._is_paused = True
+
+    def resume_writing(self) -> None:
+        """Send what waited."""
+        self._is_paused = False
+        self._drain()
+
+    # the user's side
+
+    def pause_reading(self) -> None:
+        """Read no more, so that the client waits."""
+        if self._transport is not None and not self._transport.is_closing():
+            self._transport.pause_reading()
+
+    def resume_reading(self) -> None:
+        """Read again."""
+        if self._transport is not None and not self._transport.is_closing():
+            self._transport.resume_reading()
+
+    def send(self, message: str | bytes) -> None:
+        """Send an answer or an announcement; who does not read them is given up."""
+        if not self.is_open or self._transport is None:
+            return
+        # What was gathered is older.
+        self._flush()
+        try:
+            if isinstance(message, str):
+                self._websocket.send_text(message.encode("utf-8", "replace"))
+            else:
+                self._websocket.send_binary(message)
+        except ConnectionClosed:
+            return
+        self._write_control()
+        if self._transport.get_write_buffer_size() > self._limits.control_bytes + HIGH_WATER_BYTES:
+            self.abort()
+
+    def send_data(self, subscription_id: int, time_ns: int, payloads: Sequence[bytes]) -> None:
+        """Send messages of a topic, or let them wait."""
+        if not self.is_open:
+            return
+        if self._is_paused or self._waiting:
+            self._waiting.add(subscription_id, time_ns, payloads)
+            self._tell_dropped()
+            return
+        self._pieces_bytes += add_data_frames(self._pieces, subscription_id, time_ns, payloads)
+        if self._pieces_bytes > HIGH_WATER_BYTES:
+            self._flush()
+        elif not self._is_flush_due:
+            self._is_flush_due = True
+            self._loop.call_soon(self._flush)
+
+    def forget(self, subscription_id: int) -> None:
+        """Drop what waits for a subscription that has ended."""
+        self._waiting.forget(subscription_id)
+
+    def close(self, code: int = 1001, reason: str = "") -> None:
+        """Say good-bye, and hang up when the client has answered or does not."""
+        if not self.is_open or self._transport is None:
+            self.abort()
+            return
+        self._flush()
+        self.is_open = False
+        self._websocket.send_close(code, reason)
+        self._write_control()
+        self._set_timer(_CLOSE_S, self.abort)
+
+    def abort(self) -> None:
+        """Hang up now."""
+        self.is_open = False
+        if self._transport is not None:
+            self._transport.abort()
+
+    # within
+
+    def _work(self) -> None:
+        for event in self._websocket.events_received():
+            if isinstance(event, Request):
+                self._shake_hands(event)
+            elif isinstance(event, Frame):
+                self._take(event)
+        self._write_control()
+        if self._websocket.state is not OPEN:
+            self.is_open = False
+        if self._websocket.close_expected() and self._transport is not None:
+            # A client that fell out of step is told why (RFC 6455, 7.4); then it hangs up, or we do.
+            self._set_timer(_CLOSE_S, self.abort)
+
+    def _shake_hands(self, request: Request) -> None:
+        refusal = self._admission.refusal(request.path, _known_headers(request.headers))
+        response: Response
+        if refusal is not None:
+            self._tell_refused(refusal)
+            response = self._websocket.reject(403, refusal + "\n")
+        else:
+            response = self._websocket.accept(request)
+        self._websocket.send_response(response)
+        self._write_control()
+        if response.status_code != 101:
+            return
+        self.is_open = True
+        self._set_timer(self._limits.ping_period_s, self._ping)
+        self.user.opened()
+
+    def _take(self, frame: Frame) -> None:
+        self._is_answered = True
+        if frame.opcode in (Opcode.TEXT, Opcode.BINARY):
+            self._parts = [bytes(frame.data)]
+            self._is_text = frame.opcode is Opcode.TEXT
+        elif frame.opcode is Opcode.CONT:
+            self._parts.append(bytes(frame.data))
+        else:
+            return
+        if not frame.fin or not self.is_open:
+            return
+        data = self._parts[0] if len(self._parts) == 1 else b"".join(self._parts)
+        self._parts = []
+        self.user.received(data.decode("utf-8", "replace") if self._is_text else data)
+
+    def _write_control(self) -> None:
+        if self._transport is None:
+            return
+        for data in self._websocket.data_to_send():
+            if data:
+                self._transport.write(data)
+            elif self._transport.can_write_eof():
+                self._transport.write_eof()
+
+    def _flush(self) -> None:
+        self._is_flush_due = False
+        pieces, size = self._pieces, self._pieces_bytes
+        if not pieces or self._transport is None:
+            return
+        self._pieces, self._pieces_bytes = [], 0
+        if size <= _JOIN_BYTES:
+            self._transport.write(b"".join(pieces))
+        else:
+            self._transport.writelines(pieces)
+
+    def _drain(self) -> None:
+        while self._waiting and not self._is_paused and self.is_open:
+            while self._waiting and self._pieces_bytes < _DRAIN_BYTES:
+                subscription_id, time_ns, payload = self._waiting.take()
+                self._pieces_bytes += add_data_frames(self._pieces, subscription_id, time_ns, [payload])
+            self._flush()
+
+    def _tell_dropped(self) -> None:
+        count = self._waiting.dropped_count - self._told_dropped
+        if count:
+            self._told_dropped += count
+            self.user.dropped(count)
+
+    def _ping(self) -> None:
+        # Who still reads what was sent is there, however long an answer takes behind it.
+        if not self._is_answered and not self._is_moving():
+            self.abort()
+            return
+        self._is_answered = False
+        if self.is_open:
+            self._websocket.send_ping(b"")
+            self._write_control()
+            self._set_timer(self._limits.ping_period_s, self._ping)
+
+    def _is_moving(self) -> bool:
+        unsent = self._transport.get_write_buffer_size() if self._transport is not None else 0
+        before, self._unsent_at_ping = self._unsent_at_ping, unsent
+        return unsent != before
+
+    _unsent_at_ping = 0
+
+    def _set_timer(self, delay_s: float, act: Callable[[], Any]) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+        self._timer = self._loop.call_later(delay_s, act)
+
+
+def _choose_subprotocol(_: ServerProtocol, offered: Sequence[Subprotocol]) -> Subprotocol | None:
+    # A client that names none is one written by hand for this very protocol.
+    return next((Subprotocol(each) for each in SUBPROTOCOLS if each in offered), None)
+
+
+def _known_headers(headers: Headers) -> dict[str, str]:
+    # What is there twice is neither: an Origin that no page has, and a token that nobody has.
+    found: dict[str, str] = {}
+    for name in ("Origin", "Host", "Authorization"):
+        values = headers.get_all(name)
+        if values:
+            found[name] = values[0] if len(values) == 1 else "null"
+    return found

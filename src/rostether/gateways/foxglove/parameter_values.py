@@ -1,0 +1,86 @@
+"""Parameters as the protocol has them: a name, a JSON value, and a type where JSON does not tell it.
+
+`byte_array` is base64, `float64` and `float64_array` are numbers that may look whole. JSON has no NaN and no
+infinity: they are sent as texts, which a set takes back as floats where the parameter is one.
+"""
+
+from __future__ import annotations
+
+import base64
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from rostether.errors import ConfigError
+from rostether.gateways.foxglove.client_messages import GivenParameter
+from rostether.graph.ports import ParamValue
+from rostether.serde.plain_form import clean_text
+
+_SPECIAL = {"NaN": math.nan, "Infinity": math.inf, "-Infinity": -math.inf}
+_FLOAT, _FLOATS, _BYTES = "float64", "float64_array", "byte_array"
+
+
+def describe(name: str, value: ParamValue) -> dict[str, Any]:
+    """Return a parameter as clients get it; one that is unset has no value."""
+    if value is None:
+        return {"name": name}
+    described: dict[str, Any] = {"name": name, "value": _plain(value)}
+    if isinstance(value, bytes):
+        described["type"] = _BYTES
+    elif isinstance(value, float) and math.isfinite(value):
+        described["type"] = _FLOAT
+    elif (
+        isinstance(value, list)
+        and value
+        and all(isinstance(each, float) and math.isfinite(each) for each in value)
+    ):
+        described["type"] = _FLOATS
+    return described
+
+
+def given_value(given: GivenParameter, before: ParamValue) -> ParamValue:
+    """Return the value to set; a whole number given to what is a float stays one. Raises ConfigError."""
+    value = given.value
+    if given.type == _FLOAT or (given.type is None and isinstance(before, float)):
+        return _float(given.name, value)
+    if given.type == _FLOATS or (given.type is None and _is_float_list(before) and isinstance(value, list)):
+        if not isinstance(value, list):
+            raise ConfigError(f"parameter {given.name} wants a list of numbers")
+        return [_float(given.name, each) for each in value]
+    return _native(given.name, value)
+
+
+def _float(name: str, value: Any) -> float:
+    if isinstance(value, str) and value in _SPECIAL:
+        return _SPECIAL[value]
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ConfigError(f"parameter {name} wants a number, not {str(value)[:40]!r}")
+    return float(value)
+
+
+def _is_float_list(value: ParamValue) -> bool:
+    return isinstance(value, list) and bool(value) and all(isinstance(each, float) for each in value)
+
+
+def _native(name: str, value: Any) -> ParamValue:
+    if isinstance(value, dict):
+        return {str(key): _native(name, each) for key, each in value.items()}
+    if isinstance(value, list):
+        return [_native(name, each) for each in value]
+    if isinstance(value, bool | int | float | str | bytes):
+        return value
+    raise ConfigError(f"parameter {name} cannot hold null inside of a value")
+
+
+def _plain(value: ParamValue) -> Any:
+    if isinstance(value, bytes):
+        return base64.b64encode(value).decode()
+    if isinstance(value, str):
+        return clean_text(value)
+    if isinstance(value, float) and not math.isfinite(value):
+        return "NaN" if math.isnan(value) else "Infinity" if value > 0 else "-Infinity"
+    if isinstance(value, Mapping):
+        return {clean_text(str(key)): _plain(each) for key, each in value.items()}
+    if isinstance(value, list):
+        return [_plain(each) for each in value]
+    return value

@@ -1,0 +1,150 @@
+"""Parameters of a graph for clients: got, set, and watched once however many clients watch."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
+
+from rostether.errors import RostetherError, UnknownNameError
+from rostether.gateways.foxglove.client_messages import GivenParameter
+from rostether.gateways.foxglove.parameter_values import describe, given_value
+from rostether.graph.ports import Graph, ParamValue, Watch
+
+MAX_PARAMETERS = 20_000
+"""In one answer; a large robot has some thousand."""
+
+_ASKED_AT_ONCE = 16
+
+
+class Parameters:
+    """The parameters of one gateway."""
+
+    def __init__(self, graph: Graph) -> None:
+        self._graph = graph
+        self._watched: dict[str, _Watched] = {}
+
+    async def get(self, names: Sequence[str]) -> list[dict[str, Any]]:
+        """Return the values of the names, or of all parameters; those that are unset are left out.
+
+        Raises GraphError.
+        """
+        if names:
+            return await self._get_each(names)
+        listed = (await self._graph.list_params())[:MAX_PARAMETERS]
+        try:
+            # On ROS 1 one request has them all.
+            tree = await self._graph.get_param("/")
+        except RostetherError:
+            tree = None
+        found = {name: _below(tree, name) for name in listed}
+        rest = await self._get_each([name for name, value in found.items() if value is None])
+        known = [describe(name, value) for name, value in found.items() if value is not None]
+        return sorted(known + rest, key=lambda each: str(each["name"]))
+
+    async def set(self, given: Iterable[GivenParameter]) -> tuple[list[dict[str, Any]], list[str]]:
+        """Set or unset parameters; returns what they are then, and a line for each that could not be set."""
+        now: list[dict[str, Any]] = []
+        mistakes: list[str] = []
+        for each in given:
+            before: ParamValue = None
+            try:
+                before = await self._value(each.name)
+                if each.value is None:
+                    if before is not None:
+                        await self._graph.delete_param(each.name)
+                    now.append(describe(each.name, None))
+                    continue
+                value = given_value(each, before)
+                await self._graph.set_param(each.name, value)
+                now.append(describe(each.name, value))
+            except RostetherError as error:
+                mistakes.append(f"parameter {each.name[:80]} is not set: {error}")
+                now.append(describe(each.name, before))
+        return now, mistakes
+
+    async def watch(self, name: str, on_change: Callable[[dict[str, Any]], None]) -> None:
+        """Call back after each change of a value. Raises InvalidNameError, GraphError."""
+        watched = self._watched.get(name)
+        if watched is None:
+            watched = self._watched[name] = _Watched(name)
+        watched.listeners.append(on_change)
+        try:
+            await watched.open(self._graph)
+        except BaseException:
+            await self.unwatch(name, on_change)
+            raise
+
+    async def unwatch(self, name: str, on_change: Callable[[dict[str, Any]], None]) -> None:
+        """Call back no more. Idempotent."""
+        watched = self._watched.get(name)
+        if watched is None or on_change not in watched.listeners:
+            return
+        watched.listeners.remove(on_change)
+        if not watched.listeners:
+            del self._watched[name]
+            await watched.close()
+
+    async def close(self) -> None:
+        """Watch no more."""
+        watched, self._watched = list(self._watched.values()), {}
+        await asyncio.gather(*(each.close() for each in watched))
+
+    async def _get_each(self, names: Sequence[str]) -> list[dict[str, Any]]:
+        at_once = asyncio.Semaphore(_ASKED_AT_ONCE)
+
+        async def get(name: str) -> dict[str, Any] | None:
+            async with at_once:
+                try:
+                    value = await self._value(name)
+                except RostetherError:
+                    return None
+            return None if value is None else describe(name, value)
+
+        found = await asyncio.gather(*(get(name) for name in names))
+        return [each for each in found if each is not None]
+
+    async def _value(self, name: str) -> ParamValue:
+        try:
+            return await self._graph.get_param(name)
+        except UnknownNameError:
+            return None
+
+
+class _Watched:
+    """One parameter that somebody watches."""
+
+    def __init__(self, name: str) -> None:
+        self.listeners: list[Callable[[dict[str, Any]], None]] = []
+        self._name = name
+        self._opening: asyncio.Future[Watch] | None = None
+        self._is_first = True
+
+    async def open(self, graph: Graph) -> None:
+        if self._opening is None:
+            self._opening = asyncio.ensure_future(graph.watch_param(self._name, self._take))
+        await asyncio.shield(self._opening)
+
+    async def close(self) -> None:
+        if self._opening is None:
+            return
+        await asyncio.wait([self._opening])
+        if not self._opening.cancelled() and self._opening.exception() is None:
+            await self._opening.result().close()
+
+    def _take(self, value: ParamValue) -> None:
+        # The first is how it stands, which clients have asked for themselves.
+        if self._is_first:
+            self._is_first = False
+            return
+        described = describe(self._name, value)
+        for listener in list(self.listeners):
+            listener(described)
+
+
+def _below(tree: ParamValue, name: str) -> ParamValue:
+    for part in name.strip("/").split("/"):
+        if not isinstance(tree, dict) or part not in tree:
+            return None
+        tree = tree[part]
+    return tree

@@ -1,0 +1,180 @@
+"""What a Foxglove server says: JSON objects named by `op`, and binary messages that begin with an opcode.
+
+Source: the Foxglove WebSocket protocol, https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md.
+Integers in binary messages are little endian.
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any
+
+from rostether.msgdef.interface import MessageType, ServiceType
+
+SUBPROTOCOLS = ("foxglove.sdk.v1", "foxglove.websocket.v1")
+"""What today's Foxglove asks for, and what clients before it do; the messages are the same."""
+
+ROS1_ENCODING = "ros1"
+JSON_ENCODING = "json"
+SCHEMA_ENCODING = "ros1msg"
+
+MESSAGE_DATA = 0x01
+_TIME = struct.Struct("<BQ")
+_SERVICE_RESPONSE = struct.Struct("<BIII")
+_ASSET_RESPONSE = struct.Struct("<BIBI")
+_TIME_OPCODE, _SERVICE_RESPONSE_OPCODE, _ASSET_RESPONSE_OPCODE = 0x02, 0x03, 0x04
+_ASSET_FOUND, _ASSET_FAILED = 0, 1
+
+
+class StatusLevel(IntEnum):
+    """How grave a status message is."""
+
+    INFO = 0
+    WARNING = 1
+    ERROR = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Channel:
+    """A topic as clients see it; a topic whose type changes gets another id."""
+
+    id: int
+    topic: str
+    type: MessageType
+
+
+@dataclass(frozen=True, slots=True)
+class OfferedService:
+    """A service as clients see it."""
+
+    id: int
+    name: str
+    type: ServiceType
+
+
+def server_info(
+    *, name: str, capabilities: Sequence[str], session_id: str, metadata: Mapping[str, str]
+) -> str:
+    """Return the first message of every connection."""
+    return _json(
+        {
+            "op": "serverInfo",
+            "name": name,
+            "capabilities": list(capabilities),
+            "supportedEncodings": [ROS1_ENCODING, JSON_ENCODING],
+            "metadata": dict(metadata),
+            "sessionId": session_id,
+        }
+    )
+
+
+def status(level: StatusLevel, text: str, status_id: str | None = None) -> str:
+    """Return a line for people; one with an id replaces the one before and can be removed."""
+    message: dict[str, Any] = {"op": "status", "level": int(level), "message": text}
+    if status_id is not None:
+        message["id"] = status_id
+    return _json(message)
+
+
+def remove_status(status_ids: Iterable[str]) -> str:
+    """Return what takes status messages back."""
+    return _json({"op": "removeStatus", "statusIds": list(status_ids)})
+
+
+def advertise(channels: Iterable[Channel]) -> str:
+    """Return the offer of channels."""
+    described = [
+        {
+            "id": channel.id,
+            "topic": channel.topic,
+            "encoding": ROS1_ENCODING,
+            "schemaName": channel.type.name,
+            "schemaEncoding": SCHEMA_ENCODING,
+            "schema": channel.type.definition,
+        }
+        for channel in channels
+    ]
+    return _json({"op": "advertise", "channels": described})
+
+
+def unadvertise(channel_ids: Iterable[int]) -> str:
+    """Return that channels are gone; subscriptions to them end."""
+    return _json({"op": "unadvertise", "channelIds": list(channel_ids)})
+
+
+def advertise_services(services: Iterable[OfferedService]) -> str:
+    """Return the offer of services."""
+    described = [
+        {
+            "id": service.id,
+            "name": service.name,
+            "type": service.type.name,
+            "request": _half(service.type.request),
+            "response": _half(service.type.response),
+        }
+        for service in services
+    ]
+    return _json({"op": "advertiseServices", "services": described})
+
+
+def unadvertise_services(service_ids: Iterable[int]) -> str:
+    """Return that services are gone."""
+    return _json({"op": "unadvertiseServices", "serviceIds": list(service_ids)})
+
+
+def parameter_values(parameters: Sequence[Mapping[str, Any]], request_id: str | None = None) -> str:
+    """Return parameters in their JSON form, see `parameter_values.py`; the id is the request's."""
+    message: dict[str, Any] = {"op": "parameterValues", "parameters": list(parameters)}
+    if request_id is not None:
+        message["id"] = request_id
+    return _json(message)
+
+
+def connection_graph_update(changes: Mapping[str, Any]) -> str:
+    """Return what is new in the graph, see `connection_graph.py`."""
+    return _json({"op": "connectionGraphUpdate", **changes})
+
+
+def service_failure(service_id: int, call_id: int, text: str) -> str:
+    """Return why a call failed."""
+    return _json({"op": "serviceCallFailure", "serviceId": service_id, "callId": call_id, "message": text})
+
+
+def service_response(service_id: int, call_id: int, encoding: str, payload: bytes) -> bytes:
+    """Return the response to a call."""
+    name = encoding.encode()
+    header = _SERVICE_RESPONSE.pack(_SERVICE_RESPONSE_OPCODE, service_id, call_id, len(name))
+    return header + name + payload
+
+
+def time(time_ns: int) -> bytes:
+    """Return the server's time."""
+    return _TIME.pack(_TIME_OPCODE, time_ns)
+
+
+def asset(request_id: int, data: bytes) -> bytes:
+    """Return a file that was asked for."""
+    return _ASSET_RESPONSE.pack(_ASSET_RESPONSE_OPCODE, request_id, _ASSET_FOUND, 0) + data
+
+
+def asset_failure(request_id: int, text: str) -> bytes:
+    """Return why a file cannot be had."""
+    reason = text.encode("utf-8", "replace")
+    return _ASSET_RESPONSE.pack(_ASSET_RESPONSE_OPCODE, request_id, _ASSET_FAILED, len(reason)) + reason
+
+
+def _half(half: MessageType) -> dict[str, str]:
+    return {
+        "encoding": ROS1_ENCODING,
+        "schemaName": half.name,
+        "schemaEncoding": SCHEMA_ENCODING,
+        "schema": half.definition,
+    }
+
+
+def _json(message: Mapping[str, Any]) -> str:
+    return json.dumps(message, separators=(",", ":"), allow_nan=False)

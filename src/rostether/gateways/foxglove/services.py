@@ -1,0 +1,129 @@
+"""The services of a graph as clients see them, and calls of them with raw or JSON requests."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable, Sequence
+from typing import TypeAlias
+
+from rostether.errors import RostetherError, SerializationError, ServiceCallError
+from rostether.gateways.foxglove.json_messages import decode_json, encode_json
+from rostether.gateways.foxglove.server_messages import JSON_ENCODING, ROS1_ENCODING, OfferedService
+from rostether.graph.ports import Graph, Snapshot
+from rostether.msgdef.interface import ANY_TYPE
+from rostether.serde.store import TypeStore
+
+FindServiceType: TypeAlias = Callable[[str], Awaitable[str]]
+"""Tells the type of a service whose graph does not list it, by asking its server. Raises RostetherError."""
+
+MAX_SERVICES = 20_000
+"""More than any graph has: a ROS 1 node of roscpp has two, one of ROS 2 seven."""
+
+_ASKED_AT_ONCE = 8
+_RETRY_S = (1.0, 5.0, 30.0)
+"""A node that has just registered may not answer yet; one that is gone never does."""
+
+
+class Services:
+    """The services of one gateway; `on_offer` and `on_end` are told of what is new and gone."""
+
+    def __init__(
+        self,
+        graph: Graph,
+        store: TypeStore,
+        find_type: FindServiceType | None,
+        on_offer: Callable[[Sequence[OfferedService]], None],
+        on_end: Callable[[Sequence[OfferedService]], None],
+    ) -> None:
+        self.by_id: dict[int, OfferedService] = {}
+        self._graph = graph
+        self._store = store
+        self._find_type = find_type
+        self._on_offer = on_offer
+        self._on_end = on_end
+        self._by_name: dict[str, OfferedService] = {}
+        # What offers each: a server that is started again may have another type.
+        self._providers: dict[str, tuple[tuple[str, ...], str]] = {}
+        self._asking: dict[str, asyncio.Task[None]] = {}
+        self._asked_at_once = asyncio.Semaphore(_ASKED_AT_ONCE)
+        self._next_id = 1
+
+    def update(self, snapshot: Snapshot) -> None:
+        """Follow the graph."""
+        there = {
+            service.name: (service.providers, service.type)
+            for service in snapshot.services.values()
+            if service.providers
+        }
+        ended: list[OfferedService] = []
+        for name in [name for name, known in self._providers.items() if there.get(name) != known]:
+            del self._providers[name]
+            if task := self._asking.pop(name, None):
+                task.cancel()
+            if service := self._by_name.pop(name, None):
+                del self.by_id[service.id]
+                ended.append(service)
+        if ended:
+            self._on_end(ended)
+        new: list[OfferedService] = []
+        for name, (providers, type_name) in there.items():
+            if name in self._providers or len(self._providers) >= MAX_SERVICES:
+                continue
+            self._providers[name] = (providers, type_name)
+            if type_name != ANY_TYPE:
+                new += self._add(name, type_name)
+            elif self._find_type is not None:
+                self._asking[name] = asyncio.ensure_future(self._ask(name, self._find_type))
+        if new:
+            self._on_offer(new)
+
+    async def call(self, service: OfferedService, encoding: str, payload: bytes, timeout_s: float) -> bytes:
+        """Call; request and response have the same encoding. Raises RostetherError."""
+        types = service.type
+        if encoding == JSON_ENCODING:
+            codec = self._store.codec(types.request.name)
+            request = codec.encode(decode_json(codec, payload))
+        elif encoding == ROS1_ENCODING:
+            request = payload
+            layout = self._store.layout(types.request.name)
+            if not layout.accepts(request):
+                raise SerializationError(layout.explain(request))
+        else:
+            raise ServiceCallError(f"requests are {ROS1_ENCODING} or {JSON_ENCODING}, not {encoding[:40]!r}")
+        answer = await self._graph.call_service(service.name, types, request, timeout_s=timeout_s)
+        if encoding == JSON_ENCODING:
+            return encode_json(self._store.codec(types.response.name).decode(answer))
+        return answer
+
+    async def close(self) -> None:
+        """Ask no more."""
+        tasks = list(self._asking.values())
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
+    def _add(self, name: str, type_name: str) -> list[OfferedService]:
+        try:
+            service_type = self._store.registry.service_type(type_name)
+        except RostetherError:
+            # Nobody can call what nobody here has the definition of.
+            return []
+        service = OfferedService(self._next_id, name, service_type)
+        self._next_id += 1
+        self._by_name[name] = self.by_id[service.id] = service
+        return [service]
+
+    async def _ask(self, name: str, find_type: FindServiceType) -> None:
+        for delay_s in (*_RETRY_S, None):
+            try:
+                async with self._asked_at_once:
+                    type_name = await find_type(name)
+            except RostetherError:
+                if delay_s is None:
+                    break
+                await asyncio.sleep(delay_s)
+                continue
+            if new := self._add(name, type_name):
+                self._on_offer(new)
+            break
+        self._asking.pop(name, None)

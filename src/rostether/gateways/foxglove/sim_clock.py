@@ -1,0 +1,95 @@
+"""The time that messages are stamped with for clients: the wall clock, or /clock under /use_sim_time."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import struct
+import time
+from collections.abc import Callable
+
+from rostether.errors import RostetherError
+from rostether.gateways.shared_subscriptions import Batch, SharedSubscription, SharedSubscriptions
+from rostether.graph.ports import Graph, ParamValue, Watch
+
+_CLOCK_TOPIC = "/clock"
+_USE_SIM_TIME = "/use_sim_time"
+_STAMP = struct.Struct("<II")
+_NS = 1_000_000_000
+_log = logging.getLogger("rostether.gateways")
+
+
+class SimClock:
+    """Follows /use_sim_time and /clock; `on_time` is told each time, `on_change` that the clock is another."""
+
+    def __init__(
+        self,
+        graph: Graph,
+        shared: SharedSubscriptions,
+        on_time: Callable[[int], None],
+        on_change: Callable[[], None],
+    ) -> None:
+        self.is_simulated = False
+        """Whether the time comes from /clock."""
+        self._graph = graph
+        self._shared = shared
+        self._on_time = on_time
+        self._on_change = on_change
+        self._time_ns = 0
+        self._watch: Watch | None = None
+        self._share: SharedSubscription | None = None
+        self._following: asyncio.Task[None] | None = None
+
+    async def start(self) -> None:
+        """Look which clock it is, and keep looking."""
+        try:
+            self._watch = await self._graph.watch_param(_USE_SIM_TIME, self._take_choice)
+        except RostetherError:
+            # A graph that has no such parameter has the wall clock.
+            return
+
+    def now_ns(self) -> int:
+        """Return the time in nanoseconds; zero before the first /clock."""
+        return self._time_ns if self.is_simulated else time.time_ns()
+
+    async def close(self) -> None:
+        """Follow no more."""
+        if self._watch is not None:
+            await self._watch.close()
+        self.is_simulated = False
+        if self._following is not None:
+            await asyncio.wait([self._following])
+            await self._follow()
+
+    def _take_choice(self, value: ParamValue) -> None:
+        if (value is True) == self.is_simulated:
+            return
+        self.is_simulated = value is True
+        self._time_ns = 0
+        before = self._following
+
+        async def follow() -> None:
+            if before is not None:
+                await asyncio.wait([before])
+            await self._follow()
+
+        self._following = asyncio.ensure_future(follow())
+        self._on_change()
+
+    async def _follow(self) -> None:
+        """Be subscribed to /clock while it counts."""
+        if self.is_simulated and self._share is None:
+            try:
+                self._share = await self._shared.subscribe(_CLOCK_TOPIC, self._take)
+            except RostetherError as error:
+                _log.warning("%s cannot be subscribed: %s", _CLOCK_TOPIC, error)
+        elif not self.is_simulated and self._share is not None:
+            share, self._share = self._share, None
+            await share.close()
+
+    def _take(self, batch: Batch) -> None:
+        payload = batch.payloads[-1]
+        if self.is_simulated and len(payload) == _STAMP.size:
+            seconds, nanoseconds = _STAMP.unpack(payload)
+            self._time_ns = seconds * _NS + nanoseconds
+            self._on_time(self._time_ns)

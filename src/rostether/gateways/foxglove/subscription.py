@@ -1,0 +1,67 @@
+"""One client's subscription to one channel."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+
+from rostether.errors import RostetherError
+from rostether.gateways.foxglove.channels import Channels
+from rostether.gateways.foxglove.line import Line
+from rostether.gateways.foxglove.server_messages import Channel
+from rostether.gateways.shared_subscriptions import (
+    Batch,
+    PublisherConnection,
+    SharedSubscription,
+    SharedSubscriptions,
+)
+from rostether.msgdef.interface import ANY_MD5SUM
+
+
+class Subscription:
+    """Hands a topic's messages to a line as they are; `tell` gets a line when the graph refuses."""
+
+    def __init__(
+        self,
+        subscription_id: int,
+        channel: Channel,
+        line: Line,
+        channels: Channels,
+        now_ns: Callable[[], int],
+    ) -> None:
+        self.id = subscription_id
+        self.channel = channel
+        self._line = line
+        self._channels = channels
+        self._now_ns = now_ns
+        self._md5sums = (channel.type.md5sum, ANY_MD5SUM)
+        self._share: SharedSubscription | None = None
+        self._opening: asyncio.Task[None] | None = None
+        self._is_closed = False
+
+    def open(self, shared: SharedSubscriptions, tell: Callable[[str], None]) -> None:
+        """Subscribe on the graph, unless another client has."""
+        self._opening = asyncio.ensure_future(self._open(shared, tell))
+
+    async def close(self) -> None:
+        """Unsubscribe; nothing is sent from now on."""
+        self._is_closed = True
+        self._line.forget(self.id)
+        if self._opening is not None:
+            await asyncio.wait([self._opening])
+        if self._share is not None:
+            await self._share.close()
+
+    async def _open(self, shared: SharedSubscriptions, tell: Callable[[str], None]) -> None:
+        try:
+            self._share = await shared.subscribe(self.channel.topic, self._take, self._meet)
+        except RostetherError as error:
+            tell(f"{self.channel.topic} cannot be subscribed: {error}")
+
+    def _meet(self, connection: PublisherConnection) -> None:
+        self._channels.met(self.channel, connection)
+
+    def _take(self, batch: Batch) -> None:
+        # What is of another type than the channel's definition says would be read as nonsense.
+        if not self._is_closed and batch.connection.type.md5sum in self._md5sums:
+            self._line.send_data(self.id, self._now_ns(), batch.payloads)
