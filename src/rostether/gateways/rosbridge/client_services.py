@@ -1,0 +1,136 @@
+"""The services of one client: those that it calls, and those that it offers."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from typing import Any
+
+from rostether.errors import (
+    AccessDeniedError,
+    InvalidNameError,
+    RemoteProtocolError,
+    RostetherError,
+    UnknownNameError,
+)
+from rostether.gateways.rosbridge.client_subscription import Wish
+from rostether.gateways.rosbridge.offered_services import OfferedService
+from rostether.gateways.rosbridge.request import Request
+from rostether.gateways.rosbridge.settings import MAX_CALLS, MAX_SERVICES, matches
+from rostether.gateways.rosbridge.surroundings import Surroundings
+from rostether.gateways.rosbridge.type_names import short_type
+
+Send = Callable[[dict[str, Any], Wish], None]
+
+
+class ClientServices:
+    """What one client does with services. Methods raise RostetherError for what cannot be done."""
+
+    def __init__(self, around: Surroundings, send: Send) -> None:
+        self._around = around
+        self._send = send
+        self._calls: set[asyncio.Task[None]] = set()
+
+    def call(self, request: Request) -> None:
+        """Call a service; the answer is sent when it is there, whatever else the client does meanwhile."""
+        if len(self._calls) >= MAX_CALLS:
+            raise RemoteProtocolError(f"call_service: {MAX_CALLS} calls are the most at once")
+        service, wish = request.text("service"), Wish.read(request)
+        timeout_s = request.number("timeout", 0) or None
+        task = asyncio.ensure_future(self._call(request, service, wish, timeout_s))
+        self._calls.add(task)
+        task.add_done_callback(self._calls.discard)
+
+    async def advertise(self, request: Request) -> str:
+        """Offer a service that the client answers; returns a warning, empty if there is none."""
+        name = self._around.graph.resolve(request.text("service"))
+        self._check_glob(name)
+        if len(self._around.offered.of(self)) >= MAX_SERVICES:
+            raise RemoteProtocolError(f"advertise_service: {MAX_SERVICES} services are the most")
+        service_type = self._around.store.registry.service_type(short_type(request.text("type")))
+        send = self._send
+        service = OfferedService(
+            name, service_type, self, self._around.forms, lambda fields: send(fields, Wish())
+        )
+        old = await self._around.offered.offer(service)
+        if old is not None and old.owner is not self:
+            return f"advertise_service: {name} was offered by another client, which offers it no more"
+        return ""
+
+    async def unadvertise(self, request: Request) -> None:
+        """Offer a service no more."""
+        service = self._own(request)
+        await self._around.offered.withdraw(service, "was unadvertised while it was called")
+
+    def answer(self, request: Request) -> None:
+        """Take the client's answer to a call."""
+        result = request.fields.get("result", True)
+        self._own(request).answer(request.id, request.fields.get("values", {}), is_done=bool(result))
+
+    async def close(self) -> None:
+        """Give up calls, and offer nothing any more."""
+        for call in self._calls:
+            call.cancel()
+        withdrawals = (
+            self._around.offered.withdraw(each, "has lost the client that offers it")
+            for each in self._around.offered.of(self)
+        )
+        await asyncio.gather(*withdrawals, *self._calls, return_exceptions=True)
+
+    async def _call(self, request: Request, service: str, wish: Wish, timeout_s: float | None) -> None:
+        answer: dict[str, Any] = {"op": "service_response", "service": service}
+        if request.id is not None:
+            answer["id"] = request.id
+        try:
+            async with asyncio.timeout(timeout_s):
+                values: Any = await self._values(service, request.fields.get("args"))
+            answer |= {"values": values, "result": True}
+        except RostetherError as error:
+            answer |= {"values": str(error), "result": False}
+        except TimeoutError:
+            answer |= {"values": f"service {service} did not answer within {timeout_s:g} s", "result": False}
+        self._send(answer, wish)
+
+    async def _values(self, service: str, args: Any) -> dict[str, Any]:
+        around = self._around
+        try:
+            name = around.graph.resolve(service)
+        except InvalidNameError as error:
+            raise RemoteProtocolError(f"call_service: {error}") from None
+        self._check_glob(name)
+        local = around.local_services.find(name) if around.local_services is not None else None
+        if local is not None:
+            return await local(args)
+        service_type = await around.service_types.find(name)
+        payload = around.forms.from_json(
+            service_type.request.name, self._by_name(service_type.request.name, args)
+        )
+        try:
+            answer = await around.graph.call_service(name, service_type, payload)
+        except RostetherError:
+            around.service_types.forget(name)
+            raise
+        return around.forms.to_json(service_type.response.name, answer)
+
+    def _by_name(self, type_name: str, args: Any) -> Any:
+        """Return a request by its fields' names: clients may give a list in their order, or one value."""
+        if args is None or isinstance(args, dict):
+            return args or {}
+        names = [name for name, _ in self._around.store.codec(type_name).message_class._fields]
+        values = args if isinstance(args, list) else [args]
+        if len(values) > len(names):
+            raise RemoteProtocolError(
+                f"call_service: {type_name} has {len(names)} fields, args {len(values)} values"
+            )
+        return dict(zip(names, values, strict=False))
+
+    def _own(self, request: Request) -> OfferedService:
+        name = self._around.graph.resolve(request.text("service"))
+        service = self._around.offered.find(name, self)
+        if service is None:
+            raise UnknownNameError(f"{request.op}: this client does not offer {name}")
+        return service
+
+    def _check_glob(self, name: str) -> None:
+        if not matches(name, self._around.settings.services_glob):
+            raise AccessDeniedError(f"{name} is not among the services that this server lets clients use")

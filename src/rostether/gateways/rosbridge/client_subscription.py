@@ -1,0 +1,197 @@
+"""One client's subscription of one topic: how often, how much and in which form it wants its messages.
+
+A client may subscribe a topic several times, each under an id of its own; it gets each message once, as the
+most demanding of them asks. `throttle_rate` without a queue drops what comes too soon; with one, what waits
+is handed on at that rate.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import StrEnum
+
+from rostether.errors import RemoteProtocolError, RostetherError
+from rostether.gateways.rosbridge.outbox import Outbox, TopicQueue
+from rostether.gateways.rosbridge.request import Request
+from rostether.gateways.rosbridge.settings import MAX_QUEUED_MESSAGES
+from rostether.gateways.rosbridge.status import show
+from rostether.gateways.rosbridge.type_names import short_type
+from rostether.gateways.shared_subscriptions import Batch, PublisherConnection, SharedSubscription
+from rostether.msgdef.interface import ANY_TYPE
+
+MIN_FRAGMENT_BYTES = 32
+"""Smaller pieces would be nearly all frame, and a large message millions of them."""
+
+MAX_REQUESTS = 100
+"""Ids under which one client may subscribe one topic."""
+
+_MS = 1e-3
+
+
+class Compression(StrEnum):
+    """How messages are sent."""
+
+    NONE = "none"
+    PNG = "png"
+    CBOR = "cbor"
+    CBOR_RAW = "cbor-raw"
+
+
+_STRENGTH = list(Compression)
+
+
+@dataclass(frozen=True, slots=True)
+class Wish:
+    """What one subscribe message asks for."""
+
+    throttle_s: float = 0.0
+    queue_length: int = 0
+    fragment_bytes: int | None = None
+    compression: Compression = Compression.NONE
+
+    @classmethod
+    def read(cls, request: Request) -> Wish:
+        """Read a subscribe or call_service message. Raises RemoteProtocolError."""
+        name = request.optional_text("compression") or Compression.NONE
+        try:
+            compression = Compression(name)
+        except ValueError:
+            known = ", ".join(Compression)
+            raise RemoteProtocolError(f"compression wants one of {known}, got {show(name)}") from None
+        fragment_bytes = request.count("fragment_size", 0)
+        return cls(
+            request.number("throttle_rate", 0) * _MS,
+            request.count("queue_length", 0),
+            max(fragment_bytes, MIN_FRAGMENT_BYTES) if fragment_bytes else None,
+            compression,
+        )
+
+
+def merge(wishes: list[Wish]) -> Wish:
+    """Return what satisfies all wishes of one client."""
+    sizes = [each.fragment_bytes for each in wishes if each.fragment_bytes is not None]
+    return Wish(
+        min(each.throttle_s for each in wishes),
+        min(each.queue_length for each in wishes),
+        min(sizes, default=None),
+        max((each.compression for each in wishes), key=_STRENGTH.index),
+    )
+
+
+class ClientSubscription:
+    """A topic that a client listens to; `topic` is the name as the client wrote it, and reads it."""
+
+    def __init__(self, topic: str, outbox: Outbox, tell_error: Callable[[str], None]) -> None:
+        self.topic = topic
+        self.wish = Wish()
+        self.queue = TopicQueue(MAX_QUEUED_MESSAGES, self)
+        self.share: SharedSubscription | None = None
+        self._outbox = outbox
+        self._tell_error = tell_error
+        self._wishes: dict[object, Wish] = {}
+        self._type = ""
+        self._refused: set[str] = set()
+        self._next_s = 0.0
+        self._held: deque[tuple[Batch, int]] = deque()
+        self._timer: asyncio.TimerHandle | None = None
+
+    def want(self, request_id: object, wish: Wish, type_name: str) -> None:
+        """Take one more wish, or another under the same id. Raises RemoteProtocolError."""
+        if len(self._wishes) >= MAX_REQUESTS and request_id not in self._wishes:
+            raise RemoteProtocolError(
+                f"{self.topic} is subscribed {MAX_REQUESTS} times: unsubscribe some ids"
+            )
+        if type_name:
+            self._type = type_name
+        self._wishes[request_id] = wish
+        self._settle()
+
+    def want_no_more(self, request_id: object) -> bool:
+        """Forget the wish of an id, all without one; returns whether any is left."""
+        if request_id is None:
+            self._wishes.clear()
+        else:
+            self._wishes.pop(request_id, None)
+        if self._wishes:
+            self._settle()
+        return bool(self._wishes)
+
+    def take(self, batch: Batch) -> None:
+        """Queue what has come, as far as the client wants it."""
+        if not self._fits(batch.connection):
+            return
+        if not self.wish.throttle_s:
+            for index in range(len(batch.payloads)):
+                self._outbox.put(self.queue, batch, index)
+            return
+        for index in range(len(batch.payloads)):
+            self._throttle(batch, index)
+
+    def refuse(self, connection: PublisherConnection, reason: RostetherError | str) -> None:
+        """Tell once for each type why its messages are not sent."""
+        if connection.type.name not in self._refused and len(self._refused) < MAX_REQUESTS:
+            self._refused.add(connection.type.name)
+            self._tell_error(f"subscribe: {self.topic}: {reason}")
+
+    async def close(self) -> None:
+        """Take no more, and forget what waits. Idempotent."""
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        self._held.clear()
+        self._outbox.discard(self.queue)
+        if self.share is not None:
+            await self.share.close()
+
+    def _settle(self) -> None:
+        self.wish = merge(list(self._wishes.values()))
+        # Zero is no queue in the protocol: what a slow line has not taken then waits within our own bounds.
+        self.queue.length = min(self.wish.queue_length or MAX_QUEUED_MESSAGES, MAX_QUEUED_MESSAGES)
+        self._held = deque(self._held, maxlen=self.queue.length)
+
+    def _fits(self, connection: PublisherConnection) -> bool:
+        if not self._type or connection.type.name == ANY_TYPE:
+            return True
+        if short_type(self._type) == short_type(connection.type.name):
+            return True
+        self.refuse(connection, f"its type is {connection.type.name}, not {show(self._type)[1:-1]}")
+        return False
+
+    def _throttle(self, batch: Batch, index: int) -> None:
+        now_s = asyncio.get_running_loop().time()
+        if self.wish.queue_length:
+            if len(self._held) == self._held.maxlen:
+                self.queue.dropped_count += 1
+            self._held.append((batch, index))
+            self._release()
+        elif now_s >= self._next_s:
+            self._step(now_s)
+            self._outbox.put(self.queue, batch, index)
+
+    def _release(self) -> None:
+        """Hand on what is held and due, and come back for the rest."""
+        loop = asyncio.get_running_loop()
+        if self._timer is not None and not self._timer.cancelled():
+            if self._timer.when() > loop.time():
+                return
+            self._timer = None
+        if not self._held:
+            return
+        if loop.time() >= self._next_s:
+            self._step(loop.time())
+            self._outbox.put(self.queue, *self._held.popleft())
+        if self._held:
+            self._timer = loop.call_at(self._next_s, self._timed)
+
+    def _timed(self) -> None:
+        self._timer = None
+        self._release()
+
+    def _step(self, now_s: float) -> None:
+        # A message that is a little late must not make the next one, in time again, come too soon.
+        throttle_s = self.wish.throttle_s
+        is_in_step = now_s - self._next_s < throttle_s / 2
+        self._next_s = (self._next_s if is_in_step else now_s) + throttle_s

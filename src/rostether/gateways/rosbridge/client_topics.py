@@ -1,0 +1,120 @@
+"""The topics of one client: what it advertises and publishes, and what it listens to."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from typing import Any
+
+from rostether.errors import AccessDeniedError, RemoteProtocolError, UnknownNameError
+from rostether.gateways.rosbridge.client_subscription import ClientSubscription, Wish
+from rostether.gateways.rosbridge.outbox import Outbox
+from rostether.gateways.rosbridge.publication import Publication
+from rostether.gateways.rosbridge.request import Request
+from rostether.gateways.rosbridge.settings import MAX_PUBLICATIONS, MAX_SUBSCRIPTIONS, matches
+from rostether.gateways.rosbridge.surroundings import Surroundings
+from rostether.gateways.rosbridge.type_names import short_type
+from rostether.msgdef.interface import ANY_TYPE, MessageType
+
+_NOTHING: dict[str, Any] = {}
+
+
+class ClientTopics:
+    """What one client does with topics. Every method raises RostetherError for what cannot be done."""
+
+    def __init__(self, around: Surroundings, outbox: Outbox, tell_error: Callable[[str], None]) -> None:
+        self._around = around
+        self._outbox = outbox
+        self._tell_error = tell_error
+        self._publications: dict[str, Publication] = {}
+        self._subscriptions: dict[str, ClientSubscription] = {}
+
+    async def advertise(self, request: Request) -> None:
+        """Announce that the client will publish a topic."""
+        topic, type_name = request.text("topic"), request.text("type")
+        message_type = self._around.store.registry.message_type(short_type(type_name))
+        known = self._publications.get(topic)
+        if known is not None and known.type == message_type:
+            return
+        await self._advertise(topic, message_type, latch=request.flag("latch"))
+
+    async def unadvertise(self, request: Request) -> None:
+        """Take an announcement back; subscribers stay connected for a while, in case it comes again."""
+        topic = request.text("topic")
+        publication = self._publications.pop(topic, None)
+        if publication is None:
+            raise UnknownNameError(f"unadvertise: this client does not advertise {topic}")
+        self._around.linger(publication)
+
+    async def publish(self, request: Request) -> None:
+        """Publish a message; a topic that was not advertised must exist."""
+        topic = request.text("topic")
+        publication = self._publications.get(topic)
+        if publication is None:
+            message_type = await self._type_of(topic)
+            publication = await self._advertise(topic, message_type, latch=request.flag("latch"))
+        message = request.fields.get("msg", _NOTHING)
+        await publication.publish([self._around.forms.from_json(publication.type.name, message)])
+
+    async def subscribe(self, request: Request) -> None:
+        """Listen to a topic, whether or not it exists already."""
+        topic = request.text("topic")
+        wish = Wish.read(request)
+        type_name = request.optional_text("type")
+        known = self._subscriptions.get(topic)
+        if known is not None:
+            known.want(request.id, wish, type_name)
+            return
+        self._check_glob(topic)
+        if len(self._subscriptions) >= MAX_SUBSCRIPTIONS:
+            raise RemoteProtocolError(f"subscribe: {MAX_SUBSCRIPTIONS} topics are the most: unsubscribe some")
+        subscription = ClientSubscription(topic, self._outbox, self._tell_error)
+        subscription.want(request.id, wish, type_name)
+        self._subscriptions[topic] = subscription
+        try:
+            subscription.share = await self._around.shared.subscribe(topic, subscription.take)
+        except BaseException:
+            del self._subscriptions[topic]
+            await subscription.close()
+            raise
+
+    async def unsubscribe(self, request: Request) -> None:
+        """Listen no more; without an id to none of the client's subscriptions of the topic."""
+        topic = request.text("topic")
+        subscription = self._subscriptions.get(topic)
+        if subscription is None:
+            raise UnknownNameError(f"unsubscribe: this client does not subscribe {topic}")
+        if not subscription.want_no_more(request.id):
+            del self._subscriptions[topic]
+            await subscription.close()
+
+    async def close(self) -> None:
+        """End everything; publications linger."""
+        for publication in self._publications.values():
+            self._around.linger(publication)
+        self._publications.clear()
+        subscriptions = list(self._subscriptions.values())
+        self._subscriptions.clear()
+        await asyncio.gather(*(each.close() for each in subscriptions))
+
+    async def _advertise(self, topic: str, message_type: MessageType, *, latch: bool) -> Publication:
+        self._check_glob(topic)
+        if len(self._publications) >= MAX_PUBLICATIONS and topic not in self._publications:
+            raise RemoteProtocolError(f"advertise: {MAX_PUBLICATIONS} topics are the most: unadvertise some")
+        old = self._publications.pop(topic, None)
+        if old is not None:
+            await old.close()
+        publication = await Publication.open(self._around.graph, topic, message_type, latch=latch)
+        self._publications[topic] = publication
+        return publication
+
+    async def _type_of(self, topic: str) -> MessageType:
+        name = self._around.graph.resolve(topic)
+        known = (await self._around.graph.snapshot()).topics.get(name)
+        if known is None or known.type == ANY_TYPE:
+            raise UnknownNameError(f"publish: {topic} has no type yet: advertise it first")
+        return self._around.store.registry.message_type(short_type(known.type))
+
+    def _check_glob(self, topic: str) -> None:
+        if not matches(self._around.graph.resolve(topic), self._around.settings.topics_glob):
+            raise AccessDeniedError(f"{topic} is not among the topics that this server lets clients use")

@@ -1,0 +1,69 @@
+"""Messages in the forms that clients get and give, made once however many clients get the same."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from rostether.gateways.rosbridge.client_subscription import Compression
+from rostether.gateways.rosbridge.png_packing import pack_png
+from rostether.gateways.rosbridge.values import JsonForm, Style, write_json
+from rostether.gateways.shared_subscriptions import Batch
+from rostether.rostime import Time
+from rostether.serde.store import TypeStore
+
+if TYPE_CHECKING:
+    from rostether.gateways.rosbridge.cbor import CborForm
+
+
+class MessageForms:
+    """Between payloads and what stands in messages of the protocol; `now` is the graph's time."""
+
+    def __init__(self, store: TypeStore, style: Style, now: Callable[[], Time]) -> None:
+        self._store = store
+        self._style = style
+        self._json = JsonForm(style)
+        self._cbor: CborForm | None = None
+        self._now = now
+
+    def to_json(self, type_name: str, payload: bytes) -> dict[str, Any]:
+        """Return a payload of a type known here as a value of JSON. Raises SerializationError."""
+        return self._json.to_json(self._store.codec(type_name), payload)
+
+    def from_json(self, type_name: str, value: Any) -> bytes:
+        """Return the payload of a value of JSON. Raises SerializationError naming the field."""
+        return self._json.from_json(self._store.codec(type_name), value, self._now())
+
+    def published(self, topic: str, batch: Batch, index: int, compression: Compression) -> str | bytes:
+        """Return the message that tells a client of one message of a topic.
+
+        Raises SerializationError, and what `PublisherConnection.codec` raises.
+        """
+        key = (compression, topic, index)
+        frame: str | bytes | None = batch.forms.get(key)
+        if frame is None:
+            frame = batch.forms[key] = self._published(topic, batch, index, compression)
+        return frame
+
+    def _published(self, topic: str, batch: Batch, index: int, compression: Compression) -> str | bytes:
+        payload = batch.payloads[index]
+        if compression is Compression.CBOR_RAW:
+            from rostether.gateways.rosbridge.cbor import publish_raw
+
+            return publish_raw(topic, payload, batch.forms.setdefault("received", self._now()))
+        codec = batch.connection.codec
+        if compression is Compression.CBOR:
+            return self._cbor_form().publish(topic, codec, payload)
+        text = batch.forms.get(index)
+        if text is None:
+            text = batch.forms[index] = write_json(self._json.to_json(codec, payload))
+        whole = f'{{"op":"publish","topic":{json.dumps(topic)},"msg":{text}}}'
+        return pack_png(whole) if compression is Compression.PNG else whole
+
+    def _cbor_form(self) -> CborForm:
+        if self._cbor is None:
+            from rostether.gateways.rosbridge.cbor import CborForm
+
+            self._cbor = CborForm(self._style)
+        return self._cbor

@@ -1,0 +1,109 @@
+"""Services that clients offer to the graph: each call goes to the client over its connection, and back."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from itertools import count
+from typing import Any
+
+from rostether.errors import ServiceCallError, UnknownNameError
+from rostether.gateways.rosbridge.message_forms import MessageForms
+from rostether.gateways.rosbridge.settings import MAX_CALLS
+from rostether.graph.ports import Graph, ServiceServer
+from rostether.msgdef.interface import ServiceType
+
+
+class OfferedService:
+    """One service that a client answers; `send` puts a message into the client's line."""
+
+    def __init__(
+        self,
+        name: str,
+        service_type: ServiceType,
+        owner: object,
+        forms: MessageForms,
+        send: Callable[[dict[str, Any]], None],
+    ) -> None:
+        self.name = name
+        self.type = service_type
+        self.owner = owner
+        self.server: ServiceServer | None = None
+        self._forms = forms
+        self._send = send
+        self._numbers = count(1)
+        self._waiting: dict[str, asyncio.Future[bytes]] = {}
+
+    async def handle(self, request: bytes) -> bytes:
+        """Hand a call to the client and wait for its answer. Raises ServiceCallError."""
+        if len(self._waiting) >= MAX_CALLS:
+            raise ServiceCallError(f"the client that offers {self.name} has {MAX_CALLS} calls unanswered")
+        call_id = f"service_request:{self.name}:{next(self._numbers)}"
+        answer: asyncio.Future[bytes] = asyncio.get_running_loop().create_future()
+        self._waiting[call_id] = answer
+        try:
+            args = self._forms.to_json(self.type.request.name, request)
+            self._send({"op": "call_service", "id": call_id, "service": self.name, "args": args})
+            return await answer
+        finally:
+            del self._waiting[call_id]
+
+    def answer(self, call_id: object, values: Any, *, is_done: bool) -> None:
+        """Take the client's answer. Raises UnknownNameError, SerializationError."""
+        waiting = self._waiting.get(call_id) if isinstance(call_id, str) else None
+        if waiting is None or waiting.done():
+            raise UnknownNameError(
+                f"service_response: no call of {self.name} waits for the id {call_id!r:.80}"
+            )
+        if not is_done:
+            text = values if isinstance(values, str) and values else "the service says that it failed"
+            waiting.set_exception(ServiceCallError(" ".join(text.split())))
+            return
+        try:
+            waiting.set_result(self._forms.from_json(self.type.response.name, values))
+        except Exception as error:
+            waiting.set_exception(ServiceCallError(f"the client that offers {self.name} answers: {error}"))
+            raise
+
+    async def close(self, reason: str) -> None:
+        """Offer it no more; calls that wait fail."""
+        for waiting in self._waiting.values():
+            if not waiting.done():
+                waiting.set_exception(ServiceCallError(f"service {self.name} {reason}"))
+        if self.server is not None:
+            await self.server.close()
+
+
+class OfferedServices:
+    """All services that clients offer; the last to offer one has it: a page that was loaded again."""
+
+    def __init__(self, graph: Graph) -> None:
+        self._graph = graph
+        self._services: dict[str, OfferedService] = {}
+        # Who takes a name over must find the one before it whole, or gone.
+        self._lock = asyncio.Lock()
+
+    def of(self, owner: object) -> list[OfferedService]:
+        """Return a client's services."""
+        return [service for service in self._services.values() if service.owner is owner]
+
+    def find(self, name: str, owner: object) -> OfferedService | None:
+        """Return a client's service of a name."""
+        service = self._services.get(name)
+        return service if service is not None and service.owner is owner else None
+
+    async def offer(self, service: OfferedService) -> OfferedService | None:
+        """Offer a service; returns the one that it takes the place of. Raises GraphError."""
+        async with self._lock:
+            old = self._services.pop(service.name, None)
+            if old is not None:
+                await old.close("is offered by another client now")
+            service.server = await self._graph.advertise_service(service.name, service.type, service.handle)
+            self._services[service.name] = service
+        return old
+
+    async def withdraw(self, service: OfferedService, reason: str) -> None:
+        """Offer a service no more."""
+        if self._services.get(service.name) is service:
+            del self._services[service.name]
+        await service.close(reason)

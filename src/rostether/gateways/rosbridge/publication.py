@@ -1,0 +1,78 @@
+"""One topic that a client publishes."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Sequence
+
+from rostether.errors import GraphError
+from rostether.graph.ports import Graph, Publisher
+from rostether.msgdef.interface import MessageType
+
+FIRST_WORDS_S = 1.0
+"""How long the first messages wait for the subscribers that the graph lists: they are still connecting."""
+
+MAX_FIRST_BYTES = 4 << 20
+"""What waits meanwhile; a client that begins with more floods, and may lose its beginning."""
+
+DRAIN_S = 0.1
+"""How long a slow subscriber may hold up the client that floods it; then it loses the oldest itself."""
+
+_POLL_S = 0.005
+
+
+class Publication:
+    """A publisher on the graph that keeps a client's first words for subscribers that are on their way.
+
+    Pages advertise and publish at once; without this their first message would reach nobody.
+    """
+
+    def __init__(self, publisher: Publisher) -> None:
+        self.type = publisher.type
+        self._publisher = publisher
+        self._first: list[bytes] | None = []
+        self._first_bytes = 0
+        self._opening: asyncio.Task[None] | None = None
+
+    @classmethod
+    async def open(cls, graph: Graph, topic: str, message_type: MessageType, *, latch: bool) -> Publication:
+        """Advertise. Raises InvalidNameError, GraphError."""
+        publication = cls(await graph.advertise(topic, message_type, latch=latch))
+        publication._opening = asyncio.ensure_future(publication._open(graph))
+        return publication
+
+    async def publish(self, payloads: Sequence[bytes]) -> None:
+        """Publish; who floods subscribers that would keep up otherwise is held up a little."""
+        if self._first is not None:
+            self._first += payloads
+            self._first_bytes += sum(map(len, payloads))
+            if self._first_bytes > MAX_FIRST_BYTES:
+                self._speak()
+            return
+        if not self._publisher.publish_raw(payloads):
+            await self._publisher.drained(DRAIN_S)
+
+    async def close(self) -> None:
+        """Say what is left, and unadvertise. Idempotent."""
+        if self._opening is not None:
+            self._opening.cancel()
+        self._speak()
+        await self._publisher.close()
+
+    async def _open(self, graph: Graph) -> None:
+        try:
+            async with asyncio.timeout(FIRST_WORDS_S):
+                topic = (await graph.snapshot()).topics.get(self._publisher.topic)
+                expected = len(topic.subscribers) if topic is not None else 0
+                # The port announces no connections; looking is cheap.
+                while self._publisher.subscriber_count < expected:  # noqa: ASYNC110
+                    await asyncio.sleep(_POLL_S)
+        except (TimeoutError, GraphError):
+            pass
+        finally:
+            self._speak()
+
+    def _speak(self) -> None:
+        first, self._first = self._first, None
+        if first:
+            self._publisher.publish_raw(first)

@@ -1,0 +1,78 @@
+"""One message of a client: its fields, each asked for with the type that it must have."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any
+
+from rostether.errors import RemoteProtocolError
+from rostether.gateways.rosbridge.status import show
+
+
+class Request:
+    """A JSON object with an `op`."""
+
+    def __init__(self, fields: dict[str, Any]) -> None:
+        self.fields = fields
+        self.op = self.text("op")
+
+    @property
+    def id(self) -> object:
+        """The client's own id of the message; None where it gave none or nothing that can be one."""
+        found = self.fields.get("id")
+        return found if isinstance(found, str | int | float) else None
+
+    def text(self, name: str) -> str:
+        """Return a field that must be there and be a text. Raises RemoteProtocolError."""
+        value = self.fields.get(name)
+        if not isinstance(value, str):
+            raise self._wrong(name, "a text")
+        return value
+
+    def optional_text(self, name: str) -> str:
+        """Return a text, empty where it is missing or null. Raises RemoteProtocolError."""
+        return "" if self.fields.get(name) is None else self.text(name)
+
+    def number(self, name: str, default: float) -> float:
+        """Return a number that is not negative; browsers send some as texts. Raises RemoteProtocolError."""
+        value = self.fields.get(name)
+        if value is None:
+            return default
+        try:
+            number = float(value) if isinstance(value, int | float | str) else math.nan
+        except (ValueError, OverflowError):
+            number = math.nan
+        if not 0 <= number < math.inf:
+            raise self._wrong(name, "a number, zero or more")
+        return number
+
+    def count(self, name: str, default: int) -> int:
+        """Return a whole number that is not negative. Raises RemoteProtocolError."""
+        return int(self.number(name, default))
+
+    def flag(self, name: str) -> bool:
+        """Return a boolean, False where it is missing. Raises RemoteProtocolError."""
+        value = self.fields.get(name, False)
+        if value is not None and not isinstance(value, bool | int):
+            raise self._wrong(name, "true or false")
+        return bool(value)
+
+    def _wrong(self, name: str, wanted: str) -> RemoteProtocolError:
+        op = self.fields.get("op")
+        subject = f"{show(op)[1:-1]}: " if isinstance(op, str) and name != "op" else ""
+        got = show(self.fields[name]) if name in self.fields else "nothing"
+        return RemoteProtocolError(f"{subject}field '{name}' wants {wanted}, got {got}")
+
+
+def read_request(data: str | bytes) -> Request:
+    """Return the message in a frame. Raises RemoteProtocolError."""
+    try:
+        fields = json.loads(data)
+    except RecursionError:
+        raise RemoteProtocolError("this JSON is nested too deeply") from None
+    except ValueError as error:
+        raise RemoteProtocolError(f"this is no JSON: {error}; got {show(data)}") from None
+    if not isinstance(fields, dict):
+        raise RemoteProtocolError(f"a message is a JSON object with an op, got {show(fields)}")
+    return Request(fields)

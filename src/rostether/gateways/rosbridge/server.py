@@ -1,0 +1,252 @@
+"""The rosbridge server: the v2 protocol of rosbridge over WebSockets, on the graph port.
+
+Web pages with roslibjs and programs with roslibpy find here what they know from rosbridge_suite. It listens
+on loopback unless told otherwise.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import ssl
+from collections.abc import Sequence
+from http import HTTPStatus
+from typing import Any
+
+from websockets.asyncio.server import Server, ServerConnection, serve
+from websockets.exceptions import ConnectionClosed
+from websockets.http11 import Request as HttpRequest
+from websockets.http11 import Response
+
+from rostether.errors import ConfigError, RostetherError, TransportOpenError
+from rostether.gateways.rosbridge.admission import Admission
+from rostether.gateways.rosbridge.message_forms import MessageForms
+from rostether.gateways.rosbridge.offered_services import OfferedServices
+from rostether.gateways.rosbridge.service_types import AskServer, ServiceTypes
+from rostether.gateways.rosbridge.session import Session
+from rostether.gateways.rosbridge.settings import (
+    DEFAULT_HOST,
+    MAX_CLIENTS,
+    PING_INTERVAL_S,
+    PING_LIMIT_S,
+    RosbridgeSettings,
+)
+from rostether.gateways.rosbridge.surroundings import LocalServices, Surroundings, Tell
+from rostether.gateways.rosbridge.values import Style
+from rostether.gateways.shared_subscriptions import SharedSubscriptions
+from rostether.graph.ports import Graph, Level, Publisher
+from rostether.serde.store import TypeStore
+
+CLIENT_COUNT = "client_count"
+"""The topic on which rosbridge tells how many clients it has."""
+
+CLOSE_LIMIT_S = 1.0
+"""How long a client may take to say good-bye; one that hangs is hung up on."""
+
+MAX_WAITING_FRAMES = 16
+"""Frames of one client that are read ahead; then its socket fills, and it is slowed down."""
+
+MAX_REFUSALS_LOGGED = 10
+"""Refused connections that stand in the log: a page that may not connect tries again every second."""
+
+_LOOPBACK_HOSTS = ("127.0.0.1", "::1")
+
+
+class RosbridgeServer:
+    """A rosbridge server on one node of a graph; the graph stays its owner's."""
+
+    def __init__(
+        self,
+        graph: Graph,
+        store: TypeStore,
+        settings: RosbridgeSettings | None = None,
+        *,
+        style: Style = Style.ROS1,
+        shared: SharedSubscriptions | None = None,
+        ask_service_type: AskServer | None = None,
+        local_services: LocalServices | None = None,
+        tell: Tell = lambda level, text: None,
+    ) -> None:
+        settings = settings or RosbridgeSettings()
+        self._settings = settings
+        self._admission = Admission(settings)
+        self._tell = tell
+        self._around = Surroundings(
+            graph,
+            store,
+            settings,
+            shared=shared or SharedSubscriptions(graph, store),
+            forms=MessageForms(store, style, graph.now),
+            service_types=ServiceTypes(graph, store, ask_service_type),
+            offered=OfferedServices(graph),
+            local_services=local_services,
+            tell=tell,
+        )
+        self._servers: list[Server] = []
+        self._clients: set[Session] = set()
+        self._count_publisher: Publisher | None = None
+        self._refusals = 0
+
+    @property
+    def port(self) -> int:
+        """The port that it listens on."""
+        return int(self._servers[0].sockets[0].getsockname()[1])
+
+    @property
+    def uri(self) -> str:
+        """What a client on this machine connects to."""
+        scheme = "wss" if self._settings.certificate else "ws"
+        host = self._settings.host
+        if host in ("0.0.0.0", "::", ""):  # noqa: S104 - compared, not bound
+            host = DEFAULT_HOST
+        return f"{scheme}://{f'[{host}]' if ':' in host else host}:{self.port}"
+
+    @property
+    def client_count(self) -> int:
+        """How many clients are served now."""
+        return len(self._clients)
+
+    async def start(self) -> None:
+        """Listen. Raises TransportOpenError, ConfigError."""
+        is_default = self._settings.host == DEFAULT_HOST
+        hosts = _LOOPBACK_HOSTS if is_default else (self._settings.host,)
+        await self._listen(hosts[0], self._settings.port)
+        for host in hosts[1:]:
+            # Some programs ask for `localhost` at ::1 alone; a machine may have no IPv6.
+            with contextlib.suppress(TransportOpenError):
+                await self._listen(host, self.port)
+        registry = self._around.store.registry
+        with contextlib.suppress(RostetherError):
+            self._count_publisher = await self._around.graph.advertise(
+                CLIENT_COUNT, registry.message_type("std_msgs/Int32"), latch=True
+            )
+        self._publish_count()
+
+    async def close(self) -> None:
+        """Hang up on all clients and listen no more. Idempotent."""
+        for server in self._servers:
+            server.close()
+        for server in self._servers:
+            await server.wait_closed()
+        self._servers.clear()
+        await self._around.close()
+        await self._around.shared.close()
+        if self._count_publisher is not None:
+            await self._count_publisher.close()
+            self._count_publisher = None
+
+    async def _listen(self, host: str, port: int) -> None:
+        settings = self._settings
+        try:
+            server = await serve(
+                self._serve,
+                host,
+                port,
+                process_request=self._admit,
+                ssl=_tls(settings),
+                compression="deflate" if settings.deflate else None,
+                max_size=settings.max_message_bytes,
+                max_queue=MAX_WAITING_FRAMES,
+                ping_interval=PING_INTERVAL_S,
+                ping_timeout=PING_LIMIT_S,
+                close_timeout=CLOSE_LIMIT_S,
+                server_header=None,
+                backlog=MAX_CLIENTS,
+            )
+        except OSError as error:
+            raise _explain(host, port, error) from error
+        self._servers.append(server)
+
+    async def _admit(self, connection: ServerConnection, request: HttpRequest) -> Response | None:
+        peer, own = connection.remote_address[0], connection.local_address[0]
+        origin = request.headers.get("Origin")
+        if not self._admission.allows_host(peer, own):
+            return self._refuse(connection, f"{peer} is not in the networks of --allow")
+        if not self._admission.allows_origin(origin, request.headers.get("Host", "")):
+            return self._refuse(
+                connection,
+                f"the page {origin!r:.200} is of another host; `--origin {origin:.200}` lets it in",
+            )
+        if not self._admission.allows_path(request.path):
+            return self._refuse(
+                connection, f"nothing is served at {request.path!r:.200}", HTTPStatus.NOT_FOUND
+            )
+        if len(self._clients) >= MAX_CLIENTS:
+            return self._refuse(
+                connection, f"{MAX_CLIENTS} clients are the most", HTTPStatus.SERVICE_UNAVAILABLE
+            )
+        return None
+
+    def _refuse(
+        self, connection: ServerConnection, reason: str, status: HTTPStatus = HTTPStatus.FORBIDDEN
+    ) -> Response:
+        self._refusals += 1
+        if self._refusals <= MAX_REFUSALS_LOGGED:
+            last = "; further ones are not shown" if self._refusals == MAX_REFUSALS_LOGGED else ""
+            self._tell(Level.WARN, f"rosbridge: refused {_name_of(connection)}: {reason}{last}")
+        return connection.respond(status, f"rosbridge: {reason}\n")
+
+    async def _serve(self, connection: ServerConnection) -> None:
+        request = connection.request
+        assert request is not None
+        is_known = not self._admission.wants_token or self._admission.knows_token(
+            request.path, request.headers.get("Authorization", "")
+        )
+        session = Session(connection, self._around, self._admission, _name_of(connection))
+        self._clients.add(session)
+        self._changed(f"rosbridge: {session.name} connected")
+        try:
+            await session.run(is_known=is_known)
+        except ConnectionClosed:
+            pass
+        finally:
+            self._clients.discard(session)
+            self._changed(f"rosbridge: {session.name} disconnected{_why(connection)}")
+
+    def _changed(self, text: str) -> None:
+        count = len(self._clients)
+        self._tell(Level.INFO, f"{text} ({count} client{'' if count == 1 else 's'})")
+        self._publish_count()
+
+    def _publish_count(self) -> None:
+        if self._count_publisher is not None:
+            self._count_publisher.publish_raw([len(self._clients).to_bytes(4, "little")])
+
+
+def _name_of(connection: ServerConnection) -> str:
+    address: Sequence[Any] | None = connection.remote_address
+    if not address:
+        return "a client"
+    return f"[{address[0]}]:{address[1]}" if ":" in address[0] else f"{address[0]}:{address[1]}"
+
+
+def _why(connection: ServerConnection) -> str:
+    """Return what was wrong with a connection that we have ended."""
+    sent = connection.protocol.close_sent
+    if sent is None or sent.code in (1000, 1001, 1005):
+        return ""
+    return f": {sent.reason or sent.code}"
+
+
+def _tls(settings: RosbridgeSettings) -> ssl.SSLContext | None:
+    if not settings.certificate:
+        return None
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    try:
+        context.load_cert_chain(settings.certificate, settings.key or None)
+    except (OSError, ssl.SSLError) as error:
+        raise ConfigError(
+            f"rosbridge: the certificate {settings.certificate} cannot be used: {error}"
+        ) from None
+    return context
+
+
+def _explain(host: str, port: int, error: OSError) -> TransportOpenError:
+    if error.errno == errno.EADDRINUSE:
+        return TransportOpenError(
+            f"rosbridge: port {port} is already in use on {host}; stop the program that listens there "
+            "(another rosbridge?), or choose another port"
+        )
+    if error.errno in (errno.EADDRNOTAVAIL, None) or not error.errno or error.errno < 0:
+        return TransportOpenError(f"rosbridge: {host} is no address of this machine; 0.0.0.0 is all it has")
+    return TransportOpenError(f"rosbridge: cannot listen on {host}:{port}: {error.strerror or error}")

@@ -1,0 +1,59 @@
+"""Which type a service has: clients call by name alone, and a ROS 1 master does not know."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from typing import TypeAlias
+
+from rostether.errors import ServiceUnavailableError
+from rostether.gateways.rosbridge.type_names import short_type
+from rostether.graph.ports import Graph
+from rostether.msgdef.interface import ANY_TYPE, ServiceType
+from rostether.serde.store import TypeStore
+
+AskServer: TypeAlias = Callable[[str], Awaitable[str]]
+"""Takes a service's name and returns the name of its type. Raises RostetherError."""
+
+REMEMBERED_S = 5.0
+"""A page that calls often asks the server once; one that comes back as another type is seen soon."""
+
+MAX_REMEMBERED = 1000
+"""Names of services come from clients."""
+
+
+class ServiceTypes:
+    """Types of the graph's services, remembered for a moment."""
+
+    def __init__(self, graph: Graph, store: TypeStore, ask_server: AskServer | None = None) -> None:
+        self._graph = graph
+        self._store = store
+        self._ask_server = ask_server
+        self._known: dict[str, tuple[float, ServiceType]] = {}
+
+    async def find(self, service: str) -> ServiceType:
+        """Return the type of a service. Raises ServiceUnavailableError, UnknownTypeError, DefinitionError."""
+        now_s = asyncio.get_running_loop().time()
+        found = self._known.get(service)
+        if found is not None and now_s - found[0] < REMEMBERED_S:
+            return found[1]
+        service_type = self._store.registry.service_type(short_type(await self._name(service)))
+        self.forget(service)
+        if len(self._known) >= MAX_REMEMBERED:
+            del self._known[next(iter(self._known))]
+        self._known[service] = (now_s, service_type)
+        return service_type
+
+    def forget(self, service: str) -> None:
+        """Ask again the next time: a call has failed."""
+        self._known.pop(service, None)
+
+    async def _name(self, service: str) -> str:
+        listed = (await self._graph.snapshot()).services.get(service)
+        if listed is None:
+            raise ServiceUnavailableError(f"service {service} does not exist: is its node running?")
+        if listed.type != ANY_TYPE:
+            return listed.type
+        if self._ask_server is None:
+            raise ServiceUnavailableError(f"nobody tells the type of service {service}")
+        return await self._ask_server(service)

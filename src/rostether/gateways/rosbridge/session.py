@@ -1,0 +1,225 @@
+"""One client: its messages are carried out in their order, and what is for it is sent as fast as it reads."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import time
+from itertools import count
+from typing import TYPE_CHECKING, Any
+
+from websockets.asyncio.server import ServerConnection
+from websockets.exceptions import ConnectionClosed
+
+from rostether.errors import RemoteProtocolError, RostetherError
+from rostether.gateways.rosbridge.admission import Admission
+from rostether.gateways.rosbridge.client_services import ClientServices
+from rostether.gateways.rosbridge.client_subscription import ClientSubscription, Compression, Wish
+from rostether.gateways.rosbridge.client_topics import ClientTopics
+from rostether.gateways.rosbridge.fragments import Defragmenter, split_fragments
+from rostether.gateways.rosbridge.operations import OPERATIONS
+from rostether.gateways.rosbridge.outbox import Due, Frame, Outbox, TopicQueue
+from rostether.gateways.rosbridge.png_packing import pack_png, unpack_png
+from rostether.gateways.rosbridge.request import Request, read_request
+from rostether.gateways.rosbridge.settings import (
+    GREETING_LIMIT_S,
+    MAX_CONTROL_BYTES,
+    MAX_QUEUED_BYTES,
+    OPERATION_LIMIT_S,
+    TURN_S,
+)
+from rostether.gateways.rosbridge.status import DEFAULT_LEVEL, StatusLevel, show, status_message
+from rostether.gateways.rosbridge.values import write_json
+from rostether.graph.callbacks import report_error
+from rostether.graph.ports import Level
+
+if TYPE_CHECKING:
+    from rostether.gateways.rosbridge.surroundings import Surroundings
+
+TOLD_EVERY_S = 5.0
+"""How often a client, and the log, is told that a topic is too fast for it."""
+
+MAX_LOGGED = 10
+"""Mistakes of one client that stand in the log; a program that goes on making them reads its statuses."""
+
+MAX_DEPTH = 3
+"""A message in a picture in fragments; more is nonsense."""
+
+CLOSE_POLICY = 1008
+"""RFC 6455's code for a policy violation."""
+
+
+class Session:
+    """One connection from its greeting to its end."""
+
+    def __init__(
+        self, connection: ServerConnection, around: Surroundings, admission: Admission, name: str
+    ) -> None:
+        self.level = DEFAULT_LEVEL
+        self.name = name
+        self._connection = connection
+        self._around = around
+        self._admission = admission
+        self._outbox = Outbox(MAX_QUEUED_BYTES, MAX_CONTROL_BYTES)
+        self.topics: ClientTopics = ClientTopics(around, self._outbox, lambda text: self._mistake(text, None))
+        self.services: ClientServices = ClientServices(around, self._send)
+        self._fragments = Defragmenter(around.settings.max_message_bytes)
+        self._fragment_ids = count()
+        self._depth = 0
+        self._logged_count = 0
+
+    async def run(self, *, is_known: bool) -> None:
+        """Serve the client until it hangs up."""
+        sending = asyncio.ensure_future(self._send_all())
+        sending.add_done_callback(self._sent)
+        try:
+            if is_known or await self._greeted():
+                await self._receive_all()
+        except ConnectionClosed:
+            pass
+        finally:
+            sending.cancel()
+            await asyncio.wait([sending])
+            with contextlib.suppress(RostetherError):
+                await asyncio.gather(self.topics.close(), self.services.close())
+
+    def status(self, level: StatusLevel, text: str, request_id: object = None) -> None:
+        """Tell the client something, if it wants to know."""
+        if level <= self.level:
+            self._outbox.answer(status_message(level, text, request_id), is_status=True)
+
+    async def take_fragment(self, request: Request) -> None:
+        """Take one piece of a message; the last one carries it out."""
+        whole = self._fragments.add(request.fields)
+        if whole is not None:
+            await self._unpacked(whole)
+
+    async def take_png(self, request: Request) -> None:
+        """Carry out a message that is packed into a picture."""
+        await self._unpacked(unpack_png(request.text("data"), self._around.settings.max_message_bytes))
+
+    async def _unpacked(self, text: str) -> None:
+        if self._depth >= MAX_DEPTH:
+            raise RemoteProtocolError("this message is packed into too many others")
+        self._depth += 1
+        try:
+            await self._carry_out(text)
+        finally:
+            self._depth -= 1
+
+    async def _greeted(self) -> bool:
+        """Wait for the `auth` that must come first."""
+        fields: dict[str, Any] = {}
+        with contextlib.suppress(TimeoutError, RemoteProtocolError):
+            async with asyncio.timeout(GREETING_LIMIT_S):
+                fields = read_request(await self._connection.recv()).fields
+        if fields.get("op") == "auth" and self._admission.authenticates(fields, time.time()):
+            return True
+        reason = "this server wants a token: connect to ?token=TOKEN, or send the op auth first"
+        await self._connection.send(status_message(StatusLevel.ERROR, reason))
+        await self._connection.close(CLOSE_POLICY, reason)
+        self._around.tell(Level.WARN, f"rosbridge: {self.name} has not given the token; it was hung up on")
+        return False
+
+    async def _receive_all(self) -> None:
+        loop = asyncio.get_running_loop()
+        turn_ends_s = 0.0
+        async for data in self._connection:
+            await self._carry_out(data)
+            if loop.time() >= turn_ends_s:
+                await asyncio.sleep(0)
+                turn_ends_s = loop.time() + TURN_S
+
+    async def _carry_out(self, data: str | bytes) -> None:
+        request_id: object = None
+        try:
+            request = read_request(data)
+            request_id = request.id
+            operation = OPERATIONS.get(request.op)
+            if operation is None:
+                raise RemoteProtocolError(
+                    f"there is no op {show(request.op)}; known are {', '.join(OPERATIONS)}"
+                )
+            waiting = operation(self, request)
+            if waiting is not None:
+                async with asyncio.timeout(OPERATION_LIMIT_S):
+                    await waiting
+        except RostetherError as error:
+            self._mistake(str(error), request_id)
+        except TimeoutError:
+            self._mistake(
+                f"{request.op}: the graph did not answer within {OPERATION_LIMIT_S:g} s", request_id
+            )
+        except ConnectionClosed:
+            raise
+        except Exception as error:  # noqa: BLE001 - whatever a client sends must not end its connection
+            self._mistake(f"{type(error).__name__}: {error}", request_id)
+
+    def _mistake(self, text: str, request_id: object) -> None:
+        text = " ".join(text.split())
+        self.status(StatusLevel.ERROR, text, request_id)
+        if self._logged_count < MAX_LOGGED:
+            self._logged_count += 1
+            last = "; more of its mistakes are told only to it" if self._logged_count == MAX_LOGGED else ""
+            self._around.tell(Level.WARN, f"rosbridge: {self.name}: {text}{last}")
+
+    def _send(self, fields: dict[str, Any], wish: Wish) -> None:
+        text = write_json(fields)
+        if wish.compression is Compression.PNG:
+            text = pack_png(text)
+        for frame in self._pieces(text, wish):
+            self._outbox.answer(frame)
+
+    def _pieces(self, frame: Frame, wish: Wish) -> list[Frame]:
+        size = wish.fragment_bytes or self._around.settings.fragment_bytes
+        if size is None or isinstance(frame, bytes) or len(frame) <= size:
+            return [frame]
+        return list(split_fragments(frame, size, str(next(self._fragment_ids))))
+
+    async def _send_all(self) -> None:
+        loop = asyncio.get_running_loop()
+        turn_ends_s = 0.0
+        with contextlib.suppress(ConnectionClosed):
+            while (item := await self._outbox.next()) is not None:
+                for frame in self._frames(item) if isinstance(item, Due) else (item,):
+                    await self._connection.send(frame)
+                if loop.time() >= turn_ends_s:
+                    await asyncio.sleep(0)
+                    turn_ends_s = loop.time() + TURN_S
+            self._around.tell(
+                Level.WARN, f"rosbridge: {self.name} does not read its answers; it was hung up on"
+            )
+            # Closing in order would wait for what it does not read.
+            self._connection.transport.abort()
+
+    def _sent(self, sending: asyncio.Task[None]) -> None:
+        if not sending.cancelled() and (error := sending.exception()) is not None:
+            report_error(f"sending to {self.name}", error)
+            self._connection.transport.abort()
+
+    def _frames(self, due: Due) -> list[Frame]:
+        subscription: ClientSubscription = due.queue.owner
+        wish = subscription.wish
+        try:
+            frame = self._around.forms.published(subscription.topic, due.batch, due.index, wish.compression)
+        except RostetherError as error:
+            subscription.refuse(due.batch.connection, error)
+            return []
+        frames = self._pieces(frame, wish)
+        self._tell_losses(due.queue, subscription.topic)
+        return frames
+
+    def _tell_losses(self, queue: TopicQueue, topic: str) -> None:
+        lost = queue.dropped_count - queue.told_count
+        now_s = asyncio.get_running_loop().time()
+        if not lost or now_s < queue.tell_at_s:
+            return
+        queue.told_count += lost
+        queue.tell_at_s = now_s + TOLD_EVERY_S
+        messages = "message" if lost == 1 else "messages"
+        self.status(
+            StatusLevel.WARNING, f"{topic} comes faster than this client reads: {lost} {messages} lost"
+        )
+        self._around.tell(
+            Level.WARN, f"rosbridge: {self.name} reads {topic} too slowly: {lost} {messages} lost"
+        )

@@ -1,0 +1,80 @@
+"""What may be set of a rosbridge server, and the limits that hold for every client."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
+
+DEFAULT_HOST = "localhost"
+DEFAULT_PORT = 9090
+"""Where roslibjs' examples and every page made for rosbridge look for it."""
+
+DEFAULT_MAX_MESSAGE_BYTES = 10_000_000
+"""rosbridge's own default. It holds before anything is parsed, and for what fragments make together."""
+
+MAX_CLIENTS = 1024
+"""Pages and programs of a large laboratory; each costs a descriptor and some 100 kB."""
+
+MAX_SUBSCRIPTIONS = 1000
+"""Topics of one client: a page that shows a whole robot has some hundred."""
+
+MAX_PUBLICATIONS = 1000
+"""Topics that one client advertises; each is known to the whole graph."""
+
+MAX_SERVICES = 200
+"""Services that one client offers; each is known to the whole graph."""
+
+MAX_CALLS = 256
+"""Service calls of one client in flight, and as many of others that it has not answered yet."""
+
+MAX_QUEUED_MESSAGES = 1000
+"""What waits of one topic for a client that names no queue length: 10 s of a sensor at 100 Hz."""
+
+MAX_QUEUED_BYTES = 16 << 20
+"""What waits for one client altogether, not yet in JSON: a few camera images."""
+
+MAX_CONTROL_BYTES = 64 << 20
+"""Answers that wait for a client that does not read: it asked for each, and has hung if they pile up."""
+
+OPERATION_LIMIT_S = 10.0
+"""A graph that has not taken an advertisement or subscription by then is told of as an error."""
+
+GREETING_LIMIT_S = 10.0
+"""Who has not authenticated by then frees the place."""
+
+PING_INTERVAL_S = 20.0
+PING_LIMIT_S = 60.0
+"""A client that does not answer is gone. A slow one answers late: what was sent before stands in line."""
+
+TURN_S = 0.005
+"""How long one client's work may keep others, boards among them, waiting."""
+
+
+def matches(name: str, globs: tuple[str, ...] | None) -> bool:
+    """Tell whether a name is among the globs; None is all names."""
+    return globs is None or any(fnmatchcase(name, each) for each in globs)
+
+
+@dataclass(frozen=True, slots=True)
+class RosbridgeSettings:
+    """How a rosbridge server serves.
+
+    `host` is a name or address of ours, `localhost` both loopback addresses. Clients must give `token` where
+    it is not empty; `origins` are web pages of other hosts that may connect (`*`: all), `allow` networks.
+    Globs limit what clients reach; None is everything.
+    """
+
+    host: str = DEFAULT_HOST
+    port: int = DEFAULT_PORT
+    token: str = field(default="", repr=False)
+    origins: tuple[str, ...] = ()
+    allow: tuple[str, ...] = ()
+    path: str = ""
+    max_message_bytes: int = DEFAULT_MAX_MESSAGE_BYTES
+    deflate: bool = False
+    certificate: str = ""
+    key: str = ""
+    fragment_bytes: int | None = None
+    topics_glob: tuple[str, ...] | None = None
+    services_glob: tuple[str, ...] | None = None
+    params_glob: tuple[str, ...] | None = None

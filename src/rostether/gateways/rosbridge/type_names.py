@@ -1,0 +1,11 @@
+"""Names of types as clients of either ROS write them."""
+
+from __future__ import annotations
+
+_PACKAGE_MIDDLE_NAME = 3
+
+
+def short_type(name: str) -> str:
+    """Return a type's name without ROS 2's middle: `std_msgs/msg/String` -> `std_msgs/String`."""
+    parts = name.split("/")
+    return f"{parts[0]}/{parts[2]}" if len(parts) == _PACKAGE_MIDDLE_NAME else name
