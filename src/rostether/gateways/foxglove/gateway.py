@@ -58,8 +58,8 @@ _SERVICE_RESTART = 1012  # the WebSocket's close code that makes clients come ba
 class FoxgloveSettings:
     """How a gateway serves.
 
-    `host` is one name or address of ours, `localhost` both loopback addresses. Clients must give `token` where
-    it is not empty; `origins` are more web pages that may connect (`*`: all), `allow` networks.
+    `host` is one name or address of ours, `localhost` both loopback addresses. Clients must give `token`
+    where it is not empty; `origins` are more web pages that may connect (`*`: all), `allow` networks.
     """
 
     host: str = DEFAULT_HOST

@@ -20,7 +20,7 @@ _log = logging.getLogger("rostether.gateways")
 
 
 class SimClock:
-    """Follows /use_sim_time and /clock; `on_time` is told each time, `on_change` that the clock is another."""
+    """Follows /use_sim_time and /clock; `on_time` gets each time, `on_change` is for another clock."""
 
     def __init__(
         self,
