@@ -16,6 +16,7 @@ from pathlib import Path
 from rostether.errors import RecordingError
 from rostether.graph.ports import Graph, OnMessages, Snapshot, Subscriber
 from rostether.msgdef.interface import ANY_MESSAGE, ANY_TYPE
+from rostether.recording.background_writer import BackgroundWriter
 from rostether.recording.recorded import Connection, RecordingWriter
 
 FLUSH_PERIOD_S = 0.5
@@ -34,6 +35,8 @@ class TopicChoice:
     exclude: re.Pattern[str] | None = None
     is_all: bool = False
     node: str = ""
+    with_hidden: bool = True
+    """Whether all topics are also those with a part that begins with `_`, which ROS 2 calls hidden."""
 
     @property
     def is_searching(self) -> bool:
@@ -45,7 +48,7 @@ class TopicChoice:
         if self.exclude is not None and self.exclude.search(topic):
             return False
         return (
-            self.is_all
+            (self.is_all and (self.with_hidden or "/_" not in topic))
             or topic in self.names
             or (bool(self.node) and self.node in subscribers)
             or any(pattern.fullmatch(topic) for pattern in self.patterns)
@@ -76,7 +79,8 @@ class RecordingProgress:
 class Recorder:
     """One recording; `create` opens a file's writer, `name` gives the path of the file of a number.
 
-    `tell` gets a line for people: files begun and ended, and what went wrong.
+    `tell` gets a line for people: files begun and ended, and what went wrong. With `buffer_bytes`, writers
+    work in the background, as those that compress must, and so much may wait for them.
     """
 
     def __init__(
@@ -89,6 +93,7 @@ class Recorder:
         name: Callable[[int], Path],
         tell: Callable[[str], None],
         repeat_latched: bool = False,
+        buffer_bytes: int | None = None,
     ) -> None:
         self.progress = RecordingProgress()
         self._graph = graph
@@ -97,6 +102,7 @@ class Recorder:
         self._create = create
         self._name = name
         self._tell = tell
+        self._buffer_bytes = buffer_bytes
         self._subscribers: dict[str, Subscriber] = {}
         self._connections: dict[str, Connection] = {}
         self._ended = asyncio.Event()
@@ -105,6 +111,8 @@ class Recorder:
         self._writer: RecordingWriter | None = None
         self._began_s = 0.0
         self._file_count = 0
+        self._closings: list[asyncio.Task[None]] = []
+        self._dropped: set[Path] = set()
         self._latched: dict[Connection, bytes] | None = {} if repeat_latched else None
 
     @property
@@ -143,6 +151,7 @@ class Recorder:
             await asyncio.gather(*(each.close() for each in self._subscribers.values()))
             if writer is not None:
                 self._finish()
+            await asyncio.gather(*self._closings)
         if self._failure is not None:
             raise self._failure
 
@@ -249,11 +258,15 @@ class Recorder:
         number = len(self.progress.files)
         self._path = self._name(number)
         active = self._path.with_name(self._path.name + ACTIVE_SUFFIX)
-        self._writer = self._create(active)
+        writer = self._create(active)
+        if self._buffer_bytes is not None:
+            writer = BackgroundWriter(writer, buffer_bytes=self._buffer_bytes, tell=self._tell)
+        self._writer = writer
         self._began_s = asyncio.get_running_loop().time()
         self.progress.files.append(self._path)
         maximum = self._limits.max_splits
         if maximum is not None and number >= maximum:
+            self._dropped.add(self.progress.files[number - maximum])
             self.progress.files[number - maximum].unlink(missing_ok=True)
         self._tell(f"Recording to {self._path}")
 
@@ -261,17 +274,29 @@ class Recorder:
         writer, self._writer = self._writer, None
         if writer is None:
             return
-        before = self.progress.message_count - self._file_count
+        count, self._file_count = self._file_count, 0
+        if isinstance(writer, BackgroundWriter):
+            # What waits to be packed may take seconds.
+            self._closings.append(asyncio.create_task(self._close_later(writer, self._path, count)))
+        else:
+            self._close(writer, self._path, count)
+
+    async def _close_later(self, writer: BackgroundWriter, path: Path, count: int) -> None:
+        await asyncio.to_thread(writer.wait_closed)
+        self._close(writer, path, count)
+
+    def _close(self, writer: RecordingWriter, path: Path, count: int) -> None:
         try:
             writer.close()
         except RecordingError as error:
-            told = f"{self._failure or error}; `rostether bag reindex {self._path}` gives it an index"
+            told = f"{self._failure or error}; `rostether bag reindex {path}` gives it an index"
             self._failure = RecordingError(told)
-        # A chunk that found no room is not counted.
-        self.progress.message_count = before + writer.message_count
-        self._file_count = 0
+        # What found no room is not counted.
+        self.progress.message_count += writer.message_count - count
         self.progress.finished_bytes += writer.size_bytes
-        self._path.with_name(self._path.name + ACTIVE_SUFFIX).replace(self._path)
+        path.with_name(path.name + ACTIVE_SUFFIX).replace(path)
+        if path in self._dropped:
+            path.unlink()
 
     def _fail(self, error: RecordingError) -> None:
         self._failure = RecordingError(f"{error}; recording stopped, {self._path} keeps what came until then")

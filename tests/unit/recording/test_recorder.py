@@ -2,8 +2,10 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import random
 import re
 from collections.abc import AsyncIterator, Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -34,6 +36,7 @@ class Stage:
         *,
         create: Callable[[Path], BagWriter] = BagWriter,
         repeat_latched: bool = False,
+        buffer_bytes: int | None = None,
     ) -> Recorder:
         return Recorder(
             self._graph,
@@ -43,6 +46,7 @@ class Stage:
             name=lambda number: self.folder / f"{number}.bag",
             tell=self.lines.append,
             repeat_latched=repeat_latched,
+            buffer_bytes=buffer_bytes,
         )
 
     def payloads(self, number: int = 0) -> list[bytes]:
@@ -147,6 +151,29 @@ async def test_files_split_by_size_keep_every_message_and_the_newest(stage: Stag
     assert kept == list(range(len(recorder.progress.files)))[-3:]
     assert found == payloads[-len(found) :]
     assert len(found) > 10
+
+
+async def test_files_that_are_compressed_in_the_background_are_whole(stage: Stage) -> None:
+    publisher = await stage.node.advertise("/a", STRING)
+    recorder = stage.recorder(
+        TopicChoice(names=("/a",)),
+        RecordLimits(size_bytes=4000, is_splitting=True),
+        create=partial(BagWriter, compression="bz2", chunk_bytes=2000),
+        buffer_bytes=1 << 20,
+    )
+    task = asyncio.create_task(recorder.run())
+    await _subscribed(publisher)
+    payloads = [text(f"{index:04}{random.randbytes(300).hex()}") for index in range(60)]
+    for index, payload in enumerate(payloads):
+        publisher.publish_raw([payload])
+        await _recorded(recorder, index + 1)
+        await asyncio.sleep(0.002)
+    await _end(task)
+    files = len(recorder.progress.files)
+    assert files > 1
+    assert [payload for number in range(files) for payload in stage.payloads(number)] == payloads
+    assert recorder.progress.message_count == 60
+    assert recorder.size_bytes == sum((stage.folder / f"{n}.bag").stat().st_size for n in range(files))
 
 
 async def test_each_file_begins_with_the_latched_messages(stage: Stage) -> None:

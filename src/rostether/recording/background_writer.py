@@ -1,0 +1,159 @@
+"""Packs and writes a recording in a thread: bz2 takes a tenth of a second a chunk, which holds all else up.
+
+The libraries that pack let other threads run meanwhile. Nothing but the queue is shared with the thread.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+
+from rostether.errors import RecordingError
+from rostether.recording.recorded import Connection, RecordingWriter
+
+DEFAULT_BUFFER_BYTES = 256 << 20
+"""As rosbag has it: about a minute of what bz2 takes."""
+
+TELL_PERIOD_S = 5.0
+"""How often a recording that is behind says so."""
+
+_MESSAGE_BYTES = 100
+"""What a waiting message takes besides its payload, about."""
+
+_Batch = tuple[int, int, Sequence[bytes], int]
+
+
+class BackgroundWriter:
+    """A writer that hands all to another, in a thread; see `recording.recorded.RecordingWriter`.
+
+    What comes while more than `buffer_bytes` wait is lost; `tell` gets a line about it. Errors of the writer
+    are raised by the call that follows.
+    """
+
+    def __init__(
+        self,
+        writer: RecordingWriter,
+        *,
+        buffer_bytes: int = DEFAULT_BUFFER_BYTES,
+        tell: Callable[[str], None],
+    ) -> None:
+        self.lost_count = 0
+        self._writer = writer
+        self._buffer_bytes = buffer_bytes
+        self._tell = tell
+        self._told_s = 0.0
+        self._told_count = 0
+        self._numbers: dict[Connection, int] = {}
+        self._connections: list[Connection] = []
+        self._changed = threading.Condition()
+        # All below is only touched while `_changed` is held.
+        self._waiting: deque[_Batch] = deque()
+        self._waiting_bytes = 0
+        self._is_flushing = False
+        self._is_ending = False
+        self._error: BaseException | None = None
+        self._thread = threading.Thread(target=self._work, name="recording", daemon=True)
+        self._thread.start()
+
+    @property
+    def size_bytes(self) -> int:
+        """What the file has, or waits in its chunk; what waits to be packed is not in it."""
+        return self._writer.size_bytes
+
+    @property
+    def message_count(self) -> int:
+        """How many messages were written."""
+        return self._writer.message_count
+
+    def add_connection(self, connection: Connection) -> int:
+        """Return the connection's number; equal connections share one."""
+        number = self._numbers.get(connection)
+        if number is None:
+            number = self._numbers[connection] = len(self._connections)
+            self._connections.append(connection)
+        return number
+
+    def write(self, number: int, time_ns: int, payloads: Sequence[bytes]) -> None:
+        """Take messages that came at one time, or lose them. Raises RecordingError."""
+        size_bytes = sum(map(len, payloads)) + _MESSAGE_BYTES * len(payloads)
+        with self._changed:
+            self._raise()
+            # One batch may always wait, however large it is.
+            is_taken = not self._waiting or self._waiting_bytes + size_bytes <= self._buffer_bytes
+            if is_taken:
+                self._waiting.append((number, time_ns, payloads, size_bytes))
+                self._waiting_bytes += size_bytes
+                self._changed.notify()
+        if not is_taken:
+            self.lost_count += len(payloads)
+            self._tell_lost()
+
+    def flush(self) -> None:
+        """Let the chunk be written once what waits is packed. Raises RecordingError."""
+        with self._changed:
+            self._raise()
+            self._is_flushing = True
+            self._changed.notify()
+
+    def wait_closed(self) -> None:
+        """Wait until the file is closed with all in it; `close` then takes no time, and says how it went."""
+        with self._changed:
+            self._is_ending = True
+            self._changed.notify()
+        self._thread.join()
+
+    def close(self) -> None:
+        """Wait until all is written, and close the file. Idempotent. Raises RecordingError."""
+        self.wait_closed()
+        if self.lost_count > self._told_count:
+            self._told_s = 0.0
+            self._tell_lost()
+        with self._changed:
+            self._raise()
+
+    def _raise(self) -> None:
+        if self._error is not None:
+            error, self._error = self._error, None
+            raise error
+
+    def _tell_lost(self) -> None:
+        now_s = time.monotonic()
+        if now_s - self._told_s >= TELL_PERIOD_S:
+            self._told_s = now_s
+            self._told_count = self.lost_count
+            self._tell(f"{self.lost_count} messages lost: they come faster than they can be compressed")
+
+    def _work(self) -> None:
+        numbers: dict[int, int] = {}
+        is_broken = False
+        while True:
+            with self._changed:
+                while not (self._waiting or self._is_flushing or self._is_ending):
+                    self._changed.wait()
+                batch = self._waiting.popleft() if self._waiting else None
+                is_flushing = batch is None and self._is_flushing
+                if is_flushing:
+                    self._is_flushing = False
+                is_ending = batch is None and not is_flushing
+            try:
+                if is_ending:
+                    self._writer.close()
+                elif is_flushing and not is_broken:
+                    self._writer.flush()
+                elif batch is not None and not is_broken:
+                    number, time_ns, payloads, _ = batch
+                    if number not in numbers:
+                        numbers[number] = self._writer.add_connection(self._connections[number])
+                    self._writer.write(numbers[number], time_ns, payloads)
+            except Exception as error:  # noqa: BLE001 - whoever records is told, in its own thread
+                is_broken = True
+                with self._changed:
+                    told = error if isinstance(error, RecordingError) else RecordingError(repr(error))
+                    self._error = self._error or told
+            if batch is not None:
+                with self._changed:
+                    self._waiting_bytes -= batch[3]
+            if is_ending:
+                return
