@@ -25,6 +25,8 @@ from rostether.cli.device_options import (
     read_devices,
     unchosen_lines,
 )
+from rostether.cli.gateway_options import GatewayOptions, gateway_options, read_gateway_options
+from rostether.cli.gateways import served_gateways
 from rostether.cli.graph_access import read_environment
 from rostether.cli.limit_options import BRIDGE_LIMITS, GRAPH_LIMITS, limit_option, read_limits
 from rostether.cli.options import allow_option, listen_option, msg_path_option
@@ -61,6 +63,7 @@ if TYPE_CHECKING:
     rostether serve pty:/tmp/board                    for a simulator
     rostether serve "sim:blink.ino?board=uno"         a simulated board of ours
     rostether serve /dev/ttyACM0 /dev/ttyACM1 --ns-per-board
+    rostether serve /dev/ttyACM0 --rosbridge          web pages with roslibjs, too
     rostether serve /dev/ttyACM0 --ros2 zenoh         a ROS 2 node
     rostether serve /dev/ttyACM0 --ros1 --ros2 rclpy  in both graphs
     rostether serve /dev/ttyACM0 --record bags        all topics into bags, too
@@ -88,6 +91,7 @@ if TYPE_CHECKING:
 )
 @click.option("--ns-per-board", is_flag=True, help="Put each board's topics into a namespace of its name.")
 @click.option("--no-diagnostics", is_flag=True, help="Do not publish /diagnostics from the boards' nodes.")
+@gateway_options
 @bag_recording_options
 @click.option(
     "--record-line",
@@ -157,6 +161,7 @@ def serve(
             discovers=discovers,
             announces=announces,
             wants_mdns=mdns is True,
+            gateways=read_gateway_options(allowed),
             bags=read_bag_recording(),
             record_line=record_line,
             record_limit_mb=record_limit_mb,
@@ -185,6 +190,7 @@ async def _serve(
     discovers: bool,
     announces: bool,
     wants_mdns: bool,
+    gateways: GatewayOptions,
     bags: BagRecording | None,
     record_line: Path | None,
     record_limit_mb: float,
@@ -216,6 +222,7 @@ async def _serve(
         async with (
             recorded(record_line, record_limit_mb, reporter) as tap,
             bags_recorded(bags, graphs.join, reporter),
+            served_gateways(gateways, graphs, ros2, options, msg_paths, reporter.line),
             simulated(links, reporter, msg_paths) as opened,
             bridge(
                 graphs.join,

@@ -11,6 +11,7 @@ from typing import Any
 import click
 from click.shell_completion import CompletionItem
 
+from rostether.cli.gateway_options import with_places
 from rostether.cli.ros_choice import with_middleware
 
 HELP_WIDTH = 100
@@ -37,10 +38,10 @@ class Verb(click.Command):
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Read the arguments; `–once`, as printed books and PDFs have it, is `--once`.
 
-        `--ros2` may stand alone or before the name of a middleware.
+        `--ros2` may stand alone or before the name of a middleware, `--rosbridge` alone or before a place.
         """
         known = {option for parameter in self.get_params(ctx) for option in parameter.opts}
-        plain = [_plain_dashes(each, known) for each in args]
+        plain = with_places([_plain_dashes(each, known) for each in args], known)
         return super().parse_args(ctx, with_middleware(plain) if "--ros2" in known else plain)
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:

@@ -1,0 +1,174 @@
+"""Running the gateways for web pages and viewers on a graph, each as a node of its own."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
+from contextlib import AsyncExitStack, asynccontextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeAlias
+
+from rostether.cli.gateway_options import GatewayOptions, read_place
+from rostether.cli.graph_access import master_client
+from rostether.cli.ros2_graph import ZenohReach, ros2_access
+from rostether.cli.ros2_options import Ros2Options
+from rostether.cli.ros_choice import Middleware
+from rostether.cli.served_graphs import ServedGraphs
+from rostether.cli.service_probe import probe_type
+from rostether.errors import ConfigError
+from rostether.graph.ports import JoinGraph, Level
+from rostether.ros1.environment import RosEnvironment, is_loopback
+
+if TYPE_CHECKING:
+    from rostether.gateways.rosbridge.server import RosbridgeServer
+    from rostether.gateways.rosbridge.settings import RosbridgeSettings
+    from rostether.graph.ports import Graph
+    from rostether.serde.store import TypeStore
+
+Tell: TypeAlias = Callable[[Level, str], None]
+ROSBRIDGE_NODE = "rosbridge_websocket"
+
+
+@dataclass(frozen=True, slots=True)
+class GatewayGraph:
+    """How gateways are on a graph: what makes their nodes, their types, and how a service's type is learned.
+
+    With `is_ros2` types are in ROS 2's words alone.
+    """
+
+    join: JoinGraph
+    store: TypeStore
+    is_ros2: bool = False
+    ask_service_type: Callable[[str], Awaitable[str]] | None = None
+
+
+@asynccontextmanager
+async def gateway_graph(
+    graphs: ServedGraphs,
+    ros2: Middleware | None,
+    options: Ros2Options,
+    msg_paths: Sequence[Path] = (),
+) -> AsyncIterator[GatewayGraph]:
+    """Give gateways their own view of the graphs that boards are bridged into.
+
+    On ROS 1, or both, messages have ROS 1's words, as boards send them; on ROS 2 alone those of ROS 2.
+    """
+    from rostether.msgdef.registry import Registry
+    from rostether.serde.store import TypeStore
+
+    if graphs.ros1 is not None:
+        ask = service_type_asker(graphs.ros1)
+        store = TypeStore(Registry.from_environment(msg_paths))
+        yield GatewayGraph(graphs.join, store, ask_service_type=ask)
+        return
+    from rostether.ros2.native_registry import NativeRegistry
+    from rostether.ros2.native_types import NativeTypes
+
+    assert ros2 is not None
+    registry = NativeRegistry.from_environment(msg_paths)
+    # The router, if it is ours, is the boards' session.
+    reach = ZenohReach(options.reach.connect, (), "never")
+    async with ros2_access(ros2, msg_paths, reach=reach, types=NativeTypes(registry)) as access:
+        yield GatewayGraph(access.join, TypeStore(registry), is_ros2=True)
+
+
+def service_type_asker(environment: RosEnvironment) -> Callable[[str], Awaitable[str]]:
+    """Return what asks a ROS 1 service's server for its type."""
+
+    async def ask(service: str) -> str:
+        async with master_client(environment) as client:
+            return await probe_type(client, service)
+
+    return ask
+
+
+@asynccontextmanager
+async def served_gateways(
+    options: GatewayOptions,
+    graphs: ServedGraphs,
+    ros2: Middleware | None,
+    ros2_options: Ros2Options,
+    msg_paths: Sequence[Path],
+    tell: Tell,
+) -> AsyncIterator[None]:
+    """Run the gateways that are wanted, if any, beside a bridge. Raises as `gateways`."""
+    if not options.is_any_wanted:
+        yield
+        return
+    async with (
+        gateway_graph(graphs, ros2, ros2_options, msg_paths) as graph,
+        gateways(options, graph, tell),
+    ):
+        yield
+
+
+@asynccontextmanager
+async def gateways(options: GatewayOptions, graph: GatewayGraph, tell: Tell) -> AsyncIterator[None]:
+    """Run what `options` ask for as long as the block lasts.
+
+    Raises ConfigError naming what is not installed, TransportOpenError where a port cannot be listened on.
+    """
+    async with AsyncExitStack() as stack:
+        if options.rosbridge is not None:
+            await stack.enter_async_context(_rosbridge(options, options.rosbridge, graph, tell))
+        yield
+
+
+@asynccontextmanager
+async def _rosbridge(
+    options: GatewayOptions, place: str, on: GatewayGraph, tell: Tell
+) -> AsyncIterator[RosbridgeServer]:
+    check_rosbridge()
+    from rostether.gateways.rosbridge.settings import DEFAULT_PORT, RosbridgeSettings
+
+    host, port = read_place(place, DEFAULT_PORT)
+    settings = RosbridgeSettings(host, port, options.token, options.origins, options.allow)
+    graph = await on.join(ROSBRIDGE_NODE)
+    try:
+        async with rosbridge_server(graph, on, settings, tell) as server:
+            yield server
+    finally:
+        await graph.close()
+
+
+@asynccontextmanager
+async def rosbridge_server(
+    graph: Graph, on: GatewayGraph, settings: RosbridgeSettings, tell: Tell
+) -> AsyncIterator[RosbridgeServer]:
+    """Run a rosbridge server on a node, and say where it is. Raises as `gateways`."""
+    from rostether.gateways.rosbridge.server import RosbridgeServer
+    from rostether.gateways.rosbridge.values import Style
+
+    server = RosbridgeServer(
+        graph,
+        on.store,
+        settings,
+        style=Style.ROS2 if on.is_ros2 else Style.ROS1,
+        ask_service_type=on.ask_service_type,
+        tell=tell,
+    )
+    try:
+        await server.start()
+        tell(Level.INFO, f"rosbridge: web pages and programs connect to {server.uri}")
+        if is_loopback(settings.host):
+            tell(
+                Level.INFO,
+                "rosbridge: programs of this machine only; --rosbridge 0.0.0.0:PORT lets others connect",
+            )
+        elif not settings.token:
+            tell(
+                Level.WARN,
+                "rosbridge: whoever reaches it can publish and call services; --token and --allow limit that",
+            )
+        yield server
+    finally:
+        await server.close()
+
+
+def check_rosbridge() -> None:
+    """Raise ConfigError where the extra is not installed."""
+    try:
+        import cbor2  # noqa: F401
+        import websockets  # noqa: F401
+    except ModuleNotFoundError:
+        raise ConfigError("rosbridge is not installed; type: pip install 'rostether[rosbridge]'") from None
