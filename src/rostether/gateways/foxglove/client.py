@@ -38,6 +38,7 @@ class Client:
         self._by_channel: dict[int, Subscription] = {}
         self._topics: dict[int, ClientTopic] = {}
         self._watched: set[str] = set()
+        self._changed: dict[str, dict[str, Any]] = {}
         self._work: set[asyncio.Task[Any]] = set()
         self._calls = 0
         self._mistakes = 0
@@ -240,7 +241,14 @@ class Client:
                 self._gateway.run(self._gateway.parameters.unwatch(name, self._parameter_changed))
 
     def _parameter_changed(self, described: dict[str, Any]) -> None:
-        self.line.send(told.parameter_values([described]))
+        # Many are watched, and set, at once: they go in one message.
+        if not self._changed:
+            asyncio.get_running_loop().call_soon(self._tell_changed)
+        self._changed[described["name"]] = described
+
+    def _tell_changed(self) -> None:
+        changed, self._changed = list(self._changed.values()), {}
+        self.line.send(told.parameter_values(changed))
 
     def _watch_graph(self, _: asked.SubscribeConnectionGraph) -> None:
         if not self.wants_connection_graph:

@@ -64,11 +64,13 @@ class Parameters:
         return now, mistakes
 
     async def watch(self, name: str, on_change: Callable[[dict[str, Any]], None]) -> None:
-        """Call back after each change of a value. Raises InvalidNameError, GraphError."""
+        """Call back with the value now and after each change. Raises InvalidNameError, GraphError."""
         watched = self._watched.get(name)
         if watched is None:
             watched = self._watched[name] = _Watched(name)
         watched.listeners.append(on_change)
+        if watched.latest is not None:
+            on_change(watched.latest)
         try:
             await watched.open(self._graph)
         except BaseException:
@@ -117,8 +119,8 @@ class _Watched:
     def __init__(self, name: str) -> None:
         self.listeners: list[Callable[[dict[str, Any]], None]] = []
         self._name = name
+        self.latest: dict[str, Any] | None = None
         self._opening: asyncio.Future[Watch] | None = None
-        self._is_first = True
 
     async def open(self, graph: Graph) -> None:
         if self._opening is None:
@@ -133,13 +135,9 @@ class _Watched:
             await self._opening.result().close()
 
     def _take(self, value: ParamValue) -> None:
-        # The first is how it stands, which clients have asked for themselves.
-        if self._is_first:
-            self._is_first = False
-            return
-        described = describe(self._name, value)
+        self.latest = describe(self._name, value)
         for listener in list(self.listeners):
-            listener(described)
+            listener(self.latest)
 
 
 def _below(tree: ParamValue, name: str) -> ParamValue:

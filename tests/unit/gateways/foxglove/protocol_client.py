@@ -1,0 +1,169 @@
+"""A client of the Foxglove WebSocket protocol for tests, and a gateway on a graph in memory."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import struct
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from typing import Any
+
+from websockets.asyncio.client import ClientConnection, connect
+from websockets.exceptions import ConnectionClosedError
+from websockets.typing import Subprotocol
+
+from rostether.gateways.foxglove.gateway import FoxgloveGateway, FoxgloveSettings
+from rostether.graph.memory_graph import MemoryGraph
+from rostether.graph.memory_network import MemoryNetwork
+from rostether.msgdef.registry import Registry
+from rostether.serde.store import TypeStore
+
+LIMIT_S = 30.0  # of waits for conditions, on a machine under load
+BINARY_OPS = {1: "messageData", 2: "time", 3: "serviceCallResponse", 4: "fetchAssetResponse"}
+
+
+class ProtocolClient:
+    """Collects what the server says, as dicts with an `op`."""
+
+    def __init__(self, connection: ClientConnection) -> None:
+        self.connection = connection
+        self.heard: list[dict[str, Any]] = []
+        self._news = asyncio.Event()
+        self._reading = asyncio.ensure_future(self._read())
+
+    async def say(self, op: str, **fields: Any) -> None:
+        await self.connection.send(json.dumps({"op": op, **fields}))
+
+    async def send_binary(self, data: bytes) -> None:
+        await self.connection.send(data)
+
+    async def publish(self, channel_id: int, payload: bytes) -> None:
+        await self.connection.send(struct.pack("<BI", 1, channel_id) + payload)
+
+    async def call(
+        self, service_id: int, payload: bytes, *, encoding: str = "ros1", call_id: int = 7
+    ) -> None:
+        name = encoding.encode()
+        header = struct.pack("<BIII", 2, service_id, call_id, len(name))
+        await self.connection.send(header + name + payload)
+
+    def of(self, op: str) -> list[dict[str, Any]]:
+        return [message for message in self.heard if message["op"] == op]
+
+    async def wait(
+        self, op: str, suits: Callable[[dict[str, Any]], object] = lambda _: True
+    ) -> dict[str, Any]:
+        """Return the first message of the op that suits, as soon as it has come."""
+
+        def find() -> dict[str, Any] | None:
+            return next((each for each in self.of(op) if suits(each)), None)
+
+        async with asyncio.timeout(LIMIT_S):
+            while (found := find()) is None:
+                if self._reading.done():
+                    raise AssertionError(f"the connection has ended; heard {self.heard}")
+                self._news.clear()
+                await self._news.wait()
+        return found
+
+    async def channel(self, topic: str, *, after: int = 0) -> dict[str, Any]:
+        """Return a topic's first channel with a larger id, as soon as there is one."""
+
+        def find(message: dict[str, Any]) -> list[dict[str, Any]]:
+            return [each for each in message["channels"] if each["topic"] == topic and each["id"] > after]
+
+        return find(await self.wait("advertise", find))[0]
+
+    async def service(self, name: str) -> dict[str, Any]:
+        def has(message: dict[str, Any]) -> bool:
+            return any(each["name"] == name for each in message["services"])
+
+        offered = (await self.wait("advertiseServices", has))["services"]
+        return next(each for each in offered if each["name"] == name)
+
+    async def wait_closed(self) -> int | None:
+        await asyncio.wait_for(self._reading, LIMIT_S)
+        return self.connection.close_code
+
+    async def close(self) -> None:
+        await self.connection.close()
+        await self._reading
+
+    async def _read(self) -> None:
+        with contextlib.suppress(ConnectionClosedError):
+            async for message in self.connection:
+                self.heard.append(json.loads(message) if isinstance(message, str) else _binary(message))
+                self._news.set()
+        self._news.set()
+
+
+@dataclass
+class Stage:
+    """A gateway, its graph, and a robot's node beside it."""
+
+    gateway: FoxgloveGateway
+    store: TypeStore
+    network: MemoryNetwork
+    robot: MemoryGraph
+    told: list[str]
+
+    @asynccontextmanager
+    async def client(
+        self, protocol: str = "foxglove.sdk.v1", **options: Any
+    ) -> AsyncIterator[ProtocolClient]:
+        url = f"ws://127.0.0.1:{self.gateway.port}{options.pop('path', '/')}"
+        connection = await connect(
+            url, subprotocols=[Subprotocol(protocol)], proxy=None, compression=None, max_size=None, **options
+        )
+        client = ProtocolClient(connection)
+        try:
+            await client.wait("serverInfo")
+            yield client
+        finally:
+            await client.close()
+
+
+@asynccontextmanager
+async def stage(settings: FoxgloveSettings | None = None, **options: Any) -> AsyncIterator[Stage]:
+    """Run a gateway on a free port."""
+    network, store, told = MemoryNetwork(), TypeStore(Registry()), list[str]()
+    graph, robot = await network.join("/foxglove"), await network.join("/robot")
+    try:
+        async with FoxgloveGateway(
+            graph,
+            store,
+            settings or FoxgloveSettings(port=0),
+            tell=lambda _, text: told.append(text),
+            **options,
+        ) as gateway:
+            yield Stage(gateway, store, network, robot, told)
+    finally:
+        await robot.close()
+        await graph.close()
+
+
+async def until(condition: Callable[[], object]) -> None:
+    """Wait for a condition."""
+    async with asyncio.timeout(LIMIT_S):
+        while not condition():
+            await asyncio.sleep(0.005)
+
+
+def _binary(data: bytes) -> dict[str, Any]:
+    op = BINARY_OPS[data[0]]
+    if op == "messageData":
+        subscription_id, time_ns = struct.unpack_from("<IQ", data, 1)
+        return {"op": op, "id": subscription_id, "time_ns": time_ns, "payload": data[13:]}
+    if op == "time":
+        return {"op": op, "time_ns": struct.unpack_from("<Q", data, 1)[0]}
+    if op == "serviceCallResponse":
+        service_id, call_id, length = struct.unpack_from("<III", data, 1)
+        encoding = data[13 : 13 + length].decode()
+        payload = data[13 + length :]
+        return {"op": op, "service": service_id, "call": call_id, "encoding": encoding, "payload": payload}
+    request_id, status, length = struct.unpack_from("<IBI", data, 1)
+    error = data[10 : 10 + length].decode()
+    return {"op": op, "request": request_id, "status": status, "error": error, "data": data[10 + length :]}
