@@ -1,0 +1,109 @@
+"""rosapi's services for parameters: values travel as JSON in a text, since a service's fields have types.
+
+On a ROS 2 graph a parameter is called `/node:name`, as rosapi does there; ROS 1's way to write it works too.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+from rostether.errors import AccessDeniedError, SerializationError, UnknownNameError
+from rostether.gateways.rosbridge.values import write_json
+from rostether.graph.ports import Graph, ParamValue
+
+MAX_NESTING = 100
+"""As deep as a parameter server takes trees: XML-RPC documents end there."""
+
+
+class ParameterServices:
+    """Answers about parameters; `is_allowed` says which names clients may use."""
+
+    def __init__(self, graph: Graph, is_allowed: Callable[[str], bool], *, is_ros2: bool) -> None:
+        self._graph = graph
+        self._is_allowed = is_allowed
+        self._is_ros2 = is_ros2
+
+    async def get(self, name: str, default: str) -> str:
+        """Return a parameter's value in JSON: `default` where it is unset, null where that is empty too."""
+        try:
+            value = await self._graph.get_param(self._name(name))
+        except UnknownNameError:
+            return write_json(_default(default))
+        return write_json(_plain(value))
+
+    async def set(self, name: str, text: str) -> None:
+        """Set a parameter to a value in JSON. Raises SerializationError, AccessDeniedError, GraphError."""
+        value = _read(text)
+        await self._graph.set_param(self._name(name), value)
+
+    async def has(self, name: str) -> bool:
+        """Tell whether a parameter is set; one that clients may not use is not."""
+        return self._is_allowed(name) and await self._graph.has_param(self._name(name))
+
+    async def delete(self, name: str) -> None:
+        """Delete a parameter; nothing happens where there is none."""
+        full_name = self._name(name)
+        if await self._graph.has_param(full_name):
+            await self._graph.delete_param(full_name)
+
+    async def search(self, name: str) -> str:
+        """Return the full name of the nearest parameter of that name, an empty text without one."""
+        return await self._graph.search_param(self._name(name)) or ""
+
+    async def names(self) -> list[str]:
+        """Return the names of all parameters that clients may use, sorted."""
+        names = await self._graph.list_params()
+        if self._is_ros2:
+            from rostether.ros2.parameters.parameter_name import locate
+
+            nodes = (await self._graph.snapshot()).nodes
+            found = [locate(name, nodes, self._graph.node_name) for name in names]
+            names = [f"{each.node}:{each.path}" for each in found]
+        return [name for name in names if self._is_allowed(name)]
+
+    def _name(self, name: str) -> str:
+        if not self._is_allowed(name):
+            raise AccessDeniedError(f"{name} is not among the parameters that this server lets clients use")
+        return name.replace(":", "/").replace(".", "/") if self._is_ros2 else name
+
+
+def _read(text: str) -> ParamValue:
+    try:
+        value = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise SerializationError(
+            f'a parameter\'s value is given in JSON, a text as "\\"hello\\"": {error}'
+        ) from None
+    if value is None:
+        raise SerializationError("a parameter cannot be null: delete it")
+    _check(value, 0)
+    return value  # type: ignore[no-any-return]
+
+
+def _check(value: Any, depth: int) -> None:
+    if depth > MAX_NESTING:
+        raise SerializationError(f"parameters nest {MAX_NESTING} deep at most")
+    if isinstance(value, dict):
+        for each in value.values():
+            _check(each, depth + 1)
+    elif isinstance(value, list):
+        for each in value:
+            _check(each, depth + 1)
+
+
+def _default(text: str) -> Any:
+    try:
+        return json.loads(text) if text else None
+    except (ValueError, RecursionError):
+        return text
+
+
+def _plain(value: ParamValue) -> Any:
+    """Return a value as JSON has it; what XML-RPC calls binary becomes text."""
+    if isinstance(value, bytes):
+        return value.decode("utf-8", "replace")
+    if isinstance(value, dict):
+        return {name: _plain(each) for name, each in value.items()}
+    return [_plain(each) for each in value] if isinstance(value, list) else value

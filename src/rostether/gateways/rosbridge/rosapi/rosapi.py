@@ -1,0 +1,154 @@
+"""rosapi: the services that tell web pages what is on the graph, and let them reach its parameters.
+
+They are those of the established package rosapi, under `/rosapi`. rosbridge's clients get their answers from
+here at once; `offering_rosapi` makes them a node of the graph as well, for everybody else.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
+from contextlib import asynccontextmanager
+from typing import Any, Final, TypeAlias
+
+from rostether.errors import RemoteProtocolError
+from rostether.gateways.rosbridge.rosapi.graph_answers import AskServer, GraphAnswers
+from rostether.gateways.rosbridge.rosapi.parameters import ParameterServices
+from rostether.gateways.rosbridge.rosapi.service_table import Row, service_rows
+from rostether.gateways.rosbridge.rosapi.system import SystemAnswers
+from rostether.gateways.rosbridge.settings import RosbridgeSettings, matches
+from rostether.gateways.rosbridge.type_names import short_type
+from rostether.gateways.rosbridge.values import JsonForm, Style
+from rostether.graph.ports import Graph, JoinGraph, ServiceHandler
+from rostether.serde.codec import Codec
+from rostether.serde.store import TypeStore
+
+NODE_NAME: Final = "/rosapi"
+PACKAGE: Final = "rosapi"
+ROS2_PACKAGE: Final = "rosapi_msgs"
+"""The package of the same services in ROS 2."""
+
+LocalAnswer: TypeAlias = Callable[[Any], Awaitable[dict[str, Any]]]
+
+
+class Rosapi:
+    """The answers of rosapi's services, on one node's graph.
+
+    `ask_type` and `ask_host` ask a service's server, which ROS 1 needs: its master does not know.
+    """
+
+    def __init__(
+        self,
+        graph: Graph,
+        store: TypeStore,
+        *,
+        style: Style = Style.ROS1,
+        settings: RosbridgeSettings | None = None,
+        ask_type: AskServer | None = None,
+        ask_host: AskServer | None = None,
+        environ: Mapping[str, str] | None = None,
+    ) -> None:
+        limits = settings or RosbridgeSettings()
+        is_ros2 = style is Style.ROS2
+        self._graph = graph
+        self._store = store
+        self._form = JsonForm(style)
+        about_graph = GraphAnswers(
+            graph,
+            store.registry,
+            is_ros2=is_ros2,
+            allows_topic=lambda name: matches(name, limits.topics_glob),
+            allows_service=lambda name: matches(name, limits.services_glob),
+            ask_type=ask_type,
+            ask_host=ask_host,
+        )
+        parameters = ParameterServices(graph, lambda name: matches(name, limits.params_glob), is_ros2=is_ros2)
+        system = SystemAnswers(
+            graph, store.registry, os.environ if environ is None else environ, is_ros2=is_ros2
+        )
+        rows = service_rows(about_graph, parameters, system)
+        known = {short_type(name) for name in store.registry.services(ROS2_PACKAGE)} if is_ros2 else set()
+        self._package = ROS2_PACKAGE if known else PACKAGE
+        self._rows = {
+            f"{NODE_NAME}/{row.name}": row
+            for row in rows
+            if not known or f"{ROS2_PACKAGE}/{row.type_name}" in known
+        }
+        about_graph.known_types = self.services
+
+    @property
+    def services(self) -> dict[str, str]:
+        """The full names of all services, with their types."""
+        return {name: f"{self._package}/{row.type_name}" for name, row in self._rows.items()}
+
+    def find(self, service: str) -> LocalAnswer | None:
+        """Return what answers a service, by its full name; it takes and returns values of JSON.
+
+        It raises SerializationError for a request that does not fit, and GraphError.
+        """
+        row = self._rows.get(service)
+        if row is None:
+            return None
+        request, response = self._codecs(row)
+
+        async def answer(args: Any) -> dict[str, Any]:
+            payload = self._form.from_json(request, _by_name(request, args), self._graph.now())
+            return self._form.to_json(response, await self._answer(row, request, response, payload))
+
+        return answer
+
+    def handler(self, service: str) -> ServiceHandler:
+        """Return what answers a service on the graph, payload by payload."""
+        row = self._rows[service]
+        request, response = self._codecs(row)
+
+        async def handle(payload: bytes) -> bytes:
+            return await self._answer(row, request, response, payload)
+
+        return handle
+
+    async def offer(self, graph: Graph) -> None:
+        """Offer all services on a node, which ends them when it leaves. Raises GraphError."""
+        registry = self._store.registry
+        for name, type_name in self.services.items():
+            await graph.advertise_service(name, registry.service_type(type_name), self.handler(name))
+
+    async def _answer(self, row: Row, request: Codec, response: Codec, payload: bytes) -> bytes:
+        tells_success = any(member.name == "successful" for member in response.tree.members)
+        fields = await row.answer(request.decode(payload), tells_success=tells_success)
+        return self._form.from_json(response, fields, self._graph.now())
+
+    def _codecs(self, row: Row) -> tuple[Codec, Codec]:
+        service = self._store.registry.service_type(f"{self._package}/{row.type_name}")
+        return self._store.codec(service.request.name), self._store.codec(service.response.name)
+
+
+@asynccontextmanager
+async def offering_rosapi(rosapi: Rosapi, join: JoinGraph, graph: Graph) -> AsyncIterator[bool]:
+    """Be the node `/rosapi` as long as the block lasts, unless `graph` shows that there is one already.
+
+    Yields whether it is ours. Raises GraphError.
+    """
+    if NODE_NAME in (await graph.snapshot()).nodes:
+        yield False
+        return
+    node = await join(NODE_NAME)
+    try:
+        await rosapi.offer(node)
+        yield True
+    finally:
+        await node.close()
+
+
+def _by_name(request: Codec, args: Any) -> Any:
+    """Return a request's fields by name: clients may give a list in their order, and ROS 1's names."""
+    if args is None:
+        return {}
+    names = [member.name for member in request.tree.members]
+    if isinstance(args, dict) and "default" in args and "default_value" in names:
+        return {"default_value" if name == "default" else name: value for name, value in args.items()}
+    if not isinstance(args, list):
+        return args
+    if len(args) > len(names):
+        raise RemoteProtocolError(f"{request.type_name} has {len(names)} fields, args {len(args)} values")
+    return dict(zip(names, args, strict=False))
