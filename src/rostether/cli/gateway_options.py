@@ -23,12 +23,16 @@ _MAX_PORT = 65535
 
 @dataclass(frozen=True, slots=True)
 class GatewayOptions:
-    """What was typed: a place for each gateway that is wanted (None: not wanted), and who may use them."""
+    """What was typed: a place for each gateway that is wanted (None: not wanted), and who may use them.
+
+    `wider` is what people type to let other machines connect.
+    """
 
     rosbridge: str | None = None
     token: str = ""
     origins: tuple[str, ...] = ()
     allow: tuple[str, ...] = ()
+    wider: str = "--rosbridge 0.0.0.0:9090"
 
     @property
     def is_any_wanted(self) -> bool:

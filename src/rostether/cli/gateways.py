@@ -125,7 +125,7 @@ async def _rosbridge(
     settings = RosbridgeSettings(host, port, options.token, options.origins, options.allow)
     graph = await on.join(ROSBRIDGE_NODE)
     try:
-        async with rosbridge_server(graph, on, settings, tell) as server:
+        async with rosbridge_server(graph, on, settings, tell, options.wider) as server:
             yield server
     finally:
         await graph.close()
@@ -133,9 +133,12 @@ async def _rosbridge(
 
 @asynccontextmanager
 async def rosbridge_server(
-    graph: Graph, on: GatewayGraph, settings: RosbridgeSettings, tell: Tell
+    graph: Graph, on: GatewayGraph, settings: RosbridgeSettings, tell: Tell, wider: str
 ) -> AsyncIterator[RosbridgeServer]:
-    """Run a rosbridge server on a node, and say where it is. Raises as `gateways`."""
+    """Run a rosbridge server on a node, and say where it is. Raises as `gateways`.
+
+    `wider` is what people type to let other machines connect.
+    """
     from rostether.gateways.rosbridge.server import RosbridgeServer
     from rostether.gateways.rosbridge.values import Style
 
@@ -151,10 +154,7 @@ async def rosbridge_server(
         await server.start()
         tell(Level.INFO, f"rosbridge: web pages and programs connect to {server.uri}")
         if is_loopback(settings.host):
-            tell(
-                Level.INFO,
-                "rosbridge: programs of this machine only; --rosbridge 0.0.0.0:PORT lets others connect",
-            )
+            tell(Level.INFO, f"rosbridge: this machine only; {wider} lets others connect")
         elif not settings.token:
             tell(
                 Level.WARN,

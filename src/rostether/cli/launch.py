@@ -120,6 +120,7 @@ def launch(
     from rostether.cli.graph_access import read_environment
     from rostether.cli.launch_sources import find_sources
     from rostether.cli.running import run
+    from rostether.launch.bundled_packages import bundled_packages
     from rostether.launch.node_process import StopLimits
     from rostether.launch.plan import Output
     from rostether.launch.runner import RunOptions
@@ -131,6 +132,9 @@ def launch(
         raise click.UsageError("give --screen or --log, not both")
     environment = read_environment(master)
     packages = package_folders(os.environ, Path.cwd())
+    packages = packages | {
+        name: folder for name, folder in bundled_packages().items() if name not in packages
+    }
     sources = find_sources(words, packages)
     for file in sources.files:
         # A package's file that is given by its path sees that package, and those beside it, as well.

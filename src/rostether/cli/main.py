@@ -44,6 +44,9 @@ VERBS = {
     "role": VerbEntry("rostether.cli.role:role", "Be one of the nodes that launch files name."),
     "bag": VerbEntry("rostether.cli.bag:bag", "Record topics, play them again, look at recordings."),
     "export": VerbEntry("rostether.cli.export:export", "Write what a recording holds as CSV or Parquet."),
+    "rosbridge": VerbEntry(
+        "rostether.cli.rosbridge:rosbridge", "Let web pages use the graph, as rosbridge does."
+    ),
     "graph": VerbEntry("rostether.cli.graph:graph", "Show nodes and topics, as text or as a picture."),
     "plot": VerbEntry("rostether.cli.plot:plot", "Draw values of topics over time, live or into a file."),
     "firmware": VerbEntry(

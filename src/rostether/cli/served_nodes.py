@@ -49,6 +49,8 @@ SERVED_NODES: dict[tuple[str, str], tuple[str, ...]] = {
     ("xacro", "xacro.py"): ("xacro",),
     ("rosbag", "record"): ("bag", "record"),
     ("rosbag", "play"): ("bag", "play"),
+    ("rosbridge_server", "rosbridge_websocket"): ("role", "rosbridge-websocket"),
+    ("rosbridge_server", "rosbridge_websocket.py"): ("role", "rosbridge-websocket"),
     ("joy", "joy_node"): ("role", "joy-node"),
     ("topic_tools", "relay"): ("role", "relay"),
     ("topic_tools", "throttle"): ("role", "throttle"),

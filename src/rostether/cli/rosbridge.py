@@ -1,0 +1,221 @@
+"""`rostether rosbridge`, and the node rosbridge_websocket as a role."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rostether.cli.bridge_lines import ConsoleReporter
+from rostether.cli.gateway_options import (
+    TOKEN_VARIABLE,
+    GatewayOptions,
+    access_options,
+    read_gateway_options,
+)
+from rostether.cli.gateways import (
+    ROSBRIDGE_NODE,
+    GatewayGraph,
+    check_rosbridge,
+    gateway_graph,
+    gateways,
+    rosbridge_server,
+    service_type_asker,
+)
+from rostether.cli.graph_access import read_environment
+from rostether.cli.options import allow_option, msg_path_option
+from rostether.cli.role_node import NODE_SETTINGS, run_role
+from rostether.cli.ros2_options import Ros2Options, read_ros2_options, ros2_options
+from rostether.cli.ros_choice import Middleware, chosen_ros1, chosen_ros2
+from rostether.cli.running import run
+from rostether.cli.served_graphs import served_graphs
+from rostether.cli.verbs import Verb
+from rostether.errors import ConfigError
+from rostether.graph.ports import Level
+
+if TYPE_CHECKING:
+    from rostether.gateways.rosbridge.settings import RosbridgeSettings
+    from rostether.graph.typed_graph import TypedGraph
+    from rostether.ros1.environment import RosEnvironment
+
+_TRUE = ("true", "1", "yes", "on")
+
+
+@click.command(
+    cls=Verb,
+    examples="""
+    rostether rosbridge                                   web pages on this machine, port 9090
+    rostether rosbridge 9091
+    rostether rosbridge 0.0.0.0:9090 --allow 192.168.1.0/24
+    rostether rosbridge 0.0.0.0 --token 7f3c9a --origin https://panel.example
+    rostether rosbridge --ros2 zenoh
+    """,
+)
+@click.argument("place", default="localhost", metavar="[[HOST:]PORT]")
+@access_options
+@click.option("--master", metavar="URI", help="The ROS master to join; it is waited for.")
+@ros2_options
+@allow_option
+@msg_path_option
+def rosbridge(place: str, master: str | None, allowed: tuple[str, ...], msg_paths: tuple[Path, ...]) -> None:
+    """Let web pages with roslibjs, and programs with roslibpy, use the graph.
+
+    It speaks the protocol of rosbridge_suite, with rosapi's services. `rostether serve --rosbridge` does the
+    same beside boards. Pages of other hosts need --origin, other machines a PLACE such as 0.0.0.0:9090.
+    """
+    check_rosbridge()
+    options = replace(
+        read_gateway_options(allowed), rosbridge=place, wider="`rostether rosbridge 0.0.0.0:9090`"
+    )
+    run(
+        _serve(
+            options,
+            read_environment(master).allowing(allowed),
+            chosen_ros2(),
+            read_ros2_options(),
+            msg_paths,
+            ros1=chosen_ros1(),
+            is_chosen=master is not None,
+        ),
+        is_service=True,
+    )
+
+
+async def _serve(
+    options: GatewayOptions,
+    environment: RosEnvironment,
+    ros2: Middleware | None,
+    ros2_options: Ros2Options,
+    msg_paths: Sequence[Path],
+    *,
+    ros1: bool,
+    is_chosen: bool,
+) -> None:
+    reporter = ConsoleReporter()
+    async with served_graphs(
+        environment,
+        ros1=ros1,
+        ros2=ros2,
+        options=ros2_options,
+        is_chosen=is_chosen,
+        msg_paths=msg_paths,
+    ) as graphs:
+        for line in graphs.lines:
+            reporter.line(Level.INFO, line)
+        async with (
+            gateway_graph(graphs, ros2, ros2_options, msg_paths) as graph,
+            gateways(options, graph, reporter.line),
+        ):
+            await asyncio.get_running_loop().create_future()
+
+
+@click.command(
+    "rosbridge-websocket",
+    cls=Verb,
+    context_settings=NODE_SETTINGS,
+    examples="""
+    rostether role rosbridge-websocket
+    rostether role rosbridge-websocket _port:=9091 _address:=0.0.0.0
+    """,
+)
+@click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
+def rosbridge_websocket(arguments: tuple[str, ...]) -> None:
+    """Serve web pages, like rosbridge_websocket.
+
+    Parameters: ~port (9090), ~address (loopback; 0.0.0.0 for other machines), ~websocket_path,
+    ~max_message_size, ~use_compression, ~ssl, ~certfile, ~keyfile, ~authenticate (with ROSTETHER_TOKEN),
+    ~topics_glob, ~services_glob, ~params_glob. Other parameters of rosbridge_websocket change nothing.
+    """
+    check_rosbridge()
+    run_role(ROSBRIDGE_NODE, arguments, _main)
+
+
+async def _main(graph: TypedGraph, words: list[str]) -> None:
+    parameters = await _parameters(graph, words)
+    settings = read_settings(parameters, read_gateway_options().token)
+    reporter = ConsoleReporter()
+    on = GatewayGraph(
+        # Its own node is there already.
+        _no_join,
+        graph.store,
+        ask_service_type=service_type_asker(read_environment()),
+    )
+    async with rosbridge_server(graph.raw, on, settings, reporter.line, "address 0.0.0.0") as server:
+        await graph.raw.set_param("~actual_port", server.port)
+        await graph.raw.wait_closed()
+
+
+async def _parameters(graph: TypedGraph, words: Sequence[str]) -> dict[str, Any]:
+    """Return the node's private parameters; words such as `--port 9091` win, as with rosbridge_websocket."""
+    found = await graph.raw.get_param("~") if await graph.raw.has_param("~") else {}
+    parameters = dict(found) if isinstance(found, Mapping) else {}
+    rest = iter(words)
+    for word in rest:
+        if word.startswith("--"):
+            name, equals, value = word[2:].partition("=")
+            parameters[name] = value if equals else next(rest, "")
+    return parameters
+
+
+def read_settings(parameters: Mapping[str, Any], token: str = "") -> RosbridgeSettings:
+    """Return what a rosbridge_websocket's parameters ask for. Raises ConfigError naming the parameter."""
+    from rostether.gateways.rosbridge.settings import (
+        DEFAULT_HOST,
+        DEFAULT_MAX_MESSAGE_BYTES,
+        DEFAULT_PORT,
+        RosbridgeSettings,
+    )
+
+    if _flag(parameters, "authenticate") and not token:
+        raise ConfigError(f"~authenticate needs a token: set {TOKEN_VARIABLE} where the node is started")
+    is_secure = _flag(parameters, "ssl") or bool(parameters.get("certfile"))
+    if is_secure and not parameters.get("certfile"):
+        raise ConfigError("~ssl needs ~certfile and ~keyfile, the files of a certificate and its key")
+    fragment_bytes = _whole(parameters, "fragment_size", 0)
+    return RosbridgeSettings(
+        host=str(parameters.get("address") or DEFAULT_HOST),
+        port=_whole(parameters, "port", DEFAULT_PORT),
+        token=token,
+        path="" if parameters.get("websocket_path") in (None, "/") else str(parameters["websocket_path"]),
+        max_message_bytes=_whole(parameters, "max_message_size", 0) or DEFAULT_MAX_MESSAGE_BYTES,
+        deflate=_flag(parameters, "use_compression"),
+        certificate=str(parameters.get("certfile", "")) if is_secure else "",
+        key=str(parameters.get("keyfile", "")) if is_secure else "",
+        fragment_bytes=fragment_bytes or None,
+        topics_glob=_globs(parameters, "topics_glob"),
+        services_glob=_globs(parameters, "services_glob"),
+        params_glob=_globs(parameters, "params_glob"),
+    )
+
+
+def _flag(parameters: Mapping[str, Any], name: str) -> bool:
+    return str(parameters.get(name, False)).strip().lower() in _TRUE
+
+
+def _whole(parameters: Mapping[str, Any], name: str, default: int) -> int:
+    value = parameters.get(name)
+    if value in (None, "", "None"):
+        return default
+    try:
+        number = int(str(value).strip())
+    except ValueError:
+        number = -1
+    if isinstance(value, bool) or number < 0:
+        raise ConfigError(f"~{name} must be a whole number, not {value!r}")
+    return number
+
+
+def _globs(parameters: Mapping[str, Any], name: str) -> tuple[str, ...] | None:
+    """Return the names in `[/a, '/b*']`; an empty list, or none at all, is everything."""
+    value = parameters.get(name)
+    parts = value if isinstance(value, list) else str(value or "").strip().strip("[]").split(",")
+    globs = tuple(text for part in parts if (text := str(part).strip().strip("'\"")))
+    return globs or None
+
+
+async def _no_join(*_: object, **__: object) -> Any:
+    raise AssertionError("the node of the role is the gateway's")

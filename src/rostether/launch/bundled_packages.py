@@ -1,0 +1,12 @@
+"""Packages of ours, whose launch files people type as ever where no such package is installed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+_FOLDER = Path(__file__).with_name("share")
+
+
+def bundled_packages() -> dict[str, Path]:
+    """Map the names of our own packages to their folders; any package of the user's of that name counts."""
+    return {folder.name: folder for folder in sorted(_FOLDER.iterdir()) if folder.is_dir()}
