@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Sequence
 
 from rostether.errors import RostetherError
 from rostether.gateways.foxglove.server_messages import Channel
+from rostether.gateways.foxglove.settings import NameFilter
 from rostether.gateways.shared_subscriptions import (
     PublisherConnection,
     SharedSubscription,
@@ -32,6 +33,7 @@ class Channels:
         self,
         store: TypeStore,
         shared: SharedSubscriptions,
+        offered: NameFilter,
         on_offer: Callable[[Sequence[Channel]], None],
         on_end: Callable[[Sequence[Channel]], None],
         tell: Callable[[str], None],
@@ -39,6 +41,7 @@ class Channels:
         self.by_id: dict[int, Channel] = {}
         self._store = store
         self._shared = shared
+        self._offered = offered
         self._on_offer = on_offer
         self._on_end = on_end
         self._tell = tell
@@ -50,7 +53,11 @@ class Channels:
 
     def update(self, snapshot: Snapshot) -> None:
         """Follow the graph: topics that are published are channels."""
-        there = {info.name: info for info in snapshot.topics.values() if info.publishers}
+        there = {
+            info.name: info
+            for info in snapshot.topics.values()
+            if info.publishers and self._offered.takes(info.name)
+        }
         gone = [topic for topic in self._names if topic not in there or self._has_changed(there[topic])]
         for topic in gone:
             del self._names[topic]

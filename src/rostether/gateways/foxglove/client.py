@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Coroutine
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
-from rostether.errors import RemoteProtocolError, RostetherError
+from rostether.errors import InvalidNameError, RemoteProtocolError, RostetherError
 from rostether.gateways.foxglove import client_messages as asked
 from rostether.gateways.foxglove import server_messages as told
 from rostether.gateways.foxglove.client_topics import ClientTopic, drained
@@ -24,7 +24,15 @@ MAX_MISTAKES_TOLD = 100
 _SLOW_STATUS = "slow-client"
 _SLOW_PERIOD_S = 5.0  # how often a client is told what it lost
 
-ResultT = TypeVar("ResultT")
+_CAPABILITY_OF: dict[type, str] = {
+    asked.Advertise: "clientPublish",
+    asked.GetParameters: "parameters",
+    asked.SetParameters: "parameters",
+    asked.SubscribeParameters: "parametersSubscribe",
+    asked.ServiceRequest: "services",
+    asked.SubscribeConnectionGraph: "connectionGraph",
+    asked.FetchAsset: "assets",
+}
 
 
 class Client:
@@ -74,6 +82,10 @@ class Client:
             request = asked.parse_text(message) if isinstance(message, str) else asked.parse_binary(message)
         except RemoteProtocolError as error:
             self.mistake(str(error))
+            return
+        capability = _CAPABILITY_OF.get(type(request))
+        if capability is not None and capability not in self._gateway.settings.capabilities:
+            self.mistake(f"this gateway does not offer {capability}")
             return
         self._handlers[type(request)](request)
 
@@ -150,9 +162,18 @@ class Client:
                 self.mistake(f"channel {channel.id} is advertised already")
             elif len(self._topics) >= self._gateway.limits.client_channels:
                 self.mistake(f"a client may publish {self._gateway.limits.client_channels} topics")
+            elif not self._may_publish(channel.topic):
+                self.mistake(f"this gateway does not let clients publish {channel.topic[:200]}")
             else:
                 topic = self._topics[channel.id] = ClientTopic(channel, self.mistake)
                 topic.open(self._gateway.graph, self._gateway.store)
+
+    def _may_publish(self, topic: str) -> bool:
+        try:
+            return self._gateway.settings.client_topics.takes(self._gateway.graph.resolve(topic))
+        except InvalidNameError:
+            # The graph says what is wrong with it.
+            return True
 
     def _unadvertise(self, request: asked.Unadvertise) -> None:
         for channel_id in request.channel_ids:

@@ -11,9 +11,9 @@ nobody.
 from __future__ import annotations
 
 import asyncio
+import ssl
 import time
 from collections.abc import Callable, Coroutine, Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -25,50 +25,21 @@ from rostether.gateways.foxglove.assets import Assets, FindPackages
 from rostether.gateways.foxglove.channels import Channels
 from rostether.gateways.foxglove.client import Client
 from rostether.gateways.foxglove.connection_graph import ConnectionGraph
-from rostether.gateways.foxglove.limits import FoxgloveLimits
 from rostether.gateways.foxglove.line import Line
 from rostether.gateways.foxglove.parameters import Parameters
 from rostether.gateways.foxglove.server_messages import Channel, OfferedService, StatusLevel
 from rostether.gateways.foxglove.services import FindServiceType, Services
+from rostether.gateways.foxglove.settings import DEFAULT_HOST, FoxgloveSettings
 from rostether.gateways.foxglove.sim_clock import SimClock
 from rostether.gateways.shared_subscriptions import SharedSubscriptions
 from rostether.graph.ports import Graph, Level
 from rostether.serde.store import TypeStore
 from rostether.transports.allow_list import AllowList
 
-DEFAULT_HOST = "localhost"
-DEFAULT_PORT = 8765
-"""Where Foxglove looks when nobody tells it."""
-
-_CAPABILITIES = (
-    "clientPublish",
-    "parameters",
-    "parametersSubscribe",
-    "services",
-    "connectionGraph",
-    "assets",
-)
 _TIME_CAPABILITY = "time"
 _MAX_SHOWN_STATUSES = 50  # lines that a client that comes later is shown too
 _RETRY_S = 1.0  # for a graph that could not be read
 _SERVICE_RESTART = 1012  # the WebSocket's close code that makes clients come back
-
-
-@dataclass(frozen=True, slots=True)
-class FoxgloveSettings:
-    """How a gateway serves.
-
-    `host` is one name or address of ours, `localhost` both loopback addresses. Clients must give `token`
-    where it is not empty; `origins` are more web pages that may connect (`*`: all), `allow` networks.
-    """
-
-    host: str = DEFAULT_HOST
-    port: int = DEFAULT_PORT
-    name: str = "rostether"
-    token: str = field(default="", repr=False)
-    origins: tuple[str, ...] = ()
-    allow: tuple[str, ...] = ()
-    limits: FoxgloveLimits = field(default_factory=FoxgloveLimits)
 
 
 class FoxgloveGateway:
@@ -90,10 +61,12 @@ class FoxgloveGateway:
         self.limits = settings.limits
         self.shared = SharedSubscriptions(graph, store)
         self.channels = Channels(
-            store, self.shared, self._offer_channels, self._end_channels, self._warn_clients
+            store, self.shared, settings.topics, self._offer_channels, self._end_channels, self._warn_clients
         )
-        self.services = Services(graph, store, find_service_type, self._offer_services, self._end_services)
-        self.parameters = Parameters(graph)
+        self.services = Services(
+            graph, store, settings.services, find_service_type, self._offer_services, self._end_services
+        )
+        self.parameters = Parameters(graph, settings.parameters)
         self.connections = ConnectionGraph()
         self.assets = Assets(find_packages or _no_packages, self.limits.asset_bytes)
         self.clock = SimClock(graph, self.shared, self._tell_time, self._restart_clients)
@@ -119,7 +92,8 @@ class FoxgloveGateway:
     def url(self) -> str:
         """What to type into Foxglove's dialog."""
         host = self.settings.host
-        return f"ws://{f'[{host}]' if ':' in host else host or 'localhost'}:{self.port}"
+        scheme = "wss" if self.settings.certificate else "ws"
+        return f"{scheme}://{f'[{host}]' if ':' in host else host or DEFAULT_HOST}:{self.port}"
 
     @property
     def client_count(self) -> int:
@@ -169,7 +143,9 @@ class FoxgloveGateway:
     def greet(self, client: Client) -> None:
         """Tell a new client everything."""
         self._clients[client] = None
-        capabilities = [*_CAPABILITIES, _TIME_CAPABILITY] if self.clock.is_simulated else _CAPABILITIES
+        capabilities = list(self.settings.capabilities)
+        if self.clock.is_simulated:
+            capabilities.append(_TIME_CAPABILITY)
         send = client.line.send
         send(
             told.server_info(
@@ -182,7 +158,7 @@ class FoxgloveGateway:
         )
         if self.channels.by_id:
             send(told.advertise(self.channels.by_id.values()))
-        if self.services.by_id:
+        if self.services.by_id and "services" in capabilities:
             send(told.advertise_services(self.services.by_id.values()))
         for text in self._statuses.values():
             send(text)
@@ -202,11 +178,12 @@ class FoxgloveGateway:
     async def _listen(self) -> None:
         loop = asyncio.get_running_loop()
         self._session_id = str(time.time_ns())
-        hosts = ["127.0.0.1", "::1"] if self.settings.host == "localhost" else [self.settings.host or None]
+        hosts = ["127.0.0.1", "::1"] if self.settings.host == DEFAULT_HOST else [self.settings.host or None]
+        encryption = _encryption(self.settings)
         port = self.settings.port
         for host in hosts:
             try:
-                server = await loop.create_server(self._connect, host, port)
+                server = await loop.create_server(self._connect, host, port, ssl=encryption)
             except OSError as error:
                 if self._servers:
                     # A machine without IPv6.
@@ -275,11 +252,12 @@ class FoxgloveGateway:
         self._broadcast(told.unadvertise(channel.id for channel in channels))
 
     def _offer_services(self, services: Sequence[OfferedService]) -> None:
-        if self._clients:
+        if self._clients and "services" in self.settings.capabilities:
             self._broadcast(told.advertise_services(services))
 
     def _end_services(self, services: Sequence[OfferedService]) -> None:
-        self._broadcast(told.unadvertise_services(service.id for service in services))
+        if self._clients and "services" in self.settings.capabilities:
+            self._broadcast(told.unadvertise_services(service.id for service in services))
 
     def _warn_clients(self, text: str) -> None:
         if text in self._statuses or len(self._statuses) >= _MAX_SHOWN_STATUSES:
@@ -317,6 +295,19 @@ class _BoundedLine(Line):
 
 def _no_packages() -> Mapping[str, Path]:
     return {}
+
+
+def _encryption(settings: FoxgloveSettings) -> ssl.SSLContext | None:
+    if not settings.certificate:
+        return None
+    try:
+        context = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
+        context.load_cert_chain(settings.certificate, settings.key or None)
+    except (OSError, ssl.SSLError) as error:
+        raise ConfigError(
+            f"the certificate {settings.certificate} and its key cannot be used: {error.strerror or error}"
+        ) from error
+    return context
 
 
 async def _contained(work: Coroutine[Any, Any, None]) -> None:

@@ -6,9 +6,10 @@ import asyncio
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
-from rostether.errors import RostetherError, UnknownNameError
+from rostether.errors import AccessDeniedError, InvalidNameError, RostetherError, UnknownNameError
 from rostether.gateways.foxglove.client_messages import GivenParameter
 from rostether.gateways.foxglove.parameter_values import describe, given_value
+from rostether.gateways.foxglove.settings import NameFilter
 from rostether.graph.ports import Graph, ParamValue, Watch
 
 MAX_PARAMETERS = 20_000
@@ -20,8 +21,9 @@ _ASKED_AT_ONCE = 16
 class Parameters:
     """The parameters of one gateway."""
 
-    def __init__(self, graph: Graph) -> None:
+    def __init__(self, graph: Graph, offered: NameFilter) -> None:
         self._graph = graph
+        self._offered = offered
         self._watched: dict[str, _Watched] = {}
 
     async def get(self, names: Sequence[str]) -> list[dict[str, Any]]:
@@ -30,8 +32,8 @@ class Parameters:
         Raises GraphError.
         """
         if names:
-            return await self._get_each(names)
-        listed = (await self._graph.list_params())[:MAX_PARAMETERS]
+            return await self._get_each([name for name in names if self._offers(name)])
+        listed = [name for name in await self._graph.list_params() if self._offers(name)][:MAX_PARAMETERS]
         try:
             # On ROS 1 one request has them all.
             tree = await self._graph.get_param("/")
@@ -49,6 +51,7 @@ class Parameters:
         for each in given:
             before: ParamValue = None
             try:
+                self._check(each.name)
                 before = await self._value(each.name)
                 if each.value is None:
                     if before is not None:
@@ -65,6 +68,7 @@ class Parameters:
 
     async def watch(self, name: str, on_change: Callable[[dict[str, Any]], None]) -> None:
         """Call back with the value now and after each change. Raises InvalidNameError, GraphError."""
+        self._check(name)
         watched = self._watched.get(name)
         if watched is None:
             watched = self._watched[name] = _Watched(name)
@@ -91,6 +95,18 @@ class Parameters:
         """Watch no more."""
         watched, self._watched = list(self._watched.values()), {}
         await asyncio.gather(*(each.close() for each in watched))
+
+    def _offers(self, name: str) -> bool:
+        if self._offered.patterns is None:
+            return True
+        try:
+            return self._offered.takes(self._graph.resolve(name))
+        except InvalidNameError:
+            return False
+
+    def _check(self, name: str) -> None:
+        if not self._offers(name):
+            raise AccessDeniedError("this gateway does not offer it")
 
     async def _get_each(self, names: Sequence[str]) -> list[dict[str, Any]]:
         at_once = asyncio.Semaphore(_ASKED_AT_ONCE)

@@ -9,6 +9,7 @@ from typing import TypeAlias
 from rostether.errors import RostetherError, SerializationError, ServiceCallError
 from rostether.gateways.foxglove.json_messages import decode_json, encode_json
 from rostether.gateways.foxglove.server_messages import JSON_ENCODING, ROS1_ENCODING, OfferedService
+from rostether.gateways.foxglove.settings import NameFilter
 from rostether.graph.ports import Graph, Snapshot
 from rostether.msgdef.interface import ANY_TYPE
 from rostether.serde.store import TypeStore
@@ -31,6 +32,7 @@ class Services:
         self,
         graph: Graph,
         store: TypeStore,
+        offered: NameFilter,
         find_type: FindServiceType | None,
         on_offer: Callable[[Sequence[OfferedService]], None],
         on_end: Callable[[Sequence[OfferedService]], None],
@@ -38,6 +40,7 @@ class Services:
         self.by_id: dict[int, OfferedService] = {}
         self._graph = graph
         self._store = store
+        self._offered = offered
         self._find_type = find_type
         self._on_offer = on_offer
         self._on_end = on_end
@@ -53,7 +56,7 @@ class Services:
         there = {
             service.name: (service.providers, service.type)
             for service in snapshot.services.values()
-            if service.providers
+            if service.providers and self._offered.takes(service.name)
         }
         ended: list[OfferedService] = []
         for name in [name for name, known in self._providers.items() if there.get(name) != known]:

@@ -15,7 +15,8 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosedError
 from websockets.typing import Subprotocol
 
-from rostether.gateways.foxglove.gateway import FoxgloveGateway, FoxgloveSettings
+from rostether.gateways.foxglove.gateway import FoxgloveGateway
+from rostether.gateways.foxglove.settings import FoxgloveSettings
 from rostether.graph.memory_graph import MemoryGraph
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.msgdef.registry import Registry

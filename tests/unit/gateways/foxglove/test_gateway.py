@@ -12,8 +12,9 @@ import pytest
 from websockets.exceptions import InvalidHandshake, InvalidStatus
 
 from rostether.errors import ConfigError, ServiceCallError
-from rostether.gateways.foxglove.gateway import FoxgloveGateway, FoxgloveSettings
+from rostether.gateways.foxglove.gateway import FoxgloveGateway
 from rostether.gateways.foxglove.limits import FoxgloveLimits
+from rostether.gateways.foxglove.settings import FoxgloveSettings
 from rostether.graph.ports import ServiceInfo, Snapshot
 from rostether.msgdef.interface import MessageType
 from rostether.msgdef.registry import Registry
