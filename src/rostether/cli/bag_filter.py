@@ -28,8 +28,8 @@ _MESSAGE = re.compile(r"\bm\b")
     rostether bag filter drive.bag start.bag "t.to_s() < 1700000060"
     """,
 )
-@click.argument("source", type=click.Path(path_type=Path, dir_okay=False))
-@click.argument("target", type=click.Path(path_type=Path, dir_okay=False))
+@click.argument("source", type=click.Path(path_type=Path))
+@click.argument("target", type=click.Path(path_type=Path))
 @click.argument("expression")
 def bag_filter(source: Path, target: Path, expression: str) -> None:
     """Write the messages of SOURCE for which EXPRESSION is true to TARGET, with their times.
@@ -39,8 +39,8 @@ def bag_filter(source: Path, target: Path, expression: str) -> None:
     """
     from rostether.expression import compile_expression
     from rostether.recording.decoding import Decoder
-    from rostether.recording.files import create_recording, open_recording
-    from rostether.recording.reindexing import refuse_same
+    from rostether.recording.files import Form, create_recording, form_for, form_of, open_recording
+    from rostether.recording.reindexing import refuse_same, remove_recording
 
     refuse_same(source, target)
     test = compile_expression(expression, _NAMES, source="EXPRESSION")
@@ -54,7 +54,12 @@ def bag_filter(source: Path, target: Path, expression: str) -> None:
 
     reader = open_recording(source)
     try:
-        writer = create_recording(target)
+        form = form_for(target, form_of(reader))
+        if form is Form.ROS2 and form_of(reader) is Form.ROS2:
+            # Messages are then values of ROS 2, with its names of fields.
+            reader.close()
+            reader = open_recording(source, is_native=True)
+        writer = create_recording(target, form=form)
         try:
             total = 0
             for message in reader.messages():
@@ -64,7 +69,7 @@ def bag_filter(source: Path, target: Path, expression: str) -> None:
                     writer.write(number, message.time_ns, (message.payload,))
             writer.close()
         except BaseException:
-            target.unlink(missing_ok=True)
+            remove_recording(target)
             raise
     finally:
         reader.close()

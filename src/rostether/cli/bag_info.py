@@ -64,11 +64,14 @@ def _facts(path: Path, reader: RecordingReader) -> dict[str, Any]:
     for connection, count in reader.counts.items():
         row = topics.setdefault(
             connection.topic,
-            {"topic": connection.topic, "type": connection.type.name, "messages": 0, "connections": 0},
+            {"topic": connection.topic, "type": connection.shown_type, "messages": 0, "connections": 0},
         )
         row["messages"] += count
         row["connections"] += 1
-    types = {connection.type.name: connection.type.md5sum for connection in reader.counts}
+    types = {
+        each.shown_type: each.type.md5sum if each.origin is None else each.origin.type_hash
+        for each in reader.counts
+    }
     facts: dict[str, Any] = {"path": str(path), "version": reader.format_version}
     if (span := reader.span_ns) is not None:
         facts |= {

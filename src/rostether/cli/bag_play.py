@@ -13,9 +13,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rostether.cli.graph_access import joined, read_environment, resolve
+from rostether.cli.graph_access import read_environment, resolve
 from rostether.cli.options import master_option, tool_allow_option
-from rostether.cli.output import write_line
+from rostether.cli.output import warn, write_line
+from rostether.cli.recording_graph import is_on_ros2_alone, recording_graph
+from rostether.cli.ros2_options import zenoh_reach_options
+from rostether.cli.ros_choice import ros1_option, ros2_option
 from rostether.cli.running import run
 from rostether.cli.verbs import Verb
 from rostether.errors import ConfigError
@@ -37,6 +40,7 @@ _KEYS_SHOWN = "Space pauses, s plays one message while paused, q ends."
     rostether bag play drive.bag --rate 4 --start 10 --duration 5 --loop
     rostether bag play drive.bag --clock --topics /ultrasound /imu_data
     rostether bag play drive.bag /ultrasound:=/old/ultrasound
+    rostether bag play --ros2 zenoh rosbag2_2026-11-20-10-00-00
     """,
 )
 @click.argument("files", nargs=-1, required=True, metavar="FILE... [FROM:=TO]...")
@@ -74,6 +78,9 @@ _KEYS_SHOWN = "Space pauses, s plays one message while paused, q ends."
 @click.option("--queue", hidden=True, help="For habit: queues are bounded by bytes.")
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but what goes wrong.")
 @master_option
+@ros1_option
+@ros2_option
+@zenoh_reach_options
 @tool_allow_option
 def bag_play(
     files: tuple[str, ...],
@@ -109,8 +116,8 @@ def bag_play(
     # As rosbag takes it, `--topics /a /b`: names that are no file are topics.
     given = [each for each in plain if ":=" not in each]
     if topics:
-        topics = (*topics, *(each for each in given if each.startswith("/") and not Path(each).is_file()))
-        given = [each for each in given if not each.startswith("/") or Path(each).is_file()]
+        topics = (*topics, *(each for each in given if each.startswith("/") and not Path(each).exists()))
+        given = [each for each in given if not each.startswith("/") or Path(each).exists()]
     if not given:
         raise click.UsageError("name a file to play")
     settings = PlaySettings(
@@ -140,9 +147,15 @@ async def _play(
     from rostether.recording.player import Player
 
     with ExitStack() as opened:
-        readers = [opened.enter_context(closing(open_recording(path))) for path in paths]
-        _check_topics(settings, {each.topic for reader in readers for each in reader.counts})
-        async with joined(environment, purpose="play") as graph:
+        is_native = is_on_ros2_alone()
+        readers = [opened.enter_context(closing(open_recording(path, is_native=is_native))) for path in paths]
+        for path, reader in zip(paths, readers, strict=True):
+            for topic, why in reader.unreadable.items():
+                warn(f"{path}: {topic} is not played: {why}")
+        connections = [each for reader in readers for each in reader.counts]
+        _check_topics(settings, {each.topic for each in connections})
+        origins = [each.origin for each in connections if each.origin is not None]
+        async with recording_graph(environment, "play", is_native=is_native, origins=origins) as graph:
             player = Player(graph.raw, readers, settings)
             playing = asyncio.create_task(player.play())
             async with _keys(player, playing.cancel, is_quiet=quiet):

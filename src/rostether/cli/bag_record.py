@@ -5,17 +5,19 @@ from __future__ import annotations
 import asyncio
 import re
 import sys
-from datetime import datetime
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from rostether.cli.bag_figures import size_text
 from rostether.cli.completions import complete_topics
-from rostether.cli.graph_access import joined, read_environment, resolve
+from rostether.cli.graph_access import read_environment, resolve
 from rostether.cli.options import master_option, tool_allow_option
 from rostether.cli.output import write_line
+from rostether.cli.recording_files import NewFiles, Packing, asked_form, format_option, storage_option
+from rostether.cli.recording_graph import is_on_ros2_alone, recording_graph
+from rostether.cli.ros2_options import zenoh_reach_options
+from rostether.cli.ros_choice import ros1_option, ros2_option
 from rostether.cli.running import run
 from rostether.cli.verbs import Verb
 from rostether.errors import ConfigError
@@ -53,6 +55,7 @@ class _Duration(click.ParamType[float]):
     rostether bag record --all -O drive.mcap
     rostether bag record -e "/arm/.*" --split --size 500 --max-splits 4
     rostether bag record --all --exclude "/camera.*" --lz4 --duration 5m
+    rostether bag record --ros2 zenoh --all
     """,
 )
 @click.argument("topics", nargs=-1, metavar="[TOPIC]...", shell_complete=complete_topics)
@@ -60,7 +63,7 @@ class _Duration(click.ParamType[float]):
 @click.option("-e", "--regex", "is_regex", is_flag=True, help="TOPICs are regular expressions.")
 @click.option("-x", "--exclude", metavar="REGEX", help="Leave out the topics that match.")
 @click.option("--node", metavar="NODE", help="Record all topics that a node subscribes to.")
-@click.option("-O", "--output-name", metavar="FILE", help="Write to this file, .bag or .mcap.")
+@click.option("-O", "--output-name", metavar="FILE", help="Write to this .bag, .mcap, .db3, or folder.")
 @click.option("-o", "--output-prefix", metavar="PREFIX", help="Begin the file's name so, before the date.")
 @click.option("--split", is_flag=True, help="Begin a new file at the size or duration, and go on.")
 @click.option(
@@ -85,8 +88,13 @@ class _Duration(click.ParamType[float]):
 @click.option("-b", "--buffsize", metavar="MB", hidden=True, help="For habit: messages go on at once.")
 @click.option("--tcpnodelay", is_flag=True, hidden=True, help="For habit: it is always so.")
 @click.option("--udp", is_flag=True, hidden=True, help="For habit: TCP loses nothing.")
+@format_option
+@storage_option
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but what goes wrong.")
 @master_option
+@ros1_option
+@ros2_option
+@zenoh_reach_options
 @tool_allow_option
 def bag_record(
     topics: tuple[str, ...],
@@ -108,6 +116,8 @@ def bag_record(
     buffsize: str | None,
     tcpnodelay: bool,
     udp: bool,
+    form: str | None,
+    storage: str,
     quiet: bool,
     master: str | None,
 ) -> None:
@@ -139,6 +149,7 @@ def bag_record(
         exclude=None if exclude is None else _pattern(exclude),
         is_all=is_all,
         node="" if node is None else resolve(node, environment),
+        with_hidden=not is_on_ros2_alone(),
     )
     limits = RecordLimits(
         size_bytes=None if size_mb is None else round(size_mb * MEGABYTE),
@@ -147,44 +158,19 @@ def bag_record(
         max_splits=max_splits,
         messages_per_topic=limit,
     )
-    names = _Names(output_name, output_prefix, is_splitting=split)
-    compression = "bz2" if bz2 else "lz4" if lz4 else "none"
-    run(
-        _record(
-            environment, choice, limits, names, (compression, chunk_kb * KILOBYTE), repeat_latched, quiet
-        ),
-        is_service=True,
-    )
-
-
-class _Names:
-    """The files' names, as rosbag makes them."""
-
-    def __init__(self, name: str | None, prefix: str | None, *, is_splitting: bool) -> None:
-        if name is None:
-            date = datetime.now().astimezone().strftime("%Y-%m-%d-%H-%M-%S")
-            name = date if not prefix else f"{prefix.removesuffix('.bag')}_{date}"
-        path = Path(name)
-        self.suffix = path.suffix if path.suffix in (".bag", ".mcap") else ".bag"
-        self._stem = path.name.removesuffix(self.suffix)
-        self._folder = path.parent
-        self._is_splitting = is_splitting
-
-    def __call__(self, number: int) -> Path:
-        stem = f"{self._stem}_{number}" if self._is_splitting else self._stem
-        return self._folder / f"{stem}{self.suffix}"
+    packing = Packing("bz2" if bz2 else "lz4" if lz4 else "none", chunk_kb * KILOBYTE, storage)
+    files = NewFiles(output_name, output_prefix, packing, asked_form(form), is_splitting=split)
+    run(_record(environment, choice, limits, files, repeat_latched, quiet), is_service=True)
 
 
 async def _record(
     environment: RosEnvironment,
     choice: TopicChoice,
     limits: RecordLimits,
-    names: _Names,
-    packing: tuple[str, int],
+    files: NewFiles,
     repeat_latched: bool,
     quiet: bool,
 ) -> None:
-    from rostether.recording.files import create_recording
     from rostether.recording.recorder import Recorder
 
     def tell(text: str) -> None:
@@ -193,13 +179,14 @@ async def _record(
             write_line(text)
 
     line = _ProgressLine(is_shown=not quiet and sys.stderr.isatty())
-    async with joined(environment, purpose="record") as graph:
+    async with recording_graph(environment, "record", is_native=files.is_of_ros2) as graph:
+        files.types = graph.types
         recorder = Recorder(
             graph.raw,
             choice,
             limits,
-            create=lambda path: create_recording(path, compression=packing[0], chunk_bytes=packing[1]),
-            name=names,
+            create=files.create,
+            name=files.path_of,
             tell=tell,
             repeat_latched=repeat_latched,
         )

@@ -19,9 +19,7 @@ from rostether.errors import ConfigError
     rostether bag reindex --output-dir mended *.bag
     """,
 )
-@click.argument(
-    "files", nargs=-1, required=True, metavar="FILE...", type=click.Path(path_type=Path, dir_okay=False)
-)
+@click.argument("files", nargs=-1, required=True, metavar="FILE...", type=click.Path(path_type=Path))
 @click.option(
     "--output-dir",
     metavar="DIR",
@@ -44,7 +42,7 @@ def bag_reindex(files: tuple[Path, ...], output_dir: Path | None, force: bool, q
         backup = None
         if output_dir is None:
             stem, _, suffix = name.rpartition(".")
-            backup = path.with_name(f"{stem}.orig.{suffix}")
+            backup = path.with_name(f"{name}.orig" if path.is_dir() else f"{stem}.orig.{suffix}")
             if backup.exists() and not force:
                 raise ConfigError(f"{backup} exists; -f writes over it")
             if output != path and output.exists():

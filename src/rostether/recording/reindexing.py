@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 from rostether.errors import RecordingError
 from rostether.recording.compression import NONE
-from rostether.recording.files import create_recording, is_mcap, open_recording
+from rostether.recording.files import Form, create_recording, form_of, is_mcap, open_recording
 from rostether.recording.recorded import RecordingReader
 
 UNFINISHED_SUFFIX = ".unfinished"
@@ -27,31 +31,50 @@ def reindex(path: Path, output: Path, *, keep_original: Path | None = None) -> M
 
     A recording that is whole is left alone, unless it is to go elsewhere. Raises RecordingError.
     """
-    reader = open_recording(path)
+    reader = open_recording(path, is_native=True)
     try:
         damage = reader.damage
         count = sum(reader.counts.values())
         if not damage and path == output:
             return Mended("", count, None)
-        name = output.name.removesuffix(".active")
-        if not name.endswith((".bag", ".mcap")):
-            name += ".mcap" if is_mcap(path) else ".bag"
-        unfinished = output.with_name(f"{UNFINISHED_SUFFIX}.{name}")
-        written = copy(reader, unfinished, compression=_usual(reader))
+        with _unfinished(path, output) as unfinished:
+            written = copy(reader, unfinished, compression=_usual(reader), form=form_of(reader))
+            if keep_original is not None:
+                path.replace(keep_original)
+            unfinished.replace(output)
     finally:
         reader.close()
-    if keep_original is not None:
-        path.replace(keep_original)
-    unfinished.replace(output)
     return Mended(damage, written, keep_original)
 
 
-def copy(reader: RecordingReader, output: Path, *, compression: str = NONE) -> int:
-    """Write a recording's messages, in the order of their times, to another file; returns how many.
+@contextmanager
+def _unfinished(path: Path, output: Path) -> Iterator[Path]:
+    """Give the path to write to before it becomes `output`."""
+    name = output.name.removesuffix(".active")
+    if path.is_dir():
+        # The files in a ROS 2 bag's folder bear its name.
+        with tempfile.TemporaryDirectory(prefix=f"{UNFINISHED_SUFFIX}.", dir=output.parent) as folder:
+            yield Path(folder) / name
+        return
+    if not name.endswith((".bag", ".mcap", ".db3")):
+        name += ".mcap" if is_mcap(path) else ".bag"
+    yield output.with_name(f"{UNFINISHED_SUFFIX}.{name}")
 
+
+def copy(
+    reader: RecordingReader,
+    output: Path,
+    *,
+    compression: str = NONE,
+    form: Form = Form.ROS1,
+    storage: str = "mcap",
+) -> int:
+    """Write a recording's messages, in the order of their times, to another; returns how many.
+
+    `form` is whose messages the other gets, `storage` what a ROS 2 bag's folder holds.
     Raises RecordingError, and leaves no file then.
     """
-    writer = create_recording(output, compression=compression)
+    writer = create_recording(output, compression=compression, form=form, storage=storage)
     try:
         for connection in reader.counts:
             writer.add_connection(connection)
@@ -59,9 +82,17 @@ def copy(reader: RecordingReader, output: Path, *, compression: str = NONE) -> i
             writer.write(writer.add_connection(message.connection), message.time_ns, (message.payload,))
         writer.close()
     except BaseException:
-        output.unlink(missing_ok=True)
+        remove_recording(output)
         raise
     return writer.message_count
+
+
+def remove_recording(path: Path) -> None:
+    """Remove what was begun and is not wanted: a file, or the folder of a ROS 2 bag."""
+    if path.is_dir():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        path.unlink(missing_ok=True)
 
 
 def _usual(reader: RecordingReader) -> str:

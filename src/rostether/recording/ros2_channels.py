@@ -9,7 +9,7 @@ from rostether.errors import RecordingError, RostetherError, SerializationError
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.recording.recorded import Connection, Ros2Origin
-from rostether.recording.ros2_qos import offered, profiles_text, read_profiles
+from rostether.recording.ros2_qos import offered
 from rostether.recording.ros2_types import ROS2MSG, RecordedDefinitions
 from rostether.ros2.native_registry import NativeRegistry
 from rostether.ros2.native_types import NativeTypes
@@ -31,8 +31,8 @@ class Channel:
 class Ros2Channels:
     """The channels of one file, in the order of their numbers from 1.
 
-    As rosbag2 does it, all publishers of a topic share one. `types` know the types of what is written: those
-    of the graph that is recorded, else those of the environment.
+    As rosbag2 does it, all publishers of a topic share one, which tells what the first one offered. `types`
+    know the types of what is written: those of the graph that is recorded, else those of the environment.
     """
 
     def __init__(self, types: Ros2Types | None = None) -> None:
@@ -58,8 +58,6 @@ class Ros2Channels:
             channel = Channel(len(self.channels) + 1, connection.topic, origin, to_cdr)
             self.channels.append(channel)
             self._by_topic[key] = channel
-        else:
-            _add_offers(channel, origin.qos)
         self._by_connection[connection] = channel
         return channel
 
@@ -101,19 +99,3 @@ class Ros2Channels:
             registry = Registry.from_environment()
             self._types = NativeTypes(NativeRegistry(Ros2Definitions.from_environment(), registry))
         return self._types
-
-
-def _add_offers(channel: Channel, qos: str) -> None:
-    """Let the recording's summary tell what a further publisher of the topic offered."""
-    if qos and qos != channel.origin.qos:
-        known = read_profiles(channel.origin.qos)
-        added = [each for each in read_profiles(qos) if each not in known]
-        if added:
-            origin = channel.origin
-            channel.origin = Ros2Origin(
-                origin.type_name,
-                origin.type_hash,
-                origin.encoding,
-                origin.definition,
-                profiles_text([*known, *added]),
-            )

@@ -11,7 +11,7 @@ from rostether.msgdef.interface import MessageType
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.msgdef.ros2.parse import parse_message
-from rostether.msgdef.ros2.spec import Ros2Message
+from rostether.msgdef.ros2.spec import Ros2Message, Ros2Service
 from rostether.msgdef.ros2.to_ros1 import express, ros1_name
 from rostether.msgdef.spec import MessageSpec
 from rostether.recording.recorded import Ros2Origin
@@ -58,8 +58,12 @@ class RecordedDefinitions(Ros2Definitions):
         """Return a message's own text. Raises as `message`."""
         return self._texts.get(name) or self._others.text(name)
 
+    def service(self, name: str) -> Ros2Service:
+        """Return a service by `package/srv/Name`. Raises UnknownTypeError, DefinitionError."""
+        return self._others.service(name)
+
     def has(self, name: str) -> bool:
-        """Tell whether a message is known."""
+        """Tell whether a message or service is known."""
         return name in self._texts or self._others.has(name)
 
 

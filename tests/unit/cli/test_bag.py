@@ -90,7 +90,9 @@ def test_reindex_and_convert(tmp_path: Path, bag: Path, shell: Shell) -> None:
 def test_what_makes_no_sense_is_told(tmp_path: Path, bag: Path, shell: Shell) -> None:
     assert "No such file" in shell.failure("bag", "info", str(tmp_path / "none.bag"))
     assert "is no bag" in shell.failure("bag", "info", __file__)
-    assert "ends with .bag or .mcap" in shell.failure("bag", "convert", str(bag), str(tmp_path / "a.txt"))
+    assert "ends with .bag, .mcap or .db3" in shell.failure(
+        "bag", "convert", str(bag), str(tmp_path / "a.txt")
+    )
     assert "--all" in shell.failure("bag", "record", code=2)
     assert "--size or --duration" in shell.failure("bag", "record", "-a", "--split", code=2)
     assert "no duration" in shell.failure("bag", "record", "-a", "--duration", "soon", code=2)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import threading
-from collections.abc import Coroutine
+import time
+from collections.abc import Callable, Coroutine
 from typing import Any, TypeVar
 
 from contract.zenoh_graphs import open_session
@@ -35,6 +36,13 @@ class ZenohWorld:
     def do(self, work: Coroutine[Any, Any, T]) -> T:
         """Run a coroutine in the thread and wait for its result."""
         return asyncio.run_coroutine_threadsafe(work, self._loop).result(60)
+
+    def wait_until(self, condition: Callable[[], bool]) -> None:
+        """Wait until something has become true in the thread."""
+        deadline_s = time.monotonic() + 60
+        while not condition():
+            assert time.monotonic() < deadline_s, "it never became true"
+            time.sleep(0.002)
 
     def close(self) -> None:
         """End everything."""

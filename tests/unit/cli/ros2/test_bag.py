@@ -1,0 +1,72 @@
+"""`rostether bag` on a ROS 2 graph, and with recordings of ROS 2."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import yaml
+
+from rostether.recording.bag_reader import BagReader
+from rostether.recording.files import open_recording
+from unit.cli.ros2.zenoh_world import STORE, ZenohWorld
+from unit.cli.shell import Shell
+
+IMU_HASH = "RIHS01_7d9a00ff131080897a5ec7e26e315954b8eae3353c3f995c55faf71574000b5b"
+
+
+def test_recorded_as_ros2_and_played_again(world: ZenohWorld, shell: Shell, tmp_path: Path) -> None:
+    folder = tmp_path / "drive"
+    printed = shell.output("bag", "record", "-O", str(folder), "-l", "3", "--duration", "2", "/imu", "/name")
+    assert f"Recording to {folder}/drive_0.mcap" in printed
+    content = yaml.safe_load((folder / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
+    assert (content["version"], content["storage_identifier"]) == (9, "mcap")
+    topics = {each["topic_metadata"]["name"]: each for each in content["topics_with_message_count"]}
+    assert topics["/imu"]["message_count"] == 3
+    assert topics["/imu"]["topic_metadata"]["type_description_hash"] == IMU_HASH
+    assert topics["/name"]["topic_metadata"]["offered_qos_profiles"][0]["durability"] == "transient_local"
+    reader = open_recording(folder)
+    imu = next(each for each in reader.messages() if each.connection.topic == "/imu")
+    decoded = STORE.codec("sensor_msgs/Imu").decode(imu.payload)
+    assert (decoded.header.frame_id, decoded.angular_velocity.z) == ("base", 0.5)
+    reader.close()
+
+    heard: list[bytes] = []
+    node = world.do(world.session.join("/listener"))
+    try:
+        imu_type = STORE.registry.message_type("sensor_msgs/Imu")
+        world.do(node.subscribe("/again", imu_type, heard.extend))
+        words = ["-i", "--wait-for-subscribers", "--topics", "/imu", "--", str(folder), "/imu:=/again"]
+        assert shell.output("bag", "play", *words) == "played 3 messages\n"
+        world.wait_until(lambda: len(heard) == 3)
+    finally:
+        world.do(node.close())
+    assert set(heard) == {imu.payload}
+
+
+def test_recorded_as_ros1(world: ZenohWorld, shell: Shell, tmp_path: Path) -> None:
+    bag = tmp_path / "drive.bag"
+    shell.output("bag", "record", "-O", str(bag), "-l", "2", "/imu")
+    (connection,) = BagReader(bag).counts
+    assert connection.type.md5sum == STORE.registry.message_type("sensor_msgs/Imu").md5sum
+    heard: list[bytes] = []
+    node = world.do(world.session.join("/listener"))
+    try:
+        imu_type = STORE.registry.message_type("sensor_msgs/Imu")
+        world.do(node.subscribe("/from_bag", imu_type, heard.extend))
+        shell.output("bag", "play", "-i", "--wait-for-subscribers", str(bag), "/imu:=/from_bag")
+        world.wait_until(lambda: len(heard) == 2)
+    finally:
+        world.do(node.close())
+    assert heard == [each.payload for each in BagReader(bag).messages()]
+
+
+def test_all_is_without_hidden_topics(world: ZenohWorld, shell: Shell, tmp_path: Path) -> None:
+    mcap = tmp_path / "all.mcap"
+    shell.output("bag", "record", "-a", "-O", str(mcap), "--duration", "1")
+    reader = open_recording(mcap, is_native=True)
+    topics = {each.topic for each in reader.counts}
+    assert reader.format_version == "MCAP (ROS 2)"
+    assert {"/imu", "/name"} <= topics
+    assert "/_raw" not in topics
+    assert not reader.unreadable
+    assert "sensor_msgs/msg/Imu" in shell.output("bag", "info", str(mcap))
