@@ -14,10 +14,10 @@ from rostether.cli.ros2_graph import ZenohReach, ros2_access
 from rostether.cli.ros2_options import Ros2Options
 from rostether.cli.ros_choice import Middleware
 from rostether.cli.served_graphs import ServedGraphs
-from rostether.cli.service_probe import probe_type
+from rostether.cli.service_probe import look_up, probe_type
 from rostether.errors import ConfigError
 from rostether.graph.ports import JoinGraph, Level
-from rostether.ros1.environment import RosEnvironment, is_loopback
+from rostether.ros1.environment import RosEnvironment, is_loopback, parse_rpc_uri
 
 if TYPE_CHECKING:
     from rostether.gateways.rosbridge.server import RosbridgeServer
@@ -26,20 +26,24 @@ if TYPE_CHECKING:
     from rostether.serde.store import TypeStore
 
 Tell: TypeAlias = Callable[[Level, str], None]
+AskService: TypeAlias = Callable[[str], Awaitable[str]]
+"""Takes a service's name. Raises GraphError."""
+
 ROSBRIDGE_NODE = "rosbridge_websocket"
 
 
 @dataclass(frozen=True, slots=True)
 class GatewayGraph:
-    """How gateways are on a graph: what makes their nodes, their types, and how a service's type is learned.
+    """How gateways are on a graph: what makes their nodes, their types, and how services are asked.
 
-    With `is_ros2` types are in ROS 2's words alone.
+    With `is_ros2` types are in ROS 2's words alone. ROS 1 needs `ask_service_type` and `ask_service_host`.
     """
 
     join: JoinGraph
     store: TypeStore
     is_ros2: bool = False
-    ask_service_type: Callable[[str], Awaitable[str]] | None = None
+    ask_service_type: AskService | None = None
+    ask_service_host: AskService | None = None
 
 
 @asynccontextmanager
@@ -57,9 +61,8 @@ async def gateway_graph(
     from rostether.serde.store import TypeStore
 
     if graphs.ros1 is not None:
-        ask = service_type_asker(graphs.ros1)
         store = TypeStore(Registry.from_environment(msg_paths))
-        yield GatewayGraph(graphs.join, store, ask_service_type=ask)
+        yield ros1_gateway_graph(graphs.join, store, graphs.ros1)
         return
     from rostether.ros2.native_registry import NativeRegistry
     from rostether.ros2.native_types import NativeTypes
@@ -72,14 +75,18 @@ async def gateway_graph(
         yield GatewayGraph(access.join, TypeStore(registry), is_ros2=True)
 
 
-def service_type_asker(environment: RosEnvironment) -> Callable[[str], Awaitable[str]]:
-    """Return what asks a ROS 1 service's server for its type."""
+def ros1_gateway_graph(join: JoinGraph, store: TypeStore, environment: RosEnvironment) -> GatewayGraph:
+    """Return how gateways are on a ROS 1 graph, alone or beside another."""
 
-    async def ask(service: str) -> str:
+    async def ask_type(service: str) -> str:
         async with master_client(environment) as client:
             return await probe_type(client, service)
 
-    return ask
+    async def ask_host(service: str) -> str:
+        async with master_client(environment) as client:
+            return parse_rpc_uri(await look_up(client, service), scheme="rosrpc").host
+
+    return GatewayGraph(join, store, ask_service_type=ask_type, ask_service_host=ask_host)
 
 
 @asynccontextmanager
@@ -139,18 +146,31 @@ async def rosbridge_server(
 
     `wider` is what people type to let other machines connect.
     """
+    from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi, offering_rosapi
     from rostether.gateways.rosbridge.server import RosbridgeServer
     from rostether.gateways.rosbridge.values import Style
 
+    style = Style.ROS2 if on.is_ros2 else Style.ROS1
+    rosapi = Rosapi(
+        graph,
+        on.store,
+        style=style,
+        settings=settings,
+        ask_type=on.ask_service_type,
+        ask_host=on.ask_service_host,
+    )
     server = RosbridgeServer(
         graph,
         on.store,
         settings,
-        style=Style.ROS2 if on.is_ros2 else Style.ROS1,
+        style=style,
         ask_service_type=on.ask_service_type,
+        local_services=rosapi,
         tell=tell,
     )
-    try:
+    async with AsyncExitStack() as stack:
+        stack.push_async_callback(server.close)
+        await stack.enter_async_context(offering_rosapi(rosapi, on.join, graph))
         await server.start()
         tell(Level.INFO, f"rosbridge: web pages and programs connect to {server.uri}")
         if is_loopback(settings.host):
@@ -161,8 +181,6 @@ async def rosbridge_server(
                 "rosbridge: whoever reaches it can publish and call services; --token and --allow limit that",
             )
         yield server
-    finally:
-        await server.close()
 
 
 def check_rosbridge() -> None:

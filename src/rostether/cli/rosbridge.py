@@ -19,12 +19,11 @@ from rostether.cli.gateway_options import (
 )
 from rostether.cli.gateways import (
     ROSBRIDGE_NODE,
-    GatewayGraph,
     check_rosbridge,
     gateway_graph,
     gateways,
+    ros1_gateway_graph,
     rosbridge_server,
-    service_type_asker,
 )
 from rostether.cli.graph_access import read_environment
 from rostether.cli.options import allow_option, msg_path_option
@@ -33,6 +32,7 @@ from rostether.cli.ros2_options import Ros2Options, read_ros2_options, ros2_opti
 from rostether.cli.ros_choice import Middleware, chosen_ros1, chosen_ros2
 from rostether.cli.running import run
 from rostether.cli.served_graphs import served_graphs
+from rostether.cli.serving import joining_ros1
 from rostether.cli.verbs import Verb
 from rostether.errors import ConfigError
 from rostether.graph.ports import Level
@@ -138,12 +138,8 @@ async def _main(graph: TypedGraph, words: list[str]) -> None:
     parameters = await _parameters(graph, words)
     settings = read_settings(parameters, read_gateway_options().token)
     reporter = ConsoleReporter()
-    on = GatewayGraph(
-        # Its own node is there already.
-        _no_join,
-        graph.store,
-        ask_service_type=service_type_asker(read_environment()),
-    )
+    environment = read_environment()
+    on = ros1_gateway_graph(joining_ros1(environment), graph.store, environment)
     async with rosbridge_server(graph.raw, on, settings, reporter.line, "address 0.0.0.0") as server:
         await graph.raw.set_param("~actual_port", server.port)
         await graph.raw.wait_closed()
@@ -215,7 +211,3 @@ def _globs(parameters: Mapping[str, Any], name: str) -> tuple[str, ...] | None:
     parts = value if isinstance(value, list) else str(value or "").strip().strip("[]").split(",")
     globs = tuple(text for part in parts if (text := str(part).strip().strip("'\"")))
     return globs or None
-
-
-async def _no_join(*_: object, **__: object) -> Any:
-    raise AssertionError("the node of the role is the gateway's")
