@@ -17,6 +17,7 @@ PACKAGES = {
     "mearm_model",
     "nav_msgs",
     "roscpp",
+    "rosapi",
     "rosgraph_msgs",
     "rosserial_arduino",
     "rosserial_msgs",
