@@ -102,8 +102,14 @@ def crowd_table() -> Table:
         title="Crowd",
         caption="sent late: p99 and longest by which the devices, one program, missed their own times, in ms",
     )
-    for name, floods in (("alone", False), ("beside a flood", True)):
-        seen = crowd.crowd(100, 50, 10, floods=floods)
+    for name, floods, trouble in (
+        ("alone", False, ""),
+        ("beside a flood", True, ""),
+        ("beside 10 MB/s of random bytes", False, "noise"),
+        ("beside 10 MB/s of headers without ends", False, "headers"),
+        ("beside ever other announcements, rosmaster", False, "announcements"),
+    ):
+        seen = crowd.crowd(100, 50, 10, floods=floods, trouble=trouble, roscore=trouble == "announcements")
         table.add_row(
             name,
             f"{seen.sent - seen.received:,} of {seen.sent:,}",

@@ -1,4 +1,4 @@
-"""A hundred devices beside one that floods: what the others lose, how long their messages take, memory."""
+"""A hundred devices beside one that floods, or worse: what they lose, how long their messages take, memory."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from interop.ros1_peers import free_port
 
 FLOOD_TYPE = "std_msgs/String"
 ENDLESS = 2_000_000_000
+TROUBLE_BYTES_PER_S = 10e6
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,11 +27,17 @@ class Crowd:
     late_longest_ms: float
 
 
-def crowd(devices: int, rate_hz: int, seconds: int, *, floods: bool = True) -> Crowd:
-    """Serve devices on one listener, with one more that sends as fast as it can."""
+def crowd(
+    devices: int, rate_hz: int, seconds: int, *, floods: bool = True, trouble: str = "", roscore: bool = False
+) -> Crowd:
+    """Serve devices on one listener, with one more that sends as fast as it can.
+
+    `trouble`: instead it sends 10 MB a second of what crowd_troubles.py makes of that name. `roscore`: the
+    master is Debian's.
+    """
     port = free_port()
     messages = rate_hz * seconds
-    with Bench() as bench:
+    with Bench(roscore=roscore) as bench:
         bridge = bench.ours("serve", f"tcp://:{port}")
         talkers = bench.module("crowd_devices", str(port), str(devices), str(rate_hz), str(messages))
         first_line(talkers)
@@ -38,7 +45,11 @@ def crowd(devices: int, rate_hz: int, seconds: int, *, floods: bool = True) -> C
             bench.wait_for_publisher(f"/crowd{number}")
         listener = bench.module("crowd_listener", bench.master_uri, str(devices), str(messages))
         first_line(listener)
-        if floods:
+        if trouble:
+            troublemaker = bench.module("crowd_troubles", str(port), trouble, str(TROUBLE_BYTES_PER_S))
+            first_line(troublemaker)
+            say(troublemaker)
+        elif floods:
             flood = bench.module("flood_device", str(port), "send", FLOOD_TYPE, str(ENDLESS))
             bench.wait_for_publisher("/flood")
             say(flood)

@@ -22,6 +22,7 @@ from rostether.rosserial.frame import encode_frame
 PUBLISHER_ID, SUBSCRIBER_ID = 125, 100
 BUFFER_BYTES = 65535
 BATCH = 400
+REGISTRY = Registry()
 PAYLOADS = {
     "std_msgs/String": struct.pack("<I", 60)
     + b"64 bytes of text, its length included, as a sensor reports it.."[:60],
@@ -36,7 +37,7 @@ PAYLOADS = {
 def announcement(topic_id: int, role: int, topic: str, type_name: str) -> bytes:
     """Return the TopicInfo frame of one endpoint; role 0 is a publisher, 1 a subscriber."""
     body = struct.pack("<H", topic_id)
-    for text in (topic, type_name, Registry().message_type(type_name).md5sum):
+    for text in (topic, type_name, REGISTRY.message_type(type_name).md5sum):
         body += struct.pack("<I", len(text)) + text.encode()
     return encode_frame(role, body + struct.pack("<i", BUFFER_BYTES))
 

@@ -44,16 +44,21 @@ def resident_mb(pid: int | str) -> float:
 
 
 class Bench:
-    """A master of our own and the processes of one measurement; ends them all on leaving."""
+    """A master of our own, or Debian's, and the processes of one measurement; ends them all on leaving."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, roscore: bool = False) -> None:
+        self._roscore = roscore
         self.port = free_port()
         self.master_uri = f"http://localhost:{self.port}"
         self._stack = ExitStack()
         self._home = Path(tempfile.mkdtemp(prefix="rostether-bench-"))
 
     def __enter__(self) -> Bench:
-        self.ours("core", "--port", str(self.port))
+        if self._roscore:
+            environment = ros_environment(self.master_uri, self._home)
+            self.start("rosmaster", "--core", "-p", str(self.port), env=environment)
+        else:
+            self.ours("core", "--port", str(self.port))
         wait_until(self._master_answers, "the master")
         return self
 

@@ -15,6 +15,7 @@ from rostether.errors import RostetherError, TransportOpenError, TransportTimeou
 from rostether.transports.address import TcpAddress, show_endpoint
 from rostether.transports.allow_list import AllowList
 from rostether.transports.board_keys import NO_KEYS, NO_PROOF, BoardKeys
+from rostether.transports.read_turn import MIN_READ_BYTES, ReadTurn
 from rostether.transports.refusals import RefusalLog
 from rostether.transports.sockets import explain_bind_error, explain_connect_error, tune_stream
 from rostether.transports.stream import READ_CHUNK_BYTES, StreamTransport
@@ -26,12 +27,6 @@ MAX_CONNECTIONS = 256
 MAX_CONNECTIONS_PER_HOST = 128
 # Connects that the kernel holds while we are busy: all boards of a machine come at once after a restart.
 _BACKLOG = 64
-# What a connection that was quiet is read at first; doubled up to READ_CHUNK_BYTES while that is cheap.
-FIRST_READ_BYTES = 8 * 1024
-# What one connection may use at a time: with a hundred others a message still takes less than 10 ms.
-TURN_S = 0.002
-# Hostile bytes cost 0.5 µs each at the worst, and less than this is not worth the wake-up.
-MIN_READ_BYTES = 4 * 1024
 # A board on Wi-Fi answers within a second or is not there.
 CONNECT_LIMIT_S = 5.0
 # Linux has it; elsewhere acknowledgements are late only now and then.
@@ -50,8 +45,8 @@ class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
 
     def __init__(self, peer: str = "", *, on_lost: Callable[[TcpTransport], None] | None = None) -> None:
         super().__init__(peer, can_pause=True)
-        self._whole_buffer = memoryview(bytearray(READ_CHUNK_BYTES))
-        self._first_buffer = self._buffer = self._whole_buffer[:FIRST_READ_BYTES]
+        self._buffer = memoryview(bytearray(READ_CHUNK_BYTES))
+        self._turn = ReadTurn(READ_CHUNK_BYTES)
         self._on_lost = on_lost
         self._socket: socket.socket | None = None
         self.proof = NO_PROOF
@@ -90,22 +85,17 @@ class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
 
     def get_buffer(self, sizehint: int) -> memoryview:
         """Lend the read buffer."""
-        return self._buffer
+        return self._buffer[: self._turn.size_bytes]
 
     def buffer_updated(self, nbytes: int) -> None:
         """Deliver what was read."""
         if nbytes < MIN_READ_BYTES:
             self._deliver(bytes(self._buffer[:nbytes]))
-            self._buffer = self._first_buffer
+            self._turn.note_quiet()
             return
         began_s = thread_time()
         self._deliver(bytes(self._buffer[:nbytes]))
-        used_s = thread_time() - began_s
-        size = len(self._buffer)
-        if used_s > TURN_S:
-            self._buffer = self._whole_buffer[: max(size // 2, MIN_READ_BYTES)]
-        elif used_s < TURN_S / 4 and size < READ_CHUNK_BYTES:
-            self._buffer = self._whole_buffer[: 2 * size]
+        self._turn.note_cost(nbytes, thread_time() - began_s)
 
 
 class TcpListener:

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import random
+import time
 
 import pytest
 
@@ -94,3 +95,28 @@ def test_sound_headers_of_another_version_are_no_noise() -> None:
         assert watched.other_version is None
         watched.take(noise(bytes(frame), DiscardReason.VERSION), 0.0, is_alive=False)
     assert watched.other_version == 0xFC
+
+
+def test_the_line_of_a_crash_is_found_between_others() -> None:
+    watched = Noise()
+    watched.take(
+        noise(b"load:0x40\r\n  Brownout detector was triggered \r\n\r\nets Jun\n"), 0.0, is_alive=False
+    )
+    assert watched.crash_line() == "Brownout detector was triggered"
+
+
+def test_the_last_of_several_crashes_is_told() -> None:
+    watched = Noise()
+    watched.take(noise(b"rst:0x1 (POWERON)\nabort() was called\n"), 0.0, is_alive=False)
+    assert watched.crash_line() == "abort() was called"
+
+
+def test_looking_for_a_crash_costs_little_in_noise_without_an_end_of_line() -> None:
+    watched = Noise()
+    watched.take(noise(bytes(KEPT_BYTES)), 0.0, is_alive=False)
+    times_s = []
+    for _ in range(5):
+        began_s = time.thread_time()
+        assert watched.crash_line() is None
+        times_s.append(time.thread_time() - began_s)
+    assert min(times_s) < 0.003
