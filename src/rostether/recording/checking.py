@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import mmap
 from dataclasses import dataclass
 from pathlib import Path
 
 from rostether.errors import RecordingError, RostetherError, UnknownTypeError
 from rostether.msgdef.registry import Registry
+from rostether.recording import bag_checking, mcap_checking
 from rostether.recording.decoding import Decoder
-from rostether.recording.files import open_recording
+from rostether.recording.files import is_bag, is_mcap, open_recording
 from rostether.recording.recorded import Connection
 from rostether.serde.layout import Layout
 
@@ -25,6 +27,7 @@ def check(path: Path, registry: Registry) -> Checked:
     """Read a recording; `registry` has the types known here. Raises RecordingError when it is none."""
     reader = open_recording(path)
     faults: list[str] = [reader.damage + "; `rostether bag reindex` mends it"] if reader.damage else []
+    faults += _file_faults(path)
     layouts: dict[Connection, Layout] = {}
     decoder = Decoder()
     unfit: dict[str, tuple[int, str]] = {}
@@ -38,7 +41,8 @@ def check(path: Path, registry: Registry) -> Checked:
                     f"{connection.topic}: its definition of {connection.type.name} is broken: {error}"
                 )
                 continue
-            faults.extend(_differences(connection, registry))
+            if connection.origin is None:
+                faults.extend(_differences(connection, registry))
         try:
             for message in reader.messages():
                 count += 1
@@ -49,8 +53,9 @@ def check(path: Path, registry: Registry) -> Checked:
                     unfit[topic] = (before + 1, why or layout.explain(message.payload))
         except RecordingError as error:
             faults.append(str(error))
+        faults += [f"{topic}: {why}" for topic, why in reader.unreadable.items()]
         expected = sum(reader.counts.values())
-        if count != expected:
+        if count != expected and not faults:
             faults.append(f"its index tells of {expected} messages, but {count} are there")
     finally:
         reader.close()
@@ -58,6 +63,26 @@ def check(path: Path, registry: Registry) -> Checked:
         f"{topic}: {many} messages do not fit their type: {why}" for topic, (many, why) in unfit.items()
     ]
     return Checked(count, tuple(dict.fromkeys(faults)))
+
+
+def _file_faults(path: Path) -> list[str]:
+    """Return what is wrong with the records themselves, whatever messages they hold."""
+    if path.is_dir():
+        return [
+            f"{each.name}: {fault}" for each in sorted(path.glob("*.mcap")) for fault in _file_faults(each)
+        ]
+    if is_mcap(path):
+        faults_of = mcap_checking.faults_of
+    elif is_bag(path):
+        faults_of = bag_checking.faults_of
+    else:
+        return []
+    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
+        view = memoryview(data)
+        try:
+            return faults_of(view)
+        finally:
+            view.release()
 
 
 def _differences(connection: Connection, registry: Registry) -> list[str]:

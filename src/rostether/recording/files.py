@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from rostether.errors import ConfigError
 from rostether.recording.bag_reader import BagReader
+from rostether.recording.bag_records import MAGIC
 from rostether.recording.bag_writer import DEFAULT_CHUNK_BYTES, BagWriter
 from rostether.recording.compression import NONE
 from rostether.recording.recorded import RecordingReader, RecordingWriter
@@ -116,6 +117,11 @@ def create_recording(
 def is_mcap(path: Path) -> bool:
     """Tell whether a file is MCAP, by what it begins with; a file that cannot be read is none."""
     return _begins_with(path, MCAP_MAGIC)
+
+
+def is_bag(path: Path) -> bool:
+    """Tell whether a file is a bag of ROS 1, by what it begins with."""
+    return _begins_with(path, MAGIC)
 
 
 def _begins_with(path: Path, magic: bytes) -> bool:
