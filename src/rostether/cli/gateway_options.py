@@ -12,7 +12,8 @@ from rostether.cli.options import Function
 from rostether.errors import ConfigError
 
 ROSBRIDGE_OPTION = "--rosbridge"
-OPTIONS_WITH_PLACES = (ROSBRIDGE_OPTION,)
+FOXGLOVE_OPTION = "--foxglove"
+OPTIONS_WITH_PLACES = (ROSBRIDGE_OPTION, FOXGLOVE_OPTION)
 DEFAULT_PLACE = "localhost"
 TOKEN_VARIABLE = "ROSTETHER_TOKEN"  # noqa: S105 - the name of a variable
 
@@ -33,11 +34,12 @@ class GatewayOptions:
     origins: tuple[str, ...] = ()
     allow: tuple[str, ...] = ()
     wider: str = "--rosbridge 0.0.0.0:9090"
+    foxglove: str | None = None
 
     @property
     def is_any_wanted(self) -> bool:
         """Whether there is a gateway at all."""
-        return self.rosbridge is not None
+        return self.rosbridge is not None or self.foxglove is not None
 
 
 def with_places(arguments: list[str], known: Collection[str]) -> list[str]:
@@ -99,6 +101,13 @@ _PLACE_OPTIONS = (
         expose_value=False,
         callback=_keep,
         help="Serve web pages with roslibjs, as rosbridge does (localhost:9090).",
+    ),
+    click.option(
+        FOXGLOVE_OPTION,
+        metavar="[HOST:PORT]",
+        expose_value=False,
+        callback=_keep,
+        help="Serve Foxglove, as foxglove_bridge does (localhost:8765).",
     ),
 )
 

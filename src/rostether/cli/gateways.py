@@ -99,13 +99,14 @@ async def served_gateways(
     tell: Tell,
 ) -> AsyncIterator[None]:
     """Run the gateways that are wanted, if any, beside a bridge. Raises as `gateways`."""
-    if not options.is_any_wanted:
-        yield
-        return
-    async with (
-        gateway_graph(graphs, ros2, ros2_options, msg_paths) as graph,
-        gateways(options, graph, tell),
-    ):
+    async with AsyncExitStack() as stack:
+        if options.rosbridge is not None:
+            graph = await stack.enter_async_context(gateway_graph(graphs, ros2, ros2_options, msg_paths))
+            await stack.enter_async_context(gateways(options, graph, tell))
+        if options.foxglove is not None:
+            from rostether.cli.foxglove import served_foxglove
+
+            await stack.enter_async_context(served_foxglove(options, graphs, msg_paths, tell))
         yield
 
 

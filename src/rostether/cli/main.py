@@ -44,6 +44,7 @@ VERBS = {
     "role": VerbEntry("rostether.cli.role:role", "Be one of the nodes that launch files name."),
     "bag": VerbEntry("rostether.cli.bag:bag", "Record topics, play them again, look at recordings."),
     "export": VerbEntry("rostether.cli.export:export", "Write what a recording holds as CSV or Parquet."),
+    "foxglove": VerbEntry("rostether.cli.foxglove:foxglove", "Let Foxglove show and use the graph."),
     "rosbridge": VerbEntry(
         "rostether.cli.rosbridge:rosbridge", "Let web pages use the graph, as rosbridge does."
     ),

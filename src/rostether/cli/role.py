@@ -45,6 +45,9 @@ ROLES = {
     "mux-delete": VerbEntry(f"{_TOPICS}:mux_delete", "Take an input from a mux."),
     "mux-list": VerbEntry(f"{_TOPICS}:mux_list", "List the inputs of a mux."),
     "joy-node": VerbEntry("rostether.cli.joy:joy_node", "Publish a joystick's axes and buttons."),
+    "foxglove-bridge": VerbEntry(
+        "rostether.cli.foxglove:foxglove_bridge", "Serve Foxglove, like foxglove_bridge."
+    ),
     "rosbridge-websocket": VerbEntry(
         "rostether.cli.rosbridge:rosbridge_websocket", "Serve web pages, like rosbridge_websocket."
     ),

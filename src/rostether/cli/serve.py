@@ -64,6 +64,7 @@ if TYPE_CHECKING:
     rostether serve "sim:blink.ino?board=uno"         a simulated board of ours
     rostether serve /dev/ttyACM0 /dev/ttyACM1 --ns-per-board
     rostether serve /dev/ttyACM0 --rosbridge          web pages with roslibjs, too
+    rostether serve /dev/ttyACM0 --foxglove           and Foxglove
     rostether serve /dev/ttyACM0 --ros2 zenoh         a ROS 2 node
     rostether serve /dev/ttyACM0 --ros1 --ros2 rclpy  in both graphs
     rostether serve /dev/ttyACM0 --record bags        all topics into bags, too

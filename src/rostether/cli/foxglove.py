@@ -1,0 +1,280 @@
+"""`rostether foxglove`, and the node foxglove_bridge as a role."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+from collections.abc import AsyncIterator, Mapping, Sequence
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rostether.cli.bridge_lines import ConsoleReporter
+from rostether.cli.gateway_options import access_options, read_gateway_options, read_place
+from rostether.cli.gateways import GatewayGraph, Tell, ros1_gateway_graph
+from rostether.cli.graph_access import read_environment
+from rostether.cli.options import allow_option, msg_path_option
+from rostether.cli.role_node import NODE_SETTINGS, run_role
+from rostether.cli.ros2_options import Ros2Options, read_ros2_options, ros2_options
+from rostether.cli.ros_choice import Middleware, chosen_ros1, chosen_ros2
+from rostether.cli.running import run
+from rostether.cli.served_graphs import ServedGraphs, served_graphs
+from rostether.cli.verbs import Verb
+from rostether.errors import ConfigError
+from rostether.graph.ports import Level
+from rostether.ros1.environment import is_loopback
+
+if TYPE_CHECKING:
+    from rostether.cli.gateway_options import GatewayOptions
+    from rostether.gateways.foxglove.settings import FoxgloveSettings, NameFilter
+    from rostether.graph.ports import Graph
+    from rostether.graph.typed_graph import TypedGraph
+    from rostether.ros1.environment import RosEnvironment
+
+FOXGLOVE_NODE = "foxglove_bridge"
+_TRUE = ("true", "1", "yes", "on")
+
+
+@click.command(
+    cls=Verb,
+    examples="""
+    rostether foxglove                                   Foxglove on this machine: ws://localhost:8765
+    rostether foxglove 8766
+    rostether foxglove 0.0.0.0:8765 --allow 192.168.1.0/24
+    rostether foxglove 0.0.0.0 --token 7f3c9a
+    rostether foxglove --ros2 zenoh
+    """,
+)
+@click.argument("place", default="localhost", metavar="[[HOST:]PORT]")
+@access_options
+@click.option("--master", metavar="URI", help="The ROS master to join; it is waited for.")
+@ros2_options
+@allow_option
+@msg_path_option
+def foxglove(place: str, master: str | None, allowed: tuple[str, ...], msg_paths: tuple[Path, ...]) -> None:
+    """Let Foxglove show the graph, publish on it and call services.
+
+    Foxglove, and viewers that speak its WebSocket protocol, open ws://localhost:8765. `rostether serve
+    --foxglove` does the same beside boards. Other machines need a PLACE such as 0.0.0.0:8765.
+    """
+    check_foxglove()
+    run(
+        _serve(
+            read_settings(place, read_gateway_options(allowed)),
+            read_environment(master).allowing(allowed),
+            chosen_ros2(),
+            read_ros2_options(),
+            msg_paths,
+            ros1=chosen_ros1(),
+            is_chosen=master is not None,
+        ),
+        is_service=True,
+    )
+
+
+@click.command(
+    "foxglove-bridge",
+    cls=Verb,
+    context_settings=NODE_SETTINGS,
+    examples="""
+    rostether role foxglove-bridge
+    rostether role foxglove-bridge _port:=8766 _address:=0.0.0.0
+    """,
+)
+@click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
+def foxglove_bridge(arguments: tuple[str, ...]) -> None:
+    """Serve Foxglove, like foxglove_bridge.
+
+    Parameters: ~port (8765), ~address (loopback; 0.0.0.0 for other machines), ~topic_whitelist,
+    ~service_whitelist, ~param_whitelist, ~client_topic_whitelist, ~capabilities, ~send_buffer_limit, ~tls,
+    ~certfile, ~keyfile. Other parameters of foxglove_bridge change nothing.
+    """
+    check_foxglove()
+    run_role(FOXGLOVE_NODE, arguments, _main)
+
+
+@asynccontextmanager
+async def served_foxglove(
+    options: GatewayOptions, graphs: ServedGraphs, msg_paths: Sequence[Path], tell: Tell
+) -> AsyncIterator[None]:
+    """Serve Foxglove where `serve --foxglove` asks for it. Raises ConfigError."""
+    if options.foxglove is None:
+        yield
+        return
+    check_foxglove()
+    settings = read_settings(options.foxglove, options)
+    async with _gateway(settings, _in_ros1_words(graphs, msg_paths), tell, "--foxglove 0.0.0.0:8765"):
+        yield
+
+
+def read_settings(place: str, options: GatewayOptions) -> FoxgloveSettings:
+    """Return what was typed as settings. Raises ConfigError."""
+    from rostether.gateways.foxglove.settings import DEFAULT_PORT, FoxgloveSettings
+
+    host, port = read_place(place, DEFAULT_PORT)
+    return FoxgloveSettings(host, port, token=options.token, origins=options.origins, allow=options.allow)
+
+
+def check_foxglove() -> None:
+    """Raise ConfigError where the extra is not installed."""
+    try:
+        import websockets  # noqa: F401
+    except ModuleNotFoundError:
+        raise ConfigError(
+            "what Foxglove connects to is not installed; type: pip install 'rostether[foxglove]'"
+        ) from None
+
+
+def settings_of_parameters(
+    parameters: Mapping[str, Any], token: str = "", allow: tuple[str, ...] = ()
+) -> FoxgloveSettings:
+    """Return what the parameters of a foxglove_bridge ask for. Raises ConfigError naming the parameter."""
+    from rostether.gateways.foxglove.limits import FoxgloveLimits
+    from rostether.gateways.foxglove.settings import (
+        CAPABILITIES,
+        DEFAULT_HOST,
+        DEFAULT_PORT,
+        FoxgloveSettings,
+    )
+
+    is_secure = str(parameters.get("tls", False)).strip().lower() in _TRUE
+    if is_secure and not parameters.get("certfile"):
+        raise ConfigError("~tls needs ~certfile and ~keyfile, the files of a certificate and its key")
+    wanted = parameters.get("capabilities")
+    if wanted is not None and not isinstance(wanted, list):
+        raise ConfigError(f"~capabilities must be a list, as [{', '.join(CAPABILITIES)}]")
+    waiting_bytes = _whole(parameters, "send_buffer_limit", 0)
+    return FoxgloveSettings(
+        host=str(parameters.get("address") or DEFAULT_HOST),
+        port=_whole(parameters, "port", DEFAULT_PORT),
+        token=token,
+        allow=allow,
+        certificate=str(parameters["certfile"]) if is_secure else "",
+        key=str(parameters.get("keyfile", "")) if is_secure else "",
+        capabilities=tuple(each for each in CAPABILITIES if wanted is None or each in wanted),
+        topics=_filter(parameters, "topic_whitelist"),
+        services=_filter(parameters, "service_whitelist"),
+        parameters=_filter(parameters, "param_whitelist"),
+        client_topics=_filter(parameters, "client_topic_whitelist"),
+        limits=FoxgloveLimits(waiting_bytes=waiting_bytes or FoxgloveLimits().waiting_bytes),
+    )
+
+
+async def _serve(
+    settings: FoxgloveSettings,
+    environment: RosEnvironment,
+    ros2: Middleware | None,
+    ros2_options: Ros2Options,
+    msg_paths: Sequence[Path],
+    *,
+    ros1: bool,
+    is_chosen: bool,
+) -> None:
+    reporter = ConsoleReporter()
+    async with served_graphs(
+        environment,
+        ros1=ros1,
+        ros2=ros2,
+        options=ros2_options,
+        is_chosen=is_chosen,
+        msg_paths=msg_paths,
+    ) as graphs:
+        for line in graphs.lines:
+            reporter.line(Level.INFO, line)
+        on = _in_ros1_words(graphs, msg_paths)
+        async with _gateway(settings, on, reporter.line, "rostether foxglove 0.0.0.0:8765"):
+            await asyncio.get_running_loop().create_future()
+
+
+async def _main(graph: TypedGraph, _: list[str]) -> None:
+    found = await graph.raw.get_param("~") if await graph.raw.has_param("~") else {}
+    parameters = dict(found) if isinstance(found, Mapping) else {}
+    settings = settings_of_parameters(parameters, read_gateway_options().token)
+    # Its own node is there already.
+    on = ros1_gateway_graph(_no_join, graph.store, read_environment())
+    async with _gateway_on(graph.raw, on, settings, ConsoleReporter().line, "_address:=0.0.0.0"):
+        await graph.raw.wait_closed()
+
+
+def _in_ros1_words(graphs: ServedGraphs, msg_paths: Sequence[Path]) -> GatewayGraph:
+    """Return the graphs with ROS 1's definitions, on ROS 2 too: Foxglove's panels know times by them."""
+    from rostether.msgdef.registry import Registry
+    from rostether.serde.store import TypeStore
+
+    store = TypeStore(Registry.from_environment(msg_paths))
+    if graphs.ros1 is not None:
+        return ros1_gateway_graph(graphs.join, store, graphs.ros1)
+    return GatewayGraph(graphs.join, store)
+
+
+@asynccontextmanager
+async def _gateway(
+    settings: FoxgloveSettings, on: GatewayGraph, tell: Tell, wider: str
+) -> AsyncIterator[None]:
+    graph = await on.join(FOXGLOVE_NODE)
+    try:
+        async with _gateway_on(graph, on, settings, tell, wider):
+            yield
+    finally:
+        await graph.close()
+
+
+@asynccontextmanager
+async def _gateway_on(
+    graph: Graph, on: GatewayGraph, settings: FoxgloveSettings, tell: Tell, wider: str
+) -> AsyncIterator[None]:
+    from rostether.gateways.foxglove.gateway import FoxgloveGateway
+    from rostether.packages.locate import package_folders
+
+    def find_packages() -> Mapping[str, Path]:
+        return package_folders(os.environ, Path.cwd())
+
+    gateway = FoxgloveGateway(
+        graph,
+        on.store,
+        settings,
+        find_service_type=on.ask_service_type,
+        find_packages=find_packages,
+        tell=tell,
+    )
+    async with gateway:
+        tell(Level.INFO, f"foxglove: open a connection to {gateway.url} in Foxglove")
+        if is_loopback(settings.host):
+            tell(
+                Level.INFO,
+                "foxglove: programs of this machine only; --foxglove 0.0.0.0:PORT lets others connect",
+            )
+        elif not settings.token:
+            tell(
+                Level.WARN,
+                "foxglove: whoever reaches it can publish and call services; --token and --allow limit that",
+            )
+        yield
+
+
+def _whole(parameters: Mapping[str, Any], name: str, default: int) -> int:
+    value = parameters.get(name, default)
+    try:
+        number = int(str(value).strip())
+    except ValueError:
+        number = -1
+    if isinstance(value, bool) or number < 0:
+        raise ConfigError(f"~{name} must be a whole number, not {value!r}")
+    return number
+
+
+def _filter(parameters: Mapping[str, Any], name: str) -> NameFilter:
+    from rostether.gateways.foxglove.settings import NameFilter
+
+    given = parameters.get(name)
+    if given is None:
+        return NameFilter()
+    if not isinstance(given, list) or not all(isinstance(each, str) for each in given):
+        raise ConfigError(f"~{name} must be a list of regular expressions, as ['/camera/.*']")
+    return NameFilter() if ".*" in given else NameFilter.of(given, f"~{name}")
+
+
+async def _no_join(*_: object, **__: object) -> Any:
+    raise AssertionError("the node of the role is the gateway's")
