@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
@@ -15,7 +16,7 @@ from rostether.cli.ros2_options import Ros2Options
 from rostether.cli.ros_choice import Middleware
 from rostether.cli.served_graphs import ServedGraphs
 from rostether.cli.service_probe import look_up, probe_type
-from rostether.errors import ConfigError
+from rostether.errors import ConfigError, MasterUnreachableError
 from rostether.graph.ports import JoinGraph, Level
 from rostether.ros1.environment import RosEnvironment, is_loopback, parse_rpc_uri
 
@@ -30,6 +31,7 @@ AskService: TypeAlias = Callable[[str], Awaitable[str]]
 """Takes a service's name. Raises GraphError."""
 
 ROSBRIDGE_NODE = "rosbridge_websocket"
+_MASTER_RETRY_S = 0.5  # as often as rospy asks for a master that is not there yet
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,15 +113,18 @@ async def served_gateways(
 
 
 @asynccontextmanager
-async def gateways(options: GatewayOptions, graph: GatewayGraph, tell: Tell) -> AsyncIterator[None]:
+async def gateways(
+    options: GatewayOptions, graph: GatewayGraph, tell: Tell
+) -> AsyncIterator[RosbridgeServer | None]:
     """Run what `options` ask for as long as the block lasts.
 
     Raises ConfigError naming what is not installed, TransportOpenError where a port cannot be listened on.
     """
     async with AsyncExitStack() as stack:
         if options.rosbridge is not None:
-            await stack.enter_async_context(_rosbridge(options, options.rosbridge, graph, tell))
-        yield
+            yield await stack.enter_async_context(_rosbridge(options, options.rosbridge, graph, tell))
+        else:
+            yield None
 
 
 @asynccontextmanager
@@ -131,12 +136,25 @@ async def _rosbridge(
 
     host, port = read_place(place, DEFAULT_PORT)
     settings = RosbridgeSettings(host, port, options.token, options.origins, options.allow)
-    graph = await on.join(ROSBRIDGE_NODE)
+    graph = await joined_patiently(on.join, ROSBRIDGE_NODE, tell)
     try:
         async with rosbridge_server(graph, on, settings, tell, options.wider) as server:
             yield server
     finally:
         await graph.close()
+
+
+async def joined_patiently(join: JoinGraph, name: str, tell: Tell) -> Graph:
+    """Join as soon as there is a master. Raises GraphError."""
+    has_told = False
+    while True:
+        try:
+            return await join(name)
+        except MasterUnreachableError as error:
+            if not has_told:
+                tell(Level.WARN, f"{name} waits: {error}")
+                has_told = True
+            await asyncio.sleep(_MASTER_RETRY_S)
 
 
 @asynccontextmanager

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -108,9 +107,10 @@ async def _serve(
             reporter.line(Level.INFO, line)
         async with (
             gateway_graph(graphs, ros2, ros2_options, msg_paths) as graph,
-            gateways(options, graph, reporter.line),
+            gateways(options, graph, reporter.line) as server,
         ):
-            await asyncio.get_running_loop().create_future()
+            assert server is not None
+            await server.wait_ended()
 
 
 @click.command(

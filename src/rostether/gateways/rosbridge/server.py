@@ -6,6 +6,7 @@ on loopback unless told otherwise.
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import errno
 import ssl
@@ -85,6 +86,8 @@ class RosbridgeServer:
         self._servers: list[Server] = []
         self._clients: set[Session] = set()
         self._count_publisher: Publisher | None = None
+        self._leaving: asyncio.Task[None] | None = None
+        self._ended = asyncio.Event()
         self._refusals = 0
 
     @property
@@ -121,9 +124,25 @@ class RosbridgeServer:
                 CLIENT_COUNT, registry.message_type("std_msgs/Int32"), latch=True
             )
         self._publish_count()
+        self._leaving = asyncio.ensure_future(self._end_with_node())
+
+    async def wait_ended(self) -> None:
+        """Wait until it listens no more: closed, or its node was shut down."""
+        await self._ended.wait()
 
     async def close(self) -> None:
         """Hang up on all clients and listen no more. Idempotent."""
+        if self._leaving is not None:
+            self._leaving.cancel()
+            self._leaving = None
+        await self._close()
+
+    async def _end_with_node(self) -> None:
+        reason = await self._around.graph.wait_closed()
+        self._tell(Level.WARN, f"rosbridge: its node was shut down ({reason}); it serves no more")
+        await self._close()
+
+    async def _close(self) -> None:
         for server in self._servers:
             server.close()
         for server in self._servers:
@@ -134,6 +153,7 @@ class RosbridgeServer:
         if self._count_publisher is not None:
             await self._count_publisher.close()
             self._count_publisher = None
+        self._ended.set()
 
     async def _listen(self, host: str, port: int) -> None:
         settings = self._settings
