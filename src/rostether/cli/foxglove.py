@@ -242,10 +242,7 @@ async def _gateway_on(
     async with gateway:
         tell(Level.INFO, f"foxglove: open a connection to {gateway.url} in Foxglove")
         if is_loopback(settings.host):
-            tell(
-                Level.INFO,
-                "foxglove: programs of this machine only; --foxglove 0.0.0.0:PORT lets others connect",
-            )
+            tell(Level.INFO, f"foxglove: this machine only; {wider} lets others connect")
         elif not settings.token:
             tell(
                 Level.WARN,
