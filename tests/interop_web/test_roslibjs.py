@@ -1,0 +1,98 @@
+"""roslibjs of both generations, in Node, against the rosbridge server."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from interop.ros1_peers import Peer
+from interop_web.robot_stage import IMAGE_BYTES, POSE, POSE_JSON, robot_stage
+from interop_web.web_peers import WebPeers
+
+PATIENCE_S = 60.0
+
+
+def reports(peer: Peer) -> dict[str, Any]:
+    found = [json.loads(line) for line in peer.lines if line.startswith('{"check"')]
+    return {each["check"]: each.get("found", each.get("error")) for each in found}
+
+
+async def until(peer: Peer, condition: Callable[[], object]) -> None:
+    try:
+        async with asyncio.timeout(PATIENCE_S):
+            while not condition():
+                await asyncio.sleep(0.01)
+    except TimeoutError:
+        raise AssertionError(f"it did not come to pass; the page printed:\n{peer.text}") from None
+
+
+@pytest.mark.parametrize("generation", ["1", "2"])
+async def test_a_page_does_with_a_robot_what_it_does_with_rosbridge_suite(
+    web_peers: WebPeers, generation: str
+) -> None:
+    async with robot_stage() as stage:
+        stage.collect("/from_page", "geometry_msgs/Twist")
+        stage.collect("/text_from_page", "std_msgs/String")
+        stage.collect("/bytes_from_page", "std_msgs/UInt8MultiArray")
+        page = await web_peers.start("roslib_client.mjs", generation, stage.url)
+
+        await until(page, lambda: "serving" in reports(page))
+        await until(page, lambda: "/from_page/double" in stage.network.snapshot().services)
+        answer = await stage.talker.call(
+            "/from_page/double", "std_srvs/SetBool", {"data": True}, timeout_s=30
+        )
+        assert (answer.success, answer.message) == (False, "page got true")
+        assert page.process.stdin is not None
+        page.process.stdin.write(b"go on\n")
+
+        await until(page, lambda: "waiting for close" in reports(page))
+        await stage.stop_server()
+        await stage.start_server()
+        await page.finish(PATIENCE_S)
+
+        found = reports(page)
+        pose = stage.talker.store.codec("geometry_msgs/PoseStamped").encode(POSE)
+        assert found["latched"] == {"data": "kept"}
+        assert found["nested"] == POSE_JSON
+        assert found["png"] == POSE_JSON
+        assert found["cbor"] == POSE_JSON
+        assert found["cborRaw"] == {"isNow": True, "bytes": pose.hex()}
+        assert found["scan"] == {"length": 20_003, "head": [None, 1, None], "max": None}
+        assert found["scanCbor"] == {"kind": "Float32Array", "length": 20_003, "last": 2.5}
+        assert found["image"] == {"length": IMAGE_BYTES, "head": [0, 1, 2, 3], "frame": "camera"}
+        assert found["imageCbor"] == {"kind": "Uint8Array", "length": IMAGE_BYTES, "head": [0, 1, 2, 3]}
+        assert found["throttled"] == "some"
+        assert found["called"] == {"success": True, "message": "enabled"}
+        assert "the motor is missing" in found["refused"]
+        assert "/nobody" in found["absent"]
+        assert found["parameters"] == {"value": {"p": 1.5, "list": [1, "a"]}, "isListed": True}
+        assert found["nodeDetails"][:2] == ["/fast", "/image"]
+        assert found["action"] == "tool to base"
+        assert found["served"] is True
+        assert found["reconnected"] == {"data": "kept"}
+        assert found["rosapi"] == {
+            "poseType": "geometry_msgs/PoseStamped",
+            "topicType": "geometry_msgs/PoseStamped",
+            "topicsForType": ["/pose"],
+            "nodes": ["/gateway", "/rosapi", "/talker"],
+            "services": ["/enable", "/fail"],
+            "serviceType": "std_srvs/SetBool",
+            "servicesForType": ["/enable"],
+            "request": ["data"],
+            "response": ["success", "message"],
+            "decoded": {
+                "linear": {"x": "float64", "y": "float64", "z": "float64"},
+                "angular": {"x": "float64", "y": "float64", "z": "float64"},
+            },
+            "actionServers": ["/lookup"],
+            "rawTypes": True,
+        }
+
+        twist = stage.received["/from_page"][0]
+        assert (twist.linear.x, twist.angular.z) == (1.5, -0.5)
+        assert stage.received["/text_from_page"][0].data == "grüße \U0001f600"
+        assert stage.received["/bytes_from_page"][0].data == b"\x01\x02\xff"
