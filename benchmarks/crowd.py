@@ -1,4 +1,4 @@
-"""A hundred devices beside one that floods, or worse: what they lose, how long their messages take, memory."""
+"""A hundred devices beside one that floods or worse: what they lose, how long messages take, memory."""
 
 from __future__ import annotations
 

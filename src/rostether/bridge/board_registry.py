@@ -88,8 +88,11 @@ class BoardRegistry:
                 continue
             number += 1
 
-    def lose(self, board: Board, session: Session | None) -> None:
-        """The board's connection ended: keep its node for the grace period, or for good if it is kept."""
+    def lose(self, board: Board, session: Session | None, *, is_stranger: bool = False) -> None:
+        """The board's connection ended: keep its node for the grace period, or for good if it is kept.
+
+        That of a stranger, who has proven to be no board, leaves at once.
+        """
         if board.session is not session or board.leaving is not None:
             return
         board.session = None
@@ -98,6 +101,8 @@ class BoardRegistry:
         elif self._boards.get(board.name) is board:
             board.is_lost = True
             grace_s = self._grace_s if board.grace_s is None else board.grace_s
+            if is_stranger and not board.is_kept:
+                grace_s = 0.0
             board.farewell = asyncio.get_running_loop().call_later(grace_s, self._part, board)
 
     def end(self, board: Board) -> None:

@@ -234,7 +234,7 @@ class Supervisor:
             if timer is not None:
                 timer.cancel()
             transport.close()
-            self._boards.lose(board, session)
+            self._boards.lose(board, session, is_stranger=address.listens and _is_stranger(session))
 
     async def _watch(self, address: Address, board: Board, node: BoardNode) -> None:
         """Obey when the graph shuts a board's node down."""
@@ -315,6 +315,11 @@ class Supervisor:
 def _end_if_speechless(session: Session) -> None:
     if not session.link.statistics.frames_received:
         session.transport.close()
+
+
+def _is_stranger(session: Session | None) -> bool:
+    """Tell whether no frame has come, now or earlier: scanners must not leave a node each behind them."""
+    return session is not None and session.link.version is None and not any(session.node.endpoints)
 
 
 def _is_loopback(peer: str) -> bool:

@@ -417,3 +417,31 @@ async def test_who_connects_and_never_speaks_gives_the_place_back(
     await asyncio.wait_for(silent.wait_closed(), 60)
     await site.serving("/tcp_192_168_1_7")
     assert "/tcp_192_168_1_7" in site.connected(), "who speaks stays"
+
+
+async def test_who_hangs_up_without_a_frame_leaves_no_node_behind() -> None:
+    site = Site(BridgeSettings(grace_s=3600))
+    await site.start("tcp://:11411")
+    silent, theirs = memory_pair()
+    site.listeners[0].on_transport(silent)
+    await until(lambda: site.supervisor.boards(), "the connection to be taken")
+    theirs.write(b"GET / HTTP/1.1\r\n\r\n" + bytes(range(256)))
+    theirs.close()
+    await until(lambda: not site.nodes(), "the node to leave")
+    await site.supervisor.close()
+
+
+async def test_a_board_that_comes_back_and_says_nothing_keeps_its_topics() -> None:
+    site = Site(BridgeSettings(grace_s=3600))
+    await site.start("tcp://:11411?name=arm")
+    board = site.connect()
+    await site.serving("/arm")
+    board.transport.close()
+    await until(lambda: not site.connected(), "the loss")
+    silent, theirs = memory_pair()
+    site.listeners[0].on_transport(silent)
+    await until(site.connected, "the board to be back")
+    theirs.close()
+    await until(lambda: not site.connected(), "the second loss")
+    assert site.nodes() == {"/arm"}
+    await site.supervisor.close()
