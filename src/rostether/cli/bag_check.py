@@ -20,9 +20,7 @@ from rostether.cli.verbs import Verb
     rostether bag check drive.bag --msg-path ~/catkin_ws/src
     """,
 )
-@click.argument(
-    "files", nargs=-1, required=True, metavar="FILE...", type=click.Path(path_type=Path, dir_okay=False)
-)
+@click.argument("files", nargs=-1, required=True, metavar="FILE...", type=click.Path(path_type=Path))
 @msg_path_option
 def bag_check(files: tuple[Path, ...], msg_paths: tuple[Path, ...]) -> None:
     """Read every message, and say what is wrong; exit with 1 when something is.

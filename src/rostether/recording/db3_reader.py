@@ -54,12 +54,13 @@ class Db3Reader:
         try:
             # Views and triggers in a file from anybody are not to be run.
             self._database.execute("PRAGMA trusted_schema = OFF")
+            self._database.text_factory = lambda data: data.decode("utf-8", "replace")
             self._database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, MAX_VALUE_BYTES)
             self._read_topics()
             self.span_ns = self._read_span()
         except (sqlite3.Error, TypeError, ValueError) as error:
             self.close()
-            raise RecordingError(f"{path} is no recording of rosbag2, or broken: {error}") from None
+            raise RecordingError(f"{path} is no recording of rosbag2, or broken: {_line(error)}") from None
 
     @property
     def counts(self) -> Mapping[Connection, int]:
@@ -100,7 +101,7 @@ class Db3Reader:
                 if payload is not None:
                     yield RecordedMessage(connection, time_ns, payload)
         except sqlite3.Error as error:
-            raise RecordingError(f"{self.path}: {error}") from None
+            raise RecordingError(f"{self.path}: {_line(error)}") from None
 
     def close(self) -> None:
         """Close the file. Idempotent."""
@@ -146,3 +147,7 @@ class Db3Reader:
             "SELECT (SELECT min(timestamp) FROM messages), (SELECT max(timestamp) FROM messages)"
         ).fetchone()
         return None if start_ns is None or end_ns is None else (int(start_ns), int(end_ns))
+
+
+def _line(error: Exception) -> str:
+    return str(error).split("\n", 1)[0][:200]

@@ -19,6 +19,8 @@ _ROW_BYTES = 40  # what SQLite needs for a message and its place in the index, b
 _MAX_WAITING_ROWS = 10_000
 _MAX_WAITING_BYTES = 1 << 20
 """What waits for the next commit: some 10 ms of writing."""
+_LOCK_WAIT_S = 0.2
+"""Who reads the file while it is written holds its lock for moments only; waiting holds everything up."""
 _MAX_TIME_NS = (1 << 63) - 1
 
 _TABLES = """
@@ -55,7 +57,7 @@ class Db3Writer:
             except OSError as error:
                 raise RecordingError(f"cannot write {path}: {error.strerror or error}") from None
         try:
-            self._database = sqlite3.connect(path, isolation_level=None)
+            self._database = sqlite3.connect(path, isolation_level=None, timeout=_LOCK_WAIT_S)
             # A killed process loses nothing that was committed; only a machine that loses power may.
             self._database.execute("PRAGMA journal_mode = WAL")
             self._database.execute("PRAGMA synchronous = OFF")
@@ -124,12 +126,19 @@ class Db3Writer:
             return
         try:
             self.flush()
-            self._database.execute("PRAGMA journal_mode = DELETE")
+            self._leave_one_file()
         except sqlite3.Error as error:
             raise RecordingError(f"cannot write {self.path}: {error}") from None
         finally:
             self._is_closed = True
             self._database.close()
+
+    def _leave_one_file(self) -> None:
+        try:
+            self._database.execute("PRAGMA journal_mode = DELETE")
+        except sqlite3.OperationalError:
+            # Somebody reads it just now: the log may stay, but nothing is in it that is not in the file.
+            self._database.execute("PRAGMA wal_checkpoint(FULL)")
 
     def _add_topic(self, channel: Channel) -> None:
         origin = channel.origin
