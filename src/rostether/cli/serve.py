@@ -223,7 +223,6 @@ async def _serve(
         async with (
             recorded(record_line, record_limit_mb, reporter) as tap,
             bags_recorded(bags, graphs.join, reporter),
-            served_gateways(gateways, graphs, ros2, options, msg_paths, reporter.line),
             simulated(links, reporter, msg_paths) as opened,
             bridge(
                 graphs.join,
@@ -238,6 +237,8 @@ async def _serve(
                 settings=settings,
             ) as supervisor,
             announced(supervisor.listening_on, reporter, is_on=announces, is_wanted=wants_mdns),
+            # Last: a master that is away holds up no board.
+            served_gateways(gateways, graphs, ros2, options, msg_paths, reporter.line),
         ):
             if discovers:
                 supervisor.discover(KnownBoards(known_boards_path()), taken=opened)
