@@ -20,7 +20,9 @@ from rostether.graph.ports import Level
 if TYPE_CHECKING:
     from rostether.bridge.reporter import Reporter
     from rostether.graph.ports import Graph, JoinGraph
+    from rostether.recording.recorded import RecordingWriter
     from rostether.recording.recorder import Recorder
+    from rostether.ros2.type_support import Ros2Types
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -101,13 +103,16 @@ def read_bag_recording() -> BagRecording | None:
 
 @asynccontextmanager
 async def bags_recorded(
-    recording: BagRecording | None, join: JoinGraph, reporter: Reporter
+    recording: BagRecording | None, join: JoinGraph, reporter: Reporter, *, types: Ros2Types | None = None
 ) -> AsyncIterator[None]:
-    """Record as long as the block lasts; what stops the recording is told, and stops nothing else."""
+    """Record as long as the block lasts; what stops the recording is told, and stops nothing else.
+
+    `types` are those of a graph of ROS 2 alone: what is recorded then is a ROS 2 bag.
+    """
     if recording is None:
         yield
         return
-    working = asyncio.create_task(_record(recording, join, reporter))
+    working = asyncio.create_task(_record(recording, join, reporter, types))
     try:
         yield
     finally:
@@ -115,21 +120,26 @@ async def bags_recorded(
         await asyncio.wait([working])
 
 
-async def _record(recording: BagRecording, join: JoinGraph, reporter: Reporter) -> None:
-    from rostether.recording.files import create_recording
+async def _record(
+    recording: BagRecording, join: JoinGraph, reporter: Reporter, types: Ros2Types | None
+) -> None:
     from rostether.recording.recorder import Recorder, RecordLimits, TopicChoice
 
-    date = datetime.now().astimezone().strftime("%Y-%m-%d-%H-%M-%S")
+    try:
+        create, name = _files(recording.folder, types)
+    except RecordingError as error:
+        reporter.line(Level.ERROR, f"{error}; serving goes on")
+        return
     graph = await _joined(join, reporter)
     try:
         recorder = Recorder(
             graph,
-            TopicChoice(is_all=True),
+            TopicChoice(is_all=True, with_hidden=types is None),
             RecordLimits(
                 size_bytes=round(recording.size_mb * MEGABYTE), is_splitting=True, max_splits=recording.keep
             ),
-            create=create_recording,
-            name=lambda number: recording.folder / f"{date}_{number}.bag",
+            create=create,
+            name=name,
             tell=lambda text: reporter.line(_level_of(text), text),
             repeat_latched=True,
         )
@@ -142,6 +152,20 @@ async def _record(recording: BagRecording, join: JoinGraph, reporter: Reporter) 
             reporter.line(Level.INFO, f"Recorded {count} messages, {size}, in {recording.folder}")
     finally:
         await graph.close()
+
+
+def _files(
+    folder: Path, types: Ros2Types | None
+) -> tuple[Callable[[Path], RecordingWriter], Callable[[int], Path]]:
+    date = datetime.now().astimezone().strftime("%Y-%m-%d-%H-%M-%S")
+    if types is None:
+        from rostether.recording.files import create_recording
+
+        return create_recording, lambda number: folder / f"{date}_{number}.bag"
+    from rostether.recording.ros2_bag_writer import Ros2Bag
+
+    bag = Ros2Bag(folder / f"rosbag2_{date}", types=types)
+    return bag.create, bag.path_of
 
 
 async def _joined(join: JoinGraph, reporter: Reporter) -> Graph:

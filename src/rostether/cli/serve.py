@@ -222,7 +222,7 @@ async def _serve(
             reporter.line(Level.WARN, line)
         async with (
             recorded(record_line, record_limit_mb, reporter) as tap,
-            bags_recorded(bags, graphs.join, reporter),
+            bags_recorded(bags, graphs.join, reporter, types=None if ros1 else graphs.types),
             simulated(links, reporter, msg_paths) as opened,
             bridge(
                 graphs.join,

@@ -6,6 +6,7 @@ from collections.abc import AsyncIterator, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rostether.cli.ros2_graph import ros2_access
 from rostether.cli.ros2_options import Ros2Options
@@ -16,14 +17,21 @@ from rostether.graph.joint_join import JointJoin
 from rostether.graph.ports import JoinGraph
 from rostether.ros1.environment import RosEnvironment
 
+if TYPE_CHECKING:
+    from rostether.ros2.type_support import Ros2Types
+
 
 @dataclass(frozen=True, slots=True)
 class ServedGraphs:
-    """What makes the boards' nodes, the ROS 1 environment (None without ROS 1), and lines for people."""
+    """What makes the boards' nodes, the ROS 1 environment (None without ROS 1), and lines for people.
+
+    `types` are those of ROS 2, None without it.
+    """
 
     join: JoinGraph
     ros1: RosEnvironment | None
     lines: tuple[str, ...]
+    types: Ros2Types | None = None
 
 
 @asynccontextmanager
@@ -42,6 +50,7 @@ async def served_graphs(
     joins: list[JoinGraph] = []
     lines: list[str] = []
     used_environment = None
+    types = None
     async with AsyncExitStack() as stack:
         if ros1:
             used = await stack.enter_async_context(
@@ -55,6 +64,7 @@ async def served_graphs(
                 ros2_access(ros2, msg_paths, reach=options.reach, params_files=options.params_files)
             )
             joins.append(access.join)
+            types = access.types
             lines.append(access.line)
         join = joins[0] if len(joins) == 1 else JointJoin(joins)
-        yield ServedGraphs(join, used_environment, tuple(lines))
+        yield ServedGraphs(join, used_environment, tuple(lines), types)

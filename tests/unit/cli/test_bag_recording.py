@@ -9,7 +9,11 @@ from pathlib import Path
 from rostether.cli.bag_recording import BagRecording, bags_recorded
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Level
+from rostether.msgdef.registry import Registry
+from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.recording.bag_reader import BagReader
+from rostether.recording.files import open_recording
+from rostether.ros2.type_support import Ros2Types
 from unit.cli.serving_process import started
 from unit.cli.shell import Shell
 from unit.cli.test_link import board_at, hear, master
@@ -76,3 +80,26 @@ async def test_a_folder_that_takes_nothing_stops_the_recording_alone(tmp_path: P
 def test_a_file_is_no_folder_for_bags(tmp_path: Path, shell: Shell) -> None:
     line = shell.failure("serve", "tcp://:0", "--record", str(tmp_path / "problem.jsonl"))
     assert "--record-line FILE records what goes over the lines" in line
+
+
+async def test_on_ros2_alone_a_ros2_bag(tmp_path: Path) -> None:
+    network = MemoryNetwork()
+    node = await network.join("/node")
+    publisher = await node.advertise("/chat", STRING)
+    types = Ros2Types(Registry(), Ros2Definitions())
+    told = _Lines()
+    async with bags_recorded(BagRecording(tmp_path, 0.1, 2), network.join, told, types=types):
+        await told.wait_for("Subscribing to /chat")
+        async with asyncio.timeout(60):
+            while not any("_3.mcap" in line for _, line in told.lines):
+                publisher.publish_raw([text("x" * 1000)] * 10)
+                await asyncio.sleep(0)
+    (folder,) = tmp_path.iterdir()
+    assert sorted(path.name[-7:] for path in folder.iterdir()) == ["_2.mcap", "_3.mcap", "ta.yaml"]
+    reader = open_recording(folder)
+    (connection,) = reader.counts
+    assert connection.shown_type == "std_msgs/msg/String"
+    assert not reader.damage
+    assert {each.payload for each in reader.messages()} == {text("x" * 1000)}
+    reader.close()
+    await node.close()
