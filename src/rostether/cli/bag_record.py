@@ -5,6 +5,9 @@ from __future__ import annotations
 import asyncio
 import re
 import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
@@ -16,6 +19,7 @@ from rostether.cli.options import master_option, tool_allow_option
 from rostether.cli.output import write_line
 from rostether.cli.recording_files import NewFiles, Packing, asked_form, format_option, storage_option
 from rostether.cli.recording_graph import is_on_ros2_alone, recording_graph
+from rostether.cli.recording_progress import ProgressLine
 from rostether.cli.ros2_options import zenoh_reach_options
 from rostether.cli.ros_choice import ros1_option, ros2_option
 from rostether.cli.running import run
@@ -23,11 +27,16 @@ from rostether.cli.verbs import Verb
 from rostether.errors import ConfigError
 
 if TYPE_CHECKING:
+    from rostether.graph.ports import Graph
+    from rostether.recording.recorded import RecordingWriter
     from rostether.recording.recorder import Recorder, RecordLimits, TopicChoice
     from rostether.ros1.environment import RosEnvironment
 
-PROGRESS_PERIOD_S = 1.0
+BEGIN_TOPIC = "/begin_write"
 MEGABYTE = 1024 * 1024
+MAX_BUFFER_MB = 4096
+"""What -b 0 is, with which rosbag means no bound at all."""
+
 KILOBYTE = 1024
 _UNITS_S = {"": 1, "s": 1, "m": 60, "h": 3600}
 
@@ -84,8 +93,19 @@ class _Duration(click.ParamType[float]):
     metavar="KB",
     help="Chunks of KB (768).",
 )
+@click.option(
+    "-p", "--publish", "publishes_begin", is_flag=True, help="Publish files' names on /begin_write."
+)
 @click.option("--repeat-latched", is_flag=True, help="Begin each file with the latched messages.")
-@click.option("-b", "--buffsize", metavar="MB", hidden=True, help="For habit: messages go on at once.")
+@click.option(
+    "-b",
+    "--buffsize",
+    "buffer_mb",
+    type=click.IntRange(min=0),
+    default=256,
+    metavar="MB",
+    help="What may wait to be compressed; then messages are lost (256).",
+)
 @click.option("--tcpnodelay", is_flag=True, hidden=True, help="For habit: it is always so.")
 @click.option("--udp", is_flag=True, hidden=True, help="For habit: TCP loses nothing.")
 @format_option
@@ -112,8 +132,9 @@ def bag_record(
     bz2: bool,
     lz4: bool,
     chunk_kb: int,
+    publishes_begin: bool,
     repeat_latched: bool,
-    buffsize: str | None,
+    buffer_mb: int,
     tcpnodelay: bool,
     udp: bool,
     form: str | None,
@@ -160,7 +181,22 @@ def bag_record(
     )
     packing = Packing("bz2" if bz2 else "lz4" if lz4 else "none", chunk_kb * KILOBYTE, storage)
     files = NewFiles(output_name, output_prefix, packing, asked_form(form), is_splitting=split)
-    run(_record(environment, choice, limits, files, repeat_latched, quiet), is_service=True)
+    settings = _Settings(
+        repeat_latched=repeat_latched,
+        publishes_begin=publishes_begin,
+        # What is not compressed is written at once.
+        buffer_bytes=(buffer_mb or MAX_BUFFER_MB) * MEGABYTE if bz2 or lz4 else None,
+        is_quiet=quiet,
+    )
+    run(_record(environment, choice, limits, files, settings), is_service=True)
+
+
+@dataclass(frozen=True, slots=True)
+class _Settings:
+    repeat_latched: bool
+    publishes_begin: bool
+    buffer_bytes: int | None
+    is_quiet: bool
 
 
 async def _record(
@@ -168,27 +204,30 @@ async def _record(
     choice: TopicChoice,
     limits: RecordLimits,
     files: NewFiles,
-    repeat_latched: bool,
-    quiet: bool,
+    settings: _Settings,
 ) -> None:
     from rostether.recording.recorder import Recorder
 
     def tell(text: str) -> None:
-        if not quiet:
+        if not settings.is_quiet:
             line.clear()
             write_line(text)
 
-    line = _ProgressLine(is_shown=not quiet and sys.stderr.isatty())
+    line = ProgressLine(is_shown=not settings.is_quiet and sys.stderr.isatty())
     async with recording_graph(environment, "record", is_native=files.is_of_ros2) as graph:
         files.types = graph.types
+        create: Callable[[Path], RecordingWriter] = files.create
+        if settings.publishes_begin:
+            create = await _telling_begin(graph.raw, files)
         recorder = Recorder(
             graph.raw,
             choice,
             limits,
-            create=files.create,
+            create=create,
             name=files.path_of,
             tell=tell,
-            repeat_latched=repeat_latched,
+            repeat_latched=settings.repeat_latched,
+            buffer_bytes=settings.buffer_bytes,
         )
         showing = asyncio.create_task(line.keep(recorder))
         try:
@@ -198,6 +237,21 @@ async def _record(
             line.clear()
             told = f"{recorder.progress.message_count} messages, {size_text(recorder.size_bytes)}"
             tell(f"{told} in {', '.join(str(each) for each in recorder.progress.files if each.exists())}")
+
+
+async def _telling_begin(graph: Graph, files: NewFiles) -> Callable[[Path], RecordingWriter]:
+    """Return what creates a file and publishes its name on /begin_write."""
+    from rostether.msgdef.registry import Registry
+
+    publisher = await graph.advertise(BEGIN_TOPIC, Registry().message_type("std_msgs/String"), latch=True)
+
+    def create(path: Path) -> RecordingWriter:
+        writer = files.create(path)
+        name = str(path).encode(errors="surrogateescape")
+        publisher.publish_raw([len(name).to_bytes(4, "little") + name])
+        return writer
+
+    return create
 
 
 async def _until_ended(leaving: object, recorder: Recorder) -> None:
@@ -215,36 +269,6 @@ async def _until_ended(leaving: object, recorder: Recorder) -> None:
         await asyncio.wait({recording})
     if not recording.cancelled():
         recording.result()
-
-
-class _ProgressLine:
-    """The line that tells rates and sizes, on a terminal."""
-
-    def __init__(self, *, is_shown: bool) -> None:
-        self._is_shown = is_shown
-
-    async def keep(self, recorder: Recorder) -> None:
-        """Write it every second."""
-        loop = asyncio.get_running_loop()
-        began_s = before_s = loop.time()
-        before = (0, 0)
-        while self._is_shown:
-            await asyncio.sleep(PROGRESS_PERIOD_S)
-            now_s = loop.time()
-            now = (recorder.progress.message_count, recorder.size_bytes)
-            rate, speed = ((new - old) / (now_s - before_s) for new, old in zip(now, before, strict=True))
-            sys.stderr.write(
-                f"\r\033[K[{now_s - began_s:.0f} s]  {now[0]} messages, {rate:.0f}/s   "
-                f"{size_text(now[1])}, {size_text(max(speed, 0))}/s   {recorder.topic_count} topics"
-            )
-            sys.stderr.flush()
-            before, before_s = now, now_s
-
-    def clear(self) -> None:
-        """Take the line away before another is written."""
-        if self._is_shown:
-            sys.stderr.write("\r\033[K")
-            sys.stderr.flush()
 
 
 def _pattern(text: str) -> re.Pattern[str]:
