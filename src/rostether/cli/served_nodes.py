@@ -49,6 +49,7 @@ SERVED_NODES: dict[tuple[str, str], tuple[str, ...]] = {
     ("xacro", "xacro.py"): ("xacro",),
     ("rosbag", "record"): ("bag", "record"),
     ("rosbag", "play"): ("bag", "play"),
+    ("rosbag", "rosbag"): ("bag",),
     ("foxglove_bridge", "foxglove_bridge"): ("role", "foxglove-bridge"),
     ("rosbridge_server", "rosbridge_websocket"): ("role", "rosbridge-websocket"),
     ("rosbridge_server", "rosbridge_websocket.py"): ("role", "rosbridge-websocket"),
