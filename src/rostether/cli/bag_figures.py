@@ -33,5 +33,5 @@ def duration_text(seconds: float) -> str:
     minutes, rest = divmod(int(seconds), 60)
     hours, minutes = divmod(minutes, 60)
     if hours:
-        return f"{hours}hr {minutes:02d}:{rest:02d}s ({seconds:.0f}s)"
-    return f"{minutes}:{rest:02d}s ({seconds:.0f}s)" if minutes else f"{seconds:.1f}s"
+        return f"{hours}hr {minutes:02d}:{rest:02d}s ({int(seconds)}s)"
+    return f"{minutes}:{rest:02d}s ({int(seconds)}s)" if minutes else f"{seconds:.1f}s"

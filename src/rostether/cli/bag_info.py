@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Mapping
+from itertools import pairwise
 from pathlib import Path
+from statistics import median
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from rostether.cli.bag_figures import duration_text, size_text, time_text
+from rostether.cli.bag_yaml import yaml_text, yaml_value
 from rostether.cli.output import json_option, one_line, warn, write_json, write_line
 from rostether.cli.verbs import Verb
-from rostether.errors import ConfigError
 from rostether.rostime import NS_PER_S
 
 if TYPE_CHECKING:
@@ -45,16 +48,21 @@ def bag_info(
         reader = open_recording(path)
         try:
             facts = _facts(path, reader)
+            if with_rates:
+                _add_rates(facts, reader)
             if reader.damage:
                 warn(f"{path}: {reader.damage}; `rostether bag reindex {path}` mends it")
             if as_json:
                 write_json(facts)
             elif as_yaml:
-                _print_yaml(facts, key)
+                if number:
+                    write_line("---")
+                text = yaml_text(facts, reader)
+                write_line(text if key is None else yaml_value(text, key))
             else:
                 if number:
-                    write_line()
-                _print(facts, reader, with_rates=with_rates)
+                    write_line("---")
+                _print(facts, reader)
         finally:
             reader.close()
 
@@ -89,7 +97,19 @@ def _facts(path: Path, reader: RecordingReader) -> dict[str, Any]:
     }
 
 
-def _print(facts: Mapping[str, Any], reader: RecordingReader, *, with_rates: bool) -> None:
+def _add_rates(facts: Mapping[str, Any], reader: RecordingReader) -> None:
+    """Add how often messages came on each topic: one by the usual (median) time between two."""
+    times: dict[str, array[int]] = {}
+    for message in reader.messages():
+        times.setdefault(message.connection.topic, array("Q")).append(message.time_ns)
+    for row in facts["topics"]:
+        stamps = times.get(row["topic"], array("Q"))
+        periods = [later - earlier for earlier, later in pairwise(stamps)]
+        if periods and (period_ns := median(periods)) > 0:
+            row["frequency_hz"] = NS_PER_S / period_ns
+
+
+def _print(facts: Mapping[str, Any], reader: RecordingReader) -> None:
     rows = [("path", str(facts["path"])), ("version", str(facts["version"]))]
     if (span := reader.span_ns) is not None:
         rows += [
@@ -103,7 +123,7 @@ def _print(facts: Mapping[str, Any], reader: RecordingReader, *, with_rates: boo
         width = max(len(each["type"]) for each in facts["types"])
         rows += _block("types", [f"{each['type']:<{width}} [{each['md5']}]" for each in facts["types"]])
     if facts["topics"]:
-        rows += _block("topics", _topic_lines(facts, with_rates=with_rates))
+        rows += _block("topics", _topic_lines(facts))
     width = max(len(label) for label, _ in rows) + 1
     for label, text in rows:
         write_line(f"{label + ':' if label else '':<{width}} {one_line(text)}")
@@ -113,18 +133,20 @@ def _block(label: str, lines: list[str]) -> list[tuple[str, str]]:
     return [(label if not index else "", line) for index, line in enumerate(lines)]
 
 
-def _topic_lines(facts: Mapping[str, Any], *, with_rates: bool) -> list[str]:
+def _topic_lines(facts: Mapping[str, Any]) -> list[str]:
     topics = facts["topics"]
     name_width = max(len(row["topic"]) for row in topics)
     count_width = max(len(str(row["messages"])) for row in topics)
+    rates = {row["topic"]: _rate_text(row["frequency_hz"]) for row in topics if "frequency_hz" in row}
+    rate_width = max(map(len, rates.values()), default=0)
     lines = []
     for row in topics:
         word = "msg " if row["messages"] == 1 else "msgs"
         line = f"{row['topic']:<{name_width}}   {row['messages']:>{count_width}} {word}"
-        duration_s = facts.get("duration_s", 0.0)
-        if with_rates and row["messages"] > 1 and duration_s:
-            line += f" @ {(row['messages'] - 1) / duration_s:6.1f} Hz"
-        line += f"    : {row['type']}"
+        line += (
+            f" @ {rates[row['topic']]:>{rate_width}}" if row["topic"] in rates else f"   {'':{rate_width}}"
+        )
+        line += f" : {row['type']}"
         if row["connections"] > 1:
             line += f" ({row['connections']} connections)"
         lines.append(line)
@@ -158,16 +180,9 @@ def _compression_rows(reader: RecordingReader, duration_s: float) -> list[tuple[
     return rows
 
 
-def _print_yaml(facts: Mapping[str, Any], key: str | None) -> None:
-    import yaml
-
-    # The keys that scripts made for rosbag look for.
-    renamed = {name.removesuffix("_s").removesuffix("_bytes"): value for name, value in facts.items()}
-    if key is None:
-        write_line(yaml.safe_dump(renamed, sort_keys=False).rstrip())
-    elif key in renamed:
-        value = renamed[key]
-        is_plain = not isinstance(value, (list, dict))
-        write_line(str(value) if is_plain else yaml.safe_dump(value, sort_keys=False).rstrip())
-    else:
-        raise ConfigError(f"there is no {key!r} in it; there are {', '.join(renamed)}")
+def _rate_text(hz: float) -> str:
+    for unit in ("Hz", "kHz", "MHz"):
+        if hz < 1000:
+            return f"{hz:.1f} {unit}"
+        hz /= 1000
+    return f"{hz:.1f} GHz"
