@@ -99,14 +99,16 @@ def _facts(path: Path, reader: RecordingReader) -> dict[str, Any]:
 
 def _add_rates(facts: Mapping[str, Any], reader: RecordingReader) -> None:
     """Add how often messages came on each topic: one by the usual (median) time between two."""
-    times: dict[str, array[int]] = {}
+    times: dict[str, array[float]] = {}
     for message in reader.messages():
-        times.setdefault(message.connection.topic, array("Q")).append(message.time_ns)
+        # In floats, so that figures are those of rosbag to the last digit.
+        seconds, nanoseconds = divmod(message.time_ns, NS_PER_S)
+        times.setdefault(message.connection.topic, array("d")).append(seconds + nanoseconds / NS_PER_S)
     for row in facts["topics"]:
-        stamps = times.get(row["topic"], array("Q"))
+        stamps = times.get(row["topic"], array("d"))
         periods = [later - earlier for earlier, later in pairwise(stamps)]
-        if periods and (period_ns := median(periods)) > 0:
-            row["frequency_hz"] = NS_PER_S / period_ns
+        if periods and (period_s := median(periods)) > 0:
+            row["frequency_hz"] = 1 / period_s
 
 
 def _print(facts: Mapping[str, Any], reader: RecordingReader) -> None:

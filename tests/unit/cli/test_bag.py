@@ -45,7 +45,7 @@ def test_info_in_its_forms(bag: Path, shell: Shell) -> None:
     assert facts["topics"][1] == {"topic": "/b", "type": "std_msgs/String", "messages": 15, "connections": 1}
     assert yaml.safe_load(shell.output("bag", "info", "-y", str(bag)))["messages"] == 30
     assert shell.output("bag", "info", "-y", "-k", "messages", str(bag)) == "30\n"
-    assert " Hz    : std_msgs/String" in shell.output("bag", "info", "--freq", str(bag))
+    assert "15 msgs @ 50.0 Hz : std_msgs/String" in shell.output("bag", "info", "--freq", str(bag))
     assert "there is no 'color' in it" in shell.failure("bag", "info", "-y", "-k", "color", str(bag))
 
 
