@@ -13,6 +13,9 @@ from rostether.gateways.rosbridge.settings import MAX_CALLS
 from rostether.graph.ports import Graph, ServiceServer
 from rostether.msgdef.interface import ServiceType
 
+_TURNS_TO_ANSWER = 4
+"""Turns of the loop that an answer takes from a client's handler to its caller's line."""
+
 
 class OfferedService:
     """One service that a client answers; `send` puts a message into the client's line."""
@@ -67,9 +70,12 @@ class OfferedService:
 
     async def close(self, reason: str) -> None:
         """Offer it no more; calls that wait fail."""
-        for waiting in self._waiting.values():
-            if not waiting.done():
-                waiting.set_exception(ServiceCallError(f"service {self.name} {reason}"))
+        failing = [waiting for waiting in self._waiting.values() if not waiting.done()]
+        for waiting in failing:
+            waiting.set_exception(ServiceCallError(f"service {self.name} {reason}"))
+        # Their callers are to hear the reason: the graph ends with the service what is still under way.
+        for _ in range(_TURNS_TO_ANSWER if failing else 0):
+            await asyncio.sleep(0)
         if self.server is not None:
             await self.server.close()
 

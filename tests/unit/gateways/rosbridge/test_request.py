@@ -1,0 +1,74 @@
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from rostether.errors import RemoteProtocolError
+from rostether.gateways.rosbridge.request import Request, read_request
+
+
+def request(**fields: Any) -> Request:
+    return Request({"op": "publish", **fields})
+
+
+@pytest.mark.parametrize(
+    ("data", "reason"),
+    [
+        ("garbage", "this is no JSON"),
+        ("", "this is no JSON"),
+        (b"\xff\xfe\x00", "this is no JSON"),
+        ("[1, 2]", r"a message is a JSON object with an op, got \[1, 2\]"),
+        ("7", "a message is a JSON object"),
+        ("{}", "field 'op' wants a text, got nothing"),
+        ('{"op": 7}', "field 'op' wants a text, got 7"),
+        ('{"op": null}', "field 'op' wants a text, got None"),
+        ("[" * 100_000, "nested too deeply"),
+        ('{"op": ' + "9" * 5000 + "}", "this is no JSON"),
+    ],
+)
+def test_what_is_no_message_is_refused_in_one_short_line(data: str | bytes, reason: str) -> None:
+    with pytest.raises(RemoteProtocolError, match=reason) as caught:
+        read_request(data)
+    assert len(str(caught.value)) < 250
+    assert "\n" not in str(caught.value)
+
+
+def test_binary_frames_may_hold_json() -> None:
+    assert read_request(b'{"op": "publish"}').op == "publish"
+
+
+@pytest.mark.parametrize("given", [7, None, ["a"], {}, True])
+def test_a_text_must_be_one(given: object) -> None:
+    with pytest.raises(RemoteProtocolError, match="publish: field 'topic' wants a text"):
+        request(topic=given).text("topic")
+    with pytest.raises(RemoteProtocolError, match="got nothing"):
+        request().text("topic")
+
+
+@pytest.mark.parametrize(("given", "read"), [(100, 100.0), ("100", 100.0), (0.5, 0.5), (None, 7.0)])
+def test_numbers_may_come_as_texts(given: object, read: float) -> None:
+    assert request(throttle_rate=given).number("throttle_rate", 7) == read
+
+
+@pytest.mark.parametrize("given", [-1, "fast", [], float("nan"), float("inf"), 10**400, "1e999"])
+def test_numbers_are_finite_and_not_negative(given: object) -> None:
+    with pytest.raises(RemoteProtocolError, match="throttle_rate"):
+        request(throttle_rate=given).number("throttle_rate", 0)
+
+
+@pytest.mark.parametrize(("given", "read"), [(True, True), (False, False), (None, False), (1, True)])
+def test_flags(given: object, read: bool) -> None:
+    assert request(latch=given).flag("latch") is read
+
+
+def test_a_flag_is_no_text() -> None:
+    with pytest.raises(RemoteProtocolError, match="latch"):
+        request(latch="yes").flag("latch")
+
+
+@pytest.mark.parametrize(
+    ("given", "read"), [("a:1", "a:1"), (7, 7), ({"x": 1}, None), ([], None), (None, None)]
+)
+def test_an_id_is_a_text_or_a_number(given: object, read: object) -> None:
+    assert request(id=given).id == read
