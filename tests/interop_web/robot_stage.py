@@ -150,6 +150,7 @@ async def _serve_action(stage: RobotStage) -> None:
     results = await talker.publisher("/lookup/result", f"{action}Result")
     await talker.publisher("/lookup/feedback", f"{action}Feedback")
     statuses = await talker.publisher("/lookup/status", "actionlib_msgs/GoalStatusArray")
+    await stage.publish_regularly("/lookup/status", "actionlib_msgs/GoalStatusArray", {}, 0.2)
 
     async def answer() -> None:
         async for goal in talker.messages("/lookup/goal", f"{action}Goal"):

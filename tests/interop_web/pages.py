@@ -1,0 +1,36 @@
+"""What a client's program has told so far."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Callable
+from typing import Any
+
+from interop.ros1_peers import Peer
+
+PATIENCE_S = 60.0
+
+
+def reports(peer: Peer) -> dict[str, Any]:
+    """Return what was found, by check; errors as texts."""
+    found = [json.loads(line) for line in peer.lines if line.startswith('{"check"')]
+    return {each["check"]: each.get("found", each.get("error")) for each in found}
+
+
+async def until(peer: Peer, condition: Callable[[], object]) -> None:
+    """Wait for a condition, and say what the program printed where it does not come to pass."""
+    try:
+        async with asyncio.timeout(PATIENCE_S):
+            while not condition() and not (peer.reader_done and peer.process.returncode is not None):
+                await asyncio.sleep(0.01)
+    except TimeoutError:
+        pass
+    assert condition(), f"it did not come to pass; the program printed:\n{peer.text}"
+
+
+async def go_on(peer: Peer) -> None:
+    """Let a program that waits for a line go on."""
+    assert peer.process.stdin is not None
+    peer.process.stdin.write(b"go on\n")
+    await peer.process.stdin.drain()

@@ -1,0 +1,134 @@
+"""A program on roslibpy: `roslibpy_client.py PORT twisted|asyncio`; prints each check with what it found."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import roslibpy
+import roslibpy.core
+from roslibpy.ros1 import actionlib
+
+LIMIT_S = 30.0
+
+
+def tell(check: str, found: Any = None) -> None:
+    print(json.dumps({"check": check, "found": found}), flush=True)
+
+
+def first(ros: Any, name: str, type_name: str, **more: Any) -> Any:
+    """Return the next message of a topic."""
+    topic = roslibpy.Topic(ros, name, type_name, **more)
+    found: list[Any] = []
+    came = threading.Event()
+
+    def take(message: Any) -> None:
+        found.append(message)
+        came.set()
+
+    topic.subscribe(take)
+    if not came.wait(LIMIT_S):
+        return "nothing came"
+    topic.unsubscribe()
+    return dict(found[0])
+
+
+def failure(call: Callable[[], object]) -> str:
+    try:
+        return f"no failure: {call()}"
+    except roslibpy.core.ServiceException as error:
+        return str(error)
+
+
+def served(ros: Any) -> bool:
+    service = roslibpy.Service(ros, "/from_program/double", "std_srvs/SetBool")
+
+    def answer(request: Any, response: Any) -> bool:
+        response["success"] = not request["data"]
+        response["message"] = f"program got {request['data']}"
+        return True
+
+    service.advertise(answer)
+    tell("serving")
+    sys.stdin.readline()
+    service.unadvertise()
+    return True
+
+
+def publish(ros: Any) -> None:
+    twist = roslibpy.Topic(ros, "/from_program", "geometry_msgs/Twist")
+    twist.publish(roslibpy.Message({"linear": {"x": 1.5}, "angular": {"z": -0.5}}))
+    header = roslibpy.Header(7, roslibpy.Time(5, 6), "map")
+    stamped = roslibpy.Topic(ros, "/stamped_from_program", "geometry_msgs/PoseStamped", latch=True)
+    stamped.publish(roslibpy.Message({"header": header}))
+
+
+def action(ros: Any) -> str:
+    client = actionlib.ActionClient(ros, "/lookup", "tf2_msgs/LookupTransformAction")
+    goal = actionlib.Goal(client, roslibpy.Message({"target_frame": "base", "source_frame": "tool"}))
+    goal.send()
+    result = goal.wait(LIMIT_S)
+    client.dispose()
+    return str(result["error"]["error_string"])
+
+
+def reconnected(ros: Any) -> Any:
+    topic = roslibpy.Topic(ros, "/latched", "std_msgs/String")
+    found: list[Any] = []
+    came = threading.Event()
+    closed = threading.Event()
+    ros.on("close", lambda _: closed.set())
+
+    def take(message: Any) -> None:
+        if closed.is_set():
+            found.append(message)
+            came.set()
+
+    topic.subscribe(take)
+    tell("waiting for close")
+    came.wait(LIMIT_S)
+    return found[-1:] and dict(found[-1])
+
+
+def main(port: int, transport: str) -> None:
+    ros = roslibpy.Ros("127.0.0.1", port, transport=transport)
+    ros.run(timeout=LIMIT_S)
+    enable = roslibpy.Service(ros, "/enable", "std_srvs/SetBool")
+    tell("latched", first(ros, "/latched", "std_msgs/String"))
+    tell("relative", first(ros, "latched", "std_msgs/String"))
+    tell("nested", first(ros, "/pose", "geometry_msgs/PoseStamped"))
+    tell("throttled", first(ros, "/pose", "geometry_msgs/PoseStamped", throttle_rate=50, queue_length=1))
+    tell("called", dict(enable.call(roslibpy.ServiceRequest({"data": True}), timeout=LIMIT_S)))
+    fail = roslibpy.Service(ros, "/fail", "std_srvs/Trigger")
+    tell("refused", failure(lambda: fail.call(roslibpy.ServiceRequest(), timeout=LIMIT_S)))
+    tell("misfit", failure(lambda: enable.call(roslibpy.ServiceRequest({"data": "x"}), timeout=LIMIT_S)))
+    publish(ros)
+    gain = roslibpy.Param(ros, "/program/gain")
+    gain.set({"p": 1.5}, timeout=LIMIT_S)
+    tell("parameter", gain.get(timeout=LIMIT_S))
+    gain.delete(timeout=LIMIT_S)
+    tell("deleted", gain.get(timeout=LIMIT_S))
+    tell("topics", "/pose" in ros.get_topics())
+    tell("topicType", ros.get_topic_type("/pose"))
+    tell("topicsForType", ros.get_topics_for_type("geometry_msgs/PoseStamped"))
+    tell("serviceType", ros.get_service_type("/enable"))
+    tell("servicesForType", ros.get_services_for_type("std_srvs/SetBool"))
+    tell("nodes", ros.get_nodes())
+    tell("nodeDetails", ros.get_node_details("/talker")["services"])
+    tell("details", ros.get_message_details("geometry_msgs/Twist")["typedefs"][1]["fieldnames"])
+    tell("time", ros.get_time()["secs"] > 1_600_000_000)
+    tell("action", action(ros))
+    tell("served", served(ros))
+    tell("reconnected", reconnected(ros))
+    ros.terminate()
+    # Its threads outlive it with one of its transports.
+    sys.stdout.flush()
+    os._exit(0)
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]), sys.argv[2])

@@ -1,0 +1,60 @@
+"""roslibpy, over both of its transports, against the rosbridge server."""
+
+from __future__ import annotations
+
+import pytest
+
+from interop_web.pages import PATIENCE_S, go_on, reports, until
+from interop_web.robot_stage import POSE_JSON, robot_stage
+from interop_web.web_peers import WebPeers
+
+
+@pytest.mark.parametrize("transport", ["twisted", "asyncio"])
+async def test_a_program_does_with_a_robot_what_it_does_with_rosbridge_suite(
+    web_peers: WebPeers, transport: str
+) -> None:
+    async with robot_stage() as stage:
+        stage.collect("/from_program", "geometry_msgs/Twist")
+        stage.collect("/stamped_from_program", "geometry_msgs/PoseStamped")
+        program = await web_peers.start("roslibpy_client.py", str(stage.port), transport)
+
+        await until(program, lambda: "serving" in reports(program))
+        await until(program, lambda: "/from_program/double" in stage.network.snapshot().services)
+        answer = await stage.talker.call(
+            "/from_program/double", "std_srvs/SetBool", {"data": True}, timeout_s=30
+        )
+        assert (answer.success, answer.message) == (False, "program got True")
+        await go_on(program)
+
+        await until(program, lambda: "waiting for close" in reports(program))
+        await stage.stop_server()
+        await stage.start_server()
+        await program.finish(PATIENCE_S)
+
+        found = reports(program)
+        assert found["latched"] == {"data": "kept"}
+        assert found["relative"] == {"data": "kept"}
+        assert found["nested"] == POSE_JSON
+        assert found["throttled"] == POSE_JSON
+        assert found["called"] == {"success": True, "message": "enabled"}
+        assert "the motor is missing" in found["refused"]
+        assert "wants a bool for field data" in found["misfit"]
+        assert found["parameter"] == {"p": 1.5}
+        assert found["deleted"] is None
+        assert found["topics"] is True
+        assert found["topicType"] == "geometry_msgs/PoseStamped"
+        assert found["topicsForType"][0] == "/pose"
+        assert found["serviceType"] == "std_srvs/SetBool"
+        assert found["servicesForType"] == ["/enable"]
+        assert found["nodes"] == ["/gateway", "/rosapi", "/talker"]
+        assert found["nodeDetails"] == ["/enable", "/fail"]
+        assert found["details"] == ["x", "y", "z"]
+        assert found["time"] is True
+        assert found["action"] == "tool to base"
+        assert found["served"] is True
+        assert found["reconnected"] == {"data": "kept"}
+
+        twist = stage.received["/from_program"][0]
+        assert (twist.linear.x, twist.angular.z) == (1.5, -0.5)
+        header = stage.received["/stamped_from_program"][0].header
+        assert (header.stamp, header.frame_id) == ((5, 6), "map")
