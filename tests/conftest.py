@@ -50,6 +50,11 @@ def _nobodys_settings(tmp_path_factory: pytest.TempPathFactory) -> None:
     os.environ["XDG_STATE_HOME"] = str(home / "state")
 
 
+def pytest_xdist_auto_num_workers() -> int:
+    """Return how many test processes `-n auto` means: many tests wait most of their time."""
+    return len(os.sched_getaffinity(0)) + 2 if hasattr(os, "sched_getaffinity") else (os.cpu_count() or 1) + 2
+
+
 def pytest_runtest_setup(item: pytest.Item) -> None:
     """Skip or fail a test whose peer is not installed."""
     for name, missing in PEERS.items():

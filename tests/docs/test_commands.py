@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import fcntl
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -26,13 +27,18 @@ PAGES = sorted(
 )
 PATIENCE_S = 60.0
 SIMULATING = ("board run", "firmware sim ", "sim:")
+# A port by its number, or ROS 2's of everybody: what the pages of two test processes may fight over.
+SHARING = re.compile(r"\b1\d{4}\b|ros2|zenoh|demo\b")
 # Commands that set a machine up are typed by tests of their own.
 NOT_TYPED = ("make test", "git clone", "cd ", "pip ", "pipx ", "sudo ")
 
 
 @pytest.fixture
-def alone() -> Iterator[None]:
-    """Pages name fixed ports, as readers want them, so two pages never run at once on one machine."""
+def alone(page: Path) -> Iterator[None]:
+    """Pages that name ports, as readers want them, never run two at once on one machine."""
+    if not SHARING.search(_typed(page)):
+        yield
+        return
     with (Path(tempfile.gettempdir()) / f"rostether-docs-{os.getuid()}.lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         yield
@@ -113,7 +119,7 @@ class Terminal:
         with contextlib.suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGINT)
         try:
-            return process.wait(5)
+            return process.wait(PATIENCE_S)
         except subprocess.TimeoutExpired:
             os.killpg(process.pid, signal.SIGKILL)
             process.wait()
@@ -132,8 +138,13 @@ def _name(page: Path) -> str:
 
 def _needs(page: Path) -> list[pytest.MarkDecorator]:
     """Return the peers that a page's commands need besides our own."""
-    typed = " ".join(command for step in steps(page) for command in step.commands)
-    return [pytest.mark.simavr] if any(sign in typed for sign in SIMULATING) else []
+    return [pytest.mark.simavr] if any(sign in _typed(page) for sign in SIMULATING) else []
+
+
+def _typed(page: Path) -> str:
+    """Return all that is typed and saved for a page."""
+    commands = [command for step in steps(page) for command in step.commands]
+    return "\n".join([*commands, *programs(page).values()])
 
 
 @pytest.mark.timeout(300)
