@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Sequence
 from rostether.errors import RostetherError
 from rostether.gateways.foxglove.server_messages import Channel
 from rostether.gateways.foxglove.settings import NameFilter
+from rostether.gateways.rosbridge.type_names import short_type
 from rostether.gateways.shared_subscriptions import (
     PublisherConnection,
     SharedSubscription,
@@ -108,7 +109,7 @@ class Channels:
 
     def _known(self, name: str) -> MessageType | None:
         try:
-            return self._store.registry.message_type(name)
+            return self._store.registry.message_type(short_type(name))
         except RostetherError:
             return None
 

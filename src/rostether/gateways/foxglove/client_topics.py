@@ -10,13 +10,21 @@ from rostether.errors import ConfigError, RostetherError, SerializationError, Un
 from rostether.gateways.foxglove.client_messages import ClientChannel
 from rostether.gateways.foxglove.json_messages import decode_json
 from rostether.gateways.foxglove.server_messages import JSON_ENCODING, ROS1_ENCODING
+from rostether.gateways.rosbridge.type_names import short_type
 from rostether.graph.ports import Graph, Publisher
 from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore
 
-MAX_EARLY_MESSAGES = 100
-"""What a client sends before the graph has taken its topic."""
+MAX_EARLY_MESSAGES = 10_000
+MAX_EARLY_BYTES = 32 << 20
+"""What a client sends before the graph has taken its topic: a second of a flood, or two large images."""
 
+MAX_MISTAKES_TOLD = 20  # of one topic; each kind is told once
+
+MEETING_S = 1.0
+"""For subscribers to connect to a topic that is new; on a network a few round trips."""
+
+_LOOK_S = 0.01
 _DRAIN_S = 0.1
 """As long as a slow subscriber may hold up the client, as with boards."""
 
@@ -29,7 +37,8 @@ class ClientTopic:
         self._tell = tell
         self._publisher: Publisher | None = None
         self._encode: Callable[[bytes], bytes] | None = None
-        self._early: deque[bytes] = deque(maxlen=MAX_EARLY_MESSAGES)
+        self._early: deque[bytes] = deque()
+        self._early_bytes = 0
         self._told: set[str] = set()
         self._opening: asyncio.Task[None] | None = None
         self._is_closed = False
@@ -41,7 +50,7 @@ class ClientTopic:
     def publish(self, payload: bytes) -> Publisher | None:
         """Publish a message; returns the publisher when its subscribers cannot keep up, to wait for."""
         if self._publisher is None or self._encode is None:
-            self._early.append(payload)
+            self._keep(payload)
             return None
         try:
             message = self._encode(payload)
@@ -61,19 +70,32 @@ class ClientTopic:
 
     async def _open(self, graph: Graph, store: TypeStore) -> None:
         try:
-            type_name = _ros1_name(self.channel.schema_name)
+            type_name = short_type(self.channel.schema_name)
             store = _knowing(store, type_name, self.channel.schema)
             self._encode = _encoder(self.channel, store, type_name)
             message_type = store.registry.message_type(type_name)
-            self._publisher = await graph.advertise(self.channel.topic, message_type)
+            publisher = await graph.advertise(self.channel.topic, message_type)
         except RostetherError as error:
             self._tell_once(f"{self.channel.topic[:200]} cannot be published: {error}")
+            self._early.clear()
+            self._early_bytes = MAX_EARLY_BYTES
             return
+        try:
+            await _met(graph, publisher)
+        finally:
+            self._publisher = publisher
         while self._early and not self._is_closed:
             self.publish(self._early.popleft())
 
+    def _keep(self, payload: bytes) -> None:
+        if len(self._early) >= MAX_EARLY_MESSAGES or self._early_bytes + len(payload) > MAX_EARLY_BYTES:
+            self._tell_once(f"{self.channel.topic[:200]} is not advertised yet: some messages are left out")
+            return
+        self._early_bytes += len(payload)
+        self._early.append(payload)
+
     def _tell_once(self, text: str) -> None:
-        if text not in self._told and len(self._told) < MAX_EARLY_MESSAGES:
+        if text not in self._told and len(self._told) < MAX_MISTAKES_TOLD:
             self._told.add(text)
             self._tell(text)
 
@@ -83,10 +105,18 @@ async def drained(publisher: Publisher) -> None:
     await publisher.drained(_DRAIN_S)
 
 
-def _ros1_name(name: str) -> str:
-    # ROS 2 names of types are taken too: std_msgs/msg/String.
-    package, _, rest = name.partition("/")
-    return f"{package}/{rest.removeprefix('msg/')}"
+async def _met(graph: Graph, publisher: Publisher) -> None:
+    """Wait until one of the subscribers has connected: programs send as soon as they have advertised."""
+    try:
+        async with asyncio.timeout(MEETING_S):
+            topic = (await graph.snapshot()).topics.get(publisher.topic)
+            if topic is None or not topic.subscribers:
+                return
+            # The port announces no connections; looking is cheap.
+            while not publisher.subscriber_count:  # noqa: ASYNC110
+                await asyncio.sleep(_LOOK_S)
+    except (RostetherError, TimeoutError):
+        return
 
 
 def _knowing(store: TypeStore, type_name: str, definition: str) -> TypeStore:

@@ -10,6 +10,7 @@ from rostether.errors import RostetherError, SerializationError, ServiceCallErro
 from rostether.gateways.foxglove.json_messages import decode_json, encode_json
 from rostether.gateways.foxglove.server_messages import JSON_ENCODING, ROS1_ENCODING, OfferedService
 from rostether.gateways.foxglove.settings import NameFilter
+from rostether.gateways.rosbridge.type_names import short_type
 from rostether.graph.ports import Graph, Snapshot
 from rostether.msgdef.interface import ANY_TYPE
 from rostether.serde.store import TypeStore
@@ -107,7 +108,7 @@ class Services:
 
     def _add(self, name: str, type_name: str) -> list[OfferedService]:
         try:
-            service_type = self._store.registry.service_type(type_name)
+            service_type = self._store.registry.service_type(short_type(type_name))
         except RostetherError:
             # Nobody can call what nobody here has the definition of.
             return []
