@@ -6,6 +6,7 @@ import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -204,8 +205,5 @@ async def rosbridge_server(
 
 def check_rosbridge() -> None:
     """Raise ConfigError where the extra is not installed."""
-    try:
-        import cbor2  # noqa: F401
-        import websockets  # noqa: F401
-    except ModuleNotFoundError:
-        raise ConfigError("rosbridge is not installed; type: pip install 'rostether[rosbridge]'") from None
+    if find_spec("websockets") is None or find_spec("cbor2") is None:
+        raise ConfigError("rosbridge is not installed; type: pip install 'rostether[rosbridge]'")

@@ -20,6 +20,9 @@ from rostether.gateways.rosbridge.settings import MAX_CALLS, MAX_SERVICES, match
 from rostether.gateways.rosbridge.surroundings import Surroundings
 from rostether.gateways.rosbridge.type_names import short_type
 
+MAX_LOCAL_CALLS = 4
+"""What the gateway works out for one client at once: a page that asks for all must not hold up others."""
+
 Send = Callable[[dict[str, Any], Wish], None]
 
 
@@ -30,11 +33,15 @@ class ClientServices:
         self._around = around
         self._send = send
         self._calls: set[asyncio.Task[None]] = set()
+        self._local_calls = asyncio.Semaphore(MAX_LOCAL_CALLS)
 
-    def call(self, request: Request) -> None:
-        """Call a service; the answer is sent when it is there, whatever else the client does meanwhile."""
-        if len(self._calls) >= MAX_CALLS:
-            raise RemoteProtocolError(f"call_service: {MAX_CALLS} calls are the most at once")
+    async def call(self, request: Request) -> None:
+        """Call a service; the answer is sent when it is there, whatever else the client does meanwhile.
+
+        A client that has too many calls under way waits here for one to end.
+        """
+        while len(self._calls) >= MAX_CALLS:
+            await asyncio.wait(self._calls, return_when=asyncio.FIRST_COMPLETED)
         service, wish = request.text("service"), Wish.read(request)
         timeout_s = request.number("timeout", 0) or None
         task = asyncio.ensure_future(self._call(request, service, wish, timeout_s))
@@ -100,7 +107,8 @@ class ClientServices:
         self._check_glob(name)
         local = around.local_services.find(name) if around.local_services is not None else None
         if local is not None:
-            return await local(args)
+            async with self._local_calls:
+                return await local(args)
         service_type = await around.service_types.find(name)
         payload = around.forms.from_json(
             service_type.request.name, self._by_name(service_type.request.name, args)

@@ -40,7 +40,7 @@ TOLD_EVERY_S = 5.0
 """How often a client, and the log, is told that a topic is too fast for it."""
 
 MAX_LOGGED = 10
-"""Mistakes of one client that stand in the log; a program that goes on making them reads its statuses."""
+"""Different mistakes of one client that stand in the log; a program that makes more reads its statuses."""
 
 MAX_DEPTH = 3
 """A message in a picture in fragments; more is nonsense."""
@@ -66,7 +66,7 @@ class Session:
         self._fragments = Defragmenter(around.settings.max_message_bytes)
         self._fragment_ids = count()
         self._depth = 0
-        self._logged_count = 0
+        self._logged: set[str] = set()
 
     async def run(self, *, is_known: bool) -> None:
         """Serve the client until it hangs up."""
@@ -158,9 +158,9 @@ class Session:
     def _mistake(self, text: str, request_id: object) -> None:
         text = " ".join(text.split())
         self.status(StatusLevel.ERROR, text, request_id)
-        if self._logged_count < MAX_LOGGED:
-            self._logged_count += 1
-            last = "; more of its mistakes are told only to it" if self._logged_count == MAX_LOGGED else ""
+        if len(self._logged) < MAX_LOGGED and text not in self._logged:
+            self._logged.add(text)
+            last = "; more of its mistakes are told only to it" if len(self._logged) == MAX_LOGGED else ""
             self._around.tell(Level.WARN, f"rosbridge: {self.name}: {text}{last}")
 
     def _send(self, fields: dict[str, Any], wish: Wish) -> None:

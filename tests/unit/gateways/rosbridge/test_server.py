@@ -329,9 +329,10 @@ async def test_statuses_are_as_loud_as_was_set(there: World) -> None:
 
 async def test_the_log_is_not_flooded_by_mistakes(there: World) -> None:
     async with there.client() as client:
-        for _ in range(50):
-            await client.connection.send("garbage")
+        for number in range(50):
+            await client.connection.send(f"garbage {number // 2}")
         assert len(await client.settled()) == 50
+    assert len(set(there.warnings)) == len(there.warnings)
     assert len(there.warnings) == session.MAX_LOGGED
     assert there.warnings[-1].endswith("more of its mistakes are told only to it")
 
