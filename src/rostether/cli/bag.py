@@ -15,6 +15,8 @@ _VERBS = {
         "rostether.cli.bag_filter:bag_filter", "Keep the messages an expression is true for."
     ),
     "convert": VerbEntry("rostether.cli.bag_convert:bag_convert", "Make MCAP of a bag, or a bag of MCAP."),
+    "compress": VerbEntry("rostether.cli.bag_repack:bag_compress", "Compress recordings."),
+    "decompress": VerbEntry("rostether.cli.bag_repack:bag_decompress", "Undo the compression of recordings."),
     "reindex": VerbEntry("rostether.cli.bag_reindex:bag_reindex", "Mend recordings that were not closed."),
 }
 

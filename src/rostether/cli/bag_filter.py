@@ -31,7 +31,8 @@ _MESSAGE = re.compile(r"\bm\b")
 @click.argument("source", type=click.Path(path_type=Path))
 @click.argument("target", type=click.Path(path_type=Path))
 @click.argument("expression")
-def bag_filter(source: Path, target: Path, expression: str) -> None:
+@click.option("-p", "--print", "shown", metavar="EXPRESSION", help="Print this of each message too.")
+def bag_filter(source: Path, target: Path, expression: str, shown: str | None) -> None:
     """Write the messages of SOURCE for which EXPRESSION is true to TARGET, with their times.
 
     It is Python over `topic`, the message `m` with its fields, and the time `t` with `secs` and `nsecs`.
@@ -44,13 +45,17 @@ def bag_filter(source: Path, target: Path, expression: str) -> None:
 
     refuse_same(source, target)
     test = compile_expression(expression, _NAMES, source="EXPRESSION")
-    needs_message = _MESSAGE.search(expression) is not None
+    show = None if shown is None else compile_expression(shown, _NAMES, source="--print")
+    needs_message = _MESSAGE.search(f"{expression} {shown}") is not None
     decoder = Decoder()
 
     def is_wanted(message: RecordedMessage) -> bool:
         value = decoder.decode(message) if needs_message else None
         scope = {"topic": message.connection.topic, "t": Time.from_ns(message.time_ns), "m": value}
-        return bool(test(scope))
+        matches = bool(test(scope))
+        if show is not None:
+            write_line(f"{'MATCH' if matches else 'NO MATCH'} {show(scope)}")
+        return matches
 
     reader = open_recording(source)
     try:

@@ -77,8 +77,11 @@ class BagContent:
         self.connections[u32_field(fields, b"conn")] = Connection.from_fields(topic, named)
 
 
-def read_content(data: Buffer) -> BagContent:
-    """Return what a bag holds, by its index or by a search. Raises RecordingError when it is no bag."""
+def read_content(data: Buffer, damage: str = "") -> BagContent:
+    """Return what a bag holds, by its index, or by a search, also where it is known to be damaged.
+
+    Raises RecordingError when it is no bag.
+    """
     start = len(MAGIC)
     if bytes(data[:start]) != MAGIC:
         raise RecordingError("it is no bag of format 2.0")
@@ -90,6 +93,8 @@ def read_content(data: Buffer) -> BagContent:
         chunk_count = u32_field(fields, b"chunk_count")
     except RecordingError as error:
         return search(data, start + BAG_HEADER_BYTES + 8, str(error))
+    if damage:
+        return search(data, data_end, damage)
     if index_position == 0:
         return search(data, data_end, "it was not closed")
     try:
@@ -133,7 +138,7 @@ def _indexed_chunk(data: Buffer, fields: Fields, counts: Buffer) -> Chunk:
 
 
 def search(data: Buffer, position: int, damage: str) -> BagContent:
-    """Walk over the chunks from a position, up to the last that is whole."""
+    """Walk over the chunks from a position, up to the last whose end is there."""
     content = BagContent(damage=damage, whole_bytes=position)
     try:
         while position < len(data):
@@ -145,12 +150,15 @@ def search(data: Buffer, position: int, damage: str) -> BagContent:
                 if start == end and compression == NONE:
                     end = _end_of_open_chunk(data, start)
                     size = end - start
-                _add_found(content, data, (start, end), compression, size)
+                try:
+                    _add_found(content, data, (start, end), compression, size)
+                except RecordingError as error:  # the next one may be whole
+                    content.damage = f"{damage}; {error}" if str(error) not in damage else damage
             elif op not in (OP_INDEX, OP_CONNECTION, OP_CHUNK_INFO):
                 raise RecordingError(f"a record of an unknown kind ({op:#x}) stands at byte {position}")
             position = content.whole_bytes = end
     except RecordingError as error:
-        content.damage = f"{damage}; {error}"
+        content.damage = f"{content.damage}; {error}"
     return content
 
 

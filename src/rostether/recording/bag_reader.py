@@ -20,12 +20,15 @@ from rostether.recording.recorded import CompressionShare, Connection, RecordedM
 
 
 class BagReader:
-    """A bag being read; see `recording.recorded.RecordingReader`. Raises RecordingError when it is none."""
+    """A bag being read; see `recording.recorded.RecordingReader`. Raises RecordingError when it is none.
+
+    With `damage`, which is then why, its index is not trusted.
+    """
 
     format_version = "2.0"
     unreadable: Mapping[str, str] = MappingProxyType({})
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, *, damage: str = "") -> None:
         self.path = path
         try:
             descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
@@ -41,7 +44,7 @@ class BagReader:
             raise RecordingError(f"cannot read {path}: {error.strerror or error}") from None
         self._view = memoryview(self._data)
         try:
-            self._content = read_content(self._view)
+            self._content = read_content(self._view, damage)
         except BaseException:
             self.close()
             raise

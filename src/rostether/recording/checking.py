@@ -27,7 +27,7 @@ def check(path: Path, registry: Registry) -> Checked:
     """Read a recording; `registry` has the types known here. Raises RecordingError when it is none."""
     reader = open_recording(path)
     faults: list[str] = [reader.damage + "; `rostether bag reindex` mends it"] if reader.damage else []
-    faults += _file_faults(path)
+    faults += file_faults(path)
     layouts: dict[Connection, Layout] = {}
     decoder = Decoder()
     unfit: dict[str, tuple[int, str]] = {}
@@ -65,11 +65,11 @@ def check(path: Path, registry: Registry) -> Checked:
     return Checked(count, tuple(dict.fromkeys(faults)))
 
 
-def _file_faults(path: Path) -> list[str]:
+def file_faults(path: Path) -> list[str]:
     """Return what is wrong with the records themselves, whatever messages they hold."""
     if path.is_dir():
         return [
-            f"{each.name}: {fault}" for each in sorted(path.glob("*.mcap")) for fault in _file_faults(each)
+            f"{each.name}: {fault}" for each in sorted(path.glob("*.mcap")) for fault in file_faults(each)
         ]
     if is_mcap(path):
         faults_of = mcap_checking.faults_of

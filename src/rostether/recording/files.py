@@ -31,11 +31,11 @@ class Form(StrEnum):
     ROS2 = "ros2"
 
 
-def open_recording(path: Path, *, is_native: bool = False) -> RecordingReader:
+def open_recording(path: Path, *, is_native: bool = False, damage: str = "") -> RecordingReader:
     """Open a recording to read. Raises RecordingError, ConfigError when an extra is missing.
 
     Messages of ROS 2 are given as ROS 1 bytes: in the form that ROS 1's nodes have of their type, or
-    natively, in ROS 2's own fields.
+    natively, in ROS 2's own fields. `damage` says why the index of a file is not to be trusted.
     """
     if path.is_dir() or path.name == "metadata.yaml":
         from rostether.recording.ros2_bag_reader import Ros2BagReader
@@ -44,12 +44,12 @@ def open_recording(path: Path, *, is_native: bool = False) -> RecordingReader:
     if is_mcap(path):
         from rostether.recording.mcap_reader import McapReader
 
-        return McapReader(path, is_native=is_native)
+        return McapReader(path, is_native=is_native, damage=damage)
     if _begins_with(path, SQLITE_MAGIC):
         from rostether.recording.db3_reader import Db3Reader
 
         return Db3Reader(path, is_native=is_native)
-    return BagReader(path)
+    return BagReader(path, damage=damage)
 
 
 def form_of(reader: RecordingReader) -> Form:
@@ -106,7 +106,7 @@ def create_recording(
         return Db3Writer(path, types=types)
     if form is Form.ROS1 or path.suffix[1:].isalpha():
         raise ConfigError(
-            f"{path}: a recording's name ends with .bag, .mcap or .db3, that of a ROS 2 bag's folder with none"
+            f"{path}: a recording's name ends with .bag, .mcap or .db3, a ROS 2 bag's folder has no ending"
         )
     from rostether.recording.ros2_bag_writer import Ros2Bag, Storage
 

@@ -89,10 +89,15 @@ class McapContent:
             self.channels[channel.number] = channel
 
 
-def read_content(data: Buffer) -> McapContent:
-    """Return what a file holds, by its summary or by a search. Raises RecordingError when it is no MCAP."""
+def read_content(data: Buffer, damage: str = "") -> McapContent:
+    """Return what a file holds, by its summary, or by a search, also where it is known to be damaged.
+
+    Raises RecordingError when it is no MCAP.
+    """
     if bytes(data[: len(MAGIC)]) != MAGIC:
         raise RecordingError("it is no MCAP file of version 0")
+    if damage:
+        return search(data, damage)
     try:
         content = _by_summary(data)
     except RecordingError as error:
@@ -195,7 +200,7 @@ def search(data: Buffer, damage: str) -> McapContent:
                 try:
                     _add_found(content, data, _stored(decode_chunk(data, start, position), None))
                 except RecordingError as error:  # the next one may be whole
-                    content.damage = f"{damage}; {error}"
+                    content.damage = f"{damage}; {error}" if str(error) not in damage else damage
             elif op in (OP_SCHEMA, OP_CHANNEL):
                 content.define(op, data, start, position)
             elif op == OP_HEADER:

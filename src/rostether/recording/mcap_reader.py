@@ -39,11 +39,17 @@ class McapReader:
 
     Only messages of ROS 1 and CDR are given; the latter as ROS 1 bytes, in ROS 2's own fields if `is_native`.
     `unpack` undoes the compression of single messages, as a ROS 2 bag's summary tells it.
+    With `damage`, which is then why, its index is not trusted.
     Where there is no md5sum of a type, it is computed from the definition.
     """
 
     def __init__(
-        self, path: Path, *, is_native: bool = False, unpack: Callable[[bytes], bytes] | None = None
+        self,
+        path: Path,
+        *,
+        is_native: bool = False,
+        unpack: Callable[[bytes], bytes] | None = None,
+        damage: str = "",
     ) -> None:
         self.path = path
         self._unpack_message = unpack
@@ -62,7 +68,7 @@ class McapReader:
             raise RecordingError(f"cannot read {path}: {error.strerror or error}") from None
         self._view = memoryview(self._data)
         try:
-            self._content = read_content(self._view)
+            self._content = read_content(self._view, damage)
         except RecordingError as error:
             self.close()
             raise RecordingError(f"{path}: {error}") from None

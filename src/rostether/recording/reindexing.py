@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rostether.errors import RecordingError
+from rostether.recording.checking import file_faults
 from rostether.recording.compression import NONE
 from rostether.recording.files import Form, create_recording, form_of, is_mcap, open_recording
 from rostether.recording.recorded import RecordingReader
@@ -33,18 +34,41 @@ def reindex(path: Path, output: Path, *, keep_original: Path | None = None) -> M
     """
     reader = open_recording(path, is_native=True)
     try:
+        if not reader.damage and (faults := file_faults(path)):
+            # Only the index is whole.
+            reader.close()
+            reader = open_recording(path, is_native=True, damage=faults[0])
         damage = reader.damage
-        count = sum(reader.counts.values())
         if not damage and path == output:
-            return Mended("", count, None)
-        with _unfinished(path, output) as unfinished:
-            written = copy(reader, unfinished, compression=_usual(reader), form=form_of(reader))
-            if keep_original is not None:
-                path.replace(keep_original)
-            unfinished.replace(output)
+            return Mended("", sum(reader.counts.values()), None)
+        written = _rewrite(reader, path, output, _usual(reader), keep_original)
     finally:
         reader.close()
     return Mended(damage, written, keep_original)
+
+
+def repack(path: Path, output: Path, compression: str, *, keep_original: Path | None = None) -> int:
+    """Write `path` with its chunks compressed in another way to `output`, perhaps the same; returns how many
+    messages. Raises RecordingError, ConfigError, also at a recording that is damaged.
+    """
+    reader = open_recording(path, is_native=True)
+    try:
+        if reader.damage:
+            raise RecordingError(f"{path}: {reader.damage}; `rostether bag reindex {path}` mends it")
+        return _rewrite(reader, path, output, compression, keep_original)
+    finally:
+        reader.close()
+
+
+def _rewrite(
+    reader: RecordingReader, path: Path, output: Path, compression: str, keep_original: Path | None
+) -> int:
+    with _unfinished(path, output) as unfinished:
+        written = copy(reader, unfinished, compression=compression, form=form_of(reader))
+        if keep_original is not None:
+            path.replace(keep_original)
+        unfinished.replace(output)
+    return written
 
 
 @contextmanager

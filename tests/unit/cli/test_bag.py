@@ -144,3 +144,38 @@ def test_keys_step_and_end_it(graph: LiveGraph, bag: Path) -> None:
 
 async def _published(publisher: object, payloads: list[bytes]) -> None:
     publisher.publish_raw(payloads)  # type: ignore[attr-defined]
+
+
+def test_compressed_in_its_place_and_back(tmp_path: Path, bag: Path, shell: Shell) -> None:
+    before = list(BagReader(bag).messages())
+    assert "30 messages" in shell.output("bag", "compress", str(bag))
+    assert BagReader(bag).compressions[0].name == "bz2"
+    assert "-f writes over it" in shell.failure("bag", "decompress", str(bag))
+    shell.output("bag", "decompress", "-f", "-q", str(bag))
+    assert BagReader(bag).compressions[0].name == "none"
+    shell.output("bag", "compress", "--lz4", "--output-dir", str(tmp_path / "small"), str(bag))
+    small = BagReader(tmp_path / "small" / "a.bag")
+    assert small.compressions[0].name == "lz4"
+    assert list(BagReader(bag).messages()) == list(small.messages()) == before
+
+
+def test_filter_shows_what_is_asked(bag: Path, tmp_path: Path, shell: Shell) -> None:
+    target = str(tmp_path / "b.bag")
+    printed = shell.output("bag", "filter", "-p", "m.data", str(bag), target, "t.to_sec() < 1700000000.14")
+    assert printed.splitlines()[:3] == ["MATCH message 0", "MATCH message 1", "NO MATCH message 2"]
+    assert "nothing is called '__import__'" in shell.failure(
+        "bag", "filter", str(bag), target, "__import__('os')"
+    )
+
+
+def test_a_chunk_that_is_broken_is_left_out_by_reindex(tmp_path: Path, shell: Shell) -> None:
+    path = tmp_path / "a.bag"
+    write_bag(path, compression="bz2")
+    data = bytearray(path.read_bytes())
+    place = data.index(b"BZh", len(data) // 3)
+    data[place + 20] ^= 0xFF
+    path.write_bytes(data)
+    assert "compressed by bz2 is broken" in shell("bag", "check", str(path)).out
+    assert "messages kept" in shell.output("bag", "reindex", str(path))
+    assert "all right" in shell.output("bag", "check", str(path))
+    assert 15 < len(list(BagReader(path).messages())) < 30
