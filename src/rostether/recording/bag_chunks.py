@@ -6,6 +6,7 @@ messages before their chunk is whole (roscpp's does); its messages are then foun
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
@@ -94,7 +95,11 @@ def read_content(data: Buffer, damage: str = "") -> BagContent:
     except RecordingError as error:
         return search(data, start + BAG_HEADER_BYTES + 8, str(error))
     if damage:
-        return search(data, data_end, damage)
+        content = BagContent(damage=damage)
+        with contextlib.suppress(RecordingError):
+            # Connections whose chunk is broken stand there too.
+            content.connections = _by_index(data, index_position, chunk_count).connections
+        return search(data, data_end, damage, content)
     if index_position == 0:
         return search(data, data_end, "it was not closed")
     try:
@@ -137,9 +142,10 @@ def _indexed_chunk(data: Buffer, fields: Fields, counts: Buffer) -> Chunk:
     )
 
 
-def search(data: Buffer, position: int, damage: str) -> BagContent:
+def search(data: Buffer, position: int, damage: str, content: BagContent | None = None) -> BagContent:
     """Walk over the chunks from a position, up to the last whose end is there."""
-    content = BagContent(damage=damage, whole_bytes=position)
+    content = content or BagContent(damage=damage)
+    content.whole_bytes = position
     try:
         while position < len(data):
             fields, start, end = read_record(data, position)
