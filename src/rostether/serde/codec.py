@@ -30,6 +30,10 @@ class Codec:
         """The type as `package/Name`."""
         return self.tree.name
 
+    def class_of(self, tree: Struct) -> type[Message]:
+        """Return the class of a message type at or below this one."""
+        return self._classes.of(tree)
+
     def encode(self, value: Message | Mapping[str, Any]) -> bytes:
         """Return the ROS 1 serialization. Raises SerializationError naming the field that does not fit.
 

@@ -24,6 +24,9 @@ _MAX_FORMS: Final = 512
 """Types of one gateway whose functions are kept; definitions come from peers."""
 
 
+_encode = json.JSONEncoder(allow_nan=False, separators=(",", ":")).encode
+
+
 class Style(Enum):
     """Whose words a client gets: names of times, and the field that only one ROS's header has."""
 
@@ -72,9 +75,9 @@ class JsonForm:
 def write_json(value: object) -> str:
     """Return values of `to_json`, and dicts and lists of them, as JSON; floats it has not become null."""
     try:
-        return json.dumps(value, allow_nan=False, separators=(",", ":"))
+        return _encode(value)
     except ValueError:
-        return json.dumps(_finite(value), allow_nan=False, separators=(",", ":"))
+        return _encode(_finite(value))
 
 
 def _finite(value: Any) -> Any:

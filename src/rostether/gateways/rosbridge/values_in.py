@@ -16,10 +16,14 @@ from rostether.errors import SerializationError
 from rostether.rostime import Duration, Time
 from rostether.serde.codec import Codec
 from rostether.serde.type_tree import Array, Node, Number, Stamp, Struct, Text
+from rostether.serde.values import Message
 
 HEADER: Final = "std_msgs/Header"
 ROS2_TIME: Final = "builtin_interfaces/Time"
 """What a time is where definitions are ROS 2's own."""
+
+MAX_ELEMENTS: Final = 1 << 18
+"""Messages and texts in the arrays of one message, a path of many hours: more would hold up everybody else."""
 
 _MAX_SHOWN: Final = 40
 _FLOATS: Final = frozenset({float, int})
@@ -32,10 +36,11 @@ _ROS2_HALVES: Final = {"secs": "sec", "nsecs": "nanosec"}
 def message_payload(codec: Codec, value: object, now: Time) -> bytes:
     """Return the serialization. Raises SerializationError."""
     try:
-        fields = _struct(codec.tree, value, now)
+        message = _Reader(codec, now).struct(codec.tree, value)
     except _MisfitError as misfit:
         raise SerializationError(misfit.sentence(codec.type_name)) from None
-    return codec.encode(fields)
+    # What does not fit its number's size is told here.
+    return codec.encode(message)
 
 
 class _MisfitError(Exception):
@@ -59,36 +64,94 @@ class _MisfitError(Exception):
         return f"{type_name} wants {self._wanted}{where}, got {_show(self._got)}"
 
 
-def _struct(tree: Struct, value: object, now: Time) -> dict[str, Any]:
-    if tree.name == ROS2_TIME:
-        if value == "now":
-            return _ros2_time(now)
-        if isinstance(value, Mapping):
-            value = {_ROS2_HALVES.get(name, name): each for name, each in value.items()}
-    if not isinstance(value, Mapping):
-        raise _MisfitError(f"an object ({tree.name})", value)
-    fields: dict[str, Any] = {}
-    left = len(value)
-    for member in tree.members:
-        name = member.name
-        if name in value:
-            left -= 1
+class _Reader:
+    """Reads one value."""
+
+    def __init__(self, codec: Codec, now: Time) -> None:
+        self._codec = codec
+        self._now = now
+        self._elements_left = MAX_ELEMENTS
+
+    def struct(self, tree: Struct, value: object) -> Message:
+        """Return a message, its missing fields zero. Raises _MisfitError."""
+        if tree.name == ROS2_TIME:
+            value = self._ros2_time(value)
+        if not isinstance(value, Mapping):
+            raise _MisfitError(f"an object ({tree.name})", value)
+        message_class = self._codec.class_of(tree)
+        message = message_class.__new__(message_class)
+        left = len(value)
+        for member, (name, zero) in zip(tree.members, message_class._zeros, strict=True):
+            if name in value:
+                left -= 1
+                try:
+                    found = self._node(member.node, value[name])
+                except _MisfitError as misfit:
+                    misfit.within(name)
+                    raise
+            elif name == "header" and isinstance(member.node, Struct) and member.node.name == HEADER:
+                found = self.struct(member.node, {})
+            elif name == "stamp" and tree.name == HEADER:
+                found = self._node(member.node, "now")
+            else:
+                found = zero() if callable(zero) else zero
+            setattr(message, name, found)
+        if left:
+            _refuse_unknown(tree, value)
+        return message
+
+    def _node(self, node: Node, value: Any) -> Any:
+        if isinstance(node, Number):
+            return _number(node, value)
+        if isinstance(node, Text):
+            if not isinstance(value, str):
+                raise _MisfitError("a string", value)
+            return value if value.isascii() else _sound_text(value)
+        if isinstance(node, Struct):
+            return self.struct(node, value)
+        if isinstance(node, Stamp):
+            return _stamp(node, value, self._now)
+        return self._array(node, value)
+
+    def _array(self, array: Array, value: Any) -> bytes | list[Any]:
+        element = array.element
+        if array.is_bytes and isinstance(value, str):
             try:
-                fields[name] = _node(member.node, value[name], now)
+                return a2b_base64(value)
+            except (Base64Error, ValueError):
+                raise _MisfitError(f"base64 or a list of integers ({array.name})", value) from None
+        if not isinstance(value, list):
+            raise _MisfitError(f"a list ({array.name})", value)
+        if isinstance(element, Number) and element.code != "?":
+            # The bulk of large messages; whether each number fits is found out when it is packed.
+            kinds = set(map(type, value))
+            if kinds <= (_FLOATS if element.code in "fd" else _INTEGERS):
+                return _packed(value) if array.is_bytes else value
+        self._elements_left -= len(value)
+        if self._elements_left < 0:
+            raise _MisfitError(f"at most {MAX_ELEMENTS} elements in all", value)
+        items = []
+        for index, each in enumerate(value):
+            try:
+                items.append(self._node(element, each))
             except _MisfitError as misfit:
-                misfit.within(name)
+                misfit.within(f"[{index}]")
                 raise
-        elif name == "header" and isinstance(member.node, Struct) and member.node.name == HEADER:
-            fields[name] = _struct(member.node, {}, now)
-        elif name == "stamp" and tree.name == HEADER:
-            fields[name] = _node(member.node, "now", now)
-    if left:
-        _refuse_unknown(tree, value)
-    return fields
+        return items
+
+    def _ros2_time(self, value: object) -> object:
+        if value == "now":
+            return {"sec": self._now.secs, "nanosec": self._now.nsecs}
+        if isinstance(value, Mapping):
+            return {_ROS2_HALVES.get(name, name): each for name, each in value.items()}
+        return value
 
 
-def _ros2_time(now: Time) -> dict[str, Any]:
-    return {"sec": now.secs, "nanosec": now.nsecs}
+def _packed(values: list[int]) -> bytes | list[int]:
+    try:
+        return bytes(values)
+    except ValueError:
+        return values
 
 
 def _refuse_unknown(tree: Struct, value: Mapping[Any, Any]) -> None:
@@ -99,20 +162,6 @@ def _refuse_unknown(tree: Struct, value: Mapping[Any, Any]) -> None:
             misfit = _MisfitError("", has)
             misfit.within(str(name)[:_MAX_SHOWN])
             raise misfit
-
-
-def _node(node: Node, value: Any, now: Time) -> Any:
-    if isinstance(node, Number):
-        return _number(node, value)
-    if isinstance(node, Text):
-        if not isinstance(value, str):
-            raise _MisfitError("a string", value)
-        return value if value.isascii() else _sound_text(value)
-    if isinstance(node, Struct):
-        return _struct(node, value, now)
-    if isinstance(node, Stamp):
-        return _stamp(node, value, now)
-    return _array(node, value, now)
 
 
 def _number(node: Number, value: Any) -> bool | int | float:
@@ -154,30 +203,6 @@ def _stamp(node: Stamp, value: Any, now: Time) -> Time | Duration:
         misfit.within(str(left.pop())[:_MAX_SHOWN])
         raise misfit
     return kind(*halves)
-
-
-def _array(array: Array, value: Any, now: Time) -> bytes | list[Any]:
-    element = array.element
-    if array.is_bytes and isinstance(value, str):
-        try:
-            return a2b_base64(value)
-        except (Base64Error, ValueError):
-            raise _MisfitError(f"base64 or a list of integers ({array.name})", value) from None
-    if not isinstance(value, list):
-        raise _MisfitError(f"a list ({array.name})", value)
-    if isinstance(element, Number):
-        kinds = set(map(type, value))
-        # The bulk of large messages; whether each number fits is found out when it is packed.
-        if kinds <= (_FLOATS if element.code in "fd" else _INTEGERS) and element.code != "?":
-            return value
-    items = []
-    for index, each in enumerate(value):
-        try:
-            items.append(_node(element, each, now))
-        except _MisfitError as misfit:
-            misfit.within(f"[{index}]")
-            raise
-    return items
 
 
 def _sound_text(text: str) -> str:

@@ -99,3 +99,12 @@ def hand_made(width: int, height: int, rows: bytes, depth: int = 8) -> str:
 def test_what_holds_no_text_is_told(data: str) -> None:
     with pytest.raises(RemoteProtocolError, match="png: "):
         unpack_png(data, 10_000)
+
+
+def test_large_pictures_need_rows_without_filters() -> None:
+    width = 1000
+    rows = (b"\1" + b"a" + b"\0" * (3 * width - 1)) * 100
+    with pytest.raises(RemoteProtocolError, match="row filters"):
+        unpack_png(hand_made(width, 100, rows), 1 << 20)
+    plain = (b"\0" + b"a" * (3 * width)) * 100
+    assert unpack_png(hand_made(width, 100, plain), 1 << 20) == "a" * 300_000

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import json
 import math
+import time
 from typing import Any
 
 import pytest
@@ -181,3 +182,15 @@ def test_every_type_comes_back_as_it_went(name: str) -> None:
     zero = codec(name).encode({})
     values = JsonForm().to_json(codec(name), zero)
     assert JsonForm().from_json(codec(name), json.loads(write_json(values)), NOW) == zero
+
+
+def test_arrays_of_messages_have_a_limit() -> None:
+    with pytest.raises(SerializationError, match="at most 262144 elements in all for field points"):
+        back("geometry_msgs/Polygon", {"points": [{}] * 262_145})
+
+
+def test_a_million_numbers_take_no_time_each() -> None:
+    value = {"data": [1.5] * 1_000_000}
+    began_s = time.perf_counter()
+    assert len(back("std_msgs/Float64MultiArray", value).data) == 1_000_000
+    assert time.perf_counter() - began_s < 5.0
