@@ -25,6 +25,7 @@ from rostether.graph.memory_graph import MemoryGraph
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.transports.address import parse_address
 from unit.bridge.doubles import RecordingReporter, until
+from unit.bridge.lateness import lateness
 from unit.bridge.machine import CH340, MODEM, UNO, Machine
 from unit.bridge.nodes import STORE, text
 
@@ -107,15 +108,17 @@ async def test_a_board_is_found_named_and_connected_when_it_is_plugged_in(site: 
     await until(lambda: site.reporter.having("No known board is plugged in yet"), "the search to begin")
     plugged_s = now_s()
     async with site.machine.board("ttyACM0", chatter, serial_number="7533", **UNO):
-        await until(lambda: site.settled("/board_7533"), "the board")
-        assert now_s() - plugged_s < 2.0
+        async with lateness() as late:
+            await until(lambda: site.settled("/board_7533"), "the board")
+        assert now_s() - plugged_s - late.total_s < 2.0
         assert site.connected() == {"/board_7533": site.machine.path("ttyACM0")}
         assert len(site.reporter.having("Found a board at")) == 1
     lost_s = now_s()
     await until(lambda: not site.connected(), "the loss to be noticed")
     assert "/board_7533" in site.nodes()
-    await until(lambda: "/board_7533" not in site.nodes(), "the node to leave")
-    assert GRACE_S - 0.1 < now_s() - lost_s < GRACE_S + 1.0
+    async with lateness() as late:
+        await until(lambda: "/board_7533" not in site.nodes(), "the node to leave")
+    assert GRACE_S - 0.1 < now_s() - lost_s < GRACE_S + 1.0 + late.total_s
 
 
 async def test_boards_that_are_there_already_are_found(site: Site) -> None:
@@ -153,8 +156,9 @@ async def test_a_board_that_comes_back_as_another_port_is_the_same_node(
     async with site.machine.board("ttyACM1", **marks) as board:
         speaks_s = now_s()
         talking = asyncio.ensure_future(talk(board, stop))
-        await until(lambda: heard, "messages from the other port")
-        assert now_s() - speaks_s < 0.5
+        async with lateness() as late:
+            await until(lambda: heard, "messages from the other port")
+        assert now_s() - speaks_s - late.total_s < 0.5
         assert site.connected() == {node: site.machine.path("ttyACM1")}
         assert site.network.nodes[node] is registrations
         stop.set()
@@ -212,8 +216,9 @@ async def test_a_file_names_and_sets_a_board(site: Site) -> None:
         await talking
         assert set(site.connected()) == {"/lab/arm"}
     lost_s = now_s()
-    await until(lambda: "/lab/arm" not in site.nodes(), "the node to leave")
-    assert now_s() - lost_s < GRACE_S
+    async with lateness() as late:
+        await until(lambda: "/lab/arm" not in site.nodes(), "the node to leave")
+    assert now_s() - lost_s - late.total_s < GRACE_S
 
 
 async def test_a_board_without_a_required_topic_is_reported_once(site: Site) -> None:

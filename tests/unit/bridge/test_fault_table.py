@@ -15,6 +15,7 @@ from rostether.rosserial.events import MessagesReceived
 from rostether.rosserial.frame import encode_frame
 from rostether.rosserial.packets import TopicInfo
 from unit.bridge.doubles import until
+from unit.bridge.lateness import lateness
 from unit.bridge.line_boards import COUNT, TIME_REQUEST, Board, Bridge, TcpBoard, gone_missing, line, numbered
 from unit.bridge.nodes import topic_info
 from unit.rosserial.host_link_boards import settled_link
@@ -22,7 +23,7 @@ from unit.rosserial.host_link_boards import settled_link
 GARBAGE = random.Random(4).randbytes(64 * 1024)
 AT_ONCE_S = 0.5
 # A machine that is busy with other work may miss it now and then, a bridge that is slow misses it each time.
-TRIES = 3
+TRIES = 6
 
 every_line = pytest.mark.parametrize("kind", ["tcp", "pty", "serial"])
 
@@ -218,18 +219,18 @@ async def test_seconds_of_garbage_at_ten_megabytes_a_second(name: str) -> None:
         await board.settle(heard)
         await other.settle(others)
         other.count_from(1)
-        began_s = time.monotonic()
+        began_s, used_s = time.monotonic(), _cpu_s()
         for turn in range(turns):
             await board.send(noise[name])
             await asyncio.sleep(max(0.0, began_s + (turn + 1) * 0.1 - time.monotonic()))
         await board.send(TIME_REQUEST)
         back_s = time.monotonic()
-        # Two seconds, and as much again for a busy machine: judged header by header it took eight.
-        assert back_s - began_s < 4.0
-        board.count_from(1)
-        await until(lambda: len(set(heard)) > 1, "messages after the garbage", limit_s=30.0)
-        # The board and its line are not the only ones that a busy machine holds up here.
-        assert time.monotonic() - back_s < 3 * AT_ONCE_S
+        async with lateness() as late:
+            board.count_from(1)
+            await until(lambda: len(set(heard)) > 1, "messages after the garbage")
+        assert time.monotonic() - back_s - late.total_s < AT_ONCE_S
+        # Two seconds, and as much again for a slow machine: judged header by header it took eight.
+        assert _cpu_s() - used_s < 4.0
         await asyncio.sleep(0.2)
         assert sorted(set(others)) == list(range(max(others) + 1))
         assert max(others) > 20

@@ -57,9 +57,9 @@ def test_the_same_definitions_give_the_same_bytes(library: RenderedLibrary) -> N
 
 
 def test_everything_takes_less_than_a_second() -> None:
-    started = time.perf_counter()
+    started = time.process_time()
     render_library(Registry())
-    assert time.perf_counter() - started < 1
+    assert time.process_time() - started < 1
 
 
 def test_a_library_for_a_sketch_is_small(tmp_path: Path) -> None:

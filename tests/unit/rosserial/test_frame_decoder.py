@@ -256,11 +256,11 @@ def test_hostile_bytes_take_linear_time(name: str) -> None:
     # A quadratic rescan of these takes many seconds; the bound leaves a busy machine room.
     data = HOSTILE[name]
     decoder = FrameDecoder()
-    began_s = time.perf_counter()
+    began_s = time.process_time()
     decoded = [item for now in range(4) for item in decoder.feed(data, now)]
     for now in range(4, 10):
         decoded += decoder.handle_timer(now)
-    assert time.perf_counter() - began_s < 5
+    assert time.process_time() - began_s < 5
     assert sum(len(item.data) for item in discards(decoded)) <= 4 * len(data)
 
 

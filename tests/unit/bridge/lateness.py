@@ -1,0 +1,39 @@
+"""How much later than asked this process gets to run: what a busy machine adds to all that is measured."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator
+
+_TICK_S = 0.01
+
+
+class Lateness:
+    """Adds up by how much waits of ours ended too late."""
+
+    def __init__(self) -> None:
+        self.total_s = 0.0
+
+    async def watch(self) -> None:
+        """Measure until cancelled."""
+        clock = asyncio.get_running_loop().time
+        while True:
+            began_s = clock()
+            await asyncio.sleep(_TICK_S)
+            self.total_s += max(0.0, clock() - began_s - _TICK_S)
+
+
+@contextlib.asynccontextmanager
+async def lateness() -> AsyncIterator[Lateness]:
+    """Measure as long as the block lasts.
+
+    Work of this process that holds its loop counts as well: where that may be, measure processor time.
+    """
+    measured = Lateness()
+    watching = asyncio.create_task(measured.watch())
+    try:
+        yield measured
+    finally:
+        watching.cancel()
+        await asyncio.gather(watching, return_exceptions=True)
