@@ -23,7 +23,7 @@ ROS2_TIME: Final = "builtin_interfaces/Time"
 """What a time is where definitions are ROS 2's own."""
 
 MAX_ELEMENTS: Final = 1 << 18
-"""Messages and texts in the arrays of one message, a path of many hours: more would hold up everybody else."""
+"""Messages and texts in the arrays of one message, a path of many hours: more would hold up all others."""
 
 _MAX_SHOWN: Final = 40
 _FLOATS: Final = frozenset({float, int})
