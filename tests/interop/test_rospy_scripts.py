@@ -14,6 +14,7 @@ import pytest
 
 from interop.ros1_peers import DEBIAN_PYTHON, Peer, Ros1Peers
 from rostether.rospy_facade.environment import node_environment
+from unit.recording.bags import write_bag
 
 SCRIPTS = Path(__file__).parent / "rospy_scripts"
 PYTHONS = [DEBIAN_PYTHON, sys.executable]
@@ -112,3 +113,28 @@ async def test_what_the_graph_sees(roscore: Ros1Peers, how_to_end: str, argument
     ours = await observe(roscore, sys.executable, how_to_end, *arguments)
     assert ours == theirs
     assert len(ours["registered"][0]) == 6
+
+
+async def test_actions_between_both(roscore: Ros1Peers) -> None:
+    """Every client with every server: what a client sees is the same."""
+    seen = []
+    for server_python, name in ((DEBIAN_PYTHON, "theirs"), (sys.executable, "ours")):
+        server = await start(roscore, server_python, "action_server.py", f"__name:={name}")
+        await server.wait_for("SERVING")
+        for python in PYTHONS:
+            seen.append(await printed(roscore, python, "action_client.py", f"/{name}"))
+        server.process.send_signal(signal.SIGINT)
+        await server.finish()
+    assert seen[1:] == [seen[0]] * 3
+    assert len(seen[0]) > 30
+
+
+async def test_bags(roscore: Ros1Peers, tmp_path: Path) -> None:
+    bag = tmp_path / "there.bag"
+    write_bag(bag, count=6)
+    arguments = [(python, str(tmp_path / f"{number}.bag"), str(bag)) for number, python in enumerate(PYTHONS)]
+    theirs, ours = await asyncio.gather(
+        *(printed(roscore, python, "bags.py", *words) for python, *words in arguments)
+    )
+    assert ours == theirs
+    assert len(ours) > 130
