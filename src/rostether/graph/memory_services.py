@@ -45,11 +45,9 @@ class MemoryServiceServer:
             )
         task = asyncio.ensure_future(self._answer(request))
         self._calls.add(task)
-        task.add_done_callback(self._calls.discard)
+        task.add_done_callback(self._ended)
         done, _ = await asyncio.wait((task,), timeout=timeout_s)
         if not done:
-            # Nobody takes the late answer; an error in it is the handler's own affair.
-            task.add_done_callback(lambda late: late.cancelled() or late.exception())
             raise ServiceTimeoutError(f"service {self.service} did not answer within {timeout_s:g} s")
         if task.cancelled():
             raise ServiceUnavailableError(f"service {self.service} ended during the call")
@@ -62,6 +60,12 @@ class MemoryServiceServer:
             for task in self._calls:
                 task.cancel()
             self._on_close(self)
+
+    def _ended(self, task: asyncio.Task[bytes]) -> None:
+        self._calls.discard(task)
+        if not task.cancelled():
+            # A caller that has given up takes no late answer; an error in it is the handler's own affair.
+            task.exception()
 
     async def _answer(self, request: bytes) -> bytes:
         try:
