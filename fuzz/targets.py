@@ -23,6 +23,8 @@ NAMES = (
     "devices_toml",
     "address",
     "psk_hello",
+    "recordings",
+    "rosbridge",
 )
 CORPORA = Path(__file__).parent / "corpora"
 # No input of a few KB may hold a bridge up for as long as a board waits for its parameter.

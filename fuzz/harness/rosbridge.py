@@ -1,0 +1,171 @@
+"""What a rosbridge client says, line by line: whatever it is, a call after it is answered, all in sound JSON.
+
+The graph is in memory, and no socket is opened. Errors that are not ours would be told to the client as well;
+here they break the promise.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import re
+from collections.abc import AsyncIterator
+
+import cbor2
+
+from rostether.gateways.rosbridge.admission import Admission
+from rostether.gateways.rosbridge.fragments import split_fragments
+from rostether.gateways.rosbridge.message_forms import MessageForms
+from rostether.gateways.rosbridge.offered_services import OfferedServices
+from rostether.gateways.rosbridge.png_packing import pack_png
+from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi
+from rostether.gateways.rosbridge.service_types import ServiceTypes
+from rostether.gateways.rosbridge.session import Session
+from rostether.gateways.rosbridge.settings import RosbridgeSettings
+from rostether.gateways.rosbridge.surroundings import Surroundings
+from rostether.gateways.rosbridge.values import Style
+from rostether.gateways.shared_subscriptions import SharedSubscriptions
+from rostether.graph.memory_network import MemoryNetwork
+from rostether.graph.ports import Level
+from rostether.graph.typed_graph import TypedGraph
+from rostether.msgdef.registry import Registry
+from rostether.rostime import Time
+from rostether.serde.store import TypeStore
+from rostether.serde.values import Message
+
+ANSWER_LIMIT_S = 30.0
+LAST_CALL = '{"op":"call_service","service":"/rosapi/get_time","id":"the end"}'
+
+_STORE = TypeStore(Registry())
+_SETTINGS = RosbridgeSettings(max_message_bytes=1 << 16)
+_NOT_OURS = re.compile(r"rosbridge: a client: [A-Za-z]*(Error|Exception|Interrupt): ")
+
+
+def seeds() -> list[bytes]:
+    """Return conversations of every operation, in pieces and pictures too."""
+    publish = '{"op":"publish","topic":"/pose","msg":{"header":{"stamp":"now"},"pose":{"position":{"x":1}}}}'
+    talks = [
+        [
+            '{"op":"advertise","topic":"/a","type":"std_msgs/String","latch":true,"queue_size":1}',
+            '{"op":"publish","topic":"/a","msg":{"data":"x"},"id":"p"}',
+            '{"op":"unadvertise","topic":"/a"}',
+        ],
+        ['{"op":"advertise","topic":"/pose","type":"geometry_msgs/PoseStamped"}', publish],
+        [
+            '{"op":"advertise","topic":"/b","type":"std_msgs/UInt8MultiArray"}',
+            '{"op":"publish","topic":"/b","msg":{"layout":{"dim":[{"label":"a","size":2}]},"data":"AQID"}}',
+            '{"op":"publish","topic":"/b","msg":{"data":[1,2,null,1e400,-0.0]}}',
+        ],
+        *(
+            [
+                f'{{"op":"subscribe","topic":"/chatter","compression":"{form}","fragment_size":50,"id":1}}',
+                '{"op":"unsubscribe","topic":"/chatter","id":1}',
+            ]
+            for form in ("none", "png", "cbor", "cbor-raw")
+        ),
+        ['{"op":"subscribe","topic":"/chatter","type":"std_msgs/String","throttle_rate":1,"queue_length":2}'],
+        ['{"op":"call_service","service":"/enable","args":{"data":true},"timeout":1,"id":"c"}'],
+        ['{"op":"call_service","service":"/enable","args":[false],"fragment_size":20,"compression":"png"}'],
+        [
+            '{"op":"advertise_service","service":"/mine","type":"std_srvs/srv/SetBool"}',
+            '{"op":"call_service","service":"/mine","args":{"data":true},"id":"own"}',
+            '{"op":"service_response","service":"/mine","id":"call:1","values":{"success":true},"result":true}',
+            '{"op":"unadvertise_service","service":"/mine"}',
+        ],
+        ['{"op":"set_level","level":"info"}', '{"op":"status","level":"none"}', '{"op":"auth","mac":"x"}'],
+        *(
+            [f'{{"op":"call_service","service":"/rosapi/{name}","args":{args}}}']
+            for name, args in (
+                ("topics", "{}"),
+                ("get_param", '{"name":"/a","default":"[1]"}'),
+                ("set_param", '{"name":"/a/b","value":"{\\"c\\":[1,2.5,null]}"}'),
+                ("message_details", '{"type":"sensor_msgs/msg/Image"}'),
+                ("node_details", '["/talker"]'),
+                ("services_for_type", '{"type":"std_srvs/SetBool"}'),
+            )
+        ),
+        list(split_fragments(publish, 30, "f")),
+        [pack_png(publish)],
+        list(split_fragments(pack_png(publish), 40, "f")),
+    ]
+    return ["\n".join(talk).encode() for talk in talks]
+
+
+def run(data: bytes) -> None:
+    """Say all lines to a server, and then ask for the time."""
+    asyncio.run(_converse(data.decode("utf-8", "replace").split("\n")))
+
+
+class _Connection:
+    """Stands for a WebSocket: hands over what the client says, and looks at what it hears."""
+
+    def __init__(self, lines: list[str]) -> None:
+        self.transport = self
+        self._lines = lines
+        self._answered = asyncio.Event()
+
+    async def __aiter__(self) -> AsyncIterator[str]:
+        for line in (*self._lines, LAST_CALL):
+            yield line
+        async with asyncio.timeout(ANSWER_LIMIT_S):
+            await self._answered.wait()
+
+    async def send(self, frame: str | bytes) -> None:
+        """Hear a message."""
+        fields = json.loads(frame, parse_constant=_refuse) if isinstance(frame, str) else cbor2.loads(frame)
+        assert isinstance(fields["op"], str)
+        if fields.get("id") == "the end" and fields.get("service") == "/rosapi/get_time":
+            assert fields["result"] is True
+            self._answered.set()
+
+    async def recv(self) -> str:
+        """Say nothing more."""
+        return ""
+
+    async def close(self, code: int = 1000, reason: str = "") -> None:
+        """Be hung up on."""
+        raise AssertionError(f"hung up on: {code} {reason}")
+
+    def abort(self) -> None:
+        """Be hung up on at once."""
+        raise AssertionError("hung up on at once")
+
+
+def _refuse(constant: str) -> None:
+    raise AssertionError(f"{constant} is no JSON")
+
+
+def _tell(level: Level, text: str) -> None:
+    assert "\n" not in text
+    assert not _NOT_OURS.match(text), text
+
+
+async def _converse(lines: list[str]) -> None:
+    network = MemoryNetwork(now=lambda: Time(5, 6))
+    talker = TypedGraph(await network.join("/talker"), _STORE)
+    publisher = await talker.publisher("/chatter", "std_msgs/String", latch=True)
+    publisher.publish(data="hello")
+    await talker.serve("/enable", "std_srvs/SetBool", _enable)
+    graph = await network.join("/gateway")
+    around = Surroundings(
+        graph,
+        _STORE,
+        _SETTINGS,
+        shared=SharedSubscriptions(graph, _STORE),
+        forms=MessageForms(_STORE, Style.ROS1, graph.now),
+        service_types=ServiceTypes(graph, _STORE),
+        offered=OfferedServices(graph),
+        local_services=Rosapi(graph, _STORE, environ={}),
+        tell=_tell,
+    )
+    session = Session(_Connection(lines), around, Admission(_SETTINGS), "a client")  # type: ignore[arg-type]
+    try:
+        await session.run(is_known=True)
+    finally:
+        await around.close()
+        for node in (graph, talker):
+            await node.close()
+
+
+def _enable(request: Message) -> dict[str, bool]:
+    return {"success": request.data}
