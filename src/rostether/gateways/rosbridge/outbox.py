@@ -102,25 +102,25 @@ class Outbox:
         queue.places = 0
         self._line = deque(each for each in self._line if each is not queue)
 
-    async def next(self) -> Frame | Due | None:
-        """Wait for what is to be sent next; None when the client is to be given up."""
-        while True:
-            while self._line:
-                if self.is_overflowing:
-                    return None
-                head = self._line.popleft()
-                if isinstance(head, tuple):
-                    frame, is_status = head
-                    self._control_bytes -= len(frame)
-                    self._statuses -= is_status
-                    return frame
-                head.places -= 1
-                # One large message may have pushed out several.
-                if head.waiting:
-                    batch, index = head.waiting.popleft()
-                    self._topic_bytes -= len(batch.payloads[index])
-                    return Due(head, batch, index)
-            if self.is_overflowing:
-                return None
+    async def wait(self) -> None:
+        """Wait until there may be something to send."""
+        if not self._line and not self.is_overflowing:
             self._news.clear()
             await self._news.wait()
+
+    def next(self) -> Frame | Due | None:
+        """Return what is to be sent next; None when there is nothing now, or the client is to be given up."""
+        while self._line and not self.is_overflowing:
+            head = self._line.popleft()
+            if isinstance(head, tuple):
+                frame, is_status = head
+                self._control_bytes -= len(frame)
+                self._statuses -= is_status
+                return frame
+            head.places -= 1
+            # One large message may have pushed out several.
+            if head.waiting:
+                batch, index = head.waiting.popleft()
+                self._topic_bytes -= len(batch.payloads[index])
+                return Due(head, batch, index)
+        return None

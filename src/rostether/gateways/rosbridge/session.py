@@ -39,6 +39,9 @@ if TYPE_CHECKING:
 TOLD_EVERY_S = 5.0
 """How often a client, and the log, is told that a topic is too fast for it."""
 
+MAX_WRITE_BYTES = 64 << 10
+"""Frames are written together up to this size: system calls are what small messages cost most."""
+
 MAX_LOGGED = 10
 """Different mistakes of one client that stand in the log; a program that makes more reads its statuses."""
 
@@ -177,20 +180,42 @@ class Session:
         return list(split_fragments(frame, size, str(next(self._fragment_ids))))
 
     async def _send_all(self) -> None:
-        loop = asyncio.get_running_loop()
-        turn_ends_s = 0.0
         with contextlib.suppress(ConnectionClosed):
-            while (item := await self._outbox.next()) is not None:
-                for frame in self._frames(item) if isinstance(item, Due) else (item,):
-                    await self._connection.send(frame)
-                if loop.time() >= turn_ends_s:
-                    await asyncio.sleep(0)
-                    turn_ends_s = loop.time() + TURN_S
+            while not self._outbox.is_overflowing:
+                await self._outbox.wait()
+                await self._write(self._next_frames())
+                await asyncio.sleep(0)
             self._around.tell(
                 Level.WARN, f"rosbridge: {self.name} does not read its answers; it was hung up on"
             )
             # Closing in order would wait for what it does not read.
             self._connection.transport.abort()
+
+    def _next_frames(self) -> list[Frame]:
+        """Return what fits into one turn and one write."""
+        loop = asyncio.get_running_loop()
+        turn_ends_s = loop.time() + TURN_S
+        frames: list[Frame] = []
+        size = 0
+        while size < MAX_WRITE_BYTES and loop.time() < turn_ends_s:
+            item = self._outbox.next()
+            if item is None:
+                break
+            new = self._frames(item) if isinstance(item, Due) else [item]
+            frames += new
+            size += sum(map(len, new))
+        return frames
+
+    async def _write(self, frames: list[Frame]) -> None:
+        """Send frames with one call of the system, and wait until the client has taken the most."""
+        connection = self._connection
+        async with connection.send_context():
+            for frame in frames:
+                if isinstance(frame, str):
+                    connection.protocol.send_text(frame.encode())
+                else:
+                    connection.protocol.send_binary(frame)
+            connection.transport.write(b"".join(connection.protocol.data_to_send()))
 
     def _sent(self, sending: asyncio.Task[None]) -> None:
         if not sending.cancelled() and (error := sending.exception()) is not None:

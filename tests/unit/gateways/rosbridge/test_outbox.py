@@ -21,95 +21,97 @@ def put(outbox: Outbox, queue: TopicQueue, *payloads: bytes) -> None:
         outbox.put(queue, whole, index)
 
 
-async def drain(outbox: Outbox) -> list[str | bytes | None]:
+def drain(outbox: Outbox) -> list[str | bytes]:
     """Take everything that is there: answers as they are, messages as their payloads."""
-    taken: list[str | bytes | None] = []
-    while True:
-        try:
-            async with asyncio.timeout(0.01):
-                item = await outbox.next()
-        except TimeoutError:
-            return taken
+    taken: list[str | bytes] = []
+    while (item := outbox.next()) is not None:
         taken.append(item.batch.payloads[item.index] if isinstance(item, Due) else item)
-        if item is None:
-            return taken
+    return taken
 
 
-async def test_answers_and_messages_leave_in_the_order_of_their_arrival() -> None:
+def test_answers_and_messages_leave_in_the_order_of_their_arrival() -> None:
     outbox, first, second = Outbox(1000, 1000), TopicQueue(10), TopicQueue(10)
     put(outbox, first, b"1")
     outbox.answer("a")
     put(outbox, second, b"2")
     put(outbox, first, b"3")
-    assert await drain(outbox) == [b"1", "a", b"2", b"3"]
+    assert drain(outbox) == [b"1", "a", b"2", b"3"]
     assert outbox.topic_bytes == 0
 
 
-async def test_a_full_topic_loses_its_oldest_and_no_other_topic_does() -> None:
+def test_a_full_topic_loses_its_oldest_and_no_other_topic_does() -> None:
     outbox, fast, slow = Outbox(1000, 1000), TopicQueue(2), TopicQueue(10)
     put(outbox, slow, b"s")
     put(outbox, fast, b"1", b"2", b"3", b"4")
     put(outbox, slow, b"t")
-    assert await drain(outbox) == [b"s", b"3", b"4", b"t"]
+    assert drain(outbox) == [b"s", b"3", b"4", b"t"]
     assert (fast.dropped_count, slow.dropped_count) == (2, 0)
 
 
-async def test_bytes_are_bounded_and_one_message_is_always_kept() -> None:
+def test_bytes_are_bounded_and_one_message_is_always_kept() -> None:
     outbox, queue = Outbox(10, 1000), TopicQueue(1000)
     put(outbox, queue, *(b"%d" % digit for digit in range(10)))
     put(outbox, queue, b"x" * 100)
     assert outbox.topic_bytes == 100
     put(outbox, queue, b"y" * 8)
-    assert await drain(outbox) == [b"y" * 8]
+    assert drain(outbox) == [b"y" * 8]
     assert queue.dropped_count == 11
 
 
-async def test_a_line_does_not_grow_with_what_was_pushed_out() -> None:
+def test_a_line_does_not_grow_with_what_was_pushed_out() -> None:
     outbox, queue = Outbox(100, 1000), TopicQueue(1000)
     for _ in range(50):
         put(outbox, queue, *[b"s"] * 90)
         put(outbox, queue, b"L" * 99)
     assert queue.places <= 100
-    taken = await drain(outbox)
+    taken = drain(outbox)
     assert taken[-1] == b"L" * 99
 
 
-async def test_a_topic_that_is_discarded_leaves_nothing_behind() -> None:
+def test_a_topic_that_is_discarded_leaves_nothing_behind() -> None:
     outbox, gone, kept = Outbox(1000, 1000), TopicQueue(10), TopicQueue(10)
     put(outbox, gone, b"1", b"2")
     put(outbox, kept, b"3")
     outbox.discard(gone)
-    assert await drain(outbox) == [b"3"]
+    assert drain(outbox) == [b"3"]
     assert outbox.topic_bytes == 0
 
 
-async def test_statuses_beyond_the_bound_are_left_out() -> None:
+def test_statuses_beyond_the_bound_are_left_out() -> None:
     outbox = Outbox(1000, 1 << 20)
     for number in range(MAX_STATUSES + 10):
         outbox.answer(str(number), is_status=True)
     outbox.answer("answer")
-    taken = await drain(outbox)
+    taken = drain(outbox)
     assert len(taken) == MAX_STATUSES + 1
     assert taken[-1] == "answer"
     outbox.answer("again", is_status=True)
-    assert await drain(outbox) == ["again"]
+    assert drain(outbox) == ["again"]
 
 
-async def test_who_leaves_too_many_answers_is_given_up() -> None:
+def test_who_leaves_too_many_answers_is_given_up() -> None:
     outbox = Outbox(1000, 10)
     outbox.answer("x" * 100)
     assert not outbox.is_overflowing
     outbox.answer("y")
     assert outbox.is_overflowing
-    assert await drain(outbox) == [None]
+    assert drain(outbox) == []
 
 
-async def test_waiting_ends_with_what_comes() -> None:
-    outbox = Outbox(1000, 1000)
-    waiting = asyncio.ensure_future(outbox.next())
+async def test_waiting_ends_with_what_comes_and_where_nothing_more_is_kept() -> None:
+    outbox, queue = Outbox(1000, 10), TopicQueue(1)
+    waiting = asyncio.ensure_future(outbox.wait())
     await asyncio.sleep(0)
-    outbox.answer("a")
-    assert await waiting == "a"
+    put(outbox, queue, b"1")
+    await waiting
+    assert drain(outbox) == [b"1"]
+    waiting = asyncio.ensure_future(outbox.wait())
+    await asyncio.sleep(0)
+    assert not waiting.done()
+    outbox.answer("x" * 10)
+    outbox.answer("y")
+    await waiting
+    await outbox.wait()
 
 
 @pytest.mark.parametrize("length", [0, -3])
