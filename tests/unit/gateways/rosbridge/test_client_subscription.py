@@ -1,0 +1,136 @@
+from __future__ import annotations
+
+import asyncio
+from typing import Any, cast
+
+import pytest
+
+from rostether.errors import RemoteProtocolError
+from rostether.gateways.rosbridge.client_subscription import (
+    MAX_REQUESTS,
+    MIN_FRAGMENT_BYTES,
+    ClientSubscription,
+    Compression,
+    Wish,
+    merge,
+)
+from rostether.gateways.rosbridge.outbox import Due, Outbox
+from rostether.gateways.rosbridge.request import Request
+from rostether.gateways.rosbridge.settings import MAX_QUEUED_MESSAGES
+from rostether.gateways.shared_subscriptions import Batch, PublisherConnection
+from rostether.graph.message_stream import LearnedTypes
+
+STRING = PublisherConnection("/a", {"type": "std_msgs/String"}, cast("LearnedTypes", None))
+
+
+def wish(**fields: Any) -> Wish:
+    return Wish.read(Request({"op": "subscribe", **fields}))
+
+
+def subscription(**fields: Any) -> tuple[ClientSubscription, Outbox, list[str]]:
+    errors: list[str] = []
+    outbox = Outbox(1 << 20, 1 << 20)
+    made = ClientSubscription("/a", outbox, errors.append)
+    made.want(None, wish(**fields), str(fields.get("type", "")))
+    return made, outbox, errors
+
+
+def take(made: ClientSubscription, *payloads: bytes) -> None:
+    made.take(Batch(STRING, payloads))
+
+
+def sent(outbox: Outbox) -> list[bytes]:
+    found = []
+    while isinstance(item := outbox.next(), Due):
+        found.append(item.batch.payloads[item.index])
+    return found
+
+
+def test_what_a_subscribe_message_asks_for() -> None:
+    assert wish() == Wish(0.0, 0, None, Compression.NONE)
+    assert wish(throttle_rate=100, queue_length=3, fragment_size=1000, compression="png") == Wish(
+        0.1, 3, 1000, Compression.PNG
+    )
+    assert wish(throttle_rate=None, compression=None) == Wish()
+    assert wish(fragment_size=1).fragment_bytes == MIN_FRAGMENT_BYTES
+    with pytest.raises(RemoteProtocolError, match="queue_length"):
+        wish(queue_length=-1)
+
+
+def test_several_wishes_of_one_client_are_all_met() -> None:
+    assert merge([Wish(0.1, 5, 500, Compression.PNG), Wish(0.0, 10, None), Wish(0.2, 1, 100)]) == Wish(
+        0.0, 1, 100, Compression.PNG
+    )
+
+
+def test_wishes_are_taken_back_one_by_one_or_all() -> None:
+    made, _, _ = subscription(throttle_rate=1000)
+    made.want("b", wish(throttle_rate=100), "")
+    assert made.wish.throttle_s == 0.1
+    assert made.want_no_more("b")
+    assert made.wish.throttle_s == 1.0
+    made.want("b", wish(), "")
+    assert not made.want_no_more(None)
+
+
+def test_ids_are_bounded() -> None:
+    made, _, _ = subscription()
+    for number in range(MAX_REQUESTS - 1):
+        made.want(number, wish(), "")
+    with pytest.raises(RemoteProtocolError, match="unsubscribe some"):
+        made.want("more", wish(), "")
+    made.want(0, wish(queue_length=2), "")
+
+
+@pytest.mark.parametrize(("asked", "kept"), [(0, MAX_QUEUED_MESSAGES), (3, 3), (10**9, MAX_QUEUED_MESSAGES)])
+def test_queues_are_as_long_as_asked_within_our_bound(asked: int, kept: int) -> None:
+    made, _, _ = subscription(queue_length=asked)
+    assert made.queue.length == kept
+
+
+async def test_without_a_throttle_everything_is_sent() -> None:
+    made, outbox, _ = subscription()
+    take(made, b"1", b"2", b"3")
+    assert sent(outbox) == [b"1", b"2", b"3"]
+
+
+async def test_a_throttle_without_a_queue_leaves_out_what_comes_too_soon() -> None:
+    made, outbox, _ = subscription(throttle_rate=50)
+    take(made, b"1", b"2")
+    take(made, b"3")
+    assert sent(outbox) == [b"1"]
+    await asyncio.sleep(0.06)
+    take(made, b"4", b"5")
+    assert sent(outbox) == [b"4"]
+
+
+async def test_a_throttle_with_a_queue_hands_on_the_newest_at_its_rate() -> None:
+    made, outbox, _ = subscription(throttle_rate=30, queue_length=2)
+    begin_s = asyncio.get_running_loop().time()
+    take(made, b"1", b"2", b"3", b"4", b"5")
+    assert sent(outbox) == [b"1"]
+    got: list[bytes] = []
+    async with asyncio.timeout(10):
+        while len(got) < 2:
+            await outbox.wait()
+            got += sent(outbox)
+    assert got == [b"4", b"5"]
+    assert asyncio.get_running_loop().time() - begin_s >= 0.059
+    assert made.queue.dropped_count == 2
+    await made.close()
+
+
+async def test_closing_forgets_what_waits() -> None:
+    made, outbox, _ = subscription(throttle_rate=1, queue_length=5)
+    take(made, b"1", b"2", b"3")
+    await made.close()
+    await asyncio.sleep(0.01)
+    assert sent(outbox) == []
+
+
+async def test_another_type_is_refused_once() -> None:
+    made, outbox, errors = subscription(type="std_msgs/msg/Int32")
+    take(made, b"1")
+    take(made, b"2")
+    assert sent(outbox) == []
+    assert errors == ["subscribe: /a: its type is std_msgs/String, not std_msgs/msg/Int32"]
