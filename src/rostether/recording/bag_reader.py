@@ -149,6 +149,7 @@ def _what_else(start: bytes) -> str:
     if not start:
         return "is empty"
     if start.startswith(MAGIC_START):
-        version = start[len(MAGIC_START) :].split()[0].decode(errors="replace")
+        version = start[len(MAGIC_START) :].decode("latin-1").split("\n")[0]
+        version = version.strip().encode("unicode_escape").decode()
         return f"is a bag of format {version}; only 2.0 can be read"
     return "is no bag: bags begin with '#ROSBAG V2.0'"
