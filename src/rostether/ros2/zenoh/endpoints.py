@@ -144,9 +144,9 @@ class Endpoints:
             *(each.close() for each in list(self._subscriptions)),
             *(each.close() for each in list(self._servers.values())),
         )
-        for publication in self._publications.values():
-            publication.close()
+        publications = list(self._publications.values())
         self._publications.clear()
+        await asyncio.gather(*(publication.close() for publication in publications))
         self._rosout = None
         for client in self._clients.values():
             client.close()
@@ -196,9 +196,9 @@ class Endpoints:
         publication = self._publications.get(topic)
         return set() if publication is None else publication.gids
 
-    def _release_publication(self, publication: Publication) -> None:
+    async def _release_publication(self, publication: Publication) -> None:
         if self._publications.pop(publication.topic, None) is not None:
-            publication.close()
+            await publication.close()
 
     def _release_subscription(self, subscription: Subscription) -> None:
         self._subscriptions.pop(subscription, None)

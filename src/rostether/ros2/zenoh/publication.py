@@ -2,22 +2,15 @@
 
 from __future__ import annotations
 
-import asyncio
 import time
-from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from typing import Protocol, cast
 
 import zenoh
 from zenoh import ext
 
 from rostether.errors import SerializationError, TypeMismatchError
-from rostether.graph.flow_control import (
-    DEFAULT_QUEUE_BYTES,
-    HIGH_WATER_BYTES,
-    PublicationFlow,
-    SubscriberFlow,
-)
+from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES
 from rostether.graph.ports import Level
 from rostether.msgdef.interface import MessageType
 from rostether.ros2.naming import dds_name
@@ -27,6 +20,7 @@ from rostether.ros2.zenoh.attachment import ATTACHMENT, GID_BYTES, gid_of
 from rostether.ros2.zenoh.configuration import WAIT_BEFORE_DROP_US
 from rostether.ros2.zenoh.entities import NodeEntities
 from rostether.ros2.zenoh.mismatches import Mismatches
+from rostether.ros2.zenoh.put_queue import PutQueue, Puts
 from rostether.ros2.zenoh.session import LiveToken
 from rostether.ros2.zenoh.tokens import Kind, Token, data_key
 
@@ -34,16 +28,10 @@ STALL_NS = 300_000
 """A put that takes this long has waited for room; others take a hundredth of it."""
 
 MAX_STALLS = 2
-"""Such puts before the rest of a batch waits: one may be the scheduler's doing."""
+"""Such puts before a thread does the rest of a batch: one may be the scheduler's doing."""
 
 DROP_NS = WAIT_BEFORE_DROP_US * 1000
 """A put that takes this long has waited in vain, and zenoh has dropped its message."""
-
-RELIEF_S = 0.001
-"""How long what waits is left to itself then: a batch of 64 KiB has gone after 0.5 ms at 1 Gbit/s."""
-
-SLOW_RELIEF_S = 0.5
-"""The same after a wait in vain: who hangs holds up the loop for a sixth of the time at most."""
 
 Report = Callable[[Level, str], None]
 
@@ -71,7 +59,6 @@ class Publication:
     ) -> None:
         self.topic = topic
         self.type = message_type
-        self.dropped_count = 0
         self.handle_count = 0
         self.gids: set[bytes] = set()
         self._support = support
@@ -83,21 +70,26 @@ class Publication:
         self._key = data_key(node.session.domain_id, topic, self._type_name, support.type_hash)
         self._mismatches = Mismatches(topic, support, report)
         self._sequence = 0
-        # What waits while links are full: payloads as they came.
-        self._limit_bytes = DEFAULT_QUEUE_BYTES if queue_bytes is None else queue_bytes
-        self._waiting: deque[bytes] = deque()
-        self._waiting_bytes = 0
-        self._flow = PublicationFlow()
-        self._backlog = SubscriberFlow(self._flow, min(HIGH_WATER_BYTES, self._limit_bytes // 2))
-        self._relief: asyncio.TimerHandle | None = None
-        self._relief_s = RELIEF_S
+        self._lost_count = 0
+        self._queue = PutQueue(
+            self._put,
+            self._note,
+            node.session.put_threads,
+            DEFAULT_QUEUE_BYTES if queue_bytes is None else queue_bytes,
+        )
         self._has_warned = False
+        self._has_told_of_loss = False
         # zenoh's word comes when somebody subscribes, also who has no token; a token may come before it.
         self._is_matched = False
         self._subscribers: list[Token] = []
         self._declare()
         node.session.graph.listen(Kind.SUBSCRIBER, topic, self._look)
         self._look()
+
+    @property
+    def dropped_count(self) -> int:
+        """How many messages did not fit their type or met a full link; zenoh does not tell of others."""
+        return self._lost_count + self._queue.dropped_count
 
     @property
     def subscriber_count(self) -> int:
@@ -120,78 +112,70 @@ class Publication:
         """Put a batch, or queue it while a link is full, see `Publisher.publish_raw`."""
         if not (self._is_matched or self._subscribers or self._qos.is_latching):
             return True
-        if not self._waiting:
-            done = self._put(payloads)
-            if done == len(payloads):
-                return self._flow.is_open
-            payloads = payloads[done:]
-        self._queue(payloads)
-        return self._flow.is_open
+        queue = self._queue
+        if queue.is_idle:
+            puts = self._put(payloads, MAX_STALLS)
+            self._note(puts)
+            if puts.done == len(payloads):
+                return queue.is_open
+            payloads = payloads[puts.done :]
+        queue.add(payloads)
+        return queue.is_open
 
     async def drained(self, timeout_s: float) -> None:
         """Wait until what waits for a full link is little; if it is not by then, it pauses nobody more."""
-        await self._flow.drained(timeout_s)
+        await self._queue.drained(timeout_s)
 
-    def close(self) -> None:
+    async def close(self) -> None:
         """Unadvertise; what waits goes first."""
-        if self._relief is not None:
-            self._relief.cancel()
-        waiting, self._waiting = list(self._waiting), deque()
-        while waiting:
-            waiting = waiting[self._put(waiting) :]
-        self._backlog.end()
-        self._node.session.graph.unlisten(Kind.SUBSCRIBER, self.topic, self._look)
-        self._subscribers = []
-        self._undeclare()
+        try:
+            await self._queue.finish()
+        finally:
+            self._node.session.graph.unlisten(Kind.SUBSCRIBER, self.topic, self._look)
+            self._subscribers = []
+            self._undeclare()
 
-    def _put(self, payloads: Sequence[bytes]) -> int:
-        """Put messages until links are full; returns how many are done with."""
+    def _put(self, payloads: Sequence[bytes], max_stalls: int | None = None) -> Puts:
+        """Put messages, until so many had to wait for a link; in the loop, or in a thread while none is."""
         convert, put, gid, sequence = self._convert, self._publisher.put, self._gid, self._sequence
         pack, clock = ATTACHMENT.pack, time.time_ns
+        puts = Puts()
         done = stalls = 0
-        self._relief_s = RELIEF_S
         now = clock()
         for payload in payloads:
             done += 1
             try:
                 cdr = convert(payload)
             except SerializationError as error:
-                self._refuse(error)
+                puts.misfits += 1
+                puts.error = error
                 continue
             sequence += 1
             before = now
             put(cdr, attachment=pack(sequence, now, GID_BYTES, gid))
             now = clock()
             if now - before > STALL_NS:
+                puts.longest_ns = max(puts.longest_ns, now - before)
+                puts.lost += now - before >= DROP_NS
                 stalls += 1
-                if now - before >= DROP_NS:
-                    self.dropped_count += 1
-                    self._relief_s = SLOW_RELIEF_S
-                    break
-                if stalls >= MAX_STALLS:
+                if stalls == max_stalls or (max_stalls is not None and now - before >= DROP_NS):
                     break
         self._sequence = sequence
-        return done
+        puts.done = done
+        return puts
 
-    def _queue(self, payloads: Sequence[bytes]) -> None:
-        self._waiting.extend(payloads)
-        self._waiting_bytes += sum(map(len, payloads))
-        while self._waiting_bytes > self._limit_bytes and len(self._waiting) > 1:
-            self._waiting_bytes -= len(self._waiting.popleft())
-            self.dropped_count += 1
-        self._backlog.note_backlog(self._waiting_bytes)
-        if self._relief is None:
-            self._relief = asyncio.get_running_loop().call_later(self._relief_s, self._go_on)
-
-    def _go_on(self) -> None:
-        self._relief = None
-        waiting, self._waiting = list(self._waiting), deque()
-        self._waiting_bytes = 0
-        rest = waiting[self._put(waiting) :]
-        if rest:
-            self._queue(rest)
-        else:
-            self._backlog.note_backlog(0)
+    def _note(self, puts: Puts) -> None:
+        self._queue.note_longest(puts.longest_ns)
+        self._lost_count += puts.lost
+        if puts.lost and not self._has_told_of_loss:
+            self._has_told_of_loss = True
+            self._report(
+                Level.WARN,
+                f"{self.topic}: a subscriber hangs or takes less than comes, and messages to it are lost: look "
+                "for it with ros2 topic info -v (zenoh tells neither which it is nor how many are lost)",
+            )
+        if puts.error is not None:
+            self._refuse(puts.misfits, puts.error)
 
     def _declare(self) -> None:
         session = self._node.session.zenoh
@@ -237,8 +221,8 @@ class Publication:
         ]
         self._mismatches.tell(ends)
 
-    def _refuse(self, error: SerializationError) -> None:
-        self.dropped_count += 1
+    def _refuse(self, count: int, error: SerializationError) -> None:
+        self._lost_count += count
         if not self._has_warned:
             self._has_warned = True
             self._report(Level.WARN, f"{self.topic}: a message cannot be put into ROS 2's form: {error}")
@@ -247,7 +231,7 @@ class Publication:
 class Publisher:
     """A `graph.ports.Publisher`: one handle on a publication."""
 
-    def __init__(self, publication: Publication, on_close: Callable[[Publication], None]) -> None:
+    def __init__(self, publication: Publication, on_close: Callable[[Publication], Awaitable[None]]) -> None:
         self._publication = publication
         self._on_close = on_close
         self._is_closed = False
@@ -287,4 +271,4 @@ class Publisher:
             self._is_closed = True
             self._publication.handle_count -= 1
             if self._publication.handle_count == 0:
-                self._on_close(self._publication)
+                await self._on_close(self._publication)

@@ -7,6 +7,7 @@ import itertools
 import logging
 import time
 from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
 import zenoh
@@ -46,6 +47,9 @@ FIRST_LINK_TIMEOUT_S = 0.5
 
 LINK_POLL_S = 0.005
 
+MAX_PUT_THREADS = 8
+"""Publications that wait for room at a time, a thread each while they do; the others wait for a thread."""
+
 _log = logging.getLogger("rostether.ros2")
 
 
@@ -60,6 +64,8 @@ class ZenohSession:
         self.graph = GraphCache()
         self.session_id = str(session.zid())
         self.is_router = False
+        # No thread before the first publication meets a full link.
+        self.put_threads = ThreadPoolExecutor(MAX_PUT_THREADS, "zenoh put")
         self._ids = itertools.count()
         self._nodes: set[ZenohGraph] = set()
         self._is_closed = False
@@ -159,7 +165,11 @@ class ZenohSession:
             self._asking.cancel()
         await asyncio.gather(*(graph.close("the session ended") for graph in list(self._nodes)))
         self._news.close()
-        await asyncio.to_thread(self.zenoh.close)
+        await asyncio.to_thread(self._end)
+
+    def _end(self) -> None:
+        self.zenoh.close()
+        self.put_threads.shutdown()
 
     async def _start(self, named: Sequence[str]) -> ZenohSession:
         if not self.is_router:

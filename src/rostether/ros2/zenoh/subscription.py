@@ -14,6 +14,7 @@ from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES
 from rostether.graph.ports import Level, OnMessages
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
 from rostether.ros2.naming import dds_name, type_of_dds_name
+from rostether.ros2.qos import DEFAULT_QOS, Qos
 from rostether.ros2.type_support import MessageSupport
 from rostether.ros2.zenoh.attachment import gid_of, parse_attachment
 from rostether.ros2.zenoh.entities import NodeEntities
@@ -173,9 +174,9 @@ class Subscription:
         for end in sorted(new, key=lambda end: end.format()):
             support = self._of_token(end)
             assert support is not None
-            self._connect(support, end.node_name, is_latching=end.qos.is_latching)
+            self._connect(support, end.node_name, end.qos)
 
-    def _connect(self, support: MessageSupport, node_name: str, *, is_latching: bool) -> None:
+    def _connect(self, support: MessageSupport, node_name: str, qos: Qos) -> None:
         if self._support is None:
             self._declare_token(support)
         if self._taker.on_connection is not None and not self._is_closed:
@@ -185,7 +186,8 @@ class Subscription:
                 "md5sum": support.ros1_type.md5sum,
                 "message_definition": support.ros1_type.definition,
                 "callerid": node_name,
-                "latching": "1" if is_latching else "0",
+                "latching": "1" if qos.is_latching else "0",
+                "reliability": qos.reliability.name.lower(),
             }
             call_contained(f"on_connection of {self.topic}", self._taker.on_connection, fields)
 
@@ -201,7 +203,7 @@ class Subscription:
         support = self._learn(type_name, type_hash)
         if is_new and support is not None:
             # A publisher without a token.
-            self._connect(support, "", is_latching=False)
+            self._connect(support, "", DEFAULT_QOS)
         return support
 
     def _learn(self, type_name: str, type_hash: str) -> MessageSupport | None:

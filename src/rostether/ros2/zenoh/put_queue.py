@@ -1,0 +1,170 @@
+"""What one publication puts while links are full: a thread does it, so that nobody else waits for their room.
+
+States and what moves between them:
+
+    is_idle      the owner puts by itself       -- a batch that was not put to its end -->    busy
+                                                -- a put that held it up long, or two -->     wary
+    busy         a thread puts what waits       -- nothing waits any more -->                 is_idle or wary
+    wary         as busy, for the link may      -- a minute without such a put -->            is_idle
+                 be full again at any time
+
+Zenoh alone knows whether a link has room, and tells by taking its time: a put waits in vain for as long as
+`WAIT_BEFORE_DROP_US` says. So whoever hangs costs the loop one such wait a minute.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections import deque
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+
+from rostether.errors import SerializationError
+from rostether.graph.flow_control import HIGH_WATER_BYTES, PublicationFlow, SubscriberFlow
+
+JOB_BYTES = 64 << 10
+"""What a thread puts at a time, as much as a batch of zenoh's; the rest may lose its oldest meanwhile."""
+
+VERY_LONG_NS = 50_000_000
+"""A put that takes this long has waited for a link: it is not the scheduler's doing."""
+
+LONG_NS = 10_000_000
+"""One that takes this long delays the messages of others, if it is done in the loop."""
+
+LONG_AGAIN_S = 2.0
+"""Two of these within this time are no accident either."""
+
+WARY_S = 60.0
+"""How long a thread puts after a put that would have held up the loop."""
+
+FINISH_LIMIT_S = 1.0
+"""How long a publication that ends waits for what it has still to put."""
+
+_log = logging.getLogger("rostether.ros2")
+
+
+@dataclass(slots=True)
+class Puts:
+    """What became of a batch: `done` of its messages are done with, the others were not begun with.
+
+    `misfits` of them did not fit their type, for `error`; zenoh dropped `lost`. `longest_ns`: of any put.
+    """
+
+    done: int = 0
+    misfits: int = 0
+    lost: int = 0
+    longest_ns: int = 0
+    error: SerializationError | None = None
+
+
+class PutQueue:
+    """Has a thread put what is added, in order; beyond `limit_bytes` the oldest go.
+
+    `put` is called in a thread, and at one time only once; `note` is told in the loop what became of it.
+    """
+
+    def __init__(
+        self,
+        put: Callable[[Sequence[bytes]], Puts],
+        note: Callable[[Puts], None],
+        threads: Executor,
+        limit_bytes: int,
+    ) -> None:
+        self.is_idle = True
+        """Whether nothing waits here, so that what comes may be put at once."""
+        self.dropped_count = 0
+        self._put = put
+        self._note = note
+        self._threads = threads
+        self._limit_bytes = limit_bytes
+        self._waiting: deque[bytes] = deque()
+        self._waiting_bytes = 0
+        self._flow = PublicationFlow()
+        self._backlog = SubscriberFlow(self._flow, min(HIGH_WATER_BYTES, limit_bytes // 2))
+        self._job: asyncio.Future[Puts] | None = None
+        self._wary: asyncio.TimerHandle | None = None
+        self._long_s = float("-inf")
+        self._is_ended = False
+
+    @property
+    def is_open(self) -> bool:
+        """Whether little waits."""
+        return self._flow.is_open
+
+    def add(self, payloads: Sequence[bytes]) -> None:
+        """Queue messages."""
+        self.is_idle = False
+        self._waiting.extend(payloads)
+        self._waiting_bytes += sum(map(len, payloads))
+        while self._waiting_bytes > self._limit_bytes and len(self._waiting) > 1:
+            self._waiting_bytes -= len(self._waiting.popleft())
+            self.dropped_count += 1
+        self._backlog.note_backlog(self._waiting_bytes)
+        if self._job is None:
+            self._go_on()
+
+    def note_longest(self, longest_ns: int) -> None:
+        """Learn how long a put took: after long ones a thread does them for a while."""
+        if longest_ns < LONG_NS:
+            return
+        loop = asyncio.get_running_loop()
+        is_again = loop.time() - self._long_s < LONG_AGAIN_S
+        self._long_s = loop.time()
+        if is_again or longest_ns >= VERY_LONG_NS:
+            self.is_idle = False
+            if self._wary is not None:
+                self._wary.cancel()
+            self._wary = loop.call_later(WARY_S, self._calm_down)
+
+    async def drained(self, timeout_s: float) -> None:
+        """Wait until little waits; if it does not by then, it pauses nobody more."""
+        await self._flow.drained(timeout_s)
+
+    async def finish(self) -> None:
+        """Put what waits, in a second at most; what comes later is never put."""
+        try:
+            async with asyncio.timeout(FINISH_LIMIT_S):
+                while self._job is not None:
+                    await asyncio.wait([self._job])
+                    # Its callback stands behind us in the loop's queue.
+                    await asyncio.sleep(0)
+        except TimeoutError:
+            _log.debug("%d messages were not put for a link that has no room", len(self._waiting))
+        finally:
+            self._is_ended = True
+            self.dropped_count += len(self._waiting)
+            self._waiting.clear()
+            self._backlog.end()
+            if self._wary is not None:
+                self._wary.cancel()
+
+    def _go_on(self) -> None:
+        taken: list[bytes] = []
+        taken_bytes = 0
+        while self._waiting and taken_bytes < JOB_BYTES:
+            taken.append(self._waiting.popleft())
+            taken_bytes += len(taken[-1])
+        self._waiting_bytes -= taken_bytes
+        self._backlog.note_backlog(self._waiting_bytes)
+        self._job = asyncio.get_running_loop().run_in_executor(self._threads, self._put, taken)
+        self._job.add_done_callback(self._job_done)
+
+    def _job_done(self, job: asyncio.Future[Puts]) -> None:
+        self._job = None
+        if job.cancelled() or job.exception() is not None:
+            # The session or the publication ended meanwhile.
+            _log.debug("messages were not put: %s", "ended" if job.cancelled() else job.exception())
+        elif not self._is_ended:
+            self._note(job.result())
+        if self._is_ended:
+            return
+        if self._waiting:
+            self._go_on()
+        elif self._wary is None:
+            self.is_idle = True
+
+    def _calm_down(self) -> None:
+        self._wary = None
+        self.is_idle = self._job is None
