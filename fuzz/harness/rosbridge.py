@@ -10,6 +10,7 @@ import asyncio
 import json
 import re
 from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 
 import cbor2
 
@@ -100,7 +101,7 @@ class _Connection:
     """Stands for a WebSocket: hands over what the client says, and looks at what it hears."""
 
     def __init__(self, lines: list[str]) -> None:
-        self.transport = self
+        self.transport = self.protocol = self
         self._lines = lines
         self._answered = asyncio.Event()
 
@@ -110,9 +111,34 @@ class _Connection:
         async with asyncio.timeout(ANSWER_LIMIT_S):
             await self._answered.wait()
 
+    @asynccontextmanager
+    async def send_context(self) -> AsyncIterator[None]:
+        """Be there, and never slow."""
+        yield
+
     async def send(self, frame: str | bytes) -> None:
         """Hear a message."""
-        fields = json.loads(frame, parse_constant=_refuse) if isinstance(frame, str) else cbor2.loads(frame)
+        if isinstance(frame, str):
+            self.send_text(frame.encode())
+        else:
+            self.send_binary(frame)
+
+    def send_text(self, frame: bytes) -> None:
+        """Hear a message in JSON."""
+        self._hear(json.loads(frame, parse_constant=_refuse))
+
+    def send_binary(self, frame: bytes) -> None:
+        """Hear a message in CBOR."""
+        self._hear(cbor2.loads(frame))
+
+    def data_to_send(self) -> list[bytes]:
+        """Return nothing: all is heard."""
+        return []
+
+    def write(self, data: bytes) -> None:
+        """Take no bytes."""
+
+    def _hear(self, fields: dict[str, object]) -> None:
         assert isinstance(fields["op"], str)
         if fields.get("id") == "the end" and fields.get("service") == "/rosapi/get_time":
             assert fields["result"] is True
