@@ -171,7 +171,7 @@ class Publication:
             self._has_told_of_loss = True
             self._report(
                 Level.WARN,
-                f"{self.topic}: a subscriber hangs or takes less than comes, and messages to it are lost: look "
+                f"{self.topic}: a subscriber hangs or takes less than comes, and messages are lost: look "
                 "for it with ros2 topic info -v (zenoh tells neither which it is nor how many are lost)",
             )
         if puts.error is not None:
