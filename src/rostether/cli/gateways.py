@@ -69,13 +69,14 @@ async def gateway_graph(
         return
     from rostether.ros2.native_registry import NativeRegistry
     from rostether.ros2.native_types import NativeTypes
+    from rostether.ros2.native_values import NativeClasses
 
     assert ros2 is not None
     registry = NativeRegistry.from_environment(msg_paths)
     # The router, if it is ours, is the boards' session.
     reach = ZenohReach(options.reach.connect, (), "never")
     async with ros2_access(ros2, msg_paths, reach=reach, types=NativeTypes(registry)) as access:
-        yield GatewayGraph(access.join, TypeStore(registry), is_ros2=True)
+        yield GatewayGraph(access.join, TypeStore(registry, NativeClasses(registry)), is_ros2=True)
 
 
 def ros1_gateway_graph(join: JoinGraph, store: TypeStore, environment: RosEnvironment) -> GatewayGraph:
