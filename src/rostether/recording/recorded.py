@@ -25,13 +25,17 @@ class Ros2Origin:
 
 @dataclass(frozen=True, slots=True)
 class Connection:
-    """One publisher on one topic, as its connection header told it; `origin` where it is of ROS 2."""
+    """One publisher on one topic, as its connection header told it; `origin` where it is of ROS 2.
+
+    `is_best_effort` is what a publisher of ROS 2 tells while it is recorded; later `origin` has it.
+    """
 
     topic: str
     type: MessageType
     caller_id: str = ""
     is_latching: bool = False
     origin: Ros2Origin | None = None
+    is_best_effort: bool = False
 
     @property
     def shown_type(self) -> str:
@@ -44,7 +48,13 @@ class Connection:
         message_type = MessageType(
             fields.get("type", "*"), fields.get("md5sum", "*"), fields.get("message_definition", "")
         )
-        return cls(topic, message_type, fields.get("callerid", ""), fields.get("latching", "0") == "1")
+        return cls(
+            topic,
+            message_type,
+            fields.get("callerid", ""),
+            fields.get("latching", "0") == "1",
+            is_best_effort=fields.get("reliability") == "best_effort",
+        )
 
     def fields(self) -> dict[str, str]:
         """Return the connection header's fields, in the order of their names as rosbag has them."""

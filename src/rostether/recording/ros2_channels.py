@@ -90,7 +90,7 @@ class Ros2Channels:
                 return origin, support.converter.to_cdr
             qos = origin.qos
         else:
-            qos = offered(is_latching=connection.is_latching)
+            qos = offered(is_latching=connection.is_latching, is_best_effort=connection.is_best_effort)
         text = types.full_text(connection.type)
         return Ros2Origin(support.name, type_hash, ROS2MSG, text, qos), support.converter.to_cdr
 

@@ -22,14 +22,14 @@ MAX_PROFILES = 1000
 """Files may come from anybody; a topic with more publishers says no more than its first ones."""
 
 
-def offered(*, is_latching: bool) -> str:
-    """Return the text for a publisher of ROS 1, or one of whom no more is known than whether it latches."""
+def offered(*, is_latching: bool, is_best_effort: bool = False) -> str:
+    """Return the text for a publisher of ROS 1, or one of whom no more is known than this."""
     return profiles_text(
         [
             {
                 "history": "keep_last",
                 "depth": 1 if is_latching else 10,
-                "reliability": "reliable",
+                "reliability": "best_effort" if is_best_effort else "reliable",
                 "durability": "transient_local" if is_latching else "volatile",
                 "deadline": dict(_INFINITE),
                 "lifespan": dict(_INFINITE),

@@ -263,6 +263,7 @@ class RclpySubscriber:
                     "md5sum": message_type.md5sum,
                     "message_definition": message_type.definition,
                     "latching": "1" if is_latching(publisher) else "0",
+                    "reliability": publisher.qos_profile.reliability.name.lower(),
                 }
                 self._own.thread.call_in_loop(self._tell_connection, fields)
 
