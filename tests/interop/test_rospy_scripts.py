@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 from interop.ros1_peers import DEBIAN_PYTHON, Peer, Ros1Peers
+from rostether.rospy_facade.actions.comm_states import WAYS
 from rostether.rospy_facade.environment import node_environment
 from unit.recording.bags import write_bag
 
@@ -138,3 +139,22 @@ async def test_bags(roscore: Ros1Peers, tmp_path: Path) -> None:
     )
     assert ours == theirs
     assert len(ours) > 130
+
+
+async def test_the_states_of_goals(roscore: Ros1Peers) -> None:
+    script = """
+import json
+from actionlib import action_client
+ways = {}
+for state, by_status in action_client._transitions.items():
+    for status, way in by_status.items():
+        if way != action_client.INVALID_TRANSITION:
+            way = [] if way == action_client.NO_TRANSITION else way
+            ways.setdefault(state, {})[status] = way if isinstance(way, (list, tuple)) else [way]
+print(json.dumps(ways, sort_keys=True))
+"""
+    theirs = json.loads(await roscore.run(DEBIAN_PYTHON, "-c", script))
+    ours = {
+        str(state): {str(status): list(way) for status, way in ways.items()} for state, ways in WAYS.items()
+    }
+    assert ours == theirs

@@ -15,7 +15,14 @@ from unit.serde.random_messages import RandomMessages
 
 STORE = TypeStore(Registry())
 MESSAGES_PER_TYPE = 4
-NOT_IN_DEBIAN = ("tf/", "turtlebot3_msgs/", "mearm_model/", "rosserial_msgs/", "rosserial_arduino/")
+NOT_IN_DEBIAN = (
+    "actionlib_tutorials/",
+    "mearm_model/",
+    "rosserial_arduino/",
+    "rosserial_msgs/",
+    "tf/",
+    "turtlebot3_msgs/",
+)
 TYPES = [name for name in STORE.registry.messages() if not name.startswith(NOT_IN_DEBIAN)]
 
 

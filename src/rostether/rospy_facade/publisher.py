@@ -93,6 +93,14 @@ class PublishedTopic:
         """How many subscribers are connected."""
         return 0 if self._publisher is None else self._publisher.subscriber_count
 
+    def has_connection(self, node_name: str) -> bool:
+        """Tell whether a node is among the subscribers."""
+        return node.loop.call(self._has_connection(node_name))
+
+    async def _has_connection(self, node_name: str) -> bool:
+        connections = [] if self._publisher is None else self._publisher.connections
+        return any(connection.record.peer == node_name for connection in connections)
+
     def publish(self, message: Message, only: SubscriberConnection | None = None) -> None:
         """Publish to all subscribers, or to one."""
         if self._is_closed or self._publisher is None:

@@ -69,6 +69,14 @@ class SubscribedTopic:
         """How many publishers are connected."""
         return 0 if self._subscriber is None else self._subscriber.publisher_count
 
+    def has_connection(self, node_name: str) -> bool:
+        """Tell whether a node is among the publishers."""
+        return node.loop.call(self._has_connection(node_name))
+
+    async def _has_connection(self, node_name: str) -> bool:
+        connections = [] if self._subscriber is None else self._subscriber.connections
+        return any(connection.node_name == node_name for connection in connections)
+
     def add_callback(self, callback: Callable[..., object], arguments: Any) -> None:
         """Call back with every message from now on, and with each latched one that is here already."""
         self.callbacks = [*self.callbacks, (callback, arguments)]

@@ -11,6 +11,9 @@ from rostether.msgdef.full_text import SEPARATOR
 from rostether.msgdef.registry import Registry
 
 PACKAGES = {
+    "actionlib",
+    "actionlib_tutorials",
+    "move_base_msgs",
     "actionlib_msgs",
     "diagnostic_msgs",
     "geometry_msgs",

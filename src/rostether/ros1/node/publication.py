@@ -143,6 +143,11 @@ class Publisher:
         return len(self._publication.connections)
 
     @property
+    def connections(self) -> list[SubscriberConnection]:
+        """The subscribers that are connected now."""
+        return list(self._publication.connections)
+
+    @property
     def dropped_count(self) -> int:
         """How many messages slow subscribers have lost so far, summed over them."""
         return self._publication.dropped_count

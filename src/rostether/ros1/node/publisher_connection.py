@@ -25,7 +25,10 @@ _log = logging.getLogger("rostether.ros1")
 
 
 class PublisherConnection(asyncio.Protocol):
-    """Cuts what a publisher sends into messages and hands them on, a chunk at a time."""
+    """Cuts what a publisher sends into messages and hands them on, a chunk at a time.
+
+    `node_name` is what the publisher's header calls its node.
+    """
 
     def __init__(
         self,
@@ -33,8 +36,11 @@ class PublisherConnection(asyncio.Protocol):
         record: ConnectionRecord,
         on_messages: Callable[[Sequence[bytes]], None],
         max_message_bytes: int,
+        *,
+        node_name: str = "",
     ) -> None:
         self.record = record
+        self.node_name = node_name
         self.lost = asyncio.Event()
         self._transport = transport
         self._decoder = MessageDecoder(max_message_bytes)

@@ -119,7 +119,9 @@ class Subscription:
         take = self._taker(fields)
         if fields.get("callerid") in self._skip_nodes:
             take = _leave_out  # who is to be left out stays connected: it would be asked again and again
-        connection = PublisherConnection(transport, record, take, self._limits.message_bytes)
+        connection = PublisherConnection(
+            transport, record, take, self._limits.message_bytes, node_name=fields.get("callerid", "")
+        )
         if self._is_paused:
             connection.pause()
         return connection
