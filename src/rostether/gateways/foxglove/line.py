@@ -28,9 +28,12 @@ HIGH_WATER_BYTES = 1 << 20
 """What stands in the process for a client before messages wait in queues where they can be dropped: 50 ms of
 what a fast network takes."""
 
-_DRAIN_BYTES = (
-    64 << 10
-)  # written at once of what waited: enough for one system call, little enough to be fair
+GATHER_S = 0.005
+"""A message goes at once when none has gone for so long; those of a flood go together, less often than a
+screen is drawn: each write costs more than all the rest."""
+
+_GATHERED_BYTES = 256 << 10
+_DRAIN_BYTES = 64 << 10  # written at once of what waited: enough for one system call
 _JOIN_BYTES = 64 << 10  # larger pieces are not copied together first
 _CLOSE_S = 5.0  # for a client to answer that the connection ends; then it is cut
 
@@ -72,6 +75,7 @@ class Line(asyncio.Protocol):
         self._pieces: list[bytes] = []
         self._pieces_bytes = 0
         self._is_flush_due = False
+        self._flushed_s = 0.0
         self._is_paused = False
         self._waiting = WaitingMessages(limits.waiting_bytes)
         self._told_dropped = 0
@@ -157,11 +161,16 @@ class Line(asyncio.Protocol):
             self._tell_dropped()
             return
         self._pieces_bytes += add_data_frames(self._pieces, subscription_id, time_ns, payloads)
-        if self._pieces_bytes > HIGH_WATER_BYTES:
+        if self._pieces_bytes > _GATHERED_BYTES:
             self._flush()
         elif not self._is_flush_due:
             self._is_flush_due = True
-            self._loop.call_soon(self._flush)
+            due_s = self._flushed_s + GATHER_S
+            if self._loop.time() >= due_s:
+                # What else comes in this turn of the loop goes with it.
+                self._loop.call_soon(self._flush_due)
+            else:
+                self._loop.call_at(due_s, self._flush_due)
 
     def forget(self, subscription_id: int) -> None:
         """Drop what waits for a subscription that has ended."""
@@ -239,12 +248,18 @@ class Line(asyncio.Protocol):
             elif self._transport.can_write_eof():
                 self._transport.write_eof()
 
-    def _flush(self) -> None:
+    def _flush_due(self) -> None:
         self._is_flush_due = False
+        self._flush()
+
+    def _flush(self) -> None:
         pieces, size = self._pieces, self._pieces_bytes
-        if not pieces or self._transport is None:
+        if not pieces:
             return
         self._pieces, self._pieces_bytes = [], 0
+        if self._transport is None or not self.is_open:
+            return
+        self._flushed_s = self._loop.time()
         if size <= _JOIN_BYTES:
             self._transport.write(b"".join(pieces))
         else:
