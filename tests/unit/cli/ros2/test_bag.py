@@ -6,10 +6,11 @@ from pathlib import Path
 
 import yaml
 
+from rostether.graph.ports import Publisher
 from rostether.recording.bag_reader import BagReader
 from rostether.recording.files import open_recording
 from unit.cli.ros2.zenoh_world import STORE, ZenohWorld
-from unit.cli.shell import Shell
+from unit.cli.shell import LiveGraph, Shell
 
 IMU_HASH = "RIHS01_7d9a00ff131080897a5ec7e26e315954b8eae3353c3f995c55faf71574000b5b"
 
@@ -70,3 +71,21 @@ def test_all_is_without_hidden_topics(world: ZenohWorld, shell: Shell, tmp_path:
     assert "/_raw" not in topics
     assert not reader.unreadable
     assert "sensor_msgs/msg/Imu" in shell.output("bag", "info", str(mcap))
+
+
+def test_both_graphs_into_one_bag(world: ZenohWorld, graph: LiveGraph, shell: Shell, tmp_path: Path) -> None:
+    node = graph.node("/talker")
+    string = STORE.registry.message_type("std_msgs/String")
+    publisher = graph.do(node.advertise("/chat", string, latch=True))
+    graph.do(_said(publisher))
+    bag = tmp_path / "both.bag"
+    shell.output("bag", "record", "--ros1", "--ros2", "zenoh", "-O", str(bag), "-l", "1", "/imu", "/chat")
+    found = {each.connection.topic: each for each in BagReader(bag).messages()}
+    assert set(found) == {"/imu", "/chat"}
+    assert STORE.codec("std_msgs/String").decode(found["/chat"].payload).data == "hello"
+    assert found["/chat"].connection.caller_id == "/talker"
+    assert found["/imu"].connection.type.md5sum == STORE.registry.message_type("sensor_msgs/Imu").md5sum
+
+
+async def _said(publisher: Publisher) -> None:
+    publisher.publish_raw([STORE.codec("std_msgs/String").encode({"data": "hello"})])
