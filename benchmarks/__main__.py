@@ -1,6 +1,6 @@
 """Runs every benchmark and prints a table: what we reach, what was asked, and the bare relay of the same run.
 
-python -m benchmarks [throughput|round-trip|footprint|crowd|frames|codec|cdr|cycles|sizes|zenoh ...]
+python -m benchmarks [throughput|round-trip|footprint|crowd|frames|codec|cdr|cycles|sizes|gateways|zenoh ...]
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from benchmarks import (
     crowd,
     cycles,
     footprint,
+    gateways,
     rosserial_frames,
     round_trip,
     serde_codec,
@@ -182,6 +183,20 @@ def sizes_table() -> Table:
     return table
 
 
+def gateways_table() -> Table:
+    """Measure gateways whose clients hear many topics."""
+    title = f"Gateways, {gateways.TOPICS} topics at {gateways.RATE_HZ:.0f} Hz"
+    table = Table("gateway", "CPU", "received", "sent", "wanted", title=title)
+    for name, kind, wanted in (
+        ("Foxglove", "foxglove", "less than rosbridge"),
+        ("rosbridge, JSON", "json", ""),
+        ("rosbridge, cbor-raw", "cbor-raw", ""),
+    ):
+        cost = gateways.gateway_cost(kind)
+        table.add_row(name, f"{cost.cpu_percent:.0f} %", f"{cost.received:,}", f"{cost.expected:,}", wanted)
+    return table
+
+
 def zenoh_table() -> Table:
     """Measure the bridge into ROS 2 over zenoh: floods out of it, and round trips."""
     from benchmarks import zenoh_flows, zenoh_line  # The extra may be missing.
@@ -231,6 +246,7 @@ TABLES = {
     "cdr": cdr_table,
     "cycles": cycles_table,
     "sizes": sizes_table,
+    "gateways": gateways_table,
     "zenoh": zenoh_table,
 }
 
