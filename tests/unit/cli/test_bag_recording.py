@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import signal
+import sys
 from pathlib import Path
 
 from rostether.cli.bag_recording import BagRecording, bags_recorded
@@ -103,3 +105,34 @@ async def test_on_ros2_alone_a_ros2_bag(tmp_path: Path) -> None:
     assert {each.payload for each in reader.messages()} == {text("x" * 1000)}
     reader.close()
     await node.close()
+
+
+async def test_a_full_disk_stops_the_recording_and_not_the_bridge(tmp_path: Path) -> None:
+    async with board_at(tmp_path / "arm", 0.002), master() as environ:
+        # What a file may have stands in for what a disk has.
+        words = (
+            f"ulimit -f 20; exec {sys.executable} -m rostether serve {tmp_path}/arm --record {tmp_path}/bags"
+        )
+        clean = {name: value for name, value in os.environ.items() if not name.startswith("ROS")}
+        process = await asyncio.create_subprocess_exec(
+            *("bash", "-c", words),
+            env=clean | environ | {"PYTHONUNBUFFERED": "1"},
+            stdout=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.STDOUT,
+        )
+        try:
+            assert process.stdout is not None
+            async with asyncio.timeout(100):
+                while b"serving goes on" not in (line := await process.stdout.readline()):
+                    assert line, "it ended"
+            assert b"File too large; recording stopped" in line
+            await hear(environ, "/chatter", 10)
+            process.send_signal(signal.SIGINT)
+            out, _ = await process.communicate()
+            assert b"Traceback" not in out
+        finally:
+            if process.returncode is None:
+                process.kill()
+                await process.communicate()
+    (path,) = (tmp_path / "bags").iterdir()
+    assert BagReader(path).span_ns is not None
