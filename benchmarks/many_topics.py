@@ -17,8 +17,8 @@ TYPE = "sensor_msgs/Imu"
 async def main(count: int, rate_hz: float) -> None:
     """Publish until the input ends."""
     loop = asyncio.get_running_loop()
-    ended = loop.create_future()
-    loop.add_reader(sys.stdin, lambda: ended.done() or ended.set_result(None))
+    ended = asyncio.Event()
+    loop.add_reader(sys.stdin, ended.set)
     async with join("many_topics") as graph:
         publishers = [await graph.publisher(f"/imu_{number}", TYPE) for number in range(count)]
         stamp = Time.from_ns(1_700_000_000_123_456_789)
@@ -26,7 +26,7 @@ async def main(count: int, rate_hz: float) -> None:
         payload = publishers[0].codec.encode(fields)
         print("ready", flush=True)
         began_s, sent = loop.time(), 0
-        while not ended.done():
+        while not ended.is_set():
             due = int((loop.time() - began_s) * rate_hz * count)
             for number in range(sent, due):
                 publishers[number % count].raw.publish_raw([payload])
