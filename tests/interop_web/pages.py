@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 from interop.ros1_peers import Peer
+from interop_web.robot_stage import RobotStage
 
 PATIENCE_S = 60.0
 
@@ -27,6 +28,13 @@ async def until(peer: Peer, condition: Callable[[], object]) -> None:
     except TimeoutError:
         pass
     assert condition(), f"it did not come to pass; the program printed:\n{peer.text}"
+
+
+async def until_served(stage: RobotStage, service: str) -> None:
+    """Wait until the robot finds a client's service."""
+    async with asyncio.timeout(PATIENCE_S):
+        while not await stage.is_served(service):
+            await asyncio.sleep(0.01)
 
 
 async def go_on(peer: Peer) -> None:

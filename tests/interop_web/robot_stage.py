@@ -1,46 +1,42 @@
-"""A robot in a graph in memory, and a rosbridge server on it: what the web's clients are tested with."""
+"""A robot in a graph, and a rosbridge server on it: what the web's clients are tested with."""
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
 import math
+from base64 import b64encode
 from collections.abc import AsyncIterator
 from typing import Any
 
+from interop_web.graphs import GraphOfTest
 from rostether.errors import ServiceCallError
 from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi, offering_rosapi
 from rostether.gateways.rosbridge.server import RosbridgeServer
 from rostether.gateways.rosbridge.settings import RosbridgeSettings
-from rostether.gateways.rosbridge.values import Style
-from rostether.graph.memory_graph import MemoryGraph
-from rostether.graph.memory_network import MemoryNetwork
+from rostether.gateways.rosbridge.values import JsonForm, Style
+from rostether.graph.ports import Graph
 from rostether.graph.typed_graph import TypedGraph
-from rostether.msgdef.registry import Registry
 from rostether.rostime import Time
-from rostether.serde.store import TypeStore
 from rostether.serde.values import Message
 
+_POSE = {
+    "position": {"x": 1.5, "y": -2.0, "z": 0.0},
+    "orientation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0},
+}
 POSE = {
-    "header": {"seq": 0, "stamp": Time(5, 6), "frame_id": "map"},
-    "pose": {"position": {"x": 1.5, "y": -2.0, "z": 0.0}, "orientation": {"w": 1.0}},
+    Style.ROS1: {"header": {"seq": 0, "stamp": {"secs": 5, "nsecs": 6}, "frame_id": "map"}, "pose": _POSE},
+    Style.ROS2: {"header": {"stamp": {"sec": 5, "nanosec": 6}, "frame_id": "map"}, "pose": _POSE},
 }
-POSE_JSON = {
-    "header": {"seq": 0, "stamp": {"secs": 5, "nsecs": 6}, "frame_id": "map"},
-    "pose": {
-        "position": {"x": 1.5, "y": -2.0, "z": 0.0},
-        "orientation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0},
-    },
-}
-SCAN = {"ranges": [math.nan, 1.0, math.inf, *([2.5] * 20_000)], "range_max": math.inf}
+SCAN = {"ranges": [None, 1.0, math.inf, *([2.5] * 20_000)], "range_max": math.inf}
 IMAGE_BYTES = 300_000
 
 
 class RobotStage:
     """The graph, its talker, and what clients have published; `url` is where the server is."""
 
-    def __init__(self, network: MemoryNetwork, talker: TypedGraph, gateway: MemoryGraph) -> None:
-        self.network = network
+    def __init__(self, graph: GraphOfTest, talker: TypedGraph, gateway: Graph) -> None:
+        self.graph = graph
         self.talker = talker
         self.received: dict[str, list[Message]] = {}
         self.api: Rosapi | None = None
@@ -62,9 +58,18 @@ class RobotStage:
     async def start_server(self) -> None:
         """Serve, the second time at the same port."""
         settings = RosbridgeSettings(host="127.0.0.1", port=self._port)
-        store = self.talker.store
-        self.api = Rosapi(self._gateway, store, style=Style.ROS1, settings=settings)
-        self._server = RosbridgeServer(self._gateway, store, settings, local_services=self.api)
+        graph = self.graph
+        self.api = Rosapi(
+            self._gateway, graph.store, style=graph.style, settings=settings, ask_type=graph.ask_type
+        )
+        self._server = RosbridgeServer(
+            self._gateway,
+            graph.store,
+            settings,
+            style=graph.style,
+            ask_service_type=graph.ask_type,
+            local_services=self.api,
+        )
         await self._server.start()
         self._port = self._server.port
 
@@ -73,6 +78,15 @@ class RobotStage:
         if self._server is not None:
             await self._server.close()
             self._server = None
+
+    async def is_served(self, service: str) -> bool:
+        """Tell whether the robot finds a service."""
+        return service in (await self.talker.snapshot()).services
+
+    def payload(self, type_name: str, value: dict[str, Any]) -> bytes:
+        """Return the serialization of a value of JSON."""
+        codec = self.graph.store.codec(type_name)
+        return JsonForm(self.graph.style).from_json(codec, value, Time())
 
     def collect(self, topic: str, type_name: str) -> None:
         """Keep what is published on a topic in `received`."""
@@ -89,7 +103,7 @@ class RobotStage:
     ) -> None:
         """Publish a message again and again until the stage is left."""
         publisher = await self.talker.publisher(topic, type_name)
-        payload = publisher.codec.encode(value)
+        payload = self.payload(type_name, value)
 
         async def run() -> None:
             while True:
@@ -107,19 +121,18 @@ class RobotStage:
 
 
 @contextlib.asynccontextmanager
-async def robot_stage() -> AsyncIterator[RobotStage]:
+async def robot_stage(graph: GraphOfTest) -> AsyncIterator[RobotStage]:
     """Set everything up for as long as the block lasts."""
-    network = MemoryNetwork()
-    store = TypeStore(Registry())
-    talker = TypedGraph(await network.join("/talker"), store)
-    gateway = await network.join("/gateway")
-    stage = RobotStage(network, talker, gateway)
+    talker = TypedGraph(await graph.join("/talker"), graph.store)
+    gateway = await graph.join("/gateway")
+    stage = RobotStage(graph, talker, gateway)
     try:
         latched = await talker.publisher("/latched", "std_msgs/String", latch=True)
         latched.publish(data="kept")
-        await stage.publish_regularly("/pose", "geometry_msgs/PoseStamped", POSE, 0.02)
+        await stage.publish_regularly("/pose", "geometry_msgs/PoseStamped", POSE[graph.style], 0.02)
         await stage.publish_regularly("/scan", "sensor_msgs/LaserScan", SCAN, 0.2)
-        image = {"header": {"frame_id": "camera"}, "data": (bytes(range(256)) * 1200)[:IMAGE_BYTES]}
+        content = (bytes(range(256)) * 1200)[:IMAGE_BYTES]
+        image = {"header": {"frame_id": "camera"}, "data": b64encode(content).decode()}
         await stage.publish_regularly("/image", "sensor_msgs/Image", image, 0.2)
         await stage.publish_regularly("/fast", "std_msgs/UInt32", {"data": 7}, 0.005)
         await talker.serve("/enable", "std_srvs/SetBool", _enable)
@@ -127,12 +140,12 @@ async def robot_stage() -> AsyncIterator[RobotStage]:
         await _serve_action(stage)
         await stage.start_server()
         assert stage.api is not None
-        async with offering_rosapi(stage.api, network.join, gateway):
+        async with offering_rosapi(stage.api, graph.join, gateway):
             yield stage
     finally:
         await stage.close()
-        for graph in list(network.nodes.values()):
-            await graph.close()
+        await gateway.close()
+        await talker.close()
 
 
 def _enable(request: Message) -> dict[str, Any]:
@@ -144,7 +157,7 @@ def _fail(_: Message) -> dict[str, Any]:
 
 
 async def _serve_action(stage: RobotStage) -> None:
-    """Answer every goal of the action /lookup at once, as an actionlib server would."""
+    """Answer every goal of the action /lookup, as an actionlib server would."""
     action = "tf2_msgs/LookupTransformAction"
     talker = stage.talker
     results = await talker.publisher("/lookup/result", f"{action}Result")
@@ -156,6 +169,8 @@ async def _serve_action(stage: RobotStage) -> None:
         async for goal in talker.messages("/lookup/goal", f"{action}Goal"):
             status = {"goal_id": goal.goal_id, "status": 3}
             statuses.publish(status_list=[status])
+            # Nothing is so quick in truth: the client's subscription may still be on its way.
+            await results.wait_for_subscriber(30.0)
             text = f"{goal.goal.source_frame} to {goal.goal.target_frame}"
             results.publish(status=status, result={"error": {"error_string": text}})
 

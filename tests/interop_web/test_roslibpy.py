@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from interop_web.pages import PATIENCE_S, go_on, reports, until
-from interop_web.robot_stage import POSE_JSON, robot_stage
+from interop_web.graphs import GRAPHS
+from interop_web.pages import PATIENCE_S, go_on, reports, until, until_served
+from interop_web.robot_stage import POSE, robot_stage
 from interop_web.web_peers import WebPeers
 
 
@@ -13,13 +14,13 @@ from interop_web.web_peers import WebPeers
 async def test_a_program_does_with_a_robot_what_it_does_with_rosbridge_suite(
     web_peers: WebPeers, transport: str
 ) -> None:
-    async with robot_stage() as stage:
+    async with GRAPHS["memory"]() as graph, robot_stage(graph) as stage:
         stage.collect("/from_program", "geometry_msgs/Twist")
         stage.collect("/stamped_from_program", "geometry_msgs/PoseStamped")
         program = await web_peers.start("roslibpy_client.py", str(stage.port), transport)
 
         await until(program, lambda: "serving" in reports(program))
-        await until(program, lambda: "/from_program/double" in stage.network.snapshot().services)
+        await until_served(stage, "/from_program/double")
         answer = await stage.talker.call(
             "/from_program/double", "std_srvs/SetBool", {"data": True}, timeout_s=30
         )
@@ -34,8 +35,8 @@ async def test_a_program_does_with_a_robot_what_it_does_with_rosbridge_suite(
         found = reports(program)
         assert found["latched"] == {"data": "kept"}
         assert found["relative"] == {"data": "kept"}
-        assert found["nested"] == POSE_JSON
-        assert found["throttled"] == POSE_JSON
+        assert found["nested"] == POSE[graph.style]
+        assert found["throttled"] == POSE[graph.style]
         assert found["called"] == {"success": True, "message": "enabled"}
         assert "the motor is missing" in found["refused"]
         assert "wants a bool for field data" in found["misfit"]

@@ -1,8 +1,8 @@
-// A web page's program on roslib: node roslib_client.mjs (1|2) URL
+// A web page's program on roslib: node roslib_client.mjs (1|2) URL PARAMETER
 // It runs its checks one after another and prints, for each, {"check": name, "found": value} or "error".
 import WebSocket from "ws";
 
-const [generation, url] = process.argv.slice(2);
+const [generation, url, parameterName] = process.argv.slice(2);
 const imported = await import(generation === "1" ? "roslib1" : "roslib2");
 const ROSLIB = generation === "1" ? imported.default : imported;
 globalThis.WebSocket ??= WebSocket;
@@ -106,12 +106,12 @@ const checks = {
   refused: () => call("/fail", "std_srvs/Trigger", {}).catch((error) => error.message),
   absent: () => call("/nobody", "std_srvs/Trigger", {}).catch((error) => error.message),
   async parameters() {
-    const parameter = new ROSLIB.Param({ ros, name: "/page/gain" });
-    await settle((resolve, reject) => parameter.set({ p: 1.5, list: [1, "a"] }, resolve, reject), "set");
+    const parameter = new ROSLIB.Param({ ros, name: parameterName });
+    await settle((resolve, reject) => parameter.set([1.5, 2.5], resolve, reject), "set");
     const value = await settle((resolve, reject) => parameter.get(resolve, reject), "get");
     const names = await ask("getParams");
     await settle((resolve, reject) => parameter.delete(resolve, reject), "delete");
-    return { value, isListed: names.some((name) => name.startsWith("/page/gain")) };
+    return { value, isListed: names.some((name) => name.startsWith(parameterName)) };
   },
   async rosapi() {
     const topics = await ask("getTopics");
@@ -120,8 +120,8 @@ const checks = {
       poseType: topics.types[topics.topics.indexOf("/pose")],
       topicType: await ask("getTopicType", "/pose"),
       topicsForType: await ask("getTopicsForType", "geometry_msgs/PoseStamped"),
-      nodes: await ask("getNodes"),
-      services: (await ask("getServices")).filter((name) => !name.startsWith("/rosapi")),
+      nodes: (await ask("getNodes")).filter((name) => name !== "/rosout" && !name.startsWith("/_")),
+      services: (await ask("getServices")).filter((name) => ["/enable", "/fail"].includes(name)),
       serviceType: await ask("getServiceType", "/enable"),
       servicesForType: await ask("getServicesForType", "std_srvs/SetBool"),
       request: (await ask("getServiceRequestDetails", "std_srvs/SetBool")).typedefs[0].fieldnames,

@@ -1,0 +1,76 @@
+"""The graphs that the web's clients are tested on: in memory, of ROS 1, and of ROS 2 alone."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from dataclasses import dataclass
+
+from contract.zenoh_graphs import open_session
+from interop.ros1_peers import free_port
+from rostether.cli.service_probe import probe_type
+from rostether.errors import MasterUnreachableError
+from rostether.gateways.rosbridge.values import Style
+from rostether.graph.memory_network import MemoryNetwork
+from rostether.graph.ports import JoinGraph
+from rostether.msgdef.registry import Registry
+from rostether.ros1.environment import RosEnvironment
+from rostether.ros1.master.server import MasterServer
+from rostether.ros1.node.master_client import MasterClient
+from rostether.ros1.node.node import join_ros1
+from rostether.ros2.native_registry import NativeRegistry
+from rostether.ros2.native_types import NativeTypes
+from rostether.ros2.native_values import NativeClasses
+from rostether.serde.store import TypeStore
+
+
+@dataclass(frozen=True, slots=True)
+class GraphOfTest:
+    """A graph that nobody else is in, and how a gateway is on it."""
+
+    join: JoinGraph
+    store: TypeStore
+    style: Style = Style.ROS1
+    ask_type: Callable[[str], Awaitable[str]] | None = None
+
+
+@asynccontextmanager
+async def _memory() -> AsyncIterator[GraphOfTest]:
+    yield GraphOfTest(MemoryNetwork().join, TypeStore(Registry()))
+
+
+@asynccontextmanager
+async def _ros1() -> AsyncIterator[GraphOfTest]:
+    master = await MasterServer.start(port=0)
+    client = MasterClient(master.uri, "/asking")
+    yield GraphOfTest(
+        functools.partial(join_ros1, master_uri=master.uri, environment=RosEnvironment.read({})),
+        TypeStore(Registry()),
+        ask_type=functools.partial(probe_type, client),
+    )
+    await client.close()
+    await master.close()
+
+
+@asynccontextmanager
+async def _zenoh() -> AsyncIterator[GraphOfTest]:
+    registry = NativeRegistry.from_environment(environ={})
+    types = NativeTypes(registry)
+    for attempt in range(5):
+        try:
+            session = await open_session(free_port(), is_router=True, types=types)
+            break
+        except MasterUnreachableError:
+            # Somebody else's connection took the port a moment ago.
+            if attempt == 4:
+                raise
+    yield GraphOfTest(session.join, TypeStore(registry, NativeClasses(registry)), Style.ROS2)
+    await session.close()
+
+
+GRAPHS: dict[str, Callable[[], AbstractAsyncContextManager[GraphOfTest]]] = {
+    "memory": _memory,
+    "ros1": _ros1,
+    "zenoh": _zenoh,
+}
