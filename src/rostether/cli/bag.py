@@ -14,7 +14,7 @@ _VERBS = {
     "filter": VerbEntry(
         "rostether.cli.bag_filter:bag_filter", "Keep the messages an expression is true for."
     ),
-    "convert": VerbEntry("rostether.cli.bag_convert:bag_convert", "Make MCAP of a bag, or a bag of MCAP."),
+    "convert": VerbEntry("rostether.cli.bag_convert:bag_convert", "Make one format of another."),
     "compress": VerbEntry("rostether.cli.bag_repack:bag_compress", "Compress recordings."),
     "decompress": VerbEntry("rostether.cli.bag_repack:bag_decompress", "Undo the compression of recordings."),
     "reindex": VerbEntry("rostether.cli.bag_reindex:bag_reindex", "Mend recordings that were not closed."),
@@ -31,7 +31,8 @@ _VERBS = {
     """,
 )
 def bag() -> None:
-    """Record topics and play them again: ROS 1 .bag files, as rosbag has them, and MCAP.
+    """Record topics and play them again: ROS 1 .bag files, as rosbag has them, MCAP, and ROS 2 bags.
 
-    Files end with .bag or .mcap; LZ4 and MCAP come with `pip install 'rostether[recording]'`.
+    Files end with .bag, .mcap or .db3; a ROS 2 bag is a folder. LZ4 and Zstandard come with
+    `pip install 'rostether[recording]'`.
     """
