@@ -20,7 +20,7 @@ from rostether.gateways.rosbridge.settings import MAX_CALLS, MAX_SERVICES, match
 from rostether.gateways.rosbridge.surroundings import Surroundings
 from rostether.gateways.rosbridge.type_names import short_type
 
-MAX_LOCAL_CALLS = 4
+MAX_LOCAL_CALLS = 2
 """What the gateway works out for one client at once: a page that asks for all must not hold up others."""
 
 Send = Callable[[dict[str, Any], Wish], None]
