@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from rostether.errors import RecordingError
+from rostether.msgdef.full_text import MAX_FULL_TEXT_CHARACTERS
 from rostether.recording.recorded import CompressionShare, Connection, RecordedMessage, Ros2Origin, Wanted
 from rostether.recording.ros2_reading import CDR, Ros2Topics
 
@@ -56,6 +57,7 @@ class Db3Reader:
             self._database.execute("PRAGMA trusted_schema = OFF")
             self._database.text_factory = lambda data: data.decode("utf-8", "replace")
             self._database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, MAX_VALUE_BYTES)
+            self._refuse_views()
             self._read_topics()
             self.span_ns = self._read_span()
         except (sqlite3.Error, TypeError, ValueError) as error:
@@ -107,6 +109,18 @@ class Db3Reader:
         """Close the file. Idempotent."""
         self._database.close()
 
+    def _refuse_views(self) -> None:
+        # A view or virtual table may go on for ever, whatever the file's size.
+        tables = {
+            name
+            for (name,) in self._database.execute(
+                "SELECT name FROM sqlite_schema WHERE type = 'table' AND sql NOT LIKE 'CREATE VIRTUAL%'"
+            )
+        }
+        if not {"topics", "messages"} <= tables:
+            raise ValueError("it has no tables of topics and messages")
+        self._has_definitions = "message_definitions" in tables
+
     def _read_topics(self) -> None:
         columns = {row[1] for row in self._database.execute("PRAGMA table_info(topics)")}
         if not {"id", "name", "type", "serialization_format"} <= columns:
@@ -115,8 +129,9 @@ class Db3Reader:
         qos = "offered_qos_profiles" if "offered_qos_profiles" in columns else "''"
         type_hash = "type_description_hash" if "type_description_hash" in columns else "''"
         rows = self._database.execute(
-            f"SELECT id, name, type, serialization_format, {qos}, {type_hash} FROM topics LIMIT ?",  # noqa: S608
-            (MAX_TOPICS,),
+            f"SELECT id, name, type, serialization_format, {qos}, {type_hash} FROM topics"  # noqa: S608
+            f" WHERE length(name) + length(type) + length({qos}) <= ? LIMIT ?",
+            (MAX_FULL_TEXT_CHARACTERS, MAX_TOPICS),
         ).fetchall()
         counts = dict(self._database.execute("SELECT topic_id, count(*) FROM messages GROUP BY topic_id"))
         for number, topic, type_name, encoding, offers, digest in rows:
@@ -131,14 +146,13 @@ class Db3Reader:
                 self._counts[connection] += counts.get(number, 0)
 
     def _read_definitions(self) -> dict[tuple[str, str], tuple[str, str]]:
-        try:
-            rows = self._database.execute(
-                "SELECT topic_type, type_description_hash, encoding, encoded_message_definition"
-                " FROM message_definitions LIMIT ?",
-                (MAX_TOPICS,),
-            ).fetchall()
-        except sqlite3.OperationalError:
+        if not self._has_definitions:
             return {}  # before Iron
+        rows = self._database.execute(
+            "SELECT topic_type, type_description_hash, encoding, encoded_message_definition"
+            " FROM message_definitions WHERE length(encoded_message_definition) <= ? LIMIT ?",
+            (MAX_FULL_TEXT_CHARACTERS, MAX_TOPICS),
+        ).fetchall()
         found = {(str(row[0]), str(row[1])): (str(row[2]), str(row[3])) for row in rows}
         return found | {(name, ""): schema for (name, _), schema in found.items()}
 

@@ -37,6 +37,8 @@ class Ros2BagReader:
             metadata = Metadata(0, "", tuple(sorted(_recordings_in(path))))
             self.damage = str(error)
         if not metadata.files:
+            if (path / FILE_NAME).exists():
+                raise RecordingError(self.damage or f"{path / FILE_NAME} names no files")
             raise RecordingError(f"{path} is no ROS 2 bag: it has no {FILE_NAME}, nor .mcap or .db3 files")
         self.format_version = "rosbag2"
         if metadata.storage:

@@ -14,7 +14,7 @@ import yaml
 
 from rostether.errors import RecordingError
 from rostether.recording.recorded import Ros2Origin
-from rostether.recording.ros2_qos import read_profiles
+from rostether.recording.ros2_qos import load_yaml, read_profiles
 
 FILE_NAME = "metadata.yaml"
 VERSION = 9
@@ -128,27 +128,34 @@ def read_metadata(folder: Path) -> Metadata:
     if len(data) > MAX_BYTES:
         raise RecordingError(f"{path} has more than {MAX_BYTES} bytes")
     try:
-        loaded = yaml.safe_load(data)
+        loaded = load_yaml(data.decode("utf-8", "replace"))
         content = loaded[_KEY]
         topics = {}
         for row in content["topics_with_message_count"]:
             topic = row["topic_metadata"]
-            origin = Ros2Origin(str(topic["type"]), str(topic.get("type_description_hash") or ""))
-            topics[str(topic["name"]), origin.type_name] = origin
+            origin = Ros2Origin(_text(topic["type"]), _text(topic.get("type_description_hash") or ""))
+            topics[_text(topic["name"]), origin.type_name] = origin
         # Before version 4 paths began with the folder's own name; files elsewhere are never read.
-        files = tuple(PurePosixPath(str(each)).name for each in content["relative_file_paths"][:MAX_FILES])
+        files = tuple(PurePosixPath(_text(each)).name for each in content["relative_file_paths"][:MAX_FILES])
         return Metadata(
             int(content["version"]),
-            str(content["storage_identifier"]),
+            _text(content["storage_identifier"]),
             files,
-            str(content.get("compression_format") or ""),
-            str(content.get("compression_mode") or "").lower().replace("none", ""),
+            _text(content.get("compression_format") or ""),
+            _text(content.get("compression_mode") or "").lower().replace("none", ""),
             topics,
         )
     except (yaml.YAMLError, LookupError, TypeError, ValueError, AttributeError, RecursionError) as error:
         raise RecordingError(
             f"{path} is no description of a ROS 2 bag ({type(error).__name__}: {_first_line(error)})"
         ) from None
+
+
+def _text(value: object) -> str:
+    # Aliases make small files hold lists without end, which are only dangerous when written out.
+    if not isinstance(value, str):
+        raise TypeError("a text was expected")
+    return value
 
 
 def _duration(start_ns: int | None, end_ns: int) -> int:

@@ -9,6 +9,8 @@ from typing import Any
 
 import yaml
 
+from rostether.serde.yaml_nesting import refuse_deep_nesting
+
 _WORDS = {
     "history": ("system_default", "keep_last", "keep_all", "unknown"),
     "reliability": ("system_default", "reliable", "best_effort", "unknown", "best_available"),
@@ -18,6 +20,8 @@ _WORDS = {
     ),
 }
 _INFINITE = {"sec": 9223372036, "nsec": 854775807}
+MAX_CHARACTERS = 1 << 18
+"""A publisher takes some 400."""
 MAX_PROFILES = 1000
 """Files may come from anybody; a topic with more publishers says no more than its first ones."""
 
@@ -41,12 +45,18 @@ def offered(*, is_latching: bool, is_best_effort: bool = False) -> str:
     )
 
 
+def load_yaml(text: str) -> Any:
+    """Return what a recording's YAML says. Raises yaml.YAMLError, ValueError, RecursionError."""
+    refuse_deep_nesting(text)
+    return yaml.load(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))  # noqa: S506 - a safe one
+
+
 def read_profiles(stored: object) -> list[dict[str, Any]]:
     """Return what a recording says, text or list, with policies as words; what is no such thing is empty."""
     if isinstance(stored, str):
         try:
-            stored = yaml.safe_load(stored)
-        except yaml.YAMLError:
+            stored = load_yaml(stored[:MAX_CHARACTERS])
+        except (yaml.YAMLError, ValueError, RecursionError):
             return []
     if not isinstance(stored, list):
         return []

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import sqlite3
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -276,3 +277,31 @@ def test_cut_files_get_one_line_or_give_what_is_whole(tmp_path: Path, storage: S
             assert "\n" not in str(error)
         finally:
             reader.close()
+
+
+@pytest.mark.parametrize("table", ["messages", "topics"])
+def test_a_view_without_end_is_not_run(tmp_path: Path, table: str) -> None:
+    path = tmp_path / "a.db3"
+    create_recording(path, form=Form.ROS2).close()
+    endless = "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n) SELECT"
+    columns = {
+        "messages": "i AS id, 1 AS topic_id, i AS timestamp, x'00' AS data FROM n",
+        "topics": "i AS id, '/a' AS name, 'a/msg/B' AS type, 'cdr' AS serialization_format FROM n",
+    }
+    with sqlite3.connect(path) as database:
+        database.execute(f"DROP TABLE {table}")
+        database.execute(f"CREATE VIEW {table} AS {endless} {columns[table]}")
+    database.close()
+    with pytest.raises(RecordingError, match="no tables of topics and messages"):
+        open_recording(path)
+
+
+def test_aliases_without_end_are_not_written_out(tmp_path: Path) -> None:
+    bomb = "\n".join(f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 9)}]" for n in range(1, 12))
+    rest = (
+        "rosbag2_bagfile_information: {version: 9, storage_identifier: *a11, relative_file_paths: [a.mcap],"
+    )
+    summary = f"a0: &a0 [x]\n{bomb}\n{rest} topics_with_message_count: []}}\n"
+    (tmp_path / "metadata.yaml").write_text(summary)
+    with pytest.raises(RecordingError, match="a text was expected"):
+        open_recording(tmp_path)
