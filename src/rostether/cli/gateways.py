@@ -17,7 +17,7 @@ from rostether.cli.ros2_options import Ros2Options
 from rostether.cli.ros_choice import Middleware
 from rostether.cli.served_graphs import ServedGraphs
 from rostether.cli.service_probe import look_up, probe_type
-from rostether.errors import ConfigError, MasterUnreachableError
+from rostether.errors import ConfigError, DefinitionError, GraphError, MasterUnreachableError
 from rostether.graph.ports import JoinGraph, Level
 from rostether.ros1.environment import RosEnvironment, is_loopback, parse_rpc_uri
 
@@ -191,7 +191,11 @@ async def rosbridge_server(
     )
     async with AsyncExitStack() as stack:
         stack.push_async_callback(server.close)
-        await stack.enter_async_context(offering_rosapi(rosapi, on.join, graph))
+        try:
+            await stack.enter_async_context(offering_rosapi(rosapi, on.join, graph))
+        except (DefinitionError, GraphError) as error:
+            # Clients are answered all the same, without the graph.
+            tell(Level.INFO, f"rosbridge: rosapi's services are there for its clients alone: {error}")
         await server.start()
         tell(Level.INFO, f"rosbridge: web pages and programs connect to {server.uri}")
         if is_loopback(settings.host):
