@@ -19,6 +19,7 @@ from benchmarks import (
     cycles,
     footprint,
     gateways,
+    recording,
     rosserial_frames,
     round_trip,
     serde_codec,
@@ -187,13 +188,30 @@ def gateways_table() -> Table:
     """Measure gateways whose clients hear many topics."""
     title = f"Gateways, {gateways.TOPICS} topics at {gateways.RATE_HZ:.0f} Hz"
     table = Table("gateway", "CPU", "received", "sent", "wanted", title=title)
+    costs = gateways.gateway_costs()
     for name, kind, wanted in (
         ("Foxglove", "foxglove", "less than rosbridge"),
         ("rosbridge, JSON", "json", ""),
         ("rosbridge, cbor-raw", "cbor-raw", ""),
     ):
-        cost = gateways.gateway_cost(kind)
+        cost = costs[kind]
         table.add_row(name, f"{cost.cpu_percent:.0f} %", f"{cost.received:,}", f"{cost.expected:,}", wanted)
+    return table
+
+
+def recording_table() -> Table:
+    """Measure recording a flood for ten seconds, and playing one, beside Debian's rosbag."""
+    table = Table("bag", "messages/s", "lost", "cores", "wanted", title="Recording, 64 B")
+    for kept in recording.recordings():
+        table.add_row(
+            f"record: {kept.name}",
+            f"{kept.sent_hz:,.0f}",
+            f"{kept.lost:,} of {kept.sent:,}",
+            f"{kept.cores:.2f}",
+            "0 lost, 1 core" if kept.name in ("rostether, .bag", "rostether, .mcap") else "",
+        )
+    for each in recording.playbacks():
+        table.add_row(f"play: {each.name}", f"{each.rate_hz:,.0f}", f"{each.lost:,}", f"{each.cores:.2f}", "")
     return table
 
 
@@ -247,6 +265,7 @@ TABLES = {
     "cycles": cycles_table,
     "sizes": sizes_table,
     "gateways": gateways_table,
+    "recording": recording_table,
     "zenoh": zenoh_table,
 }
 

@@ -1,67 +1,127 @@
 """A client of a gateway: `python -m benchmarks.gateway_listener PORT TOPICS foxglove|json|cbor-raw SECONDS`.
 
 It subscribes everything, prints a line when all has begun to come, waits for a line, and prints how many
-messages came in the seconds after it.
+messages came in the seconds after it. It only counts frames: one that falls behind would make its gateway
+leave messages out, and so seem cheap.
 """
 
 from __future__ import annotations
 
 import asyncio
+import base64
 import json
+import os
 import sys
+from collections.abc import Iterator
+from typing import Any
 
-from websockets.asyncio.client import ClientConnection, connect
-from websockets.typing import Subprotocol
+_TEXT, _MASKED = 0x81, 0x80
+_LENGTH_BYTES = {126: 2, 127: 8}
 
 
-async def subscribe_foxglove(connection: ClientConnection, topics: set[str]) -> None:
-    """Subscribe the topics, as soon as they are offered."""
-    missing = set(topics)
-    while missing:
-        text = await connection.recv()
-        message = json.loads(text) if isinstance(text, str) else {}
+class Frames:
+    """Cuts what a server sends into frames."""
+
+    def __init__(self) -> None:
+        self._buffer = bytearray()
+
+    def feed(self, data: bytes) -> Iterator[tuple[int, int, int]]:
+        """Yield (opcode byte, start, end) of each whole frame; they are good until the next call."""
+        self._buffer += data
+        position, size = 0, len(self._buffer)
+        while size - position >= 2:
+            length, start = self._buffer[position + 1], position + 2
+            if extended := _LENGTH_BYTES.get(length, 0):
+                if size < start + extended:
+                    break
+                length = int.from_bytes(self._buffer[start : start + extended], "big")
+                start += extended
+            if size < start + length:
+                break
+            yield self._buffer[position], start, start + length
+            position = start + length
+        del self._buffer[:position]
+
+    def text(self, start: int, end: int) -> Any:
+        """Return the JSON of a frame that was just yielded."""
+        return json.loads(self._buffer[start:end])
+
+
+class Listener(asyncio.Protocol):
+    """Subscribes what it is offered, or by name, and counts."""
+
+    def __init__(self, topics: set[str], kind: str) -> None:
+        self.received = 0
+        self._missing = topics
+        self._kind = kind
+        self._frames = Frames()
+        self._greeting = b""
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Shake hands."""
+        assert isinstance(transport, asyncio.Transport)
+        self._transport = transport
+        lines = [
+            "GET / HTTP/1.1",
+            "Host: 127.0.0.1",
+            "Upgrade: websocket",
+            "Connection: Upgrade",
+            "Sec-WebSocket-Version: 13",
+            f"Sec-WebSocket-Key: {base64.b64encode(os.urandom(16)).decode()}",
+        ]
+        if self._kind == "foxglove":
+            lines.append("Sec-WebSocket-Protocol: foxglove.sdk.v1")
+        transport.write("\r\n".join([*lines, "", ""]).encode())
+
+    def data_received(self, data: bytes) -> None:
+        """Count, and subscribe."""
+        if b"\r\n\r\n" not in self._greeting:
+            self._greeting += data
+            head, end, data = self._greeting.partition(b"\r\n\r\n")
+            if not end:
+                return
+            self._greeting = head + end
+            if self._kind != "foxglove":
+                self._subscribe_rosbridge()
+        for opcode, start, end_ in self._frames.feed(data):
+            if self._missing and self._kind == "foxglove" and opcode == _TEXT:
+                self._subscribe_foxglove(self._frames.text(start, end_))
+            else:
+                self.received += 1
+
+    def _subscribe_rosbridge(self) -> None:
+        compression = "none" if self._kind == "json" else self._kind
+        for topic in self._missing:
+            self._say({"op": "subscribe", "topic": topic, "compression": compression})
+
+    def _subscribe_foxglove(self, message: dict[str, Any]) -> None:
         for channel in message.get("channels", ()):
-            if channel["topic"] in missing:
-                missing.discard(channel["topic"])
+            if channel["topic"] in self._missing:
+                self._missing.discard(channel["topic"])
                 wanted = [{"id": channel["id"], "channelId": channel["id"]}]
-                await connection.send(json.dumps({"op": "subscribe", "subscriptions": wanted}))
+                self._say({"op": "subscribe", "subscriptions": wanted})
+
+    def _say(self, message: dict[str, Any]) -> None:
+        text = json.dumps(message).encode()
+        # A mask of zeros leaves the text as it is; 126: the length follows in two bytes.
+        header = bytes((_TEXT, _MASKED | 126)) + len(text).to_bytes(2, "big") + bytes(4)
+        self._transport.write(header + text)
 
 
-async def subscribe_rosbridge(connection: ClientConnection, topics: set[str], compression: str) -> None:
-    """Subscribe the topics."""
-    for topic in topics:
-        fields = {"op": "subscribe", "topic": topic, "compression": compression}
-        await connection.send(json.dumps(fields))
-
-
-async def main(port: str, count: int, kind: str, seconds: float) -> None:
+async def main(port: int, count: int, kind: str, seconds: float) -> None:
     """Listen and count."""
-    topics = {f"/imu_{number}" for number in range(count)}
-    protocols = [Subprotocol("foxglove.sdk.v1")] if kind == "foxglove" else None
-    async with connect(
-        f"ws://127.0.0.1:{port}", subprotocols=protocols, proxy=None, compression=None, max_size=None
-    ) as connection:
-        if kind == "foxglove":
-            await subscribe_foxglove(connection, topics)
-        else:
-            await subscribe_rosbridge(connection, topics, "none" if kind == "json" else kind)
-        received = 0
-
-        async def listen() -> None:
-            nonlocal received
-            async for _ in connection:
-                received += 1
-
-        listening = asyncio.ensure_future(listen())
-        while received < 10 * count:
-            await asyncio.sleep(0.05)
-        print("ready", flush=True)
-        await asyncio.get_running_loop().run_in_executor(None, sys.stdin.readline)
-        before = received
-        await asyncio.sleep(seconds)
-        print(received - before, flush=True)
-        listening.cancel()
+    loop = asyncio.get_running_loop()
+    listener = Listener({f"/imu_{number}" for number in range(count)}, kind)
+    transport, _ = await loop.create_connection(lambda: listener, "127.0.0.1", port)
+    while listener.received < 10 * count:
+        await asyncio.sleep(0.05)
+    print("ready", flush=True)
+    await loop.run_in_executor(None, sys.stdin.readline)
+    before = listener.received
+    await asyncio.sleep(seconds)
+    print(listener.received - before, flush=True)
+    transport.abort()
 
 
 if __name__ == "__main__":
-    asyncio.run(main(sys.argv[1], int(sys.argv[2]), sys.argv[3], float(sys.argv[4])))
+    asyncio.run(main(int(sys.argv[1]), int(sys.argv[2]), sys.argv[3], float(sys.argv[4])))

@@ -28,7 +28,7 @@ HIGH_WATER_BYTES = 1 << 20
 """What stands in the process for a client before messages wait in queues where they can be dropped: 50 ms of
 what a fast network takes."""
 
-GATHER_S = 0.005
+GATHER_S = 0.01
 """A message goes at once when none has gone for so long; those of a flood go together, less often than a
 screen is drawn: each write costs more than all the rest."""
 
