@@ -8,6 +8,7 @@ from interop_web.graphs import GRAPHS
 from interop_web.pages import PATIENCE_S, go_on, reports, until, until_served
 from interop_web.robot_stage import IMAGE_BYTES, POSE, robot_stage
 from interop_web.web_peers import WebPeers
+from rostether.gateways.rosbridge.cdr_form import CdrForm
 
 
 @pytest.mark.parametrize(("generation", "ros"), [("1", "ros1"), ("2", "ros1"), ("2", "zenoh")])
@@ -37,6 +38,9 @@ async def test_a_page_does_with_a_robot_what_it_does_with_rosbridge_suite(
         found = reports(page)
         pose = POSE[graph.style]
         payload = stage.payload("geometry_msgs/PoseStamped", pose)
+        if ros == "zenoh":
+            pose_type = graph.store.registry.message_type("geometry_msgs/PoseStamped")
+            payload = CdrForm(graph.store.registry).to_cdr(pose_type, payload)
         assert found["latched"] == {"data": "kept"}
         assert found["nested"] == pose
         assert found["png"] == pose

@@ -15,6 +15,7 @@ from rostether.serde.store import TypeStore
 
 if TYPE_CHECKING:
     from rostether.gateways.rosbridge.cbor import CborForm
+    from rostether.gateways.rosbridge.cdr_form import CdrForm
 
 
 class MessageForms:
@@ -25,6 +26,7 @@ class MessageForms:
         self._style = style
         self._json = JsonForm(style)
         self._cbor: CborForm | None = None
+        self._cdr: CdrForm | None = None
         self._now = now
 
     def to_json(self, type_name: str, payload: bytes) -> dict[str, Any]:
@@ -51,6 +53,8 @@ class MessageForms:
         if compression is Compression.CBOR_RAW:
             from rostether.gateways.rosbridge.cbor import publish_raw
 
+            if self._style is Style.ROS2:
+                payload = self._cdr_form().to_cdr(batch.connection.type, payload)
             return publish_raw(topic, payload, batch.forms.setdefault("received", self._now()))
         codec = batch.connection.codec
         if compression is Compression.CBOR:
@@ -67,3 +71,10 @@ class MessageForms:
 
             self._cbor = CborForm(self._style)
         return self._cbor
+
+    def _cdr_form(self) -> CdrForm:
+        if self._cdr is None:
+            from rostether.gateways.rosbridge.cdr_form import CdrForm
+
+            self._cdr = CdrForm(self._store.registry)
+        return self._cdr

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable, Iterable, Mapping
-from typing import Final, TypeAlias
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 from rostether.errors import RostetherError
 from rostether.gateways.rosbridge.type_names import long_type, short_type
 from rostether.graph.ports import Graph, ServiceInfo, Snapshot
-from rostether.msgdef.interface import ANY_TYPE
+from rostether.msgdef.interface import ANY_TYPE, MessageType
 from rostether.msgdef.registry import Registry
+
+if TYPE_CHECKING:
+    from rostether.gateways.rosbridge.cdr_form import CdrForm
 
 AskServer: TypeAlias = Callable[[str], Awaitable[str]]
 """Takes a service's name, and returns what its server says. Raises RostetherError."""
@@ -53,6 +56,7 @@ class GraphAnswers:
         self._allows_service = allows_service
         self._ask_type = ask_type
         self._ask_host = ask_host
+        self._cdr_form: CdrForm | None = None
 
     async def topics(self) -> tuple[list[str], list[str]]:
         """Return all topics and, in the same order, their types."""
@@ -178,9 +182,17 @@ class GraphAnswers:
         if not type_name:
             return ""
         try:
-            return self._registry.message_type(short_type(type_name)).definition
+            message_type = self._registry.message_type(short_type(type_name))
+            return self._ros2_text(message_type) if self._is_ros2 else message_type.definition
         except RostetherError as error:
             return f"# failed to get full definition text for {type_name}: {error}"
+
+    def _ros2_text(self, message_type: MessageType) -> str:
+        if self._cdr_form is None:
+            from rostether.gateways.rosbridge.cdr_form import CdrForm
+
+            self._cdr_form = CdrForm(self._registry)
+        return self._cdr_form.full_text(message_type)
 
     def _services(self, snapshot: Snapshot) -> list[ServiceInfo]:
         return [each for each in snapshot.services.values() if self._allows_service(each.name)]

@@ -305,6 +305,9 @@ async def test_words_of_ros2(gateway: MemoryGraph, talker: TypedGraph) -> None:
         ]
         assert await ask(api, "get_time") == {"time": {"sec": NOW.secs, "nanosec": NOW.nsecs}}
         assert await ask(api, "get_ros_version") == {"version": 2, "distro": "jazzy"}
+        texts = (await ask(api, "topics_and_raw_types"))["typedefs_full_text"]
+        assert "MSG: std_msgs/Header\n" in texts[1]
+        assert "seq" not in texts[1]
     native = Rosapi(gateway, store, style=Style.ROS2, environ={})
     assert native.services["/rosapi/topics"] == "rosapi_msgs/Topics"
     assert native.find("/rosapi/search_param") is None

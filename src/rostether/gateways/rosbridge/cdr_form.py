@@ -1,0 +1,29 @@
+"""What clients that ask for raw messages get on a ROS 2 graph: CDR, and ROS 2's own definitions."""
+
+from __future__ import annotations
+
+from rostether.msgdef.interface import MessageType
+from rostether.msgdef.registry import Registry
+from rostether.msgdef.ros2.definitions import Ros2Definitions
+from rostether.ros2.native_registry import NativeRegistry
+from rostether.ros2.native_types import NativeTypes
+from rostether.ros2.type_support import Ros2Types
+
+
+class CdrForm:
+    """Says the graph port's messages in ROS 2's form; `registry` is what the gateway has its types from."""
+
+    def __init__(self, registry: Registry) -> None:
+        self._types = (
+            NativeTypes(registry)
+            if isinstance(registry, NativeRegistry)
+            else Ros2Types(registry, Ros2Definitions.from_environment())
+        )
+
+    def to_cdr(self, message_type: MessageType, payload: bytes) -> bytes:
+        """Return a payload in CDR. Raises SerializationError, UnknownTypeError, TypeMismatchError."""
+        return self._types.message(message_type).converter.to_cdr(payload)
+
+    def full_text(self, message_type: MessageType) -> str:
+        """Return a type's definition and those of all below. Raises UnknownTypeError, TypeMismatchError."""
+        return self._types.full_text(message_type)
