@@ -1,0 +1,80 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rostether.errors import ConfigError
+from rostether.gateways.foxglove.assets import Assets
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    package = tmp_path / "workspace/arm"
+    (package / "meshes").mkdir(parents=True)
+    (package / "meshes/left arm.stl").write_bytes(b"solid")
+    (package / ".git").mkdir()
+    (package / ".git/config").write_text("secret")
+    (tmp_path / "workspace/secret").write_text("secret")
+    (tmp_path / "workspace/arm_other").mkdir()
+    (tmp_path / "workspace/arm_other/secret").write_text("secret")
+    (package / "link").symlink_to(tmp_path / "workspace/secret")
+    (package / "inner").symlink_to(package / "meshes")
+    return package
+
+
+async def test_files_of_packages_are_read(folder: Path) -> None:
+    assets = Assets(lambda: {"arm": folder}, 1000)
+    for uri in (
+        "package://arm/meshes/left%20arm.stl",
+        "package://arm/meshes/../meshes/left arm.stl",
+        "package://arm/inner/left arm.stl",
+        f"file://{folder}/meshes/left%20arm.stl",
+        f"file://localhost{folder}/meshes/left arm.stl",
+    ):
+        assert await assets.read(uri) == b"solid"
+
+
+async def test_nothing_else_is(folder: Path) -> None:
+    assets = Assets(lambda: {"arm": folder}, 1000)
+    for uri in (
+        "package://arm/../secret",
+        "package://arm/%2e%2e/secret",
+        "package://arm/..%2fsecret",
+        "package://arm//etc/passwd",
+        "package://arm/link",
+        "package://arm/.git/config",
+        "package://arm/meshes",
+        "package://arm",
+        "package://arm_other/secret",
+        "package://../secret",
+        "package:///etc/passwd",
+        f"file://{folder.parent}/secret",
+        f"file://{folder}/../secret",
+        f"file://{folder}_other/secret",
+        f"file://other.host{folder}/meshes/left%20arm.stl",
+        "file:///etc/passwd",
+        "http://localhost/secret",
+        "package://arm/\0",
+        "package://arm/" + "x" * 5000,
+        "package://[",
+        "",
+    ):
+        with pytest.raises(ConfigError) as caught:
+            await assets.read(uri)
+        assert "\n" not in str(caught.value)
+
+
+async def test_a_file_that_is_too_large_is_not_sent(folder: Path) -> None:
+    (folder / "large.stl").write_bytes(bytes(5000))
+    with pytest.raises(ConfigError, match="larger than"):
+        await Assets(lambda: {"arm": folder}, 1000).read("package://arm/large.stl")
+
+
+async def test_a_package_that_comes_later_is_found(folder: Path) -> None:
+    found: dict[str, Path] = {}
+    assets = Assets(lambda: dict(found), 1000)
+    with pytest.raises(ConfigError, match="ROS_PACKAGE_PATH"):
+        await assets.read("package://arm/meshes/left arm.stl")
+    found["arm"] = folder
+    assert await assets.read("package://arm/meshes/left arm.stl") == b"solid"
