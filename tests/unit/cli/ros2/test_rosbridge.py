@@ -1,0 +1,44 @@
+"""`rostether rosbridge` on a ROS 2 graph."""
+
+from __future__ import annotations
+
+import json
+import re
+from typing import Any
+
+from websockets.asyncio.client import ClientConnection, connect
+
+from unit.cli.ros2.zenoh_world import ZenohWorld
+from unit.cli.serving_process import started
+
+
+async def heard(client: ClientConnection, op: str) -> dict[str, Any]:
+    while True:
+        message: dict[str, Any] = json.loads(await client.recv())
+        if message["op"] == op:
+            return message
+
+
+async def test_pages_see_ros2_in_its_own_words(world: ZenohWorld) -> None:
+    async with started("rosbridge", "0", "--ros2", "zenoh") as gateway:
+        await gateway.wait_for("lets others connect")
+        match = re.search(r"connect to (ws://localhost:\d+)", gateway.text)
+        assert match is not None, gateway.text
+        async with connect(match[1]) as client:
+            await client.send('{"op": "subscribe", "topic": "/imu", "type": "sensor_msgs/msg/Imu"}')
+            imu = (await heard(client, "publish"))["msg"]
+            assert imu["header"] == {"stamp": {"sec": 5, "nanosec": 7}, "frame_id": "base"}
+            await client.send('{"op": "unsubscribe", "topic": "/imu"}')
+            await client.send('{"op": "subscribe", "topic": "/name"}')
+            assert (await heard(client, "publish"))["msg"] == {"data": "arm"}
+            await client.send('{"op": "call_service", "service": "/set_led", "args": {"data": true}}')
+            answer = await heard(client, "service_response")
+            assert answer["values"] == {"success": True, "message": "it is on"}
+            twist = {"linear": {"x": 0.5}}
+            await client.send(
+                json.dumps({"op": "advertise", "topic": "/cmd_vel", "type": "geometry_msgs/msg/Twist"})
+            )
+            await client.send(json.dumps({"op": "publish", "topic": "/cmd_vel", "msg": twist}))
+            await client.send('{"op": "call_service", "service": "/rosapi/topic_type", "args": ["/imu"]}')
+            assert (await heard(client, "service_response"))["values"] == {"type": "sensor_msgs/msg/Imu"}
+            world.wait_until(lambda: len(world.heard) == 1)
