@@ -48,6 +48,9 @@ ROLES = {
     "foxglove-bridge": VerbEntry(
         "rostether.cli.foxglove:foxglove_bridge", "Serve Foxglove, like foxglove_bridge."
     ),
+    "rosapi-node": VerbEntry(
+        "rostether.cli.rosapi_role:rosapi_node", "Tell by services what is on the graph, like rosapi_node."
+    ),
     "rosbridge-websocket": VerbEntry(
         "rostether.cli.rosbridge:rosbridge_websocket", "Serve web pages, like rosbridge_websocket."
     ),

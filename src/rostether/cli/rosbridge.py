@@ -135,7 +135,7 @@ def rosbridge_websocket(arguments: tuple[str, ...]) -> None:
 
 
 async def _main(graph: TypedGraph, words: list[str]) -> None:
-    parameters = await _parameters(graph, words)
+    parameters = await node_parameters(graph, words)
     settings = read_settings(parameters, read_gateway_options().token)
     reporter = ConsoleReporter()
     environment = read_environment()
@@ -145,7 +145,7 @@ async def _main(graph: TypedGraph, words: list[str]) -> None:
         await graph.raw.wait_closed()
 
 
-async def _parameters(graph: TypedGraph, words: Sequence[str]) -> dict[str, Any]:
+async def node_parameters(graph: TypedGraph, words: Sequence[str]) -> dict[str, Any]:
     """Return the node's private parameters; words such as `--port 9091` win, as with rosbridge_websocket."""
     found = await graph.raw.get_param("~") if await graph.raw.has_param("~") else {}
     parameters = dict(found) if isinstance(found, Mapping) else {}

@@ -53,6 +53,7 @@ SERVED_NODES: dict[tuple[str, str], tuple[str, ...]] = {
     ("foxglove_bridge", "foxglove_bridge"): ("role", "foxglove-bridge"),
     ("rosbridge_server", "rosbridge_websocket"): ("role", "rosbridge-websocket"),
     ("rosbridge_server", "rosbridge_websocket.py"): ("role", "rosbridge-websocket"),
+    ("rosapi", "rosapi_node"): ("role", "rosapi-node"),
     ("joy", "joy_node"): ("role", "joy-node"),
     ("topic_tools", "relay"): ("role", "relay"),
     ("topic_tools", "throttle"): ("role", "throttle"),

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import asyncio
 import json
 import re
 import socket
@@ -9,6 +10,7 @@ from typing import Any
 import pytest
 from websockets.asyncio.client import connect
 
+import rostether
 from interop.ros1_peers import free_port
 from rostether.cli.rosbridge import read_settings
 from rostether.errors import ConfigError
@@ -89,6 +91,23 @@ async def test_the_established_launch_file_is_there_with_nothing_installed(tmp_p
         name = "/rosbridge_websocket/actual_port"
         answer = await said_and_heard(uri, op="call_service", service="/rosapi/get_param", args=[name, ""])
         assert answer["values"]["value"] == str(port)
+
+
+async def test_rosapi_is_a_node_of_its_own_where_a_launch_file_says_so() -> None:
+    master = await MasterServer.start(host="127.0.0.1", port=0)
+    try:
+        async with (
+            started("role", "rosapi-node", "_services_glob:=[/rosapi/*]", ROS_MASTER_URI=master.uri),
+            rostether.join("/asking", master=master.uri) as graph,
+        ):
+            async with asyncio.timeout(30):
+                async for snapshot in graph.changes():
+                    if "/rosapi/search_param" in snapshot.services:
+                        break
+            answer = await graph.call("/rosapi/nodes", "rosapi/Nodes")
+            assert answer.nodes == ["/asking", "/rosapi"]
+    finally:
+        await master.close()
 
 
 def test_our_packages_have_what_their_names_promise() -> None:
