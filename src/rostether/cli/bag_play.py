@@ -17,6 +17,7 @@ from rostether.cli.graph_access import read_environment, resolve
 from rostether.cli.options import master_option, tool_allow_option
 from rostether.cli.output import warn, write_line
 from rostether.cli.recording_graph import is_on_ros2_alone, recording_graph
+from rostether.cli.recording_progress import show
 from rostether.cli.ros2_options import zenoh_reach_options
 from rostether.cli.ros_choice import ros1_option, ros2_option
 from rostether.cli.running import run
@@ -75,7 +76,13 @@ _KEYS_SHOWN = "Space pauses, s plays one message while paused, q ends."
 )
 @click.option("--wait-for-subscribers", is_flag=True, help="Begin when every topic has a subscriber.")
 @click.option("-k", "--keep-alive", is_flag=True, help="Stay at the end, for latched topics.")
-@click.option("--queue", hidden=True, help="For habit: queues are bounded by bytes.")
+@click.option(
+    "--queue",
+    type=click.IntRange(min=0),
+    metavar="COUNT",
+    help="Keep COUNT messages of each topic for slow subscribers (as many as go in 4 MB).",
+)
+@click.option("--try-future-version", is_flag=True, hidden=True, help="For habit: there is no later one.")
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but what goes wrong.")
 @master_option
 @ros1_option
@@ -100,7 +107,8 @@ def bag_play(
     delay: float,
     wait_for_subscribers: bool,
     keep_alive: bool,
-    queue: str | None,
+    queue: int | None,
+    try_future_version: bool,
     quiet: bool,
     master: str | None,
 ) -> None:
@@ -130,6 +138,7 @@ def bag_play(
         skip_empty_s=skip_empty,
         delay_s=delay,
         clock_hz=hz if with_clock else None,
+        queue_messages=queue,
         waits_for_subscribers=wait_for_subscribers,
         pause_topics=frozenset(resolve(each, environment) for each in pause_topics),
         topics=frozenset(resolve(each, environment) for each in topics),
@@ -213,8 +222,7 @@ async def _keys(player: Player, end: Callable[[], object], *, is_quiet: bool) ->
     finally:
         if showing is not None:
             showing.cancel()
-            sys.stderr.write("\r\033[K")
-            sys.stderr.flush()
+            show("")
         loop.remove_reader(stdin)
         with contextlib.suppress(termios.error):
             termios.tcsetattr(stdin, termios.TCSADRAIN, before)
@@ -226,6 +234,5 @@ async def _show(player: Player) -> None:
         word = "PAUSED " if player.is_paused else "RUNNING"
         passed_s = max(player.time_ns - player.start_ns, 0) / NS_PER_S
         line = f"[{word}]  time {player.time_ns / NS_PER_S:.3f}   {passed_s:.2f} of {span_s:.2f} s"
-        sys.stderr.write(f"\r\033[K{line}   {player.played_count} messages")
-        sys.stderr.flush()
+        show(f"{line}   {player.played_count} messages")
         await asyncio.sleep(PROGRESS_PERIOD_S)

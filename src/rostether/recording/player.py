@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import asyncio
 import heapq
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import islice
 
 from rostether.errors import RecordingError
 from rostether.graph.ports import Graph, Publisher
@@ -24,6 +25,15 @@ DRAIN_S = 0.5
 
 BATCH_MESSAGES = 500
 """Messages that leave before others get a turn: about 2 ms of reading."""
+
+SAMPLE_MESSAGES = 2000
+"""How many messages are read to know their sizes, where a queue is asked for that holds so and so many."""
+
+MAX_QUEUE_BYTES = 1 << 30
+"""How large a queue gets at most, whatever is asked for."""
+
+QUEUED_BYTES = 64
+"""What a message takes of a queue besides its payload, at most."""
 
 LONGEST_SLEEP_S = 0.05
 """How late a key is heeded at most."""
@@ -42,7 +52,7 @@ class PlaySettings:
     skip_empty_s: float | None = None
     delay_s: float = 0.2
     clock_hz: float | None = None
-    queue_bytes: int | None = None
+    queue_messages: int | None = None
     waits_for_subscribers: bool = False
     pause_topics: frozenset[str] = frozenset()
     topics: frozenset[str] = frozenset()
@@ -115,9 +125,11 @@ class Player:
                     topic = self._settings.topic_of(connection)
                     is_latching = kinds.get(topic, (None, False))[1] or connection.is_latching
                     kinds[topic] = (connection.type, is_latching)
+        sizes = self._sizes(kinds) if self._settings.queue_messages is not None else {}
         for topic, (message_type, is_latching) in kinds.items():
+            queue_bytes = min(sizes[topic], MAX_QUEUE_BYTES) if sizes else None
             self._publishers[topic] = await self._graph.advertise(
-                topic, message_type, latch=is_latching, queue_bytes=self._settings.queue_bytes
+                topic, message_type, latch=is_latching, queue_bytes=queue_bytes
             )
         if self._settings.clock_hz is not None:
             self._clock = await self._graph.advertise("/clock", CLOCK_TYPE)
@@ -126,6 +138,18 @@ class Player:
             # The port announces no connections; looking is cheap.
             while not all(each.subscriber_count for each in self._publishers.values()):  # noqa: ASYNC110
                 await asyncio.sleep(0.02)
+
+    def _sizes(self, topics: Collection[str]) -> dict[str, int]:
+        """Return what the queue of each topic takes, by the sizes of the first messages."""
+        sizes = dict.fromkeys(topics, 0)
+        for reader in self._readers:
+            for message in islice(reader.messages(self._wants, start_ns=self.start_ns), SAMPLE_MESSAGES):
+                topic = self._settings.topic_of(message.connection)
+                sizes[topic] = max(sizes[topic], len(message.payload) + QUEUED_BYTES)
+        largest = max(sizes.values(), default=QUEUED_BYTES) or QUEUED_BYTES
+        # 0 is no bound, as everywhere in ROS.
+        count = self._settings.queue_messages or MAX_QUEUE_BYTES
+        return {topic: (size or largest) * count for topic, size in sizes.items()}
 
     def _wants(self, connection: Connection) -> bool:
         topics = self._settings.topics

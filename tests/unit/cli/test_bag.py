@@ -5,8 +5,11 @@ from __future__ import annotations
 import json
 import os
 import pty
+import re
+import select
 import subprocess
 import sys
+import termios
 from pathlib import Path
 
 import pytest
@@ -179,3 +182,71 @@ def test_a_chunk_that_is_broken_is_left_out_by_reindex(tmp_path: Path, shell: Sh
     assert "messages kept" in shell.output("bag", "reindex", str(path))
     assert "all right" in shell.output("bag", "check", str(path))
     assert 15 < len(list(BagReader(path).messages())) < 30
+
+
+def test_a_terminal_shows_where_it_is_and_space_pauses_and_goes_on(graph: LiveGraph, tmp_path: Path) -> None:
+    bag = tmp_path / "long.bag"
+    write_bag(bag, 3000)
+    heard: list[bytes] = []
+    graph.do(graph.node("/node").subscribe("/a", ANY_MESSAGE, heard.extend))
+    keyboard, terminal = pty.openpty()
+    termios.tcsetwinsize(terminal, (24, 80))
+    shown = ""
+
+    def is_shown(pattern: str) -> bool:
+        nonlocal shown
+        while select.select([keyboard], [], [], 0.02)[0]:
+            shown += os.read(keyboard, 65536).decode()
+        return re.search(pattern, shown) is not None
+
+    try:
+        player = subprocess.Popen(
+            [sys.executable, "-m", "rostether", "bag", "play", str(bag), "--topics", "/a"],
+            env={**os.environ, "ROS_MASTER_URI": graph.uri},
+            stdin=terminal,
+            stdout=terminal,
+            stderr=terminal,
+        )
+        graph.wait_until(lambda: len(heard) > 3 and is_shown(r"\[RUNNING\]  time 17000000\d\d"))
+        os.write(keyboard, b" ")
+        graph.wait_until(lambda: is_shown(r"\[PAUSED \][^\r]*\r"))
+        count = len(heard)
+        os.write(keyboard, b"s")
+        graph.wait_until(lambda: len(heard) > count)
+        shown = ""
+        os.write(keyboard, b" ")
+        graph.wait_until(lambda: is_shown(r"\[RUNNING\]") and len(heard) > count + 3)
+        os.write(keyboard, b"q")
+        graph.wait_until(lambda: is_shown(r"played \d+ messages"))
+        assert player.wait(60) == 0
+        lines = [re.sub(r"\033\[\w*", "", line) for line in re.split(r"[\r\n]+", shown)]
+        assert max(map(len, lines)) < 80
+    finally:
+        os.close(keyboard)
+        os.close(terminal)
+
+
+def test_a_terminal_shows_rates_and_sizes_while_recording(graph: LiveGraph, tmp_path: Path) -> None:
+    publisher = graph.do(graph.node("/node").advertise("/chat", STRING))
+    keyboard, terminal = pty.openpty()
+    termios.tcsetwinsize(terminal, (24, 80))
+    try:
+        recorder = subprocess.Popen(
+            [sys.executable, "-m", "rostether", "bag", "record", "-O", str(tmp_path / "a.bag"), "/chat"],
+            env={**os.environ, "ROS_MASTER_URI": graph.uri},
+            stdin=terminal,
+            stdout=subprocess.DEVNULL,
+            stderr=terminal,
+        )
+        graph.wait_until(lambda: publisher.subscriber_count == 1)
+        graph.do(_published(publisher, [text("x" * 1000)] * 50))
+        shown = ""
+        while "50 messages" not in shown:
+            assert select.select([keyboard], [], [], 60)[0], shown
+            shown += os.read(keyboard, 65536).decode()
+        recorder.send_signal(2)
+        assert recorder.wait(60) == 0
+        assert re.search(r"\[\d+ s\]  50 messages, \d+/s   5\d\.\d KB, [\d.]+ K?B/s   1 topics", shown)
+    finally:
+        os.close(keyboard)
+        os.close(terminal)

@@ -159,3 +159,22 @@ async def test_nothing_to_play_is_told(stage: Stage) -> None:
     BagWriter(stage.path).close()
     with pytest.raises(RecordingError, match="no message"):
         stage.player()
+
+
+@pytest.mark.parametrize(
+    ("count", "queue_bytes"), [(None, [None, None]), (10, [780, 780]), (0, [1 << 30] * 2)]
+)
+async def test_queues_hold_as_many_messages_as_asked(
+    stage: Stage, monkeypatch: pytest.MonkeyPatch, count: int | None, queue_bytes: list[int | None]
+) -> None:
+    asked: list[int | None] = []
+    advertise = stage.graph.advertise
+
+    async def noted(topic: str, message_type: Any, **options: Any) -> Any:
+        asked.append(options["queue_bytes"])
+        return await advertise(topic, message_type, **options)
+
+    monkeypatch.setattr(stage.graph, "advertise", noted)
+    await stage.player(is_immediate=True, queue_messages=count).play()
+    # Ten of `message 28`, with the length before it and what a queue adds.
+    assert asked == queue_bytes

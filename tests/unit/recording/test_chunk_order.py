@@ -1,0 +1,99 @@
+"""Messages of chunks by time: overlapping, put aside, too large to list."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import pytest
+
+from rostether.recording import chunk_order
+from rostether.recording.chunk_order import Entry, Unpacked, in_order
+
+
+@dataclass(frozen=True)
+class _Chunk:
+    times: tuple[int, ...]
+    compression: str = "bz2"
+
+    @property
+    def start_ns(self) -> int:
+        return min(self.times)
+
+    @property
+    def size_bytes(self) -> int:
+        return len(self.times)
+
+
+class _File:
+    """Chunks of which each message is one byte, and how often and how many were open."""
+
+    def __init__(self, *chunks: _Chunk) -> None:
+        self.chunks = sorted(chunks, key=lambda chunk: chunk.start_ns)
+        self.opened: list[int] = []
+
+    def unpack(self, chunk: _Chunk) -> Unpacked:
+        self.opened.append(self.chunks.index(chunk))
+
+        def walk() -> Iterator[Entry]:
+            for place, time_ns in enumerate(chunk.times):
+                yield time_ns, place, place + 1, 7
+
+        return bytes(place % 256 for place in range(len(chunk.times))), walk
+
+    def times(self, start_ns: int | None = None, end_ns: int | None = None) -> list[int]:
+        found = in_order(self.chunks, self.unpack, start_ns=start_ns, end_ns=end_ns)
+        return [time_ns for number, time_ns, _ in found if number == 7]
+
+
+def _overlapping(count: int) -> _File:
+    chance = random.Random(5)
+    return _File(*(_Chunk(tuple(chance.randrange(1000) for _ in range(20))) for _ in range(count)))
+
+
+def test_chunks_one_after_the_other_are_opened_one_at_a_time() -> None:
+    file = _File(_Chunk((1, 2, 3)), _Chunk((4, 5)), _Chunk((6,)))
+    found = in_order(file.chunks, file.unpack)
+    next(found)
+    assert file.opened == [0]
+    assert [time_ns for _, time_ns, _ in found] == [2, 3, 4, 5, 6]
+    assert file.opened == [0, 1, 2]
+
+
+def test_overlapping_chunks_are_merged() -> None:
+    file = _overlapping(30)
+    assert file.times() == sorted(time_ns for chunk in file.chunks for time_ns in chunk.times)
+    assert len(file.opened) == 30
+    assert _overlapping(30).times(200, 300) == [each for each in file.times() if 200 <= each <= 300]
+
+
+def test_chunks_that_take_too_much_are_put_aside_and_opened_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(chunk_order, "MAX_OPEN_BYTES", 15_000)
+    file = _overlapping(30)
+    assert file.times() == sorted(time_ns for chunk in file.chunks for time_ns in chunk.times)
+    assert len(file.opened) > 30
+
+
+def test_the_payload_is_the_one_of_its_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(chunk_order, "MAX_OPEN_BYTES", 1000)
+    file = _File(_Chunk((5, 1, 3)), _Chunk((2, 6, 4)))
+    assert [(time_ns, payload[0]) for _, time_ns, payload in in_order(file.chunks, file.unpack)] == [
+        *((1, 1), (2, 0), (3, 2)),
+        *((4, 2), (5, 0), (6, 1)),
+    ]
+
+
+@pytest.mark.parametrize("times", [tuple(range(200)), tuple(reversed(range(200)))])
+def test_large_chunks_are_walked_over_not_listed(
+    monkeypatch: pytest.MonkeyPatch, times: tuple[int, ...]
+) -> None:
+    monkeypatch.setattr(chunk_order, "MAX_LISTED_BYTES", 100)
+    file = _File(_Chunk(times), _Chunk((50, 60)))
+    assert file.times() == sorted((*times, 50, 60))
+
+
+def test_equal_times_stay_as_they_stand() -> None:
+    file = _File(_Chunk((1, 1, 1)), _Chunk((1, 1)))
+    found = [payload[0] for _, _, payload in in_order(file.chunks, file.unpack)]
+    assert found == [0, 1, 2, 0, 1]
