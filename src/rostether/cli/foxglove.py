@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import asyncio
 import os
 from collections.abc import AsyncIterator, Mapping, Sequence
 from contextlib import asynccontextmanager
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +13,7 @@ import click
 
 from rostether.cli.bridge_lines import ConsoleReporter
 from rostether.cli.gateway_options import access_options, read_gateway_options, read_place
-from rostether.cli.gateways import GatewayGraph, Tell, ros1_gateway_graph
+from rostether.cli.gateways import GatewayGraph, Tell, joined_patiently, ros1_gateway_graph
 from rostether.cli.graph_access import read_environment
 from rostether.cli.options import allow_option, msg_path_option
 from rostether.cli.role_node import NODE_SETTINGS, run_role
@@ -28,6 +28,7 @@ from rostether.ros1.environment import is_loopback
 
 if TYPE_CHECKING:
     from rostether.cli.gateway_options import GatewayOptions
+    from rostether.gateways.foxglove.gateway import FoxgloveGateway
     from rostether.gateways.foxglove.settings import FoxgloveSettings, NameFilter
     from rostether.graph.ports import Graph
     from rostether.graph.typed_graph import TypedGraph
@@ -119,12 +120,10 @@ def read_settings(place: str, options: GatewayOptions) -> FoxgloveSettings:
 
 def check_foxglove() -> None:
     """Raise ConfigError where the extra is not installed."""
-    try:
-        import websockets  # noqa: F401
-    except ModuleNotFoundError:
+    if find_spec("websockets") is None:
         raise ConfigError(
-            "what Foxglove connects to is not installed; type: pip install 'rostether[foxglove]'"
-        ) from None
+            "the gateway for Foxglove is not installed; type: pip install 'rostether[foxglove]'"
+        )
 
 
 def settings_of_parameters(
@@ -184,8 +183,8 @@ async def _serve(
         for line in graphs.lines:
             reporter.line(Level.INFO, line)
         on = _in_ros1_words(graphs, msg_paths)
-        async with _gateway(settings, on, reporter.line, "rostether foxglove 0.0.0.0:8765"):
-            await asyncio.get_running_loop().create_future()
+        async with _gateway(settings, on, reporter.line, "`rostether foxglove 0.0.0.0:8765`") as gateway:
+            await gateway.wait_ended()
 
 
 async def _main(graph: TypedGraph, _: list[str]) -> None:
@@ -194,8 +193,8 @@ async def _main(graph: TypedGraph, _: list[str]) -> None:
     settings = settings_of_parameters(parameters, read_gateway_options().token)
     # Its own node is there already.
     on = ros1_gateway_graph(_no_join, graph.store, read_environment())
-    async with _gateway_on(graph.raw, on, settings, ConsoleReporter().line, "_address:=0.0.0.0"):
-        await graph.raw.wait_closed()
+    async with _gateway_on(graph.raw, on, settings, ConsoleReporter().line, "address 0.0.0.0") as gateway:
+        await gateway.wait_ended()
 
 
 def _in_ros1_words(graphs: ServedGraphs, msg_paths: Sequence[Path]) -> GatewayGraph:
@@ -212,11 +211,11 @@ def _in_ros1_words(graphs: ServedGraphs, msg_paths: Sequence[Path]) -> GatewayGr
 @asynccontextmanager
 async def _gateway(
     settings: FoxgloveSettings, on: GatewayGraph, tell: Tell, wider: str
-) -> AsyncIterator[None]:
-    graph = await on.join(FOXGLOVE_NODE)
+) -> AsyncIterator[FoxgloveGateway]:
+    graph = await joined_patiently(on.join, FOXGLOVE_NODE, tell)
     try:
-        async with _gateway_on(graph, on, settings, tell, wider):
-            yield
+        async with _gateway_on(graph, on, settings, tell, wider) as gateway:
+            yield gateway
     finally:
         await graph.close()
 
@@ -224,7 +223,7 @@ async def _gateway(
 @asynccontextmanager
 async def _gateway_on(
     graph: Graph, on: GatewayGraph, settings: FoxgloveSettings, tell: Tell, wider: str
-) -> AsyncIterator[None]:
+) -> AsyncIterator[FoxgloveGateway]:
     from rostether.gateways.foxglove.gateway import FoxgloveGateway
     from rostether.packages.locate import package_folders
 
@@ -248,7 +247,7 @@ async def _gateway_on(
                 Level.WARN,
                 "foxglove: whoever reaches it can publish and call services; --token and --allow limit that",
             )
-        yield
+        yield gateway
 
 
 def _whole(parameters: Mapping[str, Any], name: str, default: int) -> int:

@@ -78,6 +78,8 @@ class FoxgloveGateway:
         self._servers: list[asyncio.Server] = []
         self._work: set[asyncio.Task[Any]] = set()
         self._following: asyncio.Task[None] | None = None
+        self._leaving: asyncio.Task[None] | None = None
+        self._ended = asyncio.Event()
         self._is_closing = False
         self._refused: set[str] = set()
         self._session_id = ""
@@ -104,6 +106,7 @@ class FoxgloveGateway:
         """Listen, and follow the graph. Raises ConfigError when the port is taken."""
         await self.clock.start()
         self._following = asyncio.ensure_future(self._follow())
+        self._leaving = asyncio.ensure_future(self._end_with_node())
         try:
             await self._listen()
         except BaseException:
@@ -115,9 +118,10 @@ class FoxgloveGateway:
         self._is_closing = True
         for server in self._servers:
             server.close()
-        if self._following is not None:
-            self._following.cancel()
-            await asyncio.wait([self._following])
+        for task in (self._following, self._leaving):
+            if task is not None:
+                task.cancel()
+                await asyncio.wait([task])
         for client in list(self._clients):
             client.line.close()
         if self._clients:
@@ -128,6 +132,10 @@ class FoxgloveGateway:
             self.channels.close(), self.services.close(), self.parameters.close(), self.clock.close()
         )
         await self.shared.close()
+
+    async def wait_ended(self) -> None:
+        """Wait until the gateway's node has left the graph; then nobody is served any more."""
+        await self._ended.wait()
 
     async def __aenter__(self) -> FoxgloveGateway:
         await self.start()
@@ -228,6 +236,16 @@ class FoxgloveGateway:
             except RostetherError as error:
                 self._tell(Level.WARN, f"foxglove: the graph cannot be read: {error}")
             await asyncio.sleep(_RETRY_S)
+
+    async def _end_with_node(self) -> None:
+        reason = await self.graph.wait_closed()
+        self._tell(Level.WARN, f"foxglove: its node was shut down: {reason}")
+        self._is_closing = True
+        for server in self._servers:
+            server.close()
+        for client in list(self._clients):
+            client.line.close()
+        self._ended.set()
 
     async def _wait_for_clients(self) -> None:
         for _ in range(100):
