@@ -9,6 +9,10 @@ class ROSException(Exception):
     """Anything that rospy reports to its user."""
 
 
+class MasterAwayException(ROSException, ConnectionRefusedError):
+    """Nobody answers at the master's address; rospy lets the socket's own error through."""
+
+
 class ROSSerializationException(ROSException):
     """A message whose values do not fit its type."""
 

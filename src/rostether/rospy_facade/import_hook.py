@@ -20,6 +20,11 @@ from rostether.errors import RostetherError
 
 _KINDS = ("msg", "srv")
 
+MODULES_FOLDER = Path(__file__).with_name("modules")
+
+# ROS 2's package of that name, which Python finds first where it is on the path, has no such module.
+_BESIDE_MESSAGES = frozenset({"sensor_msgs.point_cloud2"})
+
 
 def install() -> None:
     """Make definitions and packages importable in this process. Idempotent."""
@@ -37,6 +42,10 @@ class DefinitionFinder(MetaPathFinder):
         self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
         """Return a spec for a module of definitions that we know."""
+        if fullname in _BESIDE_MESSAGES:
+            return importlib.util.spec_from_file_location(
+                fullname, MODULES_FOLDER.joinpath(*fullname.split(".")).with_suffix(".py")
+            )
         package, _, rest = fullname.partition(".")
         kind, _, single = rest.partition(".")
         if kind not in _KINDS or (single and not single.startswith("_")):

@@ -11,6 +11,7 @@ from rostether.errors import ConfigError
 from rostether.param_yaml import parse_documents
 from rostether.rospy_facade import parameters
 from rostether.rospy_facade.exceptions import ROSException
+from rostether.rospy_facade.graph_names import make_caller_id, make_global_ns, ns_join
 from rostether.rospy_facade.names import names
 
 
@@ -30,13 +31,17 @@ class RosParamException(Exception):  # noqa: N818 - the name is rosparam's
     """A file or a parameter that makes no sense."""
 
 
+class RosParamIOException(RosParamException):
+    """The master does not answer."""
+
+
 class Master:
     """The master's API as methods that return values, called in the name of `caller_id`."""
 
     def __init__(self, caller_id: str, master_uri: str | None = None) -> None:
-        self.caller_id = caller_id
+        self.caller_id = make_caller_id(caller_id).removesuffix("/")
         self.master_uri = master_uri or get_master_uri()
-        self._proxy = parameters.MasterProxy(self.master_uri, caller_id)
+        self._proxy = parameters.MasterProxy(self.master_uri, self.caller_id)
 
     def is_online(self) -> bool:
         """Tell whether the master answers."""
@@ -58,7 +63,7 @@ class Master:
         return call
 
 
-def get_master_uri() -> str:
+def get_master_uri(env: object = None, argv: object = None) -> str:
     """Return the URI of the master that this program talks to."""
     from rostether.rospy_facade.node import node
 
@@ -96,15 +101,41 @@ def load_str(
 
 
 def upload_params(ns: str, values: Any, verbose: bool = False) -> None:
-    """Set a parameter or a tree. Raises RosParamException."""
+    """Set a parameter, or those of a tree, beside the others that are there. Raises RosParamException."""
     if ns == "/" and not isinstance(values, dict):
         raise RosParamException("global / can only be set to a dictionary")
-    if ns == "/":
-        # The tree at the root is never replaced whole.
-        for name, value in values.items():
-            parameters.set_param(f"/{name}", value)
+    set_param_raw(ns, values)
+
+
+def set_param(param: str, value: str, verbose: bool = False) -> None:
+    """Set a parameter to what a YAML text says. Raises RosParamException."""
+    import yaml
+
+    set_param_raw(param, yaml.safe_load(value))
+
+
+def set_param_raw(param: str, value: Any, verbose: bool = False) -> None:
+    """Set a parameter, or those of a tree, beside the others that are there. Raises RosParamException."""
+    if not isinstance(value, dict):
+        parameters.set_param(param, value)
+        return
+    for name, each in value.items():
+        if not isinstance(name, str):
+            raise RosParamException(
+                f"YAML dictionaries must have string keys. Invalid dictionary is:\n{value}"
+            )
+        set_param_raw(ns_join(param, name), each)
+
+
+def dump_params(filename: str, param: str, verbose: bool = False) -> None:
+    """Write parameters to a YAML file, or to standard output. Raises RosParamException, OSError."""
+    import yaml
+
+    text = yaml.dump(get_param(param))
+    if filename:
+        Path(filename).write_text(text, encoding="utf-8")
     else:
-        parameters.set_param(ns, values)
+        sys.stdout.write(text)
 
 
 def get_param(param: str) -> Any:
@@ -124,6 +155,6 @@ def delete_param(param: str, verbose: bool = False) -> None:
 
 
 def list_params(ns: str) -> list[str]:
-    """Return the names of the parameters at and below a namespace, sorted."""
-    below = f"{ns.rstrip('/')}/"
-    return sorted(name for name in parameters.get_param_names() if name == ns or name.startswith(below))
+    """Return the names of the parameters below a namespace, sorted."""
+    below = make_global_ns(ns)
+    return sorted(name for name in parameters.get_param_names() if name.startswith(below))

@@ -151,3 +151,8 @@ def get_mappings() -> dict[str, str]:
 def get_resolved_mappings() -> dict[str, str]:
     """Return the remappings between full names."""
     return names.resolved_mappings
+
+
+def resolve_name_without_node_name(name: str) -> str:
+    """Return the full name of what is made before init_node. Raises ValueError, ROSInitException."""
+    return names.resolve_early(name)

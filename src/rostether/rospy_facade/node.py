@@ -14,7 +14,7 @@ from rostether.errors import ConfigError, MasterUnreachableError, RostetherError
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.master_client import MasterClient
 from rostether.ros1.node.node import Ros1Graph, join_ros1
-from rostether.rospy_facade.exceptions import ROSException, ROSInitException
+from rostether.rospy_facade.exceptions import MasterAwayException, ROSException, ROSInitException
 from rostether.rospy_facade.loop_thread import LoopThread
 from rostether.rospy_facade.names import names
 from rostether.rospy_facade.shutdown import is_shutdown, shutdown
@@ -50,7 +50,9 @@ class Node:
         """Run a coroutine in the node's loop and wait for it; errors of the graph become ROSException."""
         try:
             return self.loop.call(coroutine)
-        except (ConfigError, MasterUnreachableError) as error:
+        except MasterUnreachableError as error:
+            raise MasterAwayException(f"{error}") from None
+        except ConfigError as error:
             raise ROSException(f"{error}") from None
 
     def master(self) -> MasterClient:

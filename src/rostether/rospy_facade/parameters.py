@@ -17,7 +17,7 @@ _UNSPECIFIED: Any = object()
 def get_param(param_name: str, default: Any = _UNSPECIFIED) -> Any:
     """Return a parameter's value, or `default` where it is not set. Raises KeyError, ROSException."""
     try:
-        return node.call(node.master().get_param(names.resolve(param_name)))
+        return _in_python(node.call(node.master().get_param(names.resolve(param_name))))
     except UnknownNameError:
         if default is _UNSPECIFIED:
             raise KeyError(param_name) from None
@@ -37,7 +37,7 @@ def get_param_names() -> list[str]:
 def set_param(param_name: str, param_value: Any) -> None:
     """Set a parameter; a dict replaces the tree below the name. Raises ROSException."""
     try:
-        node.call(node.master().set_param(names.resolve(param_name), param_value))
+        node.call(node.master().set_param(names.resolve(param_name), _for_master(param_value)))
     except GraphError as error:
         raise ROSException(f"{error}") from None
 
@@ -97,9 +97,9 @@ class MasterProxy:
         def call(*args: Any) -> list[Any]:
             if method in _RESOLVED and args:
                 args = (names.resolve(args[0]), *args[1:])
-            return list(
-                node.call(self._client.call_status(method, self._caller_id or names.caller_id, *args))
-            )
+            caller_id = self._caller_id or names.caller_id
+            answer = node.call(self._client.call_status(method, caller_id, *map(_for_master, args)))
+            return [_in_python(each) for each in answer]
 
         return call
 
@@ -130,3 +130,25 @@ def get_published_topics(namespace: str = "/") -> list[list[str]]:
     if code != 1:
         raise ROSException(f"unable to get published topics: {text}")
     return [list(each) for each in value]
+
+
+def _for_master(value: Any) -> Any:
+    """Return a value with xmlrpc.client's binary data as bytes."""
+    if isinstance(value, dict):
+        return {name: _for_master(each) for name, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_for_master(each) for each in value]
+    return value.data if type(value).__module__ == "xmlrpc.client" and hasattr(value, "data") else value
+
+
+def _in_python(value: Any) -> Any:
+    """Return a value with bytes as xmlrpc.client's binary data, whose `.data` programs read."""
+    if isinstance(value, dict):
+        return {name: _in_python(each) for name, each in value.items()}
+    if isinstance(value, list):
+        return [_in_python(each) for each in value]
+    if isinstance(value, bytes):
+        from xmlrpc.client import Binary
+
+        return Binary(value)
+    return value

@@ -43,6 +43,26 @@ async def test_the_masters_api_and_parameter_files(master: str) -> None:
     assert "lookup raises MasterError" in lines
 
 
+async def test_what_programs_ask_of_the_graph(master: str) -> None:
+    lines = await printed(SCRIPTS / "lookups.py", master_uri=master)
+    assert "/look/poses/pose/position/x geometry_msgs/PoseStamped /look/poses True" in lines
+    assert "/lookups ['/look/set']" in lines
+    assert "std_srvs/SetBool None" in lines
+
+
+async def test_point_clouds() -> None:
+    lines = await printed(SCRIPTS / "clouds.py")
+    assert "[(1.0, 2.0, 3.0), (7.5, 8.0, 9.0)] 3" in lines
+    assert "[(515,), (1543,), (2828,), (3856,)]" in lines
+
+
+async def test_point_clouds_beside_ros_2s_messages(tmp_path: Path) -> None:
+    (tmp_path / "sensor_msgs").mkdir()
+    (tmp_path / "sensor_msgs" / "__init__.py").touch()
+    script = "import sensor_msgs.point_cloud2 as pc2; print(pc2.create_cloud_xyz32(None, []).point_step)"
+    assert await printed(script, environ={"PYTHONPATH": str(tmp_path)}) == ["12"]
+
+
 @pytest.mark.parametrize("axes", ["sxyz", "rzyx", "sxyx", "rzxz", "syxz"])
 def test_euler_angles_there_and_back(axes: str) -> None:
     angles = (0.3, 0.9, -1.2)

@@ -1,6 +1,7 @@
-"""rosgraph: the master's API."""
+"""rosgraph: the master's API, and names."""
 
 # ruff: noqa: F401
+from rostether.rospy_facade.graph_names import myargv
 from rostether.rospy_facade.master_tools import (
     Master,
     MasterError,
@@ -9,3 +10,6 @@ from rostether.rospy_facade.master_tools import (
     get_master_uri,
     is_master_online,
 )
+
+from . import masterapi, names, network, rosenv
+from .rosenv import ROS_HOSTNAME, ROS_IP, ROS_IPV6, ROS_MASTER_URI, ROS_NAMESPACE

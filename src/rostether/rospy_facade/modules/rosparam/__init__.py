@@ -3,11 +3,15 @@
 # ruff: noqa: F401
 from rostether.rospy_facade.master_tools import (
     RosParamException,
+    RosParamIOException,
     delete_param,
+    dump_params,
     get_param,
     list_params,
     load_file,
     load_str,
+    set_param,
+    set_param_raw,
     upload_params,
 )
-from rostether.rospy_facade.parameters import set_param
+from rostether.rospy_facade.parameters import get_master as get_param_server

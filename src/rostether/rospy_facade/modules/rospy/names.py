@@ -2,6 +2,22 @@
 
 # ruff: noqa: F401
 from rostether.names.graph_name import is_global, is_private
+from rostether.rospy_facade.graph_names import (
+    ANYTYPE,
+    GLOBALNS,
+    REMAP,
+    SEP,
+    canonicalize_name,
+    get_ros_namespace,
+    isstring,
+    load_mappings,
+    make_global_ns,
+    namespace,
+    ns_join,
+    scoped_name,
+)
+from rostether.rospy_facade.graph_names import ANYTYPE as SERVICE_ANYTYPE
+from rostether.rospy_facade.graph_names import ANYTYPE as TOPIC_ANYTYPE
 from rostether.rospy_facade.names import (
     get_caller_id,
     get_mappings,
@@ -10,4 +26,5 @@ from rostether.rospy_facade.names import (
     get_resolved_mappings,
     remap_name,
     resolve_name,
+    resolve_name_without_node_name,
 )

@@ -1,0 +1,46 @@
+"""rosgraph.network: under which name and address this machine is known."""
+
+from __future__ import annotations
+
+import os
+import socket
+import sys
+from urllib.parse import urlsplit
+
+
+def get_address_override() -> str | None:
+    """Return what `__hostname:=`, `__ip:=`, ROS_HOSTNAME or ROS_IP say, None where nothing is said."""
+    for argument in sys.argv:
+        name, separator, value = argument.partition(":=")
+        if separator and name in ("__hostname", "__ip"):
+            return value
+    return os.environ.get("ROS_HOSTNAME") or os.environ.get("ROS_IP") or None
+
+
+def get_host_name() -> str:
+    """Return the name that goes into this machine's URIs."""
+    if override := get_address_override():
+        return override
+    name = socket.gethostname()
+    return get_local_address() if not name or name == "localhost" or name.startswith("127.") else name
+
+
+def get_local_address() -> str:
+    """Return this machine's address, that of loopback where it has no other."""
+    if override := get_address_override():
+        return override
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            # Sends nothing: it only asks the system which way it would go.
+            probe.connect(("192.0.2.1", 9))
+            return str(probe.getsockname()[0])
+        except OSError:
+            return "127.0.0.1"
+
+
+def parse_http_host_and_port(url: str) -> tuple[str, int]:
+    """Return the host and port of a URL, 80 where it has none. Raises ValueError."""
+    parts = urlsplit(url or "")
+    if not parts.scheme or not parts.hostname:
+        raise ValueError("not a valid URL")
+    return parts.hostname, parts.port or 80
