@@ -1,0 +1,142 @@
+"""One connection, byte by byte: what a WebSocket library would not send."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import struct
+from dataclasses import replace
+from typing import TypeAlias
+
+import pytest
+
+from rostether.gateways.foxglove.limits import FoxgloveLimits
+from rostether.gateways.foxglove.settings import FoxgloveSettings
+from unit.gateways.foxglove.protocol_client import LIMIT_S, stage, until
+
+Connection: TypeAlias = tuple[asyncio.StreamReader, asyncio.StreamWriter]
+
+UPGRADE = (
+    b"GET / HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+    b"Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\n"
+    b"Sec-WebSocket-Protocol: foxglove.sdk.v1\r\n\r\n"
+)
+
+
+def frame(opcode: int, data: bytes, *, fin: bool = True) -> bytes:
+    """A client's frame; a mask of zeros leaves the data as it is."""
+    first = (0x80 if fin else 0) | opcode
+    if len(data) < 126:
+        return bytes((first, 0x80 | len(data))) + bytes(4) + data
+    return bytes((first, 0x80 | 127)) + struct.pack(">Q", len(data)) + bytes(4) + data
+
+
+async def open_connection(
+    port: int, first: bytes = UPGRADE
+) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
+    reader, writer = await asyncio.open_connection("127.0.0.1", port)
+    writer.write(first)
+    return reader, writer
+
+
+async def shaken(port: int) -> Connection:
+    reader, writer = await open_connection(port)
+    answer = await asyncio.wait_for(reader.readuntil(b"\r\n\r\n"), LIMIT_S)
+    assert answer.startswith(b"HTTP/1.1 101")
+    assert b"foxglove.sdk.v1" in answer
+    return reader, writer
+
+
+async def ended(reader: asyncio.StreamReader) -> bytes:
+    """Return what still comes until the connection has ended."""
+    data = bytearray()
+    try:
+        async with asyncio.timeout(LIMIT_S):
+            while chunk := await reader.read(65536):
+                data += chunk
+    except ConnectionError:
+        pass
+    return bytes(data)
+
+
+@pytest.mark.parametrize(
+    "noise", [b"\x16\x03\x01\x02\x00", b"GET / HTTP/1.1\r\n\r\n", b"\xff" * 20_000, b"POST /\r\n\r\n"]
+)
+async def test_what_is_no_websocket_is_hung_up_on(noise: bytes) -> None:
+    settings = FoxgloveSettings(port=0, limits=FoxgloveLimits(handshake_s=0.2))
+    async with stage(settings) as there:
+        reader, writer = await open_connection(there.gateway.port, noise)
+        answer = await ended(reader)
+        assert b"101" not in answer
+        writer.close()
+        async with there.client() as client:
+            await client.wait("serverInfo")
+
+
+async def test_who_says_nothing_is_hung_up_on() -> None:
+    settings = FoxgloveSettings(port=0, limits=FoxgloveLimits(handshake_s=0.05))
+    async with stage(settings) as there:
+        reader, writer = await open_connection(there.gateway.port, b"")
+        assert await ended(reader) == b""
+        writer.close()
+
+
+async def test_a_message_in_pieces_is_whole_again() -> None:
+    async with stage() as there:
+        reader, writer = await shaken(there.gateway.port)
+        text = b'{"op": "getParameters", "parameterNames": [], "id": "pieces"}'
+        for piece in (frame(1, text[:5], fin=False), frame(9, b"ping"), frame(0, text[5:])):
+            for byte in piece:
+                writer.write(bytes((byte,)))
+                await asyncio.sleep(0)
+        heard = b""
+        async with asyncio.timeout(LIMIT_S):
+            while b'"id":"pieces"' not in heard:
+                heard += await reader.read(4096)
+        assert b"\x8a\x04ping" in heard
+        writer.close()
+
+
+async def test_a_message_that_is_too_large_ends_the_connection_alone() -> None:
+    settings = FoxgloveSettings(port=0, limits=FoxgloveLimits(message_bytes=1000))
+    async with stage(settings) as there, there.client() as other:
+        reader, writer = await shaken(there.gateway.port)
+        writer.write(frame(2, bytes(2000)))
+        assert struct.pack(">H", 1009) in await ended(reader)
+        writer.close()
+        await other.say("getParameters", parameterNames=[], id="here")
+        await other.wait("parameterValues")
+
+
+async def test_who_does_not_answer_pings_is_given_up() -> None:
+    settings = FoxgloveSettings(port=0, limits=FoxgloveLimits(ping_period_s=0.05))
+    async with stage(settings) as there:
+        reader, writer = await shaken(there.gateway.port)
+        assert b"\x89\x00" in await ended(reader)
+        await until(lambda: there.gateway.client_count == 0)
+        writer.close()
+
+
+async def test_who_does_not_read_answers_is_given_up() -> None:
+    limits = replace(FoxgloveLimits(), control_bytes=1 << 20, calls=1000)
+    async with stage(FoxgloveSettings(port=0, limits=limits)) as there:
+        await there.robot.set_param("/large", "x" * 200_000)
+        _, writer = await shaken(there.gateway.port)
+        await until(lambda: there.gateway.client_count == 1)
+        request = frame(1, b'{"op": "getParameters", "parameterNames": ["/large"], "id": "1"}')
+        writer.write(request * 100)
+        await until(lambda: there.gateway.client_count == 0)
+        writer.close()
+
+
+async def test_random_bytes_after_the_handshake_leave_the_gateway_up() -> None:
+    async with stage() as there, there.client() as other:
+        for _ in range(30):
+            reader, writer = await shaken(there.gateway.port)
+            writer.write(os.urandom(300))
+            writer.write_eof()
+            await ended(reader)
+            writer.close()
+        await other.say("getParameters", parameterNames=[], id="here")
+        await other.wait("parameterValues")
+        await until(lambda: there.gateway.client_count == 1)
