@@ -38,7 +38,7 @@ _STDOUT = "-"
     "-o",
     "--output",
     metavar="PATH",
-    help="A folder, a file when there is one topic, or - for stdout (a folder named after RECORDING).",
+    help="A folder, a file when there is one topic, or - for stdout (the folder NAME_csv or NAME_parquet).",
 )
 @click.option("--format", "format_name", type=click.Choice(FORMATS), help="By the file's ending, or csv.")
 @click.option("-t", "--topic", "topics", multiple=True, metavar="TOPIC", help="Only this; * matches any.")
@@ -87,14 +87,20 @@ class _Place:
     def __init__(self, recording: Path, output: str | None, format_name: str | None, chosen: Export) -> None:
         self._created: list[Path] = []
         self._is_stdout = output == _STDOUT
-        self._folder = Path(recording.name.removesuffix(".active")).with_suffix("")
+        self._folder = Path()
         self._file: Path | None = None
         if output is not None and not self._is_stdout:
             path = Path(output)
             is_file = path.suffix.removeprefix(".") in FORMATS and not path.is_dir()
-            self._folder, self._file = path, path if is_file else None
+            self._folder = path
+            self._file = path if is_file else None
         ending = self._file.suffix.removeprefix(".") if self._file is not None else None
         self._format = format_name or ending or "csv"
+        if output is None:
+            # Not the name alone: it is that of a ROS 2 bag's folder.
+            whole = recording.resolve()
+            name = whole.parent.name if whole.name == "metadata.yaml" else whole.name.removesuffix(".active")
+            self._folder = Path(f"{Path(name).with_suffix('')}_{self._format}")
         if (self._is_stdout or self._file is not None) and len(chosen.tables) != 1:
             names = ", ".join(table.topic for table in chosen.tables)
             raise ConfigError(f"one file holds one topic; choose one with --topic, or name a folder: {names}")

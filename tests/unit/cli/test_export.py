@@ -19,9 +19,9 @@ def bag(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def test_a_folder_of_tables_a_file_or_stdout(bag: Path, shell: Shell) -> None:
     assert shell.output("export", str(bag)) == (
-        "drive/a.csv: 15 rows, 3 columns of /a\ndrive/b.csv: 15 rows, 3 columns of /b\n"
+        "drive_csv/a.csv: 15 rows, 3 columns of /a\ndrive_csv/b.csv: 15 rows, 3 columns of /b\n"
     )
-    text = Path("drive/a.csv").read_text()
+    text = Path("drive_csv/a.csv").read_text()
     assert text.splitlines()[:2] == [
         "time_s,time_ns,data",
         "1700000000.123456789,1700000000123456789,message 0",
@@ -47,4 +47,4 @@ def test_what_makes_no_sense_is_told_and_leaves_no_file(bag: Path, shell: Shell)
     data[data.index(b"size=") + 5] ^= 0xFF
     bag.write_bytes(data)
     assert "in place of" in shell.failure("export", str(bag))
-    assert not list(Path("drive").glob("*"))
+    assert not list(Path("drive_csv").glob("*"))
