@@ -3,19 +3,26 @@
 from __future__ import annotations
 
 import json
+from contextlib import closing
 from itertools import pairwise
 from pathlib import Path
 
 import pytest
+from rosbags.rosbag2 import StoragePlugin
 
+from rostether.cli.recording_graph import native_types
+from rostether.errors import RecordingError
+from rostether.graph.ports import Publisher
 from rostether.msgdef.registry import Registry
 from rostether.recording.bag_reader import BagReader
 from rostether.recording.bag_writer import BagWriter
 from rostether.recording.files import open_recording
 from rostether.recording.recorded import Connection
 from rostether.serde.store import TypeStore
-from unit.cli.shell import Shell
+from unit.cli.processes import started
+from unit.cli.shell import LiveGraph, Shell
 from unit.recording.bags import IMU, START_NS, STRING, text
+from unit.recording.test_ros2_bags import JAZZY, foreign_bag
 
 STORE = TypeStore(Registry())
 
@@ -102,3 +109,47 @@ def test_a_bag_without_its_summary_is_mended(bag: Path, tmp_path: Path, shell: S
     assert "6 messages kept" in shell.output("bag", "reindex", str(folder))
     assert "6 messages, all right" in shell.output("bag", "check", str(folder))
     assert (tmp_path / "drive.orig" / "drive_0.mcap").exists()
+
+
+def test_types_that_only_a_recording_knows_are_played_as_they_were(tmp_path: Path) -> None:
+    written = foreign_bag(tmp_path / "theirs", StoragePlugin.MCAP)
+    reader = open_recording(tmp_path / "theirs", is_native=True)
+    types = native_types(each.origin for each in reader.counts if each.origin is not None)
+    for topic, _, payload in reader.messages():
+        support = types.message(topic.type)
+        assert topic.origin is not None
+        assert (support.name, support.type_hash) == (topic.shown_type, JAZZY.hash_rihs01(topic.shown_type))
+        assert support.converter.to_cdr(payload) == written[topic.topic]
+    reader.close()
+
+
+@pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
+def test_a_killed_recording_has_what_came_before(
+    graph: LiveGraph, tmp_path: Path, storage: str, shell: Shell
+) -> None:
+    node = graph.node("/node")
+    publisher = graph.do(node.advertise("/chat", STRING))
+    folder = tmp_path / "drive"
+    words = ("bag", "record", "--format", "ros2", "--storage", storage, "-O", str(folder), "/chat")
+    with started(graph.uri, *words) as process:
+        graph.wait_until(lambda: publisher.subscriber_count == 1)
+        graph.do(_say(publisher, 20))
+        graph.wait_until(lambda: _count(folder) == 20)
+        process.kill()
+        process.wait()
+    assert _count(folder) == 20
+    assert "20 messages kept" in shell.output("bag", "reindex", str(folder))
+    assert "20 messages, all right" in shell.output("bag", "check", str(folder))
+
+
+async def _say(publisher: Publisher, count: int) -> None:
+    publisher.publish_raw([text(str(number)) for number in range(count)])
+
+
+def _count(folder: Path) -> int:
+    try:
+        reader = open_recording(folder)
+    except RecordingError:
+        return 0  # not begun
+    with closing(reader):
+        return sum(reader.counts.values())
