@@ -20,10 +20,12 @@ PACKAGES = {
     "mearm_model",
     "nav_msgs",
     "roscpp",
+    "roscpp_tutorials",
     "rosapi",
     "rosgraph_msgs",
     "rosserial_arduino",
     "rosserial_msgs",
+    "rospy_tutorials",
     "sensor_msgs",
     "shape_msgs",
     "std_msgs",
@@ -270,3 +272,11 @@ def test_packages_around_the_current_folder_are_asked_last(
     write(tmp_path / "path" / "my_msgs" / "msg" / "Foo.msg", "int8 on_path\n")
     on_path = Registry.from_environment((), {"ROS_PACKAGE_PATH": str(tmp_path / "path")})
     assert on_path.message("my_msgs/Foo").fields[0].name == "on_path"
+
+
+def test_the_tutorials_types_are_those_of_ros() -> None:
+    registry = Registry()
+    for name in ("rospy_tutorials/AddTwoInts", "roscpp_tutorials/TwoInts"):
+        assert registry.service_type(name).md5sum == "6a2e34150c00229791cc89ff309fff21"
+    assert registry.message_type("rospy_tutorials/Floats").md5sum == "420cd38b6b071cd49f2970c3e2cee511"
+    assert registry.message_type("rospy_tutorials/HeaderString").md5sum == "c99a9440709e4d4a9716d55b8270d5e7"
