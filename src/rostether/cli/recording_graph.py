@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from rostether.cli.graph_access import joined, special_arguments
 from rostether.cli.ros2_graph import ZenohReach, ros2_access
 from rostether.cli.ros2_options import read_ros2_options
-from rostether.cli.ros_choice import chosen_ros2, typed_ros1
+from rostether.cli.ros_choice import Middleware, chosen_ros2, typed_ros1
 
 if TYPE_CHECKING:
     from rostether.graph.ports import Graph
@@ -59,6 +59,10 @@ async def recording_graph(
     reach = ZenohReach(typed.connect, typed.listen, "never")
     name = specials.get("__name") or anonymous_name(purpose)
     async with ros2_access(middleware, reach=reach, types=types) as access:
+        if middleware is Middleware.ZENOH and not (typed.connect or typed.listen):
+            from rostether.cli.ros2.tool_node import warn_without_router
+
+            await warn_without_router()
         join = access.join
         if typed_ros1():
             from rostether.cli.serving import joining_ros1

@@ -100,7 +100,7 @@ async def tool_node(
     types = NativeTypes(registry)
     async with ros2_access(middleware, reach=reach, types=types) as access:
         if middleware is Middleware.ZENOH and not is_quiet:
-            await _warn_without_router()
+            await warn_without_router()
         graph = await access.join(
             specials.get("__name") or anonymous_name(HIDDEN_NAME), namespace=specials.get("__ns", "/")
         )
@@ -110,7 +110,8 @@ async def tool_node(
             await graph.close()
 
 
-async def _warn_without_router() -> None:
+async def warn_without_router() -> None:
+    """Say what to do where no zenoh router answers: nodes are not found without."""
     from rostether.ros2.environment import Ros2Environment
     from rostether.ros2.zenoh.configuration import ROUTER_ENDPOINT, is_router_there, names_its_own_place
 
