@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Callable
 from typing import Any
 
-from rostether.errors import AccessDeniedError, RemoteProtocolError, UnknownNameError
+from rostether.errors import AccessDeniedError, RemoteProtocolError, TypeMismatchError, UnknownNameError
 from rostether.gateways.rosbridge.client_subscription import ClientSubscription, Wish
 from rostether.gateways.rosbridge.outbox import Outbox
 from rostether.gateways.rosbridge.publication import Publication
@@ -104,7 +104,14 @@ class ClientTopics:
         old = self._publications.pop(topic, None)
         if old is not None:
             await old.close()
-        publication = await Publication.open(self._around.graph, topic, message_type, latch=latch)
+        graph = self._around.graph
+        try:
+            publication = await Publication.open(graph, topic, message_type, latch=latch)
+        except TypeMismatchError:
+            # A page that was loaded again may have changed its mind.
+            if not await self._around.end_lingering(graph.resolve(topic)):
+                raise
+            publication = await Publication.open(graph, topic, message_type, latch=latch)
         self._publications[topic] = publication
         return publication
 

@@ -28,6 +28,7 @@ class Publication:
     """
 
     def __init__(self, publisher: Publisher) -> None:
+        self.topic = publisher.topic
         self.type = publisher.type
         self._publisher = publisher
         self._first: list[bytes] | None = []

@@ -71,6 +71,14 @@ class Surroundings:
         timer = asyncio.get_running_loop().call_later(LINGER_S, self._end, publication)
         self._lingering[publication] = timer
 
+    async def end_lingering(self, topic: str) -> bool:
+        """End at once what lingers of a topic, by its full name; returns whether anything did."""
+        found = [each for each in self._lingering if each.topic == topic]
+        for publication in found:
+            self._lingering.pop(publication).cancel()
+            await _close(publication)
+        return bool(found)
+
     async def close(self) -> None:
         """End what lingers."""
         for publication, timer in list(self._lingering.items()):

@@ -425,6 +425,19 @@ async def test_a_topic_lingers_when_its_client_has_left_and_ends_with_the_server
         assert "/chatter" not in there.network.snapshot().topics
 
 
+async def test_a_page_that_was_loaded_again_may_publish_another_type(there: World) -> None:
+    async with there.client() as client, there.client() as other:
+        await client.say("advertise", topic="/chatter", type=STRING)
+        await client.settled()
+        await other.say("advertise", topic="/chatter", type="std_msgs/Int32")
+        assert "publishes /chatter as std_msgs/String already" in (await other.hear("status"))["msg"]
+        await client.say("unadvertise", topic="/chatter")
+        await client.settled()
+        await other.say("advertise", topic="/chatter", type="std_msgs/Int32")
+        assert await other.settled() == []
+        assert there.network.snapshot().topics["/chatter"].type == "std_msgs/Int32"
+
+
 async def test_pages_of_others_are_refused_with_a_line_that_says_what_to_do(there: World) -> None:
     with pytest.raises(InvalidStatus) as caught:
         async with there.client(origin="http://evil.example"):
