@@ -54,7 +54,8 @@ async def test_what_rclpy_says_is_recorded_and_played_to_it(peer: RclpyPeer, tmp
     assert {each.header.frame_id for each in heard} == {"laser"}
 
     await peer.ask("subscribe", topic="/again", type="sensor_msgs/msg/LaserScan")
-    words = ["-i", "-d", "2", "--wait-for-subscribers", "--topics", "/scan", "--bags", str(folder), "/scan:=/again"]
+    words = ["-i", "-d", "2", "--wait-for-subscribers", "--topics", "/scan"]
+    words += ["--bags", str(folder), "/scan:=/again"]
     assert await tool("bag", "play", *words) == "played 3 messages\n"
     played = await peer.ask("receive", topic="/again", count=3)
     assert [each["ranges"] for each in played] == [scan["ranges"]] * 3
