@@ -8,12 +8,13 @@ from mcap.reader import make_reader
 
 from rostether.errors import ConfigError, RecordingError
 from rostether.recording.mcap_reader import McapReader
+from rostether.recording.mcap_records import MAGIC, RECORD_HEAD, encode_record
 from rostether.recording.mcap_writer import McapWriter
 from unit.recording.bags import IMU, START_NS, STRING, connection, text
 
 
-def _write(path: Path, *, closes: bool = True) -> None:
-    writer = McapWriter(path, chunk_bytes=500)
+def _write(path: Path, *, closes: bool = True, compression: str = "none") -> None:
+    writer = McapWriter(path, chunk_bytes=500, compression=compression)
     numbers = [writer.add_connection(connection(topic)) for topic in ("/a", "/b")]
     writer.add_connection(connection("/imu", IMU))
     for index in range(40):
@@ -24,9 +25,10 @@ def _write(path: Path, *, closes: bool = True) -> None:
         writer.flush()
 
 
-def test_the_package_itself_reads_it(tmp_path: Path) -> None:
+@pytest.mark.parametrize("compression", ["none", "lz4"])
+def test_the_package_itself_reads_it(tmp_path: Path, compression: str) -> None:
     path = tmp_path / "a.mcap"
-    _write(path)
+    _write(path, compression=compression)
     with path.open("rb") as file:
         reader = make_reader(file, validate_crcs=True)
         assert reader.get_header().profile == "ros1"
@@ -86,6 +88,41 @@ def test_md5sums_that_others_leave_out_are_computed(tmp_path: Path) -> None:
         writer.finish()
     reader = McapReader(path)
     assert [each.connection.type for each in reader.messages()] == [IMU]
+
+
+@pytest.mark.parametrize("use_chunking", [True, False])
+@pytest.mark.parametrize("compression", ["NONE", "LZ4", "ZSTD"])
+def test_ours_reads_those_of_the_package(tmp_path: Path, compression: str, use_chunking: bool) -> None:
+    from mcap.writer import CompressionType, Writer
+
+    path = tmp_path / "a.mcap"
+    with path.open("wb") as file:
+        writer: Any = Writer(
+            file, chunk_size=500, compression=CompressionType[compression], use_chunking=use_chunking
+        )
+        writer.start(profile="ros1", library="another")
+        schema = writer.register_schema(STRING.name, "ros1msg", STRING.definition.encode())
+        channels = [writer.register_channel(topic, "ros1", schema) for topic in ("/a", "/b")]
+        for index in range(40):
+            # Of each two the later one comes first, also across chunks.
+            writer.add_message(channels[index % 2], START_NS + (index ^ 1), text(str(index ^ 1)), START_NS)
+        writer.finish()
+    reader = McapReader(path)
+    assert bool(reader.damage) != use_chunking
+    assert [each.payload for each in reader.messages()] == [text(str(index)) for index in range(40)]
+    assert {each.topic: count for each, count in reader.counts.items()} == {"/a": 20, "/b": 20}
+    some = list(reader.messages(lambda each: each.topic == "/a", start_ns=START_NS + 9, end_ns=START_NS + 15))
+    assert [each.time_ns - START_NS for each in some] == [9, 11, 13, 15]
+
+
+def test_what_says_that_it_is_longer_than_the_file_takes_no_memory(tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+    for op in range(1, 0x10):
+        path.write_bytes(MAGIC + encode_record(1, bytes(8)) + RECORD_HEAD.pack(op, 1 << 62) + b"abc")
+        reader = McapReader(path)
+        assert "ends within a record" in reader.damage
+        assert not list(reader.messages())
+        reader.close()
 
 
 def test_bz2_is_refused(tmp_path: Path) -> None:
