@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -77,6 +78,14 @@ async def test_servo_pulses_made_by_software(start: Start, tmp_path: Path, kind:
     await board.run("150ms")
     assert await board.servo_angle("D9") == pytest.approx(135, abs=1)
     assert await board.servo_pulse_us("D9") == pytest.approx(544 + 135 * (2400 - 544) / 180, abs=10)
+
+
+async def test_only_changes_of_a_degree_are_told(start: Start, tmp_path: Path) -> None:
+    board = await start(await build_text(tmp_path, SERVOS), "servo D9")
+    await board.run("300ms")
+    angles = [event["angle_deg"] for event in named(board, "servo") if event["pin"] == "D9"]
+    assert len(angles) >= 2
+    assert all(abs(now - before) > 0.9 for before, now in pairwise(angles))
 
 
 async def test_servo_pulses_made_by_a_timer(start: Start, tmp_path: Path) -> None:
