@@ -119,6 +119,7 @@ def launch(
     from rostether.cli import launch_listing as listing
     from rostether.cli.graph_access import read_environment
     from rostether.cli.launch_sources import find_sources
+    from rostether.cli.packages_here import packages_here
     from rostether.cli.running import run
     from rostether.launch.bundled_packages import bundled_packages
     from rostether.launch.node_process import StopLimits
@@ -131,7 +132,7 @@ def launch(
     if screen and to_log:
         raise click.UsageError("give --screen or --log, not both")
     environment = read_environment(master)
-    packages = package_folders(os.environ, Path.cwd())
+    packages = packages_here()
     packages = packages | {
         name: folder for name, folder in bundled_packages().items() if name not in packages
     }

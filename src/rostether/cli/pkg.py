@@ -9,9 +9,9 @@ import click
 
 from rostether.cli.completions import complete_package_folders
 from rostether.cli.output import json_option, write_json, write_line
+from rostether.cli.packages_here import packages_here
 from rostether.cli.verbs import LazyGroup, Verb, VerbEntry
 from rostether.errors import ConfigError
-from rostether.packages.locate import package_folders
 
 _HERE = "rostether.cli.pkg"
 
@@ -51,7 +51,7 @@ def pkg() -> None:
 
 def here() -> dict[str, Path]:
     """Return the folders of all packages that this command sees."""
-    return package_folders(os.environ, Path.cwd())
+    return packages_here()
 
 
 def folder_of(name: str) -> Path:

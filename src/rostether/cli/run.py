@@ -6,17 +6,16 @@ import os
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 
 import click
 
 from rostether.cli.completions import complete_package_folders, complete_programs
 from rostether.cli.node_command import node_command
 from rostether.cli.output import warn, write_line
+from rostether.cli.packages_here import packages_here
 from rostether.cli.served_nodes import replacement_line, served_nodes
 from rostether.cli.verbs import Verb
 from rostether.errors import ConfigError
-from rostether.packages.locate import package_folders
 from rostether.rospy_facade.environment import node_environment
 
 
@@ -50,7 +49,7 @@ def run(prefix: str, debug: bool, package: str, program: str, arguments: tuple[s
         return
     # To look through a home directory takes its time, and our own nodes are in no folder.
     is_ours = (package, program) in served_nodes()
-    packages = {} if is_ours else package_folders(os.environ, Path.cwd())
+    packages = {} if is_ours else packages_here()
     found = node_command(package, program, packages=packages, environ=os.environ)
     words = [*shlex.split(prefix), *found, *arguments]
     if debug:

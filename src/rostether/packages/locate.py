@@ -17,6 +17,7 @@ from rostether.packages.search_path import (
     PACKAGE_FILE,
     ROSBUILD_FILE,
     Folder,
+    OnNamesake,
     find_packages,
     package_name,
     ros_package_path,
@@ -28,12 +29,14 @@ _MAX_NEIGHBOURS = 1_000  # folders beside a package; more is a download folder, 
 _WORKSPACE_MARKS = (".catkin_workspace", ".catkin_tools", "devel/.catkin", "src/CMakeLists.txt")
 
 
-def package_folders(environ: Mapping[str, str], cwd: Path) -> dict[str, Path]:
+def package_folders(
+    environ: Mapping[str, str], cwd: Path, *, on_namesake: OnNamesake | None = None
+) -> dict[str, Path]:
     """Map the names of all packages that a command started in `cwd` sees to their folders.
 
     Nothing needs to be built. Folders that cannot be read and broken packages are passed over.
     """
-    found = find_packages(package_roots(environ, cwd))
+    found = find_packages(package_roots(environ, cwd), on_namesake=on_namesake)
     for folder in _around(cwd):
         if name := package_name(folder):
             found.setdefault(name, folder.path)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import deque
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,6 +18,8 @@ ROSBUILD_FILE = "manifest.xml"
 # Here every program of the system has its folder: packages stand at the top, as Debian's rospkg has it.
 SYSTEM_SHARE_FOLDERS = frozenset({"/usr/share", "/usr/local/share"})
 _IGNORE_FILE = "CATKIN_IGNORE"
+_CATKIN_MARK = ".catkin"  # in `devel` and `install`, which hold a package at share/NAME
+_COPY_DEPTH = 3
 _NO_SUBFOLDERS_FILE = "rospack_nosubdirs"
 
 
@@ -39,18 +41,36 @@ def ros_package_path(environ: Mapping[str, str]) -> list[Path]:
     return [Path(part) for part in environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if part]
 
 
-def find_packages(roots: Iterable[Path]) -> dict[str, Path]:
+OnNamesake = Callable[[str, Path, Path], object]
+"""Hears of two packages of one name below one root: the name, the folder that counts, and the other."""
+
+
+def find_packages(roots: Iterable[Path], *, on_namesake: OnNamesake | None = None) -> dict[str, Path]:
     """Map the names of all packages below the roots to their folders; the first found of a name counts.
 
     Folders that cannot be read and packages whose package.xml is broken are passed over, so that one bad
     checkout does not hide the others.
     """
     found: dict[str, Path] = {}
+    told: set[Path] = set()
     for root in roots:
+        # One root may overlay another: only within one is a second package of a name a mistake.
+        below: dict[str, Path] = {}
         for folder in walk(root):
-            if folder.is_package and (name := package_name(folder)):
-                found.setdefault(name, folder.path)
+            if not folder.is_package or not (name := package_name(folder)):
+                continue
+            counts = found.setdefault(name, folder.path)
+            first = below.setdefault(name, folder.path)
+            other = folder.path if counts != folder.path else first
+            if on_namesake and other not in (counts, *told) and first != folder.path and _is_source(other):
+                told.add(other)
+                on_namesake(name, counts, other)
     return found
+
+
+def _is_source(package: Path) -> bool:
+    """Tell whether a package is where it was written, not where catkin has put a copy of it."""
+    return not any((folder / _CATKIN_MARK).exists() for folder in [*package.parents][:_COPY_DEPTH])
 
 
 def package_name(folder: Folder) -> str | None:

@@ -51,6 +51,22 @@ def test_find_and_list(arm: Path, shell: Shell) -> None:
     assert "`rostether pkg list` shows those found" in shell.failure("pkg", "find", "xyz")
 
 
+def test_two_packages_of_one_name(arm: Path, shell: Shell) -> None:
+    for number in range(5):
+        other = arm.parent / "old" / f"copy{number}"
+        other.mkdir(parents=True)
+        (other / "package.xml").write_text((arm / "package.xml").read_text())
+    found = shell("pkg", "find", "arm")
+    assert found.out == f"{arm}\n"
+    lines = found.err.splitlines()
+    assert len(lines) == 4
+    assert lines[0] == (
+        f"rostether: warning: two packages are called arm: {arm} is used, {arm.parent}/old/copy0 is not; "
+        "rename one, or put a file CATKIN_IGNORE into its folder"
+    )
+    assert lines[3] == "rostether: warning: 2 more packages have a name that another has"
+
+
 def test_version_of_the_distribution(shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("ROS_DISTRO", raising=False)
     assert shell.output("pkg", "version", "-d") == "noetic\n"

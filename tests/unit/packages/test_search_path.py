@@ -35,6 +35,24 @@ def test_the_first_root_wins_then_the_nearest(tmp_path: Path) -> None:
     assert find_packages([tmp_path / "both"]) == {"twice": near}
 
 
+def test_two_of_one_name_are_told_unless_one_overlays_the_other_or_is_its_copy(tmp_path: Path) -> None:
+    told: list[tuple[str, Path, Path]] = []
+
+    def note(*what: object) -> None:
+        told.append(what)  # type: ignore[arg-type]
+
+    used = make_package(tmp_path / "ws" / "src" / "robot")
+    other = make_package(tmp_path / "ws" / "old" / "robot")
+    copy = make_package(tmp_path / "ws" / "install" / "share" / "robot")
+    (copy.parents[1] / ".catkin").touch()
+    make_package(tmp_path / "overlay" / "robot")
+    find_packages([tmp_path / "overlay", tmp_path / "ws" / "src"], on_namesake=note)
+    assert told == []
+    found = find_packages([tmp_path / "ws" / "src", tmp_path / "ws"], on_namesake=note)
+    assert found == {"robot": used}
+    assert told == [("robot", used, other)]
+
+
 def test_nothing_is_searched_below_a_package(tmp_path: Path) -> None:
     outer = make_package(tmp_path / "outer")
     make_package(outer / "inner")
