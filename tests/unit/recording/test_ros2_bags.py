@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from mcap.reader import make_reader
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, Reader, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
@@ -305,3 +306,21 @@ def test_aliases_without_end_are_not_written_out(tmp_path: Path) -> None:
     (tmp_path / "metadata.yaml").write_text(summary)
     with pytest.raises(RecordingError, match="a text was expected"):
         open_recording(tmp_path)
+
+
+def test_mcap_reads_ours_as_rosbag2s(tmp_path: Path) -> None:
+    folder = tmp_path / "theirs"
+    written = foreign_bag(folder, StoragePlugin.SQLITE3)
+    reader = open_recording(folder, is_native=True)
+    copy(reader, tmp_path / "ours.mcap", form=Form.ROS2)
+    reader.close()
+    with (tmp_path / "ours.mcap").open("rb") as file:
+        mcap = make_reader(file, validate_crcs=True)
+        assert mcap.get_header().profile == "ros2"
+        found = list(mcap.iter_messages())
+    assert {channel.topic: message.data for _, channel, message in found} == written
+    for schema, channel, _ in found:
+        assert schema is not None
+        assert (schema.encoding, channel.message_encoding) == ("ros2msg", "cdr")
+        assert channel.metadata["topic_type_hash"] == JAZZY.hash_rihs01(schema.name)
+        assert "durability: " in channel.metadata["offered_qos_profiles"]
