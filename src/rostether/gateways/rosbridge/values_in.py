@@ -7,7 +7,6 @@ are base64 or a list, null is NaN where a float is meant, times have either ROS'
 from __future__ import annotations
 
 import math
-from binascii import Error as Base64Error
 from binascii import a2b_base64
 from collections.abc import Mapping
 from typing import Any, Final
@@ -117,8 +116,8 @@ class _Reader:
         element = array.element
         if array.is_bytes and isinstance(value, str):
             try:
-                return a2b_base64(value)
-            except (Base64Error, ValueError):
+                return _decoded(value)
+            except ValueError:
                 raise _MisfitError(f"base64 or a list of integers ({array.name})", value) from None
         if not isinstance(value, list):
             raise _MisfitError(f"a list ({array.name})", value)
@@ -145,6 +144,15 @@ class _Reader:
         if isinstance(value, Mapping):
             return {_ROS2_HALVES.get(name, name): each for name, each in value.items()}
         return value
+
+
+def _decoded(text: str) -> bytes:
+    """Return what base64 holds. Raises ValueError, for data URLs too: their head would become garbage."""
+    try:
+        return a2b_base64(text, strict_mode=True)
+    except ValueError:
+        # Some break it into lines.
+        return a2b_base64("".join(text.split()), strict_mode=True)
 
 
 def _packed(values: list[int]) -> bytes | list[int]:

@@ -60,6 +60,8 @@ def test_ros2_clients_get_their_words() -> None:
 def test_bytes_are_base64_both_ways() -> None:
     assert out("std_msgs/UInt8MultiArray", {"data": bytes(range(6))})["data"] == "AAECAwQF"
     assert back("std_msgs/UInt8MultiArray", {"data": "AAECAwQF"}).data == bytes(range(6))
+    assert back("std_msgs/UInt8MultiArray", {"data": "AAEC\nAwQF\n"}).data == bytes(range(6))
+    assert back("std_msgs/UInt8MultiArray", {"data": ""}).data == b""
     assert back("std_msgs/UInt8MultiArray", {"data": [0, 255]}).data == b"\x00\xff"
 
 
@@ -164,6 +166,8 @@ def test_whole_floats_are_integers() -> None:
         ("std_msgs/Time", {"data": 5}, "wants a time, an object of secs and nsecs for field data, got 5"),
         ("std_msgs/Time", {"data": {"secs": -1}}, "field 'data' of std_msgs/Time wants a time"),
         ("std_msgs/UInt8MultiArray", {"data": "A"}, "for field data, got 'A'"),
+        ("std_msgs/UInt8MultiArray", {"data": "data:image/png;base64,AQID"}, "wants base64 or a list"),
+        ("std_msgs/UInt8MultiArray", {"data": "ü"}, "wants base64 or a list"),
         ("std_msgs/UInt8MultiArray", {"data": [256]}, "field 'data' of std_msgs/UInt8MultiArray wants bytes"),
         ("std_msgs/Float64MultiArray", {"data": {"0": 1}}, r"a list \(float64\[\]\) for field data"),
         ("std_msgs/Float64MultiArray", {"data": [1, "b"]}, r"for field data\[1\], got 'b'"),
