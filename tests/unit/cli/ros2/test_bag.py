@@ -32,13 +32,25 @@ def test_recorded_as_ros2_and_played_again(world: ZenohWorld, shell: Shell, tmp_
     reader.close()
 
     heard: list[bytes] = []
+    clocks: list[bytes] = []
     node = world.do(world.session.join("/listener"))
     try:
         imu_type = STORE.registry.message_type("sensor_msgs/Imu")
         world.do(node.subscribe("/again", imu_type, heard.extend))
-        words = ["-i", "--wait-for-subscribers", "--topics", "/imu", "--", str(folder), "/imu:=/again"]
+        clock_type = STORE.registry.message_type("rosgraph_msgs/Clock")
+        world.do(node.subscribe("/clock", clock_type, clocks.extend))
+        words = [
+            "-i",
+            "--clock",
+            "--wait-for-subscribers",
+            "--topics",
+            "/imu",
+            "--",
+            str(folder),
+            "/imu:=/again",
+        ]
         assert shell.output("bag", "play", *words) == "played 3 messages\n"
-        world.wait_until(lambda: len(heard) == 3)
+        world.wait_until(lambda: len(heard) == 3 and bool(clocks))
     finally:
         world.do(node.close())
     assert set(heard) == {imu.payload}
