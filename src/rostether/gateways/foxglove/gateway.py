@@ -11,21 +11,19 @@ nobody.
 from __future__ import annotations
 
 import asyncio
-import ssl
 import time
 from collections.abc import Callable, Coroutine, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from rostether.errors import ConfigError, RostetherError
+from rostether.errors import RostetherError
 from rostether.gateways.foxglove import server_messages as told
-from rostether.gateways.foxglove.admission import Admission
 from rostether.gateways.foxglove.assets import Assets, FindPackages
 from rostether.gateways.foxglove.channels import Channels
 from rostether.gateways.foxglove.client import Client
 from rostether.gateways.foxglove.connection_graph import ConnectionGraph
-from rostether.gateways.foxglove.line import Line
+from rostether.gateways.foxglove.listening import Listening
 from rostether.gateways.foxglove.parameters import Parameters
 from rostether.gateways.foxglove.server_messages import Channel, OfferedService, StatusLevel
 from rostether.gateways.foxglove.services import FindServiceType, Services
@@ -34,11 +32,11 @@ from rostether.gateways.foxglove.sim_clock import SimClock
 from rostether.gateways.shared_subscriptions import SharedSubscriptions
 from rostether.graph.ports import Graph, Level
 from rostether.serde.store import TypeStore
-from rostether.transports.allow_list import AllowList
 
 _TIME_CAPABILITY = "time"
 _MAX_SHOWN_STATUSES = 50  # lines that a client that comes later is shown too
 _RETRY_S = 1.0  # for a graph that could not be read
+_HANG_UP_S = 2.0  # for clients to answer a good-bye when the gateway ends
 _SERVICE_RESTART = 1012  # the WebSocket's close code that makes clients come back
 
 
@@ -71,24 +69,21 @@ class FoxgloveGateway:
         self.assets = Assets(find_packages or _no_packages, self.limits.asset_bytes)
         self.clock = SimClock(graph, self.shared, self._tell_time, self._restart_clients)
         self._tell = tell or (lambda level, text: None)
-        self._admission = Admission(settings.origins, settings.token)
-        self._allowed = AllowList(settings.allow)
+        self._listening = Listening(settings, lambda line: Client(self, line), self._tell_refused)
         self._clients: dict[Client, None] = {}
         self._statuses: dict[str, str] = {}
-        self._servers: list[asyncio.Server] = []
         self._work: set[asyncio.Task[Any]] = set()
         self._following: asyncio.Task[None] | None = None
         self._leaving: asyncio.Task[None] | None = None
         self._ended = asyncio.Event()
         self._is_closing = False
         self._refused: set[str] = set()
-        self._session_id = ""
+        self._session_id = str(time.time_ns())
 
     @property
     def port(self) -> int:
         """The port that is listened on; zero before the start."""
-        sockets = self._servers[0].sockets if self._servers else ()
-        return int(sockets[0].getsockname()[1]) if sockets else 0
+        return self._listening.port
 
     @property
     def url(self) -> str:
@@ -108,7 +103,7 @@ class FoxgloveGateway:
         self._following = asyncio.ensure_future(self._follow())
         self._leaving = asyncio.ensure_future(self._end_with_node())
         try:
-            await self._listen()
+            await self._listening.start()
         except BaseException:
             await self.close()
             raise
@@ -116,16 +111,12 @@ class FoxgloveGateway:
     async def close(self) -> None:
         """Hang up, and leave nothing on the graph."""
         self._is_closing = True
-        for server in self._servers:
-            server.close()
+        self._listening.close()
         for task in (self._following, self._leaving):
             if task is not None:
                 task.cancel()
                 await asyncio.wait([task])
-        for client in list(self._clients):
-            client.line.close()
-        if self._clients:
-            self.run(self._wait_for_clients())
+        await self._listening.hang_up(_HANG_UP_S)
         while self._work:
             await asyncio.wait(self._work)
         await asyncio.gather(
@@ -183,40 +174,6 @@ class FoxgloveGateway:
 
     # within
 
-    async def _listen(self) -> None:
-        loop = asyncio.get_running_loop()
-        self._session_id = str(time.time_ns())
-        hosts = ["127.0.0.1", "::1"] if self.settings.host == DEFAULT_HOST else [self.settings.host or None]
-        encryption = _encryption(self.settings)
-        port = self.settings.port
-        for host in hosts:
-            try:
-                server = await loop.create_server(self._connect, host, port, ssl=encryption)
-            except OSError as error:
-                if self._servers:
-                    # A machine without IPv6.
-                    continue
-                raise ConfigError(
-                    f"cannot listen on {self.settings.host}:{port} for Foxglove: {error.strerror or error}; "
-                    "give another port, or end what uses it"
-                ) from error
-            self._servers.append(server)
-            port = self.port
-
-    def _connect(self) -> Line:
-        line = _BoundedLine(self, self._admission, self.limits, self._tell_refused)
-        line.user = Client(self, line)
-        return line
-
-    def refuses(self, peer: str, own: str) -> bool:
-        """Tell whether a connection is closed at once."""
-        if self._is_closing or len(self._clients) >= self.limits.clients:
-            return True
-        if self._allowed.allows_connection(peer, own):
-            return False
-        self._tell_refused(f"{peer} may not connect: allow it with --allow {peer}")
-        return True
-
     def _tell_refused(self, text: str) -> None:
         if text not in self._refused and len(self._refused) < _MAX_SHOWN_STATUSES:
             self._refused.add(text)
@@ -241,19 +198,9 @@ class FoxgloveGateway:
         reason = await self.graph.wait_closed()
         self._tell(Level.WARN, f"foxglove: its node was shut down: {reason}")
         self._is_closing = True
-        for server in self._servers:
-            server.close()
-        for client in list(self._clients):
-            client.line.close()
+        self._listening.close()
+        await self._listening.hang_up(_HANG_UP_S)
         self._ended.set()
-
-    async def _wait_for_clients(self) -> None:
-        for _ in range(100):
-            if not self._clients:
-                return
-            await asyncio.sleep(0.02)
-        for client in list(self._clients):
-            client.line.abort()
 
     def _broadcast(self, message: str | bytes) -> None:
         for client in list(self._clients):
@@ -296,36 +243,8 @@ class FoxgloveGateway:
             client.line.close(_SERVICE_RESTART, "the clock is another one now")
 
 
-class _BoundedLine(Line):
-    """A line that is closed at once when the gateway takes no more."""
-
-    def __init__(self, gateway: FoxgloveGateway, *rest: Any) -> None:
-        super().__init__(*rest)
-        self._gateway = gateway
-
-    def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Look who it is."""
-        super().connection_made(transport)
-        peer, own = (transport.get_extra_info(name) or ("",) for name in ("peername", "sockname"))
-        if self._gateway.refuses(str(peer[0]), str(own[0])):
-            self.abort()
-
-
 def _no_packages() -> Mapping[str, Path]:
     return {}
-
-
-def _encryption(settings: FoxgloveSettings) -> ssl.SSLContext | None:
-    if not settings.certificate:
-        return None
-    try:
-        context = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
-        context.load_cert_chain(settings.certificate, settings.key or None)
-    except (OSError, ssl.SSLError) as error:
-        raise ConfigError(
-            f"the certificate {settings.certificate} and its key cannot be used: {error.strerror or error}"
-        ) from error
-    return context
 
 
 async def _contained(work: Coroutine[Any, Any, None]) -> None:
