@@ -90,12 +90,12 @@ async def test_modules_beside_rospy(roscore: Ros1Peers, script: str) -> None:
     assert len(ours) > 10
 
 
-@pytest.mark.parametrize("script", ["clouds.py", "lookups.py"])
+@pytest.mark.parametrize("script", ["clouds.py", "lookups.py", "packages.py"])
 async def test_modules_of_messages_and_tools(roscore: Ros1Peers, script: str) -> None:
     theirs = await printed(roscore, DEBIAN_PYTHON, script)
     ours = await printed(roscore, sys.executable, script)
     assert ours == theirs
-    assert len(ours) > 30
+    assert len(ours) > 10
 
 
 @pytest.mark.robot

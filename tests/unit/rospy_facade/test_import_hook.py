@@ -124,6 +124,29 @@ except rospkg.ResourceNotFound as error:
     assert lines == [f"{package} {package} ['arm']", "no leg"]
 
 
+async def test_what_a_package_says_of_itself(package: Path) -> None:
+    (package.parent / "leg").mkdir()
+    (package.parent / "leg" / "package.xml").write_text(
+        "<package><name>leg</name><version>2</version><license>MIT</license><depend>arm</depend>"
+        "<depend>std_msgs</depend></package>"
+    )
+    (package / "scripts").mkdir()
+    (package / "scripts" / "move.py").touch(0o755)
+    script = """
+import roslib.packages, rospkg
+pack = rospkg.RosPack()
+print(pack.get_depends("leg"), pack.get_depends_on("arm"), pack.get_manifest("leg").depends)
+print(pack.get_manifest("leg").version, rospkg.get_package_name(pack.get_path("arm") + "/msg"))
+print(roslib.packages.find_node("arm", "move.py"), roslib.packages.find_node("arm", "Angles.msg"))
+"""
+    lines = await printed(script, environ={"ROS_PACKAGE_PATH": str(package.parent)})
+    assert lines == [
+        "['arm'] ['leg'] [arm, std_msgs]",
+        "2 arm",
+        f"['{package}/scripts/move.py'] []",
+    ]
+
+
 async def test_modules_that_programs_import() -> None:
     script = """
 import genpy.message, genpy.rostime, roslib.message, rospy.client, rospy.core, rospy.msg, rospy.names

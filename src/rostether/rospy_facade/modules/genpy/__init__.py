@@ -1,6 +1,8 @@
 """genpy, as far as programs use it: message values, their base class and their errors."""
 
 # ruff: noqa: F401
+import struct as _struct
+
 from rostether.rospy_facade.message import (
     DeserializationError,
     Message,
@@ -10,4 +12,6 @@ from rostether.rospy_facade.message import (
 )
 from rostether.rospy_facade.stamps import Duration, Time, TVal
 
-from . import message, rostime
+from . import dynamic, message, rostime
+
+struct_I = _struct.Struct("<I")  # noqa: N816

@@ -1,7 +1,7 @@
 """roslib: what was needed before catkin, and what turns type names into classes."""
 
 # ruff: noqa: F401
-from . import message, packages
+from . import message, names, packages
 
 
 def load_manifest(package_name: str) -> None:
