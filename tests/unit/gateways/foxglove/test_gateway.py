@@ -14,7 +14,7 @@ from websockets.exceptions import InvalidHandshake, InvalidStatus
 from rostether.errors import ConfigError, ServiceCallError
 from rostether.gateways.foxglove.gateway import FoxgloveGateway
 from rostether.gateways.foxglove.limits import FoxgloveLimits
-from rostether.gateways.foxglove.settings import FoxgloveSettings
+from rostether.gateways.foxglove.settings import FoxgloveSettings, NameFilter
 from rostether.graph.ports import ServiceInfo, Snapshot
 from rostether.msgdef.interface import MessageType
 from rostether.msgdef.registry import Registry
@@ -345,6 +345,46 @@ async def test_no_more_clients_than_allowed_and_a_free_place_is_taken() -> None:
         await until(lambda: there.gateway.client_count == 0)
         async with there.client() as client:
             await client.wait("serverInfo")
+
+
+async def test_only_a_part_of_the_graph_is_offered_where_that_is_asked_for() -> None:
+    settings = FoxgloveSettings(
+        port=0,
+        capabilities=("clientPublish", "parameters", "parametersSubscribe"),
+        topics=NameFilter.of(["/open.*"], "test"),
+        parameters=NameFilter.of(["/open"], "test"),
+        client_topics=NameFilter.of(["/open_cmd"], "test"),
+    )
+    async with stage(settings) as there, there.client() as client:
+        heard: list[bytes] = []
+        await there.robot.subscribe("/open_cmd", string_type(there), heard.extend)
+        await there.robot.subscribe("/cmd", string_type(there), heard.extend)
+        await there.robot.advertise("/hidden", string_type(there))
+        await there.robot.advertise("/open", string_type(there))
+        for name in ("/open", "/hidden"):
+            await there.robot.set_param(name, 1)
+        await client.channel("/open")
+        assert [each["topic"] for message in client.of("advertise") for each in message["channels"]] == [
+            "/open"
+        ]
+        await client.say("getParameters", parameterNames=[], id="all")
+        answer = await client.wait("parameterValues")
+        assert [each["name"] for each in answer["parameters"]] == ["/open"]
+        await client.say("setParameters", parameters=[{"name": "/hidden", "value": 2}])
+        await client.say("subscribeParameterUpdates", parameterNames=["/hidden"])
+        channels = [
+            {"id": number, "topic": topic, "encoding": "ros1", "schemaName": STRING}
+            for number, topic in enumerate(("/cmd", "/open_cmd"))
+        ]
+        await client.say("advertise", channels=channels)
+        await client.publish(1, text(there, "open"))
+        await client.say("fetchAsset", uri="package://a/b", requestId=1)
+        await client.say("subscribeConnectionGraph")
+        await client.call(1, b"")
+        await until(lambda: len(client.of("status")) == 6 and heard)
+        assert heard == [text(there, "open")]
+        assert await there.robot.get_param("/hidden") == 1
+        assert not client.of("connectionGraphUpdate") + client.of("fetchAssetResponse")
 
 
 async def test_a_taken_port_is_said_in_one_line() -> None:

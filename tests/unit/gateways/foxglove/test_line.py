@@ -81,6 +81,15 @@ async def test_who_says_nothing_is_hung_up_on() -> None:
         writer.close()
 
 
+async def test_who_says_nothing_takes_a_place() -> None:
+    async with stage(FoxgloveSettings(port=0, limits=FoxgloveLimits(clients=1))) as there:
+        _, writer = await shaken(there.gateway.port)
+        reader, second = await open_connection(there.gateway.port, b"")
+        assert await ended(reader) == b""
+        writer.close()
+        second.close()
+
+
 async def test_a_message_in_pieces_is_whole_again() -> None:
     async with stage() as there:
         reader, writer = await shaken(there.gateway.port)
