@@ -1,0 +1,89 @@
+"""Files that say a few bytes are a lot: one line, and little memory."""
+
+from __future__ import annotations
+
+import bz2
+import resource
+import struct
+import subprocess
+import sys
+from pathlib import Path
+
+import lz4.frame
+import pytest
+import zstandard
+
+from rostether.errors import RecordingError
+from rostether.recording import bag_chunks, mcap_content
+from rostether.recording.bag_reader import BagReader
+from rostether.recording.bag_records import MAGIC, OP_CHUNK, OP_CONNECTION, U32, bag_header, encode_record
+from rostether.recording.compression import MAX_CHUNK_BYTES, decompress
+from rostether.recording.mcap_reader import McapReader
+from rostether.recording.mcap_records import CHUNK_HEAD, OP_SCHEMA, encode_text
+from rostether.recording.mcap_records import MAGIC as MCAP_MAGIC
+from rostether.recording.mcap_records import OP_CHUNK as MCAP_CHUNK
+from rostether.recording.mcap_records import encode_record as encode_mcap
+
+PACKED = {
+    "bz2": bz2.compress,
+    "lz4": lz4.frame.compress,
+    "zstd": zstandard.ZstdCompressor().compress,
+}
+
+
+def _bag(plain: bytes, size: int | None = None) -> bytes:
+    size_field = U32.pack(len(plain) if size is None else size)
+    chunk = encode_record(OP_CHUNK, {b"compression": b"bz2", b"size": size_field}, bz2.compress(plain))
+    return MAGIC + bag_header(0, 0, 0) + chunk
+
+
+@pytest.mark.parametrize("name", PACKED)
+def test_what_unpacks_to_more_than_it_says_is_refused(name: str) -> None:
+    packed = PACKED[name](bytes(10_000_000))
+    with pytest.raises(RecordingError, match="holds 101 bytes in place of 100"):
+        decompress(name, packed, 100)
+    with pytest.raises(RecordingError, match="in place of 10000001"):
+        decompress(name, packed, 10_000_001)
+    with pytest.raises(RecordingError, match="says that it holds"):
+        decompress(name, packed, MAX_CHUNK_BYTES + 1)
+    with pytest.raises(RecordingError, match=f"compressed by {name} is broken|in place of"):
+        decompress(name, b"\x00" + packed, 10_000_000)
+    assert decompress(name, packed, 10_000_000) == bytes(10_000_000)
+
+
+def test_connections_without_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bag_chunks, "MAX_CONNECTIONS", 100)
+    records = [
+        encode_record(OP_CONNECTION, {b"conn": U32.pack(number), b"topic": b"/a"}, b"")
+        for number in range(1000)
+    ]
+    path = tmp_path / "a.bag"
+    path.write_bytes(_bag(b"".join(records)))
+    reader = BagReader(path)
+    assert "it tells of 100 connections" in reader.damage
+    assert len(reader.connections) == 100
+
+
+def test_definitions_without_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(mcap_content, "MAX_DEFINITION_BYTES", 10_000)
+    schema = encode_mcap(OP_SCHEMA, struct.pack("<H", 1) + encode_text("a/B") + encode_text("") * 2)
+    plain = schema * 10_000
+    packed = lz4.frame.compress(plain)
+    head = CHUNK_HEAD.pack(0, 0, len(plain), 0) + encode_text("lz4") + struct.pack("<Q", len(packed))
+    path = tmp_path / "a.mcap"
+    path.write_bytes(MCAP_MAGIC + encode_mcap(1, bytes(8)) + encode_mcap(MCAP_CHUNK, head + packed))
+    assert "it holds more than 10000 bytes of definitions" in McapReader(path).damage
+
+
+def test_a_few_bytes_that_unpack_to_a_lot_take_bounded_memory(tmp_path: Path) -> None:
+    path = tmp_path / "a.bag"
+    path.write_bytes(_bag(bytes(MAX_CHUNK_BYTES - 1)))
+    assert path.stat().st_size < 10_000
+    ended = subprocess.run(
+        [sys.executable, "-m", "rostether", "bag", "info", str(path)],
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (1 << 30, 1 << 30)),
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert "does not say of what kind it is" in ended.stderr
