@@ -6,8 +6,10 @@ from pathlib import Path
 
 import click
 
+from rostether.cli.options import msg_path_option
 from rostether.cli.output import warn, write_line
 from rostether.cli.recording_files import asked_form, format_option, storage_option
+from rostether.cli.recording_graph import native_types
 from rostether.cli.verbs import Verb
 
 
@@ -32,7 +34,15 @@ from rostether.cli.verbs import Verb
 )
 @format_option
 @storage_option
-def bag_convert(source: Path, target: Path, compression: str, form: str | None, storage: str) -> None:
+@msg_path_option
+def bag_convert(
+    source: Path,
+    target: Path,
+    compression: str,
+    form: str | None,
+    storage: str,
+    msg_paths: tuple[Path, ...],
+) -> None:
     """Write the messages of SOURCE to TARGET, with their times, topics and types.
 
     The names say which formats: .bag, .mcap, .db3, or without ending a ROS 2 bag, which is a folder. Between
@@ -50,7 +60,12 @@ def bag_convert(source: Path, target: Path, compression: str, form: str | None, 
             reader = open_recording(source, is_native=True)
         if reader.damage:
             warn(f"{source}: {reader.damage}; what is whole is taken")
-        count = copy(reader, target, compression=compression, form=target_form, storage=storage)
+        # Only what ROS 2 is to get of ROS 1 needs to be known; all else the recordings tell.
+        types = native_types((), msg_paths) if msg_paths and target_form is Form.ROS2 else None
+        count = copy(reader, target, compression=compression, form=target_form, storage=storage, types=types)
+        unfit = sum(reader.counts.values()) - count
+        if unfit and not reader.unreadable:
+            warn(f"{source}: {unfit} messages do not fit their type; `rostether bag check` says which")
         for topic, why in reader.unreadable.items():
             warn(f"{source}: {topic} is not taken, or not all of it: {why}")
     finally:

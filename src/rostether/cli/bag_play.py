@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.graph_access import read_environment, resolve
-from rostether.cli.options import master_option, tool_allow_option
+from rostether.cli.options import master_option, msg_path_option, tool_allow_option
 from rostether.cli.output import warn, write_line
 from rostether.cli.recording_graph import is_on_ros2_alone, recording_graph
 from rostether.cli.recording_progress import show
@@ -82,9 +82,20 @@ _KEYS_SHOWN = "Space pauses, s plays one message while paused, q ends."
     metavar="COUNT",
     help="Keep COUNT messages of each topic for slow subscribers (as many as go in 4 MB).",
 )
+@click.option(
+    "--rate-control-topic", metavar="TOPIC", help="Wait while nothing has come on TOPIC for the time below."
+)
+@click.option(
+    "--rate-control-max-delay",
+    type=click.FloatRange(min=0),
+    default=1.0,
+    metavar="SEC",
+    help="How long a silence of it is let pass (1).",
+)
 @click.option("--try-future-version", is_flag=True, hidden=True, help="For habit: there is no later one.")
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but what goes wrong.")
 @master_option
+@msg_path_option
 @ros1_option
 @ros2_option
 @zenoh_reach_options
@@ -108,9 +119,12 @@ def bag_play(
     wait_for_subscribers: bool,
     keep_alive: bool,
     queue: int | None,
+    rate_control_topic: str | None,
+    rate_control_max_delay: float,
     try_future_version: bool,
     quiet: bool,
     master: str | None,
+    msg_paths: tuple[Path, ...],
 ) -> None:
     """Publish what recordings hold, at the times it came. Space pauses, s steps, q ends.
 
@@ -139,6 +153,8 @@ def bag_play(
         delay_s=delay,
         clock_hz=hz if with_clock else None,
         queue_messages=queue,
+        rate_control_topic=resolve(rate_control_topic, environment) if rate_control_topic else "",
+        rate_control_max_delay_s=rate_control_max_delay,
         waits_for_subscribers=wait_for_subscribers,
         pause_topics=frozenset(resolve(each, environment) for each in pause_topics),
         topics=frozenset(resolve(each, environment) for each in topics),
@@ -146,11 +162,17 @@ def bag_play(
         remappings={resolve(old, environment): resolve(new, environment) for old, new in remappings.items()},
     )
     paths = [Path(each) for each in given]
-    run(_play(environment, paths, settings, keep_alive=keep_alive, quiet=quiet))
+    run(_play(environment, paths, settings, keep_alive=keep_alive, quiet=quiet, msg_paths=msg_paths))
 
 
 async def _play(
-    environment: RosEnvironment, paths: list[Path], settings: PlaySettings, *, keep_alive: bool, quiet: bool
+    environment: RosEnvironment,
+    paths: list[Path],
+    settings: PlaySettings,
+    *,
+    keep_alive: bool,
+    quiet: bool,
+    msg_paths: tuple[Path, ...],
 ) -> None:
     from rostether.recording.files import open_recording
     from rostether.recording.player import Player
@@ -164,7 +186,9 @@ async def _play(
         connections = [each for reader in readers for each in reader.counts]
         _check_topics(settings, {each.topic for each in connections})
         origins = [each.origin for each in connections if each.origin is not None]
-        async with recording_graph(environment, "play", is_native=is_native, origins=origins) as graph:
+        async with recording_graph(
+            environment, "play", is_native=is_native, origins=origins, msg_paths=msg_paths
+        ) as graph:
             player = Player(graph.raw, readers, settings)
             playing = asyncio.create_task(player.play())
             async with _keys(player, playing.cancel, is_quiet=quiet):

@@ -15,7 +15,7 @@ import click
 from rostether.cli.bag_figures import size_text
 from rostether.cli.completions import complete_topics
 from rostether.cli.graph_access import read_environment, resolve
-from rostether.cli.options import master_option, tool_allow_option
+from rostether.cli.options import master_option, msg_path_option, tool_allow_option
 from rostether.cli.output import write_line
 from rostether.cli.recording_files import NewFiles, Packing, asked_form, format_option, storage_option
 from rostether.cli.recording_graph import is_on_ros2_alone, recording_graph
@@ -112,6 +112,7 @@ class _Duration(click.ParamType[float]):
 @storage_option
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but what goes wrong.")
 @master_option
+@msg_path_option
 @ros1_option
 @ros2_option
 @zenoh_reach_options
@@ -141,6 +142,7 @@ def bag_record(
     storage: str,
     quiet: bool,
     master: str | None,
+    msg_paths: tuple[Path, ...],
 ) -> None:
     """Record topics, as raw bytes, until Ctrl-C, a limit, or a full disk.
 
@@ -187,6 +189,7 @@ def bag_record(
         # What is not compressed is written at once.
         buffer_bytes=(buffer_mb or MAX_BUFFER_MB) * MEGABYTE if bz2 or lz4 else None,
         is_quiet=quiet,
+        msg_paths=msg_paths,
     )
     run(_record(environment, choice, limits, files, settings), is_service=True)
 
@@ -197,6 +200,7 @@ class _Settings:
     publishes_begin: bool
     buffer_bytes: int | None
     is_quiet: bool
+    msg_paths: tuple[Path, ...]
 
 
 async def _record(
@@ -214,7 +218,9 @@ async def _record(
             write_line(text)
 
     line = ProgressLine(is_shown=not settings.is_quiet and sys.stderr.isatty())
-    async with recording_graph(environment, "record", is_native=files.is_of_ros2) as graph:
+    async with recording_graph(
+        environment, "record", is_native=files.is_of_ros2, msg_paths=settings.msg_paths
+    ) as graph:
         files.types = graph.types
         create: Callable[[Path], RecordingWriter] = files.create
         if settings.publishes_begin:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import AsyncIterator, Iterable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rostether.cli.graph_access import joined, special_arguments
@@ -39,6 +40,7 @@ async def recording_graph(
     *,
     is_native: bool = False,
     origins: Iterable[Ros2Origin] = (),
+    msg_paths: Iterable[Path] = (),
 ) -> AsyncIterator[RecordingGraph]:
     """Be a node as long as the block lasts. Raises GraphError, ConfigError.
 
@@ -52,13 +54,14 @@ async def recording_graph(
         async with joined(environment, purpose=purpose) as graph:
             yield RecordingGraph(graph.raw, None)
         return
-    types = native_types(origins) if is_native and is_on_ros2_alone() else None
+    paths = tuple(msg_paths)
+    types = native_types(origins, paths) if is_native and is_on_ros2_alone() else None
     specials = special_arguments()
     typed = read_ros2_options().reach
     # What records for an hour must not be the router that others count on.
     reach = ZenohReach(typed.connect, typed.listen, "never")
     name = specials.get("__name") or anonymous_name(purpose)
-    async with ros2_access(middleware, reach=reach, types=types) as access:
+    async with ros2_access(middleware, paths, reach=reach, types=types) as access:
         if middleware is Middleware.ZENOH and not (typed.connect or typed.listen):
             from rostether.cli.ros2.tool_node import warn_without_router
 
@@ -76,14 +79,15 @@ async def recording_graph(
             await raw.close()
 
 
-def native_types(origins: Iterable[Ros2Origin]) -> Ros2Types:
+def native_types(origins: Iterable[Ros2Origin], msg_paths: tuple[Path, ...] = ()) -> Ros2Types:
     """Return the types of ROS 2 here and in recordings, in their own fields."""
     from rostether.msgdef.registry import Registry
+    from rostether.msgdef.ros2.definitions import Ros2Definitions
     from rostether.recording.ros2_types import RecordedDefinitions
     from rostether.ros2.native_registry import NativeRegistry
     from rostether.ros2.native_types import NativeTypes
 
-    definitions = RecordedDefinitions()
+    definitions = RecordedDefinitions(Ros2Definitions.from_environment(msg_paths))
     for origin in origins:
         definitions.learn(origin)
-    return NativeTypes(NativeRegistry(definitions, Registry.from_environment()))
+    return NativeTypes(NativeRegistry(definitions, Registry.from_environment(msg_paths)))

@@ -8,12 +8,16 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rostether.errors import RecordingError
 from rostether.recording.checking import file_faults
 from rostether.recording.compression import NONE
 from rostether.recording.files import Form, create_recording, form_of, is_mcap, open_recording
 from rostether.recording.recorded import RecordingReader
+
+if TYPE_CHECKING:
+    from rostether.ros2.type_support import Ros2Types
 
 UNFINISHED_SUFFIX = ".unfinished"
 
@@ -92,13 +96,15 @@ def copy(
     compression: str = NONE,
     form: Form = Form.ROS1,
     storage: str = "mcap",
+    types: Ros2Types | None = None,
 ) -> int:
     """Write a recording's messages, in the order of their times, to another; returns how many.
 
-    `form` is whose messages the other gets, `storage` what a ROS 2 bag's folder holds.
+    `form` is whose messages the other gets, `storage` what a ROS 2 bag's folder holds, and `types` are those
+    of ROS 2 that are known, where they are not those of the environment.
     Raises RecordingError, and leaves no file then.
     """
-    writer = create_recording(output, compression=compression, form=form, storage=storage)
+    writer = create_recording(output, compression=compression, form=form, storage=storage, types=types)
     try:
         for connection in reader.counts:
             writer.add_connection(connection)

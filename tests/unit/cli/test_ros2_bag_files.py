@@ -153,3 +153,40 @@ def _count(folder: Path) -> int:
         return 0  # not begun
     with closing(reader):
         return sum(reader.counts.values())
+
+
+def test_a_definition_of_ros2_that_is_given_counts(bag: Path, tmp_path: Path, shell: Shell) -> None:
+    own = tmp_path / "msgs" / "arm_msgs"
+    (own / "msg").mkdir(parents=True)
+    (own / "package.xml").write_text(
+        "<package format='3'><name>arm_msgs</name><version>1.0.0</version><description>d</description>"
+        "<buildtool_depend>ament_cmake</buildtool_depend><export><build_type>ament_cmake</build_type></export>"
+        "</package>"
+    )
+    (own / "msg" / "Grip.msg").write_text("float64 force  # in N\nuint8 mode 4\n")
+    registry = Registry(bundled=False)
+    registry.add_full_text("arm_msgs/Grip", "float64 force\n")
+    writer = BagWriter(bag)
+    number = writer.add_connection(Connection("/grip", registry.message_type("arm_msgs/Grip")))
+    writer.write(number, START_NS, [bytes(8)])
+    writer.close()
+    shell.output("bag", "convert", str(bag), str(tmp_path / "out"), "--msg-path", str(own.parent))
+    reader = open_recording(tmp_path / "out", is_native=True)
+    (connection,) = reader.counts
+    assert connection.origin is not None
+    assert connection.origin.definition == "float64 force  # in N\nuint8 mode 4\n"
+    (message,) = reader.messages()
+    assert message.payload == bytes(8) + b"\4"
+    reader.close()
+
+
+def test_messages_that_fit_no_type_are_told(tmp_path: Path, shell: Shell) -> None:
+    bag, out = tmp_path / "a.bag", tmp_path / "out"
+    writer = BagWriter(bag)
+    number = writer.add_connection(Connection("/name", STRING))
+    writer.write(number, START_NS, [text("good"), b"\xff\xff\xff\xff"])
+    writer.close()
+    result = shell("bag", "convert", str(bag), str(out))
+    assert (result.code, result.out) == (0, f"{out}: 1 messages\n")
+    assert "1 messages do not fit their type" in result.err
+    assert "1 messages, all right" in shell.output("bag", "check", str(out))
