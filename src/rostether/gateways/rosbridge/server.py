@@ -10,9 +10,8 @@ import asyncio
 import contextlib
 import errno
 import ssl
-from collections.abc import Sequence
+from functools import partial
 from http import HTTPStatus
-from typing import Any
 
 from websockets.asyncio.server import Server, ServerConnection, serve
 from websockets.exceptions import ConnectionClosed
@@ -21,6 +20,7 @@ from websockets.http11 import Response
 
 from rostether.errors import ConfigError, RostetherError, TransportOpenError
 from rostether.gateways.rosbridge.admission import Admission
+from rostether.gateways.rosbridge.door import Door, DoorConnection, peer_name
 from rostether.gateways.rosbridge.message_forms import MessageForms
 from rostether.gateways.rosbridge.offered_services import OfferedServices
 from rostether.gateways.rosbridge.service_types import AskServer, ServiceTypes
@@ -46,9 +46,6 @@ CLOSE_LIMIT_S = 1.0
 
 MAX_WAITING_FRAMES = 16
 """Frames of one client that are read ahead; then its socket fills, and it is slowed down."""
-
-MAX_REFUSALS_LOGGED = 10
-"""Refused connections that stand in the log: a page that may not connect tries again every second."""
 
 _LOOPBACK_HOSTS = ("127.0.0.1", "::1")
 
@@ -88,7 +85,7 @@ class RosbridgeServer:
         self._count_publisher: Publisher | None = None
         self._leaving: asyncio.Task[None] | None = None
         self._ended = asyncio.Event()
-        self._refusals = 0
+        self._door = Door(self._admission, tell)
 
     @property
     def port(self) -> int:
@@ -172,16 +169,15 @@ class RosbridgeServer:
                 close_timeout=CLOSE_LIMIT_S,
                 server_header=None,
                 backlog=MAX_CLIENTS,
+                # A factory does as well as the class that the signature asks for.
+                create_connection=partial(DoorConnection, self._door),  # type: ignore[arg-type]
             )
         except OSError as error:
             raise _explain(host, port, error) from error
         self._servers.append(server)
 
     async def _admit(self, connection: ServerConnection, request: HttpRequest) -> Response | None:
-        peer, own = connection.remote_address[0], connection.local_address[0]
         origin = request.headers.get("Origin")
-        if not self._admission.allows_host(peer, own):
-            return self._refuse(connection, f"{peer} is not in the networks of --allow")
         if not self._admission.allows_origin(origin, request.headers.get("Host", "")):
             return self._refuse(
                 connection,
@@ -200,10 +196,7 @@ class RosbridgeServer:
     def _refuse(
         self, connection: ServerConnection, reason: str, status: HTTPStatus = HTTPStatus.FORBIDDEN
     ) -> Response:
-        self._refusals += 1
-        if self._refusals <= MAX_REFUSALS_LOGGED:
-            last = "; further ones are not shown" if self._refusals == MAX_REFUSALS_LOGGED else ""
-            self._tell(Level.WARN, f"rosbridge: refused {_name_of(connection)}: {reason}{last}")
+        self._door.tell_refusal(peer_name(connection.transport), reason)
         return connection.respond(status, f"rosbridge: {reason}\n")
 
     async def _serve(self, connection: ServerConnection) -> None:
@@ -212,7 +205,7 @@ class RosbridgeServer:
         is_known = not self._admission.wants_token or self._admission.knows_token(
             request.path, request.headers.get("Authorization", "")
         )
-        session = Session(connection, self._around, self._admission, _name_of(connection))
+        session = Session(connection, self._around, self._admission, peer_name(connection.transport))
         self._clients.add(session)
         self._changed(f"rosbridge: {session.name} connected")
         try:
@@ -231,13 +224,6 @@ class RosbridgeServer:
     def _publish_count(self) -> None:
         if self._count_publisher is not None:
             self._count_publisher.publish_raw([len(self._clients).to_bytes(4, "little")])
-
-
-def _name_of(connection: ServerConnection) -> str:
-    address: Sequence[Any] | None = connection.remote_address
-    if not address:
-        return "a client"
-    return f"[{address[0]}]:{address[1]}" if ":" in address[0] else f"{address[0]}:{address[1]}"
 
 
 def _why(connection: ServerConnection) -> str:

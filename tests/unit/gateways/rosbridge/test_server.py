@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import json
 from collections.abc import AsyncIterator
 from dataclasses import replace
@@ -8,10 +9,10 @@ from typing import Any
 
 import pytest
 from websockets.asyncio.client import connect
-from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.exceptions import ConnectionClosed, InvalidStatus, WebSocketException
 
 from rostether.errors import ServiceCallError, TransportOpenError
-from rostether.gateways.rosbridge import publication, server, session
+from rostether.gateways.rosbridge import door, publication, server, session
 from rostether.gateways.rosbridge.png_packing import pack_png, unpack_png
 from rostether.gateways.rosbridge.server import RosbridgeServer
 from rostether.gateways.rosbridge.settings import RosbridgeSettings
@@ -500,6 +501,34 @@ async def test_clients_are_counted_and_bounded(there: World, monkeypatch: pytest
         assert caught.value.response.status_code == 503
     assert (await anext(counts)).data == 0
     await counts.aclose()
+
+
+async def test_silent_connections_are_bounded_and_told_of_now_and_then(
+    there: World, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(door, "MAX_CLIENTS", 2)
+    monkeypatch.setattr(door, "MAX_GREETING", 1)
+    silent = [await asyncio.open_connection("127.0.0.1", there.server.port) for _ in range(3)]
+    for _ in range(3):
+        refused, writer = await asyncio.open_connection("127.0.0.1", there.server.port)
+        with contextlib.suppress(ConnectionError):
+            assert await refused.read() == b""
+        writer.close()
+    assert len(there.warnings) == 1
+    assert "3 connections are the most" in there.warnings[0]
+    for _, writer in silent:
+        writer.close()
+
+    async def is_let_in() -> bool:
+        try:
+            async with there.client() as client:
+                return await client.settled() == []
+        except (OSError, EOFError, WebSocketException):
+            return False
+
+    async with asyncio.timeout(20):
+        while not await is_let_in():
+            await asyncio.sleep(0.01)
 
 
 async def test_many_clients_come_and_go_and_nothing_stays(there: World) -> None:
