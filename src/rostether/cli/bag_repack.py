@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from pathlib import Path
 
 import click
@@ -52,13 +53,18 @@ def bag_decompress(files: tuple[Path, ...], output_dir: Path | None, force: bool
 
 
 def _repack(path: Path, compression: str, output_dir: Path | None, *, force: bool, quiet: bool) -> None:
-    from rostether.recording.files import open_recording
     from rostether.recording.reindexing import repack
 
-    open_recording(path).close()  # before a folder is made for what is no recording
+    before = _size_bytes(path)  # and no folder is made for what is no recording
     output, backup = new_place(path, output_dir, force=force)
-    before = path.stat().st_size
     count = repack(path, output, compression, keep_original=backup)
     if not quiet:
-        sizes = f"{size_text(before)} before, {size_text(output.stat().st_size)} now"
+        sizes = f"{size_text(before)} before, {size_text(_size_bytes(output))} now"
         write_line(f"{output}: {count} messages, {sizes}")
+
+
+def _size_bytes(path: Path) -> int:
+    from rostether.recording.files import open_recording
+
+    with closing(open_recording(path)) as reader:
+        return reader.size_bytes

@@ -14,7 +14,7 @@ from itertools import islice
 
 from rostether.errors import RecordingError
 from rostether.graph.ports import Graph, Publisher
-from rostether.msgdef.interface import MessageType
+from rostether.msgdef.interface import ANY_MESSAGE, MessageType
 from rostether.recording.recorded import Connection, RecordedMessage, RecordingReader
 from rostether.rostime import NS_PER_S, Time
 
@@ -55,6 +55,8 @@ class PlaySettings:
     queue_messages: int | None = None
     waits_for_subscribers: bool = False
     pause_topics: frozenset[str] = frozenset()
+    rate_control_topic: str = ""
+    rate_control_max_delay_s: float = 1.0
     topics: frozenset[str] = frozenset()
     prefix: str = ""
     remappings: Mapping[str, str] = field(default_factory=dict)
@@ -77,6 +79,9 @@ class Player:
         self._publishers: dict[str, Publisher] = {}
         self._clock: Publisher | None = None
         self._steps = 0
+        # It waits while nothing has come on the topic that controls the rate.
+        self._is_held = False
+        self._controlled_s = 0.0
         # What the wall clock showed when the recording was at `_origin_ns`.
         self._origin_s = 0.0
         self._origin_ns = 0
@@ -133,6 +138,9 @@ class Player:
             )
         if self._settings.clock_hz is not None:
             self._clock = await self._graph.advertise("/clock", CLOCK_TYPE)
+        if control := self._settings.rate_control_topic:
+            self._controlled_s = asyncio.get_running_loop().time()
+            await self._graph.subscribe(control, ANY_MESSAGE, self._heed_control)
         await asyncio.sleep(self._settings.delay_s)
         if self._settings.waits_for_subscribers:
             # The port announces no connections; looking is cheap.
@@ -191,8 +199,20 @@ class Player:
             return streams[0]
         return heapq.merge(*streams, key=lambda message: message.time_ns)
 
+    def _watch_control(self) -> None:
+        if self._settings.rate_control_topic:
+            silence_s = asyncio.get_running_loop().time() - self._controlled_s
+            is_held = silence_s > self._settings.rate_control_max_delay_s
+            if is_held != self._is_held:
+                self._set_origin(self._now_ns())
+                self._is_held = is_held
+
+    def _heed_control(self, payloads: Sequence[bytes]) -> None:
+        self._controlled_s = asyncio.get_running_loop().time()
+
     def _is_due(self, time_ns: int) -> bool:
-        if self.is_paused:
+        self._watch_control()
+        if self.is_paused or self._is_held:
             return False
         return self._settings.is_immediate or self._now_ns() >= time_ns
 
@@ -204,7 +224,7 @@ class Player:
                 return
             self._tick_clock()
             wait_s = LONGEST_SLEEP_S
-            if not self.is_paused:
+            if not self.is_paused and not self._is_held:
                 wait_s = min(wait_s, (time_ns - self._now_ns()) / NS_PER_S / self._settings.rate)
             if self._settings.clock_hz is not None:
                 wait_s = min(wait_s, 1 / self._settings.clock_hz)
@@ -219,7 +239,7 @@ class Player:
         waiting.clear()
 
     def _now_ns(self) -> int:
-        if self.is_paused:
+        if self.is_paused or self._is_held:
             return self._origin_ns
         passed_s = asyncio.get_running_loop().time() - self._origin_s
         return self._origin_ns + round(passed_s * self._settings.rate * NS_PER_S)

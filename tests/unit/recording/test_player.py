@@ -15,7 +15,7 @@ from rostether.msgdef.interface import ANY_MESSAGE
 from rostether.recording.bag_reader import BagReader
 from rostether.recording.bag_writer import BagWriter
 from rostether.recording.player import Player, PlaySettings
-from unit.recording.bags import START_NS, connection, text, write_bag
+from unit.recording.bags import START_NS, STRING, connection, text, write_bag
 
 
 class Stage:
@@ -178,3 +178,23 @@ async def test_queues_hold_as_many_messages_as_asked(
     await stage.player(is_immediate=True, queue_messages=count).play()
     # Ten of `message 28`, with the length before it and what a queue adds.
     assert asked == queue_bytes
+
+
+async def test_it_waits_for_the_topic_that_controls_its_rate(stage: Stage) -> None:
+    await stage.listen("/a", "/b")
+    control = await stage.listener.advertise("/control", STRING)
+    player = stage.player(rate_control_topic="/control", rate_control_max_delay_s=0.05)
+    task = asyncio.create_task(player.play())
+    async with asyncio.timeout(60):
+        while not player._is_held:
+            await asyncio.sleep(0.002)
+    count = len(stage.heard)
+    assert count < 30
+    await asyncio.sleep(0.1)
+    assert len(stage.heard) == count
+    async with asyncio.timeout(60):
+        while not task.done():
+            control.publish_raw([text("")])
+            await asyncio.sleep(0.01)
+    await task
+    assert len(stage.heard) == 30
