@@ -97,6 +97,12 @@ def sleep(duration: Any) -> None:
         raise ROSInterruptException("ROS shutdown request")
 
 
+def wallsleep(duration: float) -> None:
+    """Sleep for seconds of the wall clock; a shutdown ends it."""
+    if duration > 0:
+        shutdown.event.wait(duration)
+
+
 class Rate:
     """Sleeps so that a loop runs `hz` times a second."""
 

@@ -9,11 +9,13 @@ from collections.abc import Callable
 from typing import Any
 
 from rostether.errors import (
+    ConfigError,
     RostetherError,
     ServiceCallError,
     ServiceUnavailableError,
 )
 from rostether.msgdef.interface import ANY_MD5SUM, ANY_MESSAGE, ANY_TYPE, ServiceType
+from rostether.ros1.environment import parse_rpc_uri
 from rostether.ros1.node.service_client import ServiceClient
 from rostether.ros1.node.service_server import CALLER_FIELDS
 from rostether.rospy_facade.exceptions import (
@@ -175,6 +177,15 @@ def wait_for_service(service: str, timeout: Any = None) -> None:
     Raises ROSException after `timeout` seconds (or a Duration), ROSInterruptException at a shutdown.
     """
     _wait(names.resolve(service), timeout)
+
+
+def parse_rosrpc_uri(uri: str) -> tuple[str, int]:
+    """Return the host and port of a service's URI. Raises ROSException."""
+    try:
+        address = parse_rpc_uri(uri, scheme="rosrpc")
+    except ConfigError:
+        raise ROSException(f"not a valid ROS RPC URI: {uri}") from None
+    return address.host, address.port
 
 
 def response_of(returned: Any, response_class: type[Message]) -> Message:

@@ -60,6 +60,39 @@ async def test_a_client_and_a_server(master: str) -> None:
     assert "early [7]" in lines
 
 
+WASH = """
+import actionlib, rospy
+from kitchen.msg import WashAction, WashFeedback, WashGoal, WashResult
+
+rospy.init_node("kitchen")
+server = actionlib.SimpleActionServer("wash", WashAction, auto_start=False)
+server.register_goal_callback(
+    lambda: server.set_succeeded(WashResult(clean=[each.upper() for each in server.accept_new_goal().dishes]))
+)
+server.start()
+client = actionlib.SimpleActionClient("wash", WashAction)
+client.wait_for_server()
+print(client.send_goal_and_wait(WashGoal(dishes=["cup"])), client.get_result().clean, WashGoal.SOAP)
+served = server.action_server
+print(WashFeedback._type, served.status_frequency, served.status_list_timeout.secs)
+rospy.signal_shutdown("enough")
+"""
+
+
+async def test_an_action_of_a_users_package(master: str, tmp_path: Path) -> None:
+    folder = tmp_path / "kitchen"
+    (folder / "action").mkdir(parents=True)
+    (folder / "package.xml").write_text("<package><name>kitchen</name></package>")
+    (folder / "action" / "Wash.action").write_text(
+        "int32 SOAP=3\nstring[] dishes\n---\nstring[] clean\n---\nfloat32 share\n"
+    )
+    parameters = "import rospy; rospy.set_param('/actionlib_status_frequency', 10); "
+    parameters += "rospy.set_param('/wash/status_list_timeout', 7.5)"
+    await printed(parameters, master_uri=master)
+    lines = await printed(WASH, master_uri=master, environ={"ROS_PACKAGE_PATH": str(tmp_path)})
+    assert lines == ["3 ['CUP'] 3", "kitchen/WashFeedback 10.0 7"]
+
+
 async def test_callbacks_that_send_the_next_goal(master: str) -> None:
     lines = await printed(CALLBACKS, master_uri=master)
     assert lines == [

@@ -62,7 +62,7 @@ from rostether.rospy_facade.parameters import (
 )
 from rostether.rospy_facade.publisher import Publisher, SubscribeListener
 from rostether.rospy_facade.ros_time import Duration, Rate, Time, Timer, get_rostime, get_time, sleep
-from rostether.rospy_facade.services import Service, ServiceProxy, wait_for_service
+from rostether.rospy_facade.services import Service, ServiceProxy, parse_rosrpc_uri, wait_for_service
 from rostether.rospy_facade.shutdown import is_shutdown, on_shutdown, signal_shutdown
 from rostether.rospy_facade.subscriber import Subscriber
 

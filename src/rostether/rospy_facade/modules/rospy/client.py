@@ -2,7 +2,7 @@
 
 # ruff: noqa: F401
 from rostether.rospy_facade.client import init_node, myargv, spin, wait_for_message
-from rostether.rospy_facade.logs import DEBUG, ERROR, FATAL, INFO, WARN
+from rostether.rospy_facade.logs import DEBUG, ERROR, FATAL, INFO, WARN, logdebug, logerr, loginfo, logwarn
 from rostether.rospy_facade.parameters import (
     delete_param,
     get_master,

@@ -2,7 +2,9 @@
 
 # ruff: noqa: F401
 from rostether.rospy_facade.logs import logdebug, logerr, logerror, logfatal, loginfo, logout, logwarn
+from rostether.rospy_facade.names import get_caller_id, get_name, get_namespace, remap_name, resolve_name
 from rostether.rospy_facade.node import get_node_uri, is_initialized
+from rostether.rospy_facade.services import parse_rosrpc_uri
 from rostether.rospy_facade.shutdown import (
     add_preshutdown_hook,
     add_shutdown_hook,
