@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from rostether.gateways.rosbridge.client_subscription import Compression
 from rostether.gateways.rosbridge.png_packing import pack_png
-from rostether.gateways.rosbridge.values import JsonForm, Style, write_json
+from rostether.gateways.rosbridge.values import JsonForm, Style
 from rostether.gateways.shared_subscriptions import Batch
 from rostether.rostime import Time
 from rostether.serde.store import TypeStore
@@ -61,7 +61,7 @@ class MessageForms:
             return self._cbor_form().publish(topic, codec, payload)
         text = batch.forms.get(index)
         if text is None:
-            text = batch.forms[index] = write_json(self._json.to_json(codec, payload))
+            text = batch.forms[index] = self._json.text(codec, payload)
         whole = f'{{"op":"publish","topic":{json.dumps(topic)},"msg":{text}}}'
         return pack_png(whole) if compression is Compression.PNG else whole
 

@@ -14,6 +14,7 @@ from collections.abc import Mapping
 from enum import Enum
 from typing import Any, Final
 
+from rostether.gateways.rosbridge.json_source import NotFiniteError, WriteText, compile_text
 from rostether.gateways.rosbridge.values_in import message_payload
 from rostether.gateways.rosbridge.values_source import Leaves, ReadValues, compile_values
 from rostether.rostime import Duration, Time
@@ -52,6 +53,20 @@ class JsonForm:
         self.style = style
         self._leaves = Leaves(stamp_reader(style), clean_text, _base64, omitted=OMITTED[style])
         self._readers: dict[Codec, ReadValues] = {}
+        self._writers: dict[Codec, WriteText] = {}
+
+    def text(self, codec: Codec, payload: bytes) -> str:
+        """Return a payload as the JSON that `write_json` makes of it, faster. Raises SerializationError."""
+        message = codec.decode(payload)
+        write = self._writers.get(codec)
+        if write is None:
+            if len(self._writers) >= _MAX_FORMS:
+                del self._writers[next(iter(self._writers))]
+            write = self._writers[codec] = compile_text(codec.tree, self._leaves)
+        try:
+            return write(message)
+        except NotFiniteError:
+            return write_json(self.to_json(codec, payload))
 
     def to_json(self, codec: Codec, payload: bytes) -> dict[str, Any]:
         """Return a payload as values that `write_json` takes. Raises SerializationError."""
