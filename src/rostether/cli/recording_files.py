@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.recording_graph import is_on_ros2_alone
+from rostether.errors import ConfigError
 
 if TYPE_CHECKING:
     from rostether.recording.files import Form
@@ -84,6 +85,7 @@ class NewFiles:
         self._stem = path.name.removesuffix(suffix)
         self._suffix = suffix
         self._form = form_for(path.with_name(self._stem + suffix), source, asked)
+        _check_compression(packing, suffix)
 
     @property
     def is_of_ros2(self) -> bool:
@@ -125,3 +127,13 @@ class NewFiles:
                 types=self.types,
             )
         return self._bag
+
+
+def _check_compression(packing: Packing, suffix: str) -> None:
+    """Raise ConfigError for what would only fail when the file is begun."""
+    if packing.compression == "none" or suffix == ".bag":
+        return
+    if suffix == ".db3" or (not suffix and packing.storage != "mcap"):
+        raise ConfigError("a .db3 file is not compressed; take MCAP")
+    if packing.compression == "bz2":
+        raise ConfigError("MCAP knows no bz2; take --lz4, or none")

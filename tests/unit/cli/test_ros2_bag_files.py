@@ -93,6 +93,9 @@ def test_what_makes_no_sense_is_told(bag: Path, tmp_path: Path, shell: Shell) ->
     assert (full / "notes.txt").exists()
     db3 = str(tmp_path / "a.db3")
     assert "not compressed" in shell.failure("bag", "convert", str(bag), db3, "--compression", "lz4")
+    for storage, packing in (("sqlite3", "--lz4"), ("mcap", "--bz2")):
+        options = ("--format", "ros2", "--storage", storage, packing)
+        assert "MCAP" in shell.failure("bag", "record", "-a", *options)
     words = ("bag", "convert", str(bag), str(tmp_path / "b.bag"), "--format", "ros2")
     assert "a .bag holds ROS 1's messages" in shell.failure(*words)
     words = ("bag", "convert", str(bag), str(tmp_path / "c"), "--format", "ros1")

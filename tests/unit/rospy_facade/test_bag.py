@@ -26,7 +26,7 @@ except rosbag.ROSBagUnindexedException as error:
     print(error)
 with rosbag.Bag(sys.argv[1], allow_unindexed=True) as bag:
     print(bag.get_message_count(), len(list(bag.reindex())))
-print(rosbag.Bag(sys.argv[1]).get_message_count())
+print(rosbag.Bag(open(sys.argv[1], 'rb')).get_message_count())
 """
 
 
