@@ -25,6 +25,7 @@ NAMES = (
     "psk_hello",
     "recordings",
     "rosbridge",
+    "foxglove",
 )
 CORPORA = Path(__file__).parent / "corpora"
 # No input of a few KB may hold a bridge up for as long as a board waits for its parameter.

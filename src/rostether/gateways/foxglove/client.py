@@ -12,6 +12,7 @@ from rostether.gateways.foxglove import server_messages as told
 from rostether.gateways.foxglove.client_topics import ClientTopic, drained
 from rostether.gateways.foxglove.server_messages import Channel, StatusLevel
 from rostether.gateways.foxglove.subscription import Subscription
+from rostether.graph.callbacks import report_error
 
 if TYPE_CHECKING:
     from rostether.gateways.foxglove.gateway import FoxgloveGateway
@@ -311,7 +312,12 @@ class Client:
     def _start(self, work: Coroutine[Any, Any, None]) -> None:
         task = asyncio.ensure_future(work)
         self._work.add(task)
-        task.add_done_callback(self._work.discard)
+        task.add_done_callback(self._finish)
+
+    def _finish(self, task: asyncio.Task[Any]) -> None:
+        self._work.discard(task)
+        if not task.cancelled() and (error := task.exception()) is not None:
+            report_error("a Foxglove client's request", error)
 
     def _tell_dropped(self) -> None:
         self._slow_timer = None

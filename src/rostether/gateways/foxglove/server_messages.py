@@ -28,6 +28,7 @@ _SERVICE_RESPONSE = struct.Struct("<BIII")
 _ASSET_RESPONSE = struct.Struct("<BIBI")
 _TIME_OPCODE, _SERVICE_RESPONSE_OPCODE, _ASSET_RESPONSE_OPCODE = 0x02, 0x03, 0x04
 _ASSET_FOUND, _ASSET_FAILED = 0, 1
+_MAX_TEXT_CHARACTERS = 2000  # of a line for people
 
 
 class StatusLevel(IntEnum):
@@ -74,7 +75,7 @@ def server_info(
 
 def status(level: StatusLevel, text: str, status_id: str | None = None) -> str:
     """Return a line for people; one with an id replaces the one before and can be removed."""
-    message: dict[str, Any] = {"op": "status", "level": int(level), "message": text}
+    message: dict[str, Any] = {"op": "status", "level": int(level), "message": _one_line(text)}
     if status_id is not None:
         message["id"] = status_id
     return _json(message)
@@ -141,7 +142,9 @@ def connection_graph_update(changes: Mapping[str, Any]) -> str:
 
 def service_failure(service_id: int, call_id: int, text: str) -> str:
     """Return why a call failed."""
-    return _json({"op": "serviceCallFailure", "serviceId": service_id, "callId": call_id, "message": text})
+    return _json(
+        {"op": "serviceCallFailure", "serviceId": service_id, "callId": call_id, "message": _one_line(text)}
+    )
 
 
 def service_response(service_id: int, call_id: int, encoding: str, payload: bytes) -> bytes:
@@ -163,8 +166,13 @@ def asset(request_id: int, data: bytes) -> bytes:
 
 def asset_failure(request_id: int, text: str) -> bytes:
     """Return why a file cannot be had."""
-    reason = text.encode("utf-8", "replace")
+    reason = _one_line(text).encode("utf-8", "replace")
     return _ASSET_RESPONSE.pack(_ASSET_RESPONSE_OPCODE, request_id, _ASSET_FAILED, len(reason)) + reason
+
+
+def _one_line(text: str) -> str:
+    # What a client named may have lines of its own, and any length.
+    return " ".join(text.splitlines())[:_MAX_TEXT_CHARACTERS]
 
 
 def _half(half: MessageType) -> dict[str, str]:

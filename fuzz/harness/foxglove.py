@@ -1,0 +1,185 @@
+"""What a Foxglove client says, line by line: whatever it is, a question after it is answered in sound JSON.
+
+A line in hexadecimal behind a `!` is a binary message. The graph is in memory, and no socket is opened.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import binascii
+import json
+import logging
+import struct
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from rostether.gateways.foxglove.client import Client
+from rostether.gateways.foxglove.gateway import FoxgloveGateway
+from rostether.gateways.foxglove.limits import FoxgloveLimits
+from rostether.gateways.foxglove.settings import FoxgloveSettings
+from rostether.graph.memory_network import MemoryNetwork
+from rostether.graph.ports import Level
+from rostether.graph.typed_graph import TypedGraph
+from rostether.msgdef.registry import Registry
+from rostether.rostime import Time
+from rostether.serde.store import TypeStore
+from rostether.serde.values import Message
+
+ANSWER_LIMIT_S = 30.0
+LAST_QUESTION = '{"op":"getParameters","parameterNames":["/speed"],"id":"the end"}'
+
+_STORE = TypeStore(Registry())
+# The last question must find a place, whatever was asked before it.
+_SETTINGS = FoxgloveSettings(limits=FoxgloveLimits(calls=100_000))
+_FOLDER = Path(__file__).parent
+
+
+def seeds() -> list[bytes]:
+    """Return conversations of every operation."""
+    call = struct.pack("<BIII", 2, 1, 5, 4) + b"ros1\1"
+    json_call = struct.pack("<BIII", 2, 1, 6, 4) + b'json{"data":true}'
+    talks = [
+        [
+            '{"op":"subscribe","subscriptions":[{"id":0,"channelId":1}]}',
+            '{"op":"unsubscribe","subscriptionIds":[0]}',
+        ],
+        [
+            '{"op":"subscribe","subscriptions":[{"id":1,"channelId":1},{"id":2,"channelId":2},{"id":1,"channelId":3}]}'
+        ],
+        [
+            '{"op":"advertise","channels":[{"id":1,"topic":"/a","encoding":"ros1","schemaName":"std_msgs/String"}]}',
+            "!" + (struct.pack("<BI", 1, 1) + b"\1\0\0\0x").hex(),
+            '{"op":"unadvertise","channelIds":[1]}',
+        ],
+        [
+            '{"op":"advertise","channels":[{"id":2,"topic":"/b","encoding":"json","schemaName":"my/Own",'
+            '"schemaEncoding":"ros1msg","schema":"time t\\nuint8[] b\\nHeader h"}]}',
+            "!" + (struct.pack("<BI", 1, 2) + b'{"t":{"sec":1,"nsec":2},"b":"AP8=","h":{"seq":1}}').hex(),
+        ],
+        ["!" + call.hex(), "!" + json_call.hex()],
+        [
+            '{"op":"getParameters","parameterNames":[],"id":"a"}',
+            '{"op":"getParameters","parameterNames":["/speed","x"]}',
+        ],
+        [
+            '{"op":"subscribeParameterUpdates","parameterNames":["/speed"]}',
+            '{"op":"setParameters","parameters":[{"name":"/speed","value":2},{"name":"/b","value":"AP8=","type":"byte_array"}],"id":"s"}',
+            '{"op":"setParameters","parameters":[{"name":"/c","value":{"d":[1,2.5,null]}},{"name":"/speed"}]}',
+            '{"op":"unsubscribeParameterUpdates","parameterNames":["/speed"]}',
+        ],
+        ['{"op":"subscribeConnectionGraph"}', '{"op":"unsubscribeConnectionGraph"}'],
+        ['{"op":"fetchAsset","uri":"package://harness/foxglove.py","requestId":1}'],
+        [
+            '{"op":"fetchAsset","uri":"package://harness/../../README.md","requestId":1}',
+            '{"op":"fetchAsset","uri":"file:///etc/passwd","requestId":2}',
+        ],
+    ]
+    return ["\n".join(talk).encode() for talk in talks]
+
+
+def run(data: bytes) -> None:
+    """Say all lines to a gateway, and then ask for a parameter."""
+    asyncio.run(_converse(data.decode("utf-8", "replace").split("\n")))
+
+
+class _Line:
+    """Stands for a connection: looks at what the client hears."""
+
+    def __init__(self) -> None:
+        self.is_open = True
+        self.answered = asyncio.Event()
+
+    def send(self, message: str | bytes) -> None:
+        """Hear an answer."""
+        if isinstance(message, bytes):
+            assert message[0] in (2, 3, 4)
+            return
+        fields = json.loads(message, parse_constant=_refuse)
+        assert isinstance(fields["op"], str)
+        assert "\n" not in str(fields.get("message", ""))
+        if fields.get("id") == "the end":
+            self.answered.set()
+
+    def send_data(self, subscription_id: int, time_ns: int, payloads: Sequence[bytes]) -> None:
+        """Hear a topic."""
+        assert 0 <= subscription_id < 1 << 32
+
+    def forget(self, subscription_id: int) -> None:
+        """Have nothing waiting."""
+
+    def pause_reading(self) -> None:
+        """Say on: all is said already."""
+
+    def resume_reading(self) -> None:
+        """Say on."""
+
+
+class _Failures(logging.Handler):
+    """Keeps what would only be logged."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.texts: list[str] = []
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Take a line of the log."""
+        self.texts.append(record.getMessage())
+
+
+def _refuse(constant: str) -> None:
+    raise AssertionError(f"{constant} is no JSON")
+
+
+def _tell(_: Level, text: str) -> None:
+    assert "\n" not in text
+
+
+def _find_packages() -> Mapping[str, Path]:
+    return {"harness": _FOLDER}
+
+
+async def _converse(lines: list[str]) -> None:
+    network = MemoryNetwork(now=lambda: Time(5, 6))
+    talker = TypedGraph(await network.join("/talker"), _STORE)
+    publisher = await talker.publisher("/chatter", "std_msgs/String", latch=True)
+    publisher.publish(data="hello")
+    await talker.serve("/enable", "std_srvs/SetBool", _enable)
+    await talker.set_param("/speed", 1.5)
+    graph = await network.join("/gateway")
+    gateway = FoxgloveGateway(graph, _STORE, _SETTINGS, find_packages=_find_packages, tell=_tell)
+    snapshot = await graph.snapshot()
+    gateway.channels.update(snapshot)
+    gateway.services.update(snapshot)
+    gateway.connections.update(snapshot)
+    line = _Line()
+    client = Client(gateway, line)  # type: ignore[arg-type]
+    failed = _Failures()
+    logger = logging.getLogger("rostether.graph")
+    logger.addHandler(failed)
+    try:
+        client.opened()
+        for each in (*lines, LAST_QUESTION):
+            client.received(_message(each))
+            await asyncio.sleep(0)
+        async with asyncio.timeout(ANSWER_LIMIT_S):
+            await line.answered.wait()
+        client.closed()
+        assert not failed.texts, failed.texts
+    finally:
+        logger.removeHandler(failed)
+        await gateway.close()
+        for node in (graph, talker):
+            await node.close()
+
+
+def _message(line: str) -> str | bytes:
+    if line.startswith("!"):
+        try:
+            return binascii.unhexlify(line[1:])
+        except ValueError:
+            return line
+    return line
+
+
+def _enable(request: Message) -> dict[str, bool]:
+    return {"success": request.data}
