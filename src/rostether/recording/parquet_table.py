@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -44,10 +45,12 @@ class ParquetTable:
         self._schema = arrow.schema(fields)
         self._values: list[list[Any]] = [[] for _ in fields]
         self._is_closed = False
-        try:
-            self._writer = arrow.parquet.ParquetWriter(str(path), self._schema)
-        except OSError as error:
-            raise RecordingError(f"cannot write {path}: {error.strerror or error}") from None
+        with self._telling():
+            try:
+                self._writer = arrow.parquet.ParquetWriter(str(path), self._schema)
+            except arrow.ArrowNotImplementedError:  # a type that it cannot hold; the file is begun by then
+                path.unlink(missing_ok=True)
+                raise
 
     def add(self, time_ns: int, message: Message) -> None:
         """Take a row, and write those that wait when they are many."""
@@ -64,15 +67,13 @@ class ParquetTable:
         if not self._values[0]:
             return
         arrow = self._arrow
-        columns = [
-            arrow.array(values, type=field.type)
-            for values, field in zip(self._values, self._schema, strict=True)
-        ]
-        self._values = [[] for _ in columns]
-        try:
+        waiting, self._values = self._values, [[] for _ in self._values]
+        with self._telling():
+            columns = [
+                arrow.array(values, type=field.type)
+                for values, field in zip(waiting, self._schema, strict=True)
+            ]
             self._writer.write_table(arrow.Table.from_arrays(columns, schema=self._schema))
-        except OSError as error:
-            raise RecordingError(f"cannot write {self._path}: {error.strerror or error}") from None
 
     def close(self) -> None:
         """Write what waits, and end the file. Idempotent."""
@@ -82,10 +83,17 @@ class ParquetTable:
         try:
             self.flush()
         finally:
-            try:
+            with self._telling():
                 self._writer.close()
-            except OSError as error:
-                raise RecordingError(f"cannot write {self._path}: {error.strerror or error}") from None
+
+    @contextmanager
+    def _telling(self) -> Iterator[None]:
+        """Turn what the package raises into a line: full disks, and types that Parquet cannot hold."""
+        try:
+            yield
+        except (OSError, self._arrow.ArrowException) as error:
+            told = getattr(error, "strerror", None) or " ".join(str(error).split())
+            raise RecordingError(f"cannot write {self._path}: {told}") from None
 
 
 def _type_of(arrow: Any, column: Column) -> Any:

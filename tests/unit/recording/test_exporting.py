@@ -11,11 +11,12 @@ from typing import Any
 import pyarrow.parquet
 import pytest
 
-from rostether.errors import ConfigError
+from rostether.errors import ConfigError, RecordingError
 from rostether.msgdef.interface import MessageType
 from rostether.msgdef.registry import Registry
 from rostether.recording.bag_reader import BagReader
 from rostether.recording.bag_writer import BagWriter
+from rostether.recording.decoding import Decoder
 from rostether.recording.export_columns import columns_of
 from rostether.recording.export_tables import CsvTable
 from rostether.recording.exporting import Export, ExportedTable
@@ -180,3 +181,11 @@ def test_topics_of_two_types_have_a_table_each(tmp_path: Path) -> None:
     writer.close()
     tables = Export(BagReader(path), topics=["/arm/*"], tell=print).tables
     assert sorted(table.name for table in tables) == ["arm.x", "arm.x.2"]
+
+
+def test_a_type_that_parquet_cannot_hold_is_told_and_leaves_no_file(tmp_path: Path) -> None:
+    definition = f"E[] parts\n{'=' * 80}\nMSG: t/E\n"
+    codec = Decoder().codec(Connection("/e", MessageType("t/M", "*", definition)))
+    with pytest.raises(RecordingError, match="no child field"):
+        ParquetTable(tmp_path / "t.parquet", columns_of(codec))
+    assert not (tmp_path / "t.parquet").exists()
