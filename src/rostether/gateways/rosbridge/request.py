@@ -21,7 +21,9 @@ class Request:
     def id(self) -> object:
         """The client's own id of the message; None where it gave none or nothing that can be one."""
         found = self.fields.get("id")
-        return found if isinstance(found, str | int | float) else None
+        # NaN comes in with Python's reader of JSON, and would go out as what is none.
+        is_one = isinstance(found, str | int) or (isinstance(found, float) and math.isfinite(found))
+        return found if is_one else None
 
     def text(self, name: str) -> str:
         """Return a field that must be there and be a text. Raises RemoteProtocolError."""

@@ -68,7 +68,8 @@ def test_a_flag_is_no_text() -> None:
 
 
 @pytest.mark.parametrize(
-    ("given", "read"), [("a:1", "a:1"), (7, 7), ({"x": 1}, None), ([], None), (None, None)]
+    ("given", "read"),
+    [("a:1", "a:1"), (7, 7), ({"x": 1}, None), ([], None), (None, None), (1.5, 1.5), (float("nan"), None)],
 )
 def test_an_id_is_a_text_or_a_number(given: object, read: object) -> None:
     assert request(id=given).id == read
