@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import pytest
@@ -48,3 +49,15 @@ def test_what_makes_no_sense_is_told_and_leaves_no_file(bag: Path, shell: Shell)
     bag.write_bytes(data)
     assert "in place of" in shell.failure("export", str(bag))
     assert not list(Path("drive_csv").glob("*"))
+
+
+def test_a_missing_extra_is_told_with_what_to_type(
+    bag: Path, shell: Shell, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    monkeypatch.setitem(sys.modules, "lz4.frame", None)
+    told = shell.failure("export", str(bag), "--format", "parquet")
+    assert told.strip().endswith("Parquet is not installed; type: pip install 'rostether[parquet]'")
+    told = shell.failure("bag", "compress", "--lz4", str(bag))
+    assert told.strip().endswith("LZ4 is not installed; type: pip install 'rostether[recording]'")
+    assert "15 rows" in shell.output("export", str(bag))
