@@ -19,7 +19,7 @@ found = {}
 
 
 def wait_until(condition, what):
-    end = time.time() + 20
+    end = time.time() + 60
     while not condition():
         assert time.time() < end, "no " + what
         time.sleep(0.02)
@@ -48,7 +48,8 @@ for topic in found["registered"][0]:
     if topic.endswith("/echo"):
         ask = rospy.Publisher(topic.replace("echo", "ask"), Int32, queue_size=1)
         wait_until(lambda: ask.get_num_connections() and subscriber.get_num_connections(), "asked")
-        ask.publish(41)
+        # Again and again: rospy's publisher may not know yet of the subscriber that knows it.
+        wait_until(lambda: seen or ask.publish(41), "answer")
     wait_until(lambda: len(seen) >= 1, "message of " + topic)
     header = seen[0]._connection_header
     payload = seen[0]._buff
