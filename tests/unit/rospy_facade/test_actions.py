@@ -36,6 +36,8 @@ print(client.wait_for_server(rospy.Duration(30)))
 client.send_goal(TestGoal(1), done, lambda: news.append("active"))
 print(client.wait_for_result(rospy.Duration(30)), client.get_goal_status_text())
 print(news)
+client.cancel_goal()
+print(client.gh.get_comm_state() == actionlib.CommState.DONE, client.get_state())
 print(client.send_goal_and_wait(TestGoal(7), 30.0), client.get_result().result)
 server.action_server.stop()
 rospy.signal_shutdown("enough")
@@ -99,5 +101,6 @@ async def test_callbacks_that_send_the_next_goal(master: str) -> None:
         "True",
         "True done",
         "['active', ('done', 3, 1), 'active', ('done', 3, 2), 'active', ('done', 3, 3)]",
+        "True 3",
         "3 7",
     ]

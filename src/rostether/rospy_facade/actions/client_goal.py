@@ -42,7 +42,8 @@ class FollowedGoal:
         """Ask the server to cancel it."""
         with self.mutex:
             self._send_cancel(GoalID(id=self.id))
-            self.transition_to(CommState.WAITING_FOR_CANCEL_ACK)
+            if self.state != CommState.DONE:
+                self.transition_to(CommState.WAITING_FOR_CANCEL_ACK)
 
     def note_status(self, status: Any) -> None:
         """Follow a status of the server's list; None where the list does not have this goal."""
