@@ -9,6 +9,7 @@ from websockets.asyncio.server import ServerConnection
 
 from rostether.gateways.rosbridge.admission import Admission
 from rostether.gateways.rosbridge.settings import MAX_CLIENTS
+from rostether.gateways.rosbridge.status import clean_line
 from rostether.gateways.rosbridge.surroundings import Tell
 from rostether.graph.ports import Level
 
@@ -47,7 +48,7 @@ class Door:
             self._unsaid += 1
             return
         more = f" ({self._unsaid} more since the last such line)" if self._unsaid else ""
-        self._tell(Level.WARN, f"rosbridge: refused {peer}: {reason}{more}")
+        self._tell(Level.WARN, f"rosbridge: refused {peer}: {clean_line(reason)}{more}")
         self._quiet_until_s = now_s + QUIET_S
         self._unsaid = 0
 

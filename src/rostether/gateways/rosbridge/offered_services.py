@@ -10,6 +10,7 @@ from typing import Any
 from rostether.errors import ServiceCallError, UnknownNameError
 from rostether.gateways.rosbridge.message_forms import MessageForms
 from rostether.gateways.rosbridge.settings import MAX_CALLS
+from rostether.gateways.rosbridge.status import clean_line
 from rostether.graph.ports import Graph, ServiceServer
 from rostether.msgdef.interface import ServiceType
 
@@ -60,7 +61,7 @@ class OfferedService:
             )
         if not is_done:
             text = values if isinstance(values, str) and values else "the service says that it failed"
-            waiting.set_exception(ServiceCallError(" ".join(text.split())))
+            waiting.set_exception(ServiceCallError(clean_line(text)))
             return
         try:
             waiting.set_result(self._forms.from_json(self.type.response.name, values))

@@ -28,7 +28,7 @@ from rostether.gateways.rosbridge.settings import (
     OPERATION_LIMIT_S,
     TURN_S,
 )
-from rostether.gateways.rosbridge.status import DEFAULT_LEVEL, StatusLevel, show, status_message
+from rostether.gateways.rosbridge.status import DEFAULT_LEVEL, StatusLevel, clean_line, show, status_message
 from rostether.gateways.rosbridge.values import write_json
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Level
@@ -159,7 +159,7 @@ class Session:
             self._mistake(f"{type(error).__name__}: {error}", request_id)
 
     def _mistake(self, text: str, request_id: object) -> None:
-        text = " ".join(text.split())
+        text = clean_line(text)
         self.status(StatusLevel.ERROR, text, request_id)
         if len(self._logged) < MAX_LOGGED and text not in self._logged:
             self._logged.add(text)

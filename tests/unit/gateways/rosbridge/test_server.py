@@ -234,6 +234,8 @@ async def test_a_client_serves_and_its_faults_reach_the_caller(there: World) -> 
         assert (answer.success, answer.message) == (True, "ok")
         with pytest.raises(ServiceCallError, match="no battery"):
             await call(values="no battery", result=False)
+        with pytest.raises(ServiceCallError, match="no \ufffd power"):
+            await call(values="no \ud800\npower", result=False)
         with pytest.raises(ServiceCallError, match="field success"):
             await call(values={"success": "maybe"}, result=True)
         assert "field success" in (await client.hear("status"))["msg"]
@@ -285,6 +287,8 @@ async def test_a_page_that_was_loaded_again_gets_its_service_back(there: World) 
         ('{"op": "advertise", "topic": "/a", "type": "../../etc/passwd"}', "passwd"),
         ('{"op": "advertise", "topic": "/a", "type": ""}', ""),
         ('{"op": "subscribe", "topic": "/a", "throttle_rate": "fast"}', "'throttle_rate' wants a number"),
+        ('{"op": "unadvertise", "topic": "\\ud800 \\u001b[2J"}', "does not advertise \ufffd \ufffd[2J"),
+        ('{"op": "dance\\ud800"}', "there is no op"),
         ('{"op": "set_level", "level": "loud"}', "level wants one of none, error, warning, info, got 'loud'"),
         ('{"op": "unadvertise", "topic": "/a"}', "does not advertise /a"),
         ('{"op": "advertise_service", "service": "/a", "type": "std_srvs/No"}', "has no service 'No'"),
@@ -307,6 +311,7 @@ async def test_every_mistake_is_told_in_one_line_and_the_client_stays(
         assert "\n" not in status["msg"]
         assert await client.settled() == []
         assert there.warnings
+        assert all(line.isprintable() for line in there.warnings)
 
 
 async def test_messages_packed_into_each_other_without_end_are_refused(there: World) -> None:
