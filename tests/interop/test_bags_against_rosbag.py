@@ -144,7 +144,9 @@ async def test_rosbag_reads_ours_of_twenty_types(stage: Stage, tmp_path: Path, c
     assert "messages:    400" in text or "messages:     400" in text
     # Definitions that lack rosbag's comments are another text to it, though of the same md5sum.
     assert "All rules defined" in await stage.peers.run("rosbag", "check", str(path))
-    for options in (("-y",), ("-y", "--freq"), ("-y", "-k", "topics[3].messages")):
+    # One packing shows it.
+    forms = (("-y",), ("-y", "--freq"), ("-y", "-k", "topics[3].messages")) if compression == "bz2" else ()
+    for options in forms:
         assert await _run(stage, "bag", "info", *options, str(path)) == await stage.peers.run(
             "rosbag", "info", *options, str(path)
         )

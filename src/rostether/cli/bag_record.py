@@ -248,12 +248,13 @@ async def _record(
 async def _telling_begin(graph: Graph, files: NewFiles) -> Callable[[Path], RecordingWriter]:
     """Return what creates a file and publishes its name on /begin_write."""
     from rostether.msgdef.registry import Registry
+    from rostether.recording.recorder import ACTIVE_SUFFIX
 
     publisher = await graph.advertise(BEGIN_TOPIC, Registry().message_type("std_msgs/String"), latch=True)
 
     def create(path: Path) -> RecordingWriter:
         writer = files.create(path)
-        name = str(path).encode(errors="surrogateescape")
+        name = str(path).removesuffix(ACTIVE_SUFFIX).encode(errors="surrogateescape")
         publisher.publish_raw([len(name).to_bytes(4, "little") + name])
         return writer
 

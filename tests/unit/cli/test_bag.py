@@ -105,11 +105,14 @@ def test_recorded_until_interrupted_and_played_again(graph: LiveGraph, tmp_path:
     node = graph.node("/node")
     publisher = graph.do(node.advertise("/chat", STRING))
     path = tmp_path / "chat.bag"
-    recorder = _started(graph, "record", "-O", str(path), "/chat", "__name:=keeper")
+    begun: list[bytes] = []
+    graph.do(node.subscribe("/begin_write", ANY_MESSAGE, begun.extend))
+    recorder = _started(graph, "record", "--publish", "-O", str(path), "/chat", "__name:=keeper")
     graph.wait_until(lambda: publisher.subscriber_count == 1)
     payloads = [text(str(number)) for number in range(20)]
     graph.do(_published(publisher, payloads))
     active = tmp_path / "chat.bag.active"
+    graph.wait_until(lambda: begun == [text(str(path))])
     graph.wait_until(lambda: active.stat().st_size > 4117)
     recorder.send_signal(2)
     printed, _ = recorder.communicate(timeout=60)
