@@ -18,8 +18,10 @@ MESSAGES_PER_TYPE = 4
 NOT_IN_DEBIAN = (
     "actionlib_tutorials/",
     "mearm_model/",
+    "rosapi/",
     "rosserial_arduino/",
     "rosserial_msgs/",
+    "rospy_tutorials/",
     "tf/",
     "turtlebot3_msgs/",
 )
