@@ -202,14 +202,14 @@ def test_a_terminal_shows_where_it_is_and_space_pauses_and_goes_on(graph: LiveGr
             shown += os.read(keyboard, 65536).decode()
         return re.search(pattern, shown) is not None
 
+    player = subprocess.Popen(
+        [sys.executable, "-m", "rostether", "bag", "play", str(bag), "--topics", "/a"],
+        env={**os.environ, "ROS_MASTER_URI": graph.uri},
+        stdin=terminal,
+        stdout=terminal,
+        stderr=terminal,
+    )
     try:
-        player = subprocess.Popen(
-            [sys.executable, "-m", "rostether", "bag", "play", str(bag), "--topics", "/a"],
-            env={**os.environ, "ROS_MASTER_URI": graph.uri},
-            stdin=terminal,
-            stdout=terminal,
-            stderr=terminal,
-        )
         graph.wait_until(lambda: len(heard) > 3 and is_shown(r"\[RUNNING\]  time 17000000\d\d"))
         os.write(keyboard, b" ")
         graph.wait_until(lambda: is_shown(r"\[PAUSED \][^\r]*\r"))
@@ -225,6 +225,8 @@ def test_a_terminal_shows_where_it_is_and_space_pauses_and_goes_on(graph: LiveGr
         lines = [re.sub(r"\033\[\w*", "", line) for line in re.split(r"[\r\n]+", shown)]
         assert max(map(len, lines)) < 80
     finally:
+        player.kill()
+        player.wait()
         os.close(keyboard)
         os.close(terminal)
 
@@ -233,14 +235,14 @@ def test_a_terminal_shows_rates_and_sizes_while_recording(graph: LiveGraph, tmp_
     publisher = graph.do(graph.node("/node").advertise("/chat", STRING))
     keyboard, terminal = pty.openpty()
     termios.tcsetwinsize(terminal, (24, 80))
+    recorder = subprocess.Popen(
+        [sys.executable, "-m", "rostether", "bag", "record", "-O", str(tmp_path / "a.bag"), "/chat"],
+        env={**os.environ, "ROS_MASTER_URI": graph.uri},
+        stdin=terminal,
+        stdout=subprocess.DEVNULL,
+        stderr=terminal,
+    )
     try:
-        recorder = subprocess.Popen(
-            [sys.executable, "-m", "rostether", "bag", "record", "-O", str(tmp_path / "a.bag"), "/chat"],
-            env={**os.environ, "ROS_MASTER_URI": graph.uri},
-            stdin=terminal,
-            stdout=subprocess.DEVNULL,
-            stderr=terminal,
-        )
         graph.wait_until(lambda: publisher.subscriber_count == 1)
         graph.do(_published(publisher, [text("x" * 1000)] * 50))
         shown = ""
@@ -251,5 +253,7 @@ def test_a_terminal_shows_rates_and_sizes_while_recording(graph: LiveGraph, tmp_
         assert recorder.wait(60) == 0
         assert re.search(r"\[\d+ s\]  50 messages, \d+/s   5\d\.\d KB, [\d.]+ K?B/s   1 topics", shown)
     finally:
+        recorder.kill()
+        recorder.wait()
         os.close(keyboard)
         os.close(terminal)
