@@ -26,6 +26,9 @@ from rostether.serde.store import TypeStore
 MAX_CHANNELS = 20_000
 """More topics than any graph has; their offer to one client is then some 20 MB."""
 
+_ASKED_AT_ONCE = 16  # topics that are subscribed only to learn their types
+_MEETING_S = 2.0  # for a publisher to tell its type; then the next topic is asked
+
 
 class Channels:
     """The channels of one gateway; `on_offer` and `on_end` are told of what is new and gone."""
@@ -50,6 +53,7 @@ class Channels:
         self._names: dict[str, str] = {}
         self._learning: dict[str, asyncio.Task[None]] = {}
         self._learned: set[str] = set()
+        self._asked_at_once = asyncio.Semaphore(_ASKED_AT_ONCE)
         self._next_id = 1
 
     def update(self, snapshot: Snapshot) -> None:
@@ -136,7 +140,10 @@ class Channels:
 
         share: SharedSubscription | None = None
         try:
-            share = await self._shared.subscribe(topic, lambda _: None, meet)
+            async with self._asked_at_once:
+                share = await self._shared.subscribe(topic, lambda _: None, meet)
+                await asyncio.wait([told], timeout=_MEETING_S)
+            # A publisher that is away may come; until then nothing does.
             message_type = await told
         except RostetherError as error:
             self._tell(f"{topic} cannot be shown: {error}")
