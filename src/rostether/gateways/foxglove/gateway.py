@@ -11,6 +11,7 @@ nobody.
 from __future__ import annotations
 
 import asyncio
+import socket
 import time
 from collections.abc import Callable, Coroutine, Mapping, Sequence
 from pathlib import Path
@@ -27,7 +28,7 @@ from rostether.gateways.foxglove.listening import Listening
 from rostether.gateways.foxglove.parameters import Parameters
 from rostether.gateways.foxglove.server_messages import Channel, OfferedService, StatusLevel
 from rostether.gateways.foxglove.services import FindServiceType, Services
-from rostether.gateways.foxglove.settings import DEFAULT_HOST, FoxgloveSettings
+from rostether.gateways.foxglove.settings import FoxgloveSettings
 from rostether.gateways.foxglove.sim_clock import SimClock
 from rostether.gateways.shared_subscriptions import SharedSubscriptions
 from rostether.graph.ports import Graph, Level
@@ -36,6 +37,7 @@ from rostether.serde.store import TypeStore
 _TIME_CAPABILITY = "time"
 _MAX_SHOWN_STATUSES = 50  # lines that a client that comes later is shown too
 _RETRY_S = 1.0  # for a graph that could not be read
+_EVERYWHERE = ("", "0.0.0.0", "::")  # noqa: S104 - what was typed, to be told by this machine's name
 _HANG_UP_S = 2.0  # for clients to answer a good-bye when the gateway ends
 _SERVICE_RESTART = 1012  # the WebSocket's close code that makes clients come back
 
@@ -89,8 +91,10 @@ class FoxgloveGateway:
     def url(self) -> str:
         """What to type into Foxglove's dialog."""
         host = self.settings.host
+        if host in _EVERYWHERE:
+            host = socket.gethostname()
         scheme = "wss" if self.settings.certificate else "ws"
-        return f"{scheme}://{f'[{host}]' if ':' in host else host or DEFAULT_HOST}:{self.port}"
+        return f"{scheme}://{f'[{host}]' if ':' in host else host}:{self.port}"
 
     @property
     def client_count(self) -> int:

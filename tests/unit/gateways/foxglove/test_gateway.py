@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import socket
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -385,6 +386,16 @@ async def test_only_a_part_of_the_graph_is_offered_where_that_is_asked_for() -> 
         assert heard == [text(there, "open")]
         assert await there.robot.get_param("/hidden") == 1
         assert not client.of("connectionGraphUpdate") + client.of("fetchAssetResponse")
+
+
+async def test_the_address_is_one_that_can_be_typed() -> None:
+    for host, shown in (
+        ("localhost", "localhost"),
+        ("127.0.0.1", "127.0.0.1"),
+        ("0.0.0.0", socket.gethostname()),
+    ):
+        async with stage(FoxgloveSettings(host=host, port=0)) as there:
+            assert there.gateway.url == f"ws://{shown}:{there.gateway.port}"
 
 
 async def test_a_taken_port_is_said_in_one_line() -> None:
