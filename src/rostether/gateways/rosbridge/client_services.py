@@ -35,15 +35,15 @@ class ClientServices:
         self._calls: set[asyncio.Task[None]] = set()
         self._local_calls = asyncio.Semaphore(MAX_LOCAL_CALLS)
 
-    async def call(self, request: Request) -> None:
-        """Call a service; the answer is sent when it is there, whatever else the client does meanwhile.
-
-        A client that has too many calls under way waits here for one to end.
-        """
-        while len(self._calls) >= MAX_CALLS:
-            await asyncio.wait(self._calls, return_when=asyncio.FIRST_COMPLETED)
+    def call(self, request: Request) -> None:
+        """Call a service; the answer is sent when it is there, whatever else the client does meanwhile."""
         service, wish = request.text("service"), Wish.read(request)
         timeout_s = request.number("timeout", 0) or None
+        if len(self._calls) >= MAX_CALLS:
+            # Not held up until one ends: what else the client says may stop a robot.
+            reason = f"this client has {MAX_CALLS} calls under way: {service} is not called"
+            self._send(_response(request, service) | {"values": reason, "result": False}, wish)
+            return
         task = asyncio.ensure_future(self._call(request, service, wish, timeout_s))
         self._calls.add(task)
         task.add_done_callback(self._calls.discard)
@@ -85,9 +85,7 @@ class ClientServices:
         await asyncio.gather(*withdrawals, *self._calls, return_exceptions=True)
 
     async def _call(self, request: Request, service: str, wish: Wish, timeout_s: float | None) -> None:
-        answer: dict[str, Any] = {"op": "service_response", "service": service}
-        if request.id is not None:
-            answer["id"] = request.id
+        answer = _response(request, service)
         try:
             async with asyncio.timeout(timeout_s):
                 values: Any = await self._values(service, request.fields.get("args"))
@@ -142,3 +140,10 @@ class ClientServices:
     def _check_glob(self, name: str) -> None:
         if not matches(name, self._around.settings.services_glob):
             raise AccessDeniedError(f"{name} is not among the services that this server lets clients use")
+
+
+def _response(request: Request, service: str) -> dict[str, Any]:
+    answer: dict[str, Any] = {"op": "service_response", "service": service}
+    if request.id is not None:
+        answer["id"] = request.id
+    return answer

@@ -24,7 +24,7 @@ MAX_PUBLICATIONS = 1000
 MAX_SERVICES = 200
 """Services that one client offers; each is known to the whole graph."""
 
-MAX_CALLS = 256
+MAX_CALLS = 1024
 """Service calls of one client in flight, and as many of others that it has not answered yet."""
 
 MAX_QUEUED_MESSAGES = 1000

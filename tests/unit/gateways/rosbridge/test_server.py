@@ -12,7 +12,7 @@ from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus, WebSocketException
 
 from rostether.errors import ServiceCallError, TransportOpenError
-from rostether.gateways.rosbridge import door, publication, server, session
+from rostether.gateways.rosbridge import client_services, door, publication, server, session
 from rostether.gateways.rosbridge.png_packing import pack_png, unpack_png
 from rostether.gateways.rosbridge.server import RosbridgeServer
 from rostether.gateways.rosbridge.settings import RosbridgeSettings
@@ -213,6 +213,26 @@ async def test_a_call_that_takes_long_holds_up_nothing_and_ends_in_time(there: W
         await called.wait()
     # Hanging up while a call is under way leaves nothing behind.
     await until(lambda: there.server.client_count == 0)
+
+
+async def test_calls_that_never_end_hold_up_nothing_else(
+    there: World, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(client_services, "MAX_CALLS", 2)
+
+    async def hang(request: Message) -> dict[str, Any]:
+        await asyncio.sleep(3600)
+        return {}
+
+    await there.graph.serve("/hang", "std_srvs/Trigger", hang)
+    async with there.client() as client:
+        for number in range(3):
+            await client.say("call_service", service="/hang", id=number)
+        refused = await client.hear("service_response")
+        assert refused["id"] == 2
+        assert refused["values"] == "this client has 2 calls under way: /hang is not called"
+        await client.say("publish", topic="/nobody", msg={})
+        assert "advertise it first" in (await client.hear("status"))["msg"]
 
 
 async def test_a_client_serves_and_its_faults_reach_the_caller(there: World) -> None:
