@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import time
+from functools import partial
 from typing import cast
 
 import zenoh
@@ -74,7 +75,8 @@ class ServiceClient:
 
         self._sequence += 1
         cancellation = zenoh.CancellationToken()
-        self._querier.get(
+        ask = partial(
+            self._querier.get,
             zenoh.handlers.Callback(hand_over, lambda: hand_over(None), indirect=False),
             payload=cdr,
             attachment=Attachment(self._sequence, time.time_ns(), self._gid).encode(),
@@ -84,6 +86,8 @@ class ServiceClient:
         graph.listen(Kind.SERVER, self.service, watch_server)
         try:
             async with asyncio.timeout(timeout_s):
+                # A request waits until its link has room, 5 s for a server that hangs.
+                await loop.run_in_executor(self._node.session.call_threads, ask)
                 reply = await answer
         except TimeoutError:
             raise ServiceTimeoutError(

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 import time
 from collections.abc import Callable
+from concurrent.futures import Future
+from functools import partial
 
 import zenoh
 
@@ -22,6 +25,14 @@ from rostether.ros2.zenoh.tokens import Kind, data_key
 
 MAX_CALLS = 1000
 """Calls of one service at a time; a board answers one by one, and nobody waits for the thousandth."""
+
+MAX_REFUSALS = 100
+"""Beyond them; callers who hear nothing at all give up by their time limit."""
+
+LAST_WORDS_S = 0.2
+"""How long a service that ends waits until its callers have been told; who hangs is not waited for."""
+
+_log = logging.getLogger("rostether.ros2")
 
 
 class ServiceServer:
@@ -41,7 +52,9 @@ class ServiceServer:
         self._handler = handler
         self._on_close = on_close
         self._is_closed = False
+        self._threads = node.session.call_threads
         self._calls: set[asyncio.Task[None]] = set()
+        self._last_words: list[Future[None]] = []
         type_name = dds_name(support.name)
         self._key = data_key(node.session.domain_id, service, type_name, support.type_hash)
         self._queue: Handover[zenoh.Query] = Handover(self._take, limit=MAX_CALLS)
@@ -61,6 +74,8 @@ class ServiceServer:
         for task in list(self._calls):
             task.cancel()
         await asyncio.gather(*self._calls, return_exceptions=True)
+        if self._last_words:
+            await asyncio.wait(map(asyncio.wrap_future, self._last_words), timeout=LAST_WORDS_S)
         self._on_close(self)
 
     def _put(self, query: zenoh.Query) -> None:
@@ -69,34 +84,49 @@ class ServiceServer:
 
     def _take(self, queries: list[zenoh.Query]) -> None:
         for query in queries:
-            if len(self._calls) >= MAX_CALLS:
-                self._refuse(query, f"service {self.service} is busy with {MAX_CALLS} calls: try again later")
+            if len(self._calls) >= MAX_CALLS + MAX_REFUSALS:
+                query.drop()
                 continue
-            task = asyncio.ensure_future(self._answer(query))
+            task = asyncio.ensure_future(self._answer(query, is_refused=len(self._calls) >= MAX_CALLS))
             self._calls.add(task)
             task.add_done_callback(self._calls.discard)
 
-    async def _answer(self, query: zenoh.Query) -> None:
-        with query:
-            attachment = None if query.attachment is None else parse_attachment(query.attachment.to_bytes())
-            if attachment is None or query.payload is None:
-                self._refuse(query, f"a call of {self.service} without rmw_zenoh's attachment or a request")
-                return
-            try:
-                request = self._support.request.from_cdr(query.payload.to_bytes())
-                response = self._support.response.to_cdr(await self._handler(request))
-            except asyncio.CancelledError:
-                self._refuse(query, f"service {self.service} ended during the call")
-                raise
-            except RostetherError as error:
-                self._refuse(query, str(error))
-            except Exception as error:  # noqa: BLE001 - a user's mistake must not end the service
-                report_error(f"handler of service {self.service}", error)
-                self._refuse(query, f"error processing request: {error}")
-            else:
-                echo = Attachment(attachment.sequence, time.time_ns(), attachment.gid)
-                query.reply(self._key, response, attachment=echo.encode())
+    async def _answer(self, query: zenoh.Query, *, is_refused: bool) -> None:
+        busy = f"service {self.service} is busy with {MAX_CALLS} calls: try again later"
+        try:
+            say = _refusal(query, busy) if is_refused else await self._work(query)
+        except asyncio.CancelledError:
+            last = _refusal(query, f"service {self.service} ended during the call")
+            self._last_words.append(self._threads.submit(_finish, query, last))
+            raise
+        # An answer waits until its link has room, 5 s for a caller that hangs.
+        await asyncio.get_running_loop().run_in_executor(self._threads, _finish, query, say)
 
-    @staticmethod
-    def _refuse(query: zenoh.Query, text: str) -> None:
-        query.reply_err(text.encode("utf-8", "replace"))
+    async def _work(self, query: zenoh.Query) -> Callable[[], object]:
+        """Handle a call; returns what tells the caller of it."""
+        attachment = None if query.attachment is None else parse_attachment(query.attachment.to_bytes())
+        if attachment is None or query.payload is None:
+            return _refusal(query, f"a call of {self.service} without rmw_zenoh's attachment or a request")
+        try:
+            request = self._support.request.from_cdr(query.payload.to_bytes())
+            response = self._support.response.to_cdr(await self._handler(request))
+        except RostetherError as error:
+            return _refusal(query, str(error))
+        except Exception as error:  # noqa: BLE001 - a user's mistake must not end the service
+            report_error(f"handler of service {self.service}", error)
+            return _refusal(query, f"error processing request: {error}")
+        echo = Attachment(attachment.sequence, time.time_ns(), attachment.gid)
+        return partial(query.reply, self._key, response, attachment=echo.encode())
+
+
+def _refusal(query: zenoh.Query, text: str) -> Callable[[], object]:
+    return partial(query.reply_err, text.encode("utf-8", "replace"))
+
+
+def _finish(query: zenoh.Query, say: Callable[[], object]) -> None:
+    """Tell the caller, in a thread."""
+    with query:
+        try:
+            say()
+        except zenoh.ZError as error:
+            _log.debug("an answer did not reach its caller: %s", error)

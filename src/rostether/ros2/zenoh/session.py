@@ -50,6 +50,9 @@ LINK_POLL_S = 0.005
 MAX_PUT_THREADS = 8
 """Publications that wait for room at a time, a thread each while they do; the others wait for a thread."""
 
+MAX_CALL_THREADS = 8
+"""Requests and answers of services that wait for room: zenoh gives up a link that has none for 5 s."""
+
 _log = logging.getLogger("rostether.ros2")
 
 
@@ -66,6 +69,8 @@ class ZenohSession:
         self.is_router = False
         # No thread before the first publication meets a full link.
         self.put_threads = ThreadPoolExecutor(MAX_PUT_THREADS, "zenoh put")
+        # Of their own: the loop must not wait for a caller that hangs, nor a topic.
+        self.call_threads = ThreadPoolExecutor(MAX_CALL_THREADS, "zenoh call")
         self._ids = itertools.count()
         self._nodes: set[ZenohGraph] = set()
         self._is_closed = False
@@ -170,6 +175,7 @@ class ZenohSession:
     def _end(self) -> None:
         self.zenoh.close()
         self.put_threads.shutdown()
+        self.call_threads.shutdown(cancel_futures=True)
 
     async def _start(self, named: Sequence[str]) -> ZenohSession:
         if not self.is_router:

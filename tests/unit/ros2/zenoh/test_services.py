@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator
+import threading
+from collections.abc import AsyncIterator, Callable
 
 import pytest
 import pytest_asyncio
@@ -18,6 +19,7 @@ from rostether.errors import (
     ServiceUnavailableError,
     TypeMismatchError,
 )
+from rostether.ros2.zenoh import service_server
 from rostether.ros2.zenoh.attachment import Attachment, parse_attachment
 from rostether.ros2.zenoh.session import ZenohSession
 from rostether.ros2.zenoh.tokens import data_key
@@ -167,3 +169,26 @@ async def test_clients_are_listed_and_forgotten(
         assert await node.call_service(name, SET_BOOL, b"\x01", timeout_s=60)
     found = await session.look("@ros2_lv/0/*/*/*/SC/**", 1.0)
     assert sorted(text.split("/")[9] for text in found) == ["%a", "%c"]
+
+
+async def test_a_caller_that_hangs_holds_up_nobody(
+    session: ZenohSession, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    room = threading.Event()
+    waiting = threading.Event()
+
+    def wait_for_room(query: zenoh.Query, say: Callable[[], object]) -> None:
+        waiting.set()
+        assert room.wait(60)
+        finish(query, say)
+
+    finish = service_server._finish
+    server, client = await session.join("server"), await session.join("client")
+    handle = await server.advertise_service("/switch", SET_BOOL, agree)
+    monkeypatch.setattr(service_server, "_finish", wait_for_room)
+    call = asyncio.ensure_future(client.call_service("/switch", SET_BOOL, b"\x01"))
+    await until(waiting.is_set)
+    assert not call.done()
+    room.set()
+    assert await asyncio.wait_for(call, 60) == b"\x01" + string("agreed")
+    await handle.close()
