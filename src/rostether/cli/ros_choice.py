@@ -15,6 +15,11 @@ ROS2_OPTION = "--ros2"
 ANY_MIDDLEWARE = "any"
 """What `--ros2` alone means: the middleware that the environment names, else the one that is installed."""
 
+_OF_RCLPY = frozenset(
+    {"connext", "connextdds", "cyclone", "cyclonedds", "dds", "fastdds", "fastrtps", "gurumdds", "opensplice"}
+)
+"""What people call middlewares that only rclpy reaches: no address or topic is meant by these."""
+
 _CHOICE_KEY = "rostether.ros_choice"
 
 
@@ -25,10 +30,27 @@ class Middleware(StrEnum):
     RCLPY = "rclpy"
 
 
+class _MiddlewareName(click.Choice[str]):
+    """What may stand behind `--ros2`; says of other middlewares how they are reached."""
+
+    def convert(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        if value == "rmw_zenoh_cpp":
+            self.fail(f"{value!r} is written --ros2 zenoh", param, ctx)
+        if value not in self.choices:
+            self.fail(
+                f"{value!r} is neither zenoh nor rclpy; rclpy reaches all that is not zenoh", param, ctx
+            )
+        return value
+
+
+def _is_middleware(word: str) -> bool:
+    return word in list(Middleware) or word.lower() in _OF_RCLPY or word.startswith("rmw_")
+
+
 def with_middleware(arguments: list[str]) -> list[str]:
     """Give a `--ros2` that stands alone its value: the word behind it counts only if it is a middleware."""
     named = [
-        f"{each}={ANY_MIDDLEWARE}" if each == ROS2_OPTION and following not in list(Middleware) else each
+        f"{each}={ANY_MIDDLEWARE}" if each == ROS2_OPTION and not _is_middleware(following) else each
         for each, following in zip(arguments, [*arguments[1:], ""], strict=False)
     ]
     end = arguments.index("--") if "--" in arguments else len(arguments)
@@ -46,7 +68,7 @@ def ros2_option(function: Function) -> Function:
     """Add `--ros2 [zenoh|rclpy]`; `chosen_ros2` tells what was typed."""
     return click.option(
         ROS2_OPTION,
-        type=click.Choice([*map(str, Middleware), ANY_MIDDLEWARE]),
+        type=_MiddlewareName([*map(str, Middleware), ANY_MIDDLEWARE]),
         metavar="[zenoh|rclpy]",
         expose_value=False,
         callback=_keep,

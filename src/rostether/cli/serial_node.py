@@ -11,8 +11,9 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import click
 
@@ -31,6 +32,10 @@ from rostether.names.remap import Arguments, parse_arguments
 from rostether.ros1.environment import LOOPBACK, RosEnvironment
 from rostether.ros1.node.master_client import MasterClient
 from rostether.transports.address import DEFAULT_PORT, SimAddress, TcpAddress
+from rostether.transports.opening import listen as listen_for_links
+
+if TYPE_CHECKING:
+    from rostether.transports.board_keys import BoardKeys
 
 DEFAULT_SERIAL_PORT = "/dev/ttyUSB0"
 DEFAULT_NODE_NAME = "serial_node"
@@ -110,7 +115,8 @@ def run_host(
     environment = environment.allowing(allowed)
     devices = read_devices(config, ())
     hosts = environment.listen_hosts if listen is not None else (LOOPBACK,)
-    run(_serve(host, environment, parsed, reporter, hosts, allowed, devices), is_service=True)
+    board_keys = devices.board_keys()
+    run(_serve(host, environment, parsed, reporter, hosts, allowed, devices, board_keys), is_service=True)
 
 
 async def _serve(
@@ -121,6 +127,7 @@ async def _serve(
     hosts: Sequence[str],
     allowed: tuple[str, ...],
     devices: DeviceBook,
+    board_keys: BoardKeys,
 ) -> None:
     reporter.line(Level.INFO, host.greeting)
     namespace = canonical(join("/", arguments.special.get("__ns", environment.namespace)))
@@ -144,6 +151,7 @@ async def _serve(
             remappings=arguments.remappings,
             devices=devices,
             diagnostics=True,
+            listen=partial(listen_for_links, board_keys=board_keys),
         ) as supervisor:
             # A node that was killed, or that another one replaced, ends the process: respawn waits for that.
             await supervisor.wait_done()

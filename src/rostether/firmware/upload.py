@@ -49,19 +49,23 @@ def list_serial_ports() -> Sequence[SerialPort]:
 
 
 def choose_port(board: Board, list_ports: ListPorts = list_serial_ports) -> str:
-    """Return the port of the only board there is, or of the only one of the wanted kind.
+    """Return the port of the only board on USB, or of the only one of the wanted kind.
 
-    Raises FirmwareError that names the ports when there is none or more than one.
+    Raises FirmwareError that names the ports when there is none or more than one: a port that is not on USB,
+    such as a PC's /dev/ttyS0, is there whether a board is behind it or not.
     """
     ports = list_ports()
     usb = [each for each in ports if each.usb_vendor_id is not None]
     fitting = [each for each in usb if (each.usb_vendor_id, each.usb_product_id) in board.usb_ids]
-    for candidates in (fitting, usb, list(ports)):
+    for candidates in (fitting, usb):
         if len(candidates) == 1:
             return candidates[0].path
     if not ports:
         raise FirmwareError("no serial port found; plug the board in, or name its port with --port")
-    names = ", ".join(f"{each.path} ({each.description})" for each in ports)
+    if not usb:
+        others = ", ".join(each.path for each in ports)
+        raise FirmwareError(f"no board found on USB; plug it in, or name its port with --port ({others})")
+    names = ", ".join(f"{each.path} ({each.description})" for each in usb)
     raise FirmwareError(f"several serial ports: {names}; choose one with --port")
 
 

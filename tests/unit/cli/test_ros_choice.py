@@ -5,6 +5,7 @@ from __future__ import annotations
 import click
 import pytest
 
+from rostether.cli.main import main
 from rostether.cli.ros_choice import (
     Middleware,
     chosen_ros1,
@@ -22,6 +23,7 @@ from rostether.cli.verbs import Verb
         (["--ros2", "zenoh", "/chat"], ["--ros2", "zenoh", "/chat"]),
         (["--ros2", "/chat"], ["--ros2=any", "/chat"]),
         (["/chat", "--ros2"], ["/chat", "--ros2=any"]),
+        (["--ros2", "dds", "/chat"], ["--ros2", "dds", "/chat"]),
         (["--ros2=rclpy", "-v"], ["--ros2=rclpy", "-v"]),
         (["--ros2", "--", "zenoh"], ["--ros2=any", "--", "zenoh"]),
         (["--", "--ros2", "x"], ["--", "--ros2", "x"]),
@@ -30,6 +32,19 @@ from rostether.cli.verbs import Verb
 )
 def test_the_word_behind_ros2_counts_only_as_a_middleware(typed: list[str], read: list[str]) -> None:
     assert with_middleware(typed) == read
+
+
+@pytest.mark.parametrize("name", ["dds", "CycloneDDS", "rmw_fastrtps_cpp"])
+def test_another_middleware_is_no_address_and_no_topic(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    for words in (("serve", "/dev/ttyACM0", "--ros2", name), ("topic", "echo", "--ros2", name)):
+        assert main(words) == 2
+        line = capsys.readouterr().err.splitlines()[-1]
+        assert f"'--ros2': '{name}' is neither zenoh nor rclpy; rclpy reaches all that is not zenoh" in line
+
+
+def test_zenoh_by_the_name_that_ros_has_for_it(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(("topic", "list", "--ros2", "rmw_zenoh_cpp")) == 2
+    assert "'rmw_zenoh_cpp' is written --ros2 zenoh" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -107,6 +107,26 @@ async def test_settings_of_devices_toml(tmp_path: Path, mark: str) -> None:
         await master.close()
 
 
+async def test_a_board_with_a_key_of_its_own(tmp_path: Path) -> None:
+    master = await MasterServer.start(port=0)
+    (tmp_path / "arm.key").write_text(f"{'5a' * 32}\n")
+    (tmp_path / "arm.key").chmod(0o600)
+    config = tmp_path / "devices.toml"
+    config.write_text(f'[devices.serial_node]\npsk = "{tmp_path}/arm.key"\nremap = {{ chatter = "/talk" }}\n')
+    words = ("serial-node", "tcp://127.0.0.1:0?psk=devices", "--config", str(config))
+    try:
+        async with started(*words, ROS_MASTER_URI=master.uri) as node:
+            await node.wait_for("Waiting for boards on tcp://127.0.0.1:")
+            port = node.text.rpartition(":")[2].split()[0]
+            async with Device(f"tcp://127.0.0.1:{port}?psk={tmp_path}/arm.key") as device:
+                device.publisher("chatter", "std_msgs/String")
+                await node.wait_for("Setup publisher on chatter [std_msgs/String]")
+                async with join("looker", environ={"ROS_MASTER_URI": master.uri}) as graph:
+                    assert (await graph.snapshot()).topics["/talk"].publishers == ("/serial_node",)
+    finally:
+        await master.close()
+
+
 async def test_the_user_s_own_file_is_read_and_its_mistakes_are_told(tmp_path: Path) -> None:
     config = tmp_path / "rostether" / "devices.toml"
     config.parent.mkdir()

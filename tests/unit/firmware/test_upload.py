@@ -138,8 +138,9 @@ def test_a_port_that_is_open_elsewhere_names_who_has_it(terminal: tuple[int, str
         os.close(handle)
 
 
-def test_the_only_port_is_the_boards() -> None:
-    assert choose_port(find_board("uno"), ports(SerialPort("/dev/ttyS0", "onboard"))) == "/dev/ttyS0"
+def test_a_port_that_is_not_on_usb_is_never_taken_for_the_boards() -> None:
+    with pytest.raises(FirmwareError, match=r"no board found on USB; .* with --port \(/dev/ttyS0\)"):
+        choose_port(find_board("uno"), ports(SerialPort("/dev/ttyS0", "onboard")))
 
 
 def test_of_several_ports_the_one_of_that_board() -> None:

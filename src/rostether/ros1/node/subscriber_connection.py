@@ -10,6 +10,9 @@ from rostether.graph.flow_control import HIGH_WATER_BYTES, PublicationFlow, Subs
 from rostether.ros1.tcpros_connection import CLOSE_GRACE_S, ConnectionRecord, limit_unsent
 from rostether.tcpros.message_framing import measure_oldest
 
+SLOW_REPORT_INTERVAL_S = 10.0
+"""Who falls behind and catches up all the time would fill the log; the line says how many are lost so far."""
+
 _WRITE_BYTES = 256 << 10
 """How much of a queue is joined for one write: more would only wait in the transport, undroppable."""
 
@@ -17,8 +20,8 @@ _WRITE_BYTES = 256 << 10
 class SubscriberConnection(asyncio.Protocol):
     """Sends encoded batches; what the socket does not take waits here, bounded, oldest message dropped first.
 
-    `greeting` goes first: our header, and the latched message if there is one. `on_drop` is called once when
-    it begins to lose messages, `on_lost` when the connection ends.
+    `greeting` goes first: our header, and the latched message if there is one. `on_drop` is called when
+    it begins to lose messages, at most every SLOW_REPORT_INTERVAL_S, `on_lost` when the connection ends.
     """
 
     def __init__(
@@ -47,6 +50,7 @@ class SubscriberConnection(asyncio.Protocol):
         self._loop = asyncio.get_running_loop()
         self._takes_more = True
         self._is_losing = False
+        self._may_report_s = 0.0  # from when on
         self._on_drop = on_drop
         self._on_lost = on_lost
         self._lost = asyncio.Event()
@@ -144,5 +148,7 @@ class SubscriberConnection(asyncio.Protocol):
         self.dropped_count += dropped
         if dropped and not self._is_losing:
             self._is_losing = True
-            self._on_drop(self)
+            if self._loop.time() >= self._may_report_s:
+                self._may_report_s = self._loop.time() + SLOW_REPORT_INTERVAL_S
+                self._on_drop(self)
         return dropped
