@@ -207,7 +207,7 @@ def test_sim_builds_and_runs_on_a_simulated_board(shell: Shell, tmp_path: Path) 
         "Blink",
         "void setup() { pinMode(13, OUTPUT); digitalWrite(13, ON); }\nvoid loop() {}\n",
     )
-    output = shell.output(
-        "firmware", "sim", "Blink", "-D", "ON=HIGH", "--watch", "D13", "--fast", "--for", "20ms"
-    )
-    assert re.search(r"pin D13 .*1", output)
+    result = shell("firmware", "sim", "Blink", "-D", "ON=HIGH", "--watch", "D13", "--fast", "--for", "20ms")
+    assert result.code == 0, result
+    assert not [line for line in result.err.splitlines() if "preparing a simulated uno" not in line]
+    assert re.search(r"pin D13 .*1", result.out)
