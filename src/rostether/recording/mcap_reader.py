@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rostether.errors import RecordingError
-from rostether.msgdef.interface import MessageType
 from rostether.recording.chunk_order import MAX_LISTED_BYTES, Entry, Unpacked, in_order
 from rostether.recording.compression import NONE, decompress
 from rostether.recording.mcap_content import StoredChunk, messages_in, read_content
@@ -188,12 +187,10 @@ class McapReader:
             return None
         definition = schema.data.decode("utf-8", "surrogateescape") if schema is not None else ""
         md5sum = channel.metadata.get("md5sum") or _md5sum(name, definition)
-        return Connection(
-            channel.topic,
-            MessageType(name, md5sum, definition),
-            channel.metadata.get("callerid", ""),
-            channel.metadata.get("latching", "") in ("1", "true"),
-        )
+        told = {"type": name, "md5sum": md5sum, "message_definition": definition}
+        if channel.metadata.get("latching") == "true":
+            told["latching"] = "1"
+        return Connection.from_fields(channel.topic, {**channel.metadata, **told})
 
     def _ros2_connection(self, schema: Schema, channel: Channel) -> Connection | None:
         if self._ros2 is None:

@@ -113,8 +113,8 @@ class McapWriter:
 
     def channel_of(self, connection: Connection) -> tuple[str, Mapping[str, str]]:
         """Return how a connection's messages are encoded, and its metadata."""
-        fields = connection.fields()
-        return "ros1", {key: fields[key] for key in ("callerid", "latching", "md5sum") if key in fields}
+        told = ("message_definition", "topic", "type")
+        return "ros1", {key: value for key, value in connection.fields().items() if key not in told}
 
     def add_connection(self, connection: Connection) -> int:
         """Return the connection's number; equal connections share one. Raises RecordingError beyond 65535."""

@@ -8,6 +8,8 @@ from typing import NamedTuple, Protocol, TypeAlias
 
 from rostether.msgdef.interface import MessageType
 
+_TOLD = frozenset({"callerid", "md5sum", "message_definition", "reliability", "topic", "type"})
+
 
 @dataclass(frozen=True, slots=True)
 class Ros2Origin:
@@ -27,6 +29,8 @@ class Ros2Origin:
 class Connection:
     """One publisher on one topic, as its connection header told it; `origin` where it is of ROS 2.
 
+    `others` is what else the header says, so that it stays whole from file to file: `latching` where it says
+    no, which roscpp's publishers do, and what nobody but the publisher knows of.
     `is_best_effort` is what a publisher of ROS 2 tells while it is recorded; later `origin` has it.
     """
 
@@ -36,6 +40,7 @@ class Connection:
     is_latching: bool = False
     origin: Ros2Origin | None = None
     is_best_effort: bool = False
+    others: tuple[tuple[str, str], ...] = ()
 
     @property
     def shown_type(self) -> str:
@@ -48,12 +53,19 @@ class Connection:
         message_type = MessageType(
             fields.get("type", "*"), fields.get("md5sum", "*"), fields.get("message_definition", "")
         )
+        is_latching = fields.get("latching", "0") == "1"
+        others = (
+            (name, value)
+            for name, value in sorted(fields.items())
+            if name not in _TOLD and (name != "latching" or not is_latching)
+        )
         return cls(
             topic,
             message_type,
             fields.get("callerid", ""),
-            fields.get("latching", "0") == "1",
+            is_latching,
             is_best_effort=fields.get("reliability") == "best_effort",
+            others=tuple(others),
         )
 
     def fields(self) -> dict[str, str]:
@@ -61,12 +73,13 @@ class Connection:
         fields = {"callerid": self.caller_id} if self.caller_id else {}
         if self.is_latching:
             fields["latching"] = "1"
-        return fields | {
+        fields |= {
             "md5sum": self.type.md5sum,
             "message_definition": self.type.definition,
             "topic": self.topic,
             "type": self.type.name,
         }
+        return dict(sorted((*self.others, *fields.items()))) if self.others else fields
 
 
 class RecordedMessage(NamedTuple):

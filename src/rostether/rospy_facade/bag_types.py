@@ -39,11 +39,12 @@ def header_of(connection: Connection) -> dict[str, bytes]:
 def with_header(topic: str, kind: MessageType, header: Mapping[str, str | bytes]) -> Connection:
     """Return the connection of a topic to which a script gave a header."""
 
-    def field(name: str) -> str:
-        value = header.get(name, "")
-        return value.decode("utf-8", "surrogateescape") if isinstance(value, bytes) else str(value)
-
-    return Connection(topic, kind, field("callerid"), field("latching") == "1")
+    given = {
+        str(name): value.decode("utf-8", "surrogateescape") if isinstance(value, bytes) else str(value)
+        for name, value in header.items()
+    }
+    told = {"type": kind.name, "md5sum": kind.md5sum, "message_definition": kind.definition}
+    return Connection.from_fields(topic, given | told)
 
 
 def raw_parts(message: Any) -> tuple[MessageType, bytes]:

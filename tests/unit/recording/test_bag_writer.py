@@ -10,7 +10,10 @@ import pytest
 from rostether.errors import RecordingError
 from rostether.recording.bag_reader import BagReader
 from rostether.recording.bag_writer import BagWriter
-from unit.recording.bags import START_NS, connection, text, write_bag
+from rostether.recording.mcap_reader import McapReader
+from rostether.recording.mcap_writer import McapWriter
+from rostether.recording.recorded import Connection
+from unit.recording.bags import START_NS, STRING, connection, text, write_bag
 
 
 def test_batches_of_one_size_and_of_many_read_back(tmp_path: Path) -> None:
@@ -91,3 +94,25 @@ def test_the_first_chunk_stands_where_rosbag_puts_it(tmp_path: Path) -> None:
     write_bag(tmp_path / "a.bag")
     data = (tmp_path / "a.bag").read_bytes()
     assert data.index(b"compression=none") == 4117 + 8
+
+
+def test_all_that_a_publisher_said_of_itself_stays_whole_through_both_formats(tmp_path: Path) -> None:
+    said = {
+        "callerid": "/talker",
+        "latching": "0",
+        "md5sum": STRING.md5sum,
+        "message_definition": STRING.definition,
+        "topic": "/chatter",
+        "type": STRING.name,
+        "vendor": "acme",
+    }
+    told = Connection.from_fields("/chatter", said)
+    assert not told.is_latching
+    for name, create, read in (("a.bag", BagWriter, BagReader), ("a.mcap", McapWriter, McapReader)):
+        writer = create(tmp_path / name)
+        writer.write(writer.add_connection(told), START_NS, [text("one")])
+        writer.close()
+        reader = read(tmp_path / name)
+        (told,) = reader.counts
+        reader.close()
+    assert list(told.fields().items()) == list(said.items())
