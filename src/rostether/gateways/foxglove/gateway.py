@@ -79,7 +79,6 @@ class FoxgloveGateway:
         self._leaving: asyncio.Task[None] | None = None
         self._ended = asyncio.Event()
         self._is_closing = False
-        self._refused: set[str] = set()
         self._session_id = str(time.time_ns())
 
     @property
@@ -179,9 +178,7 @@ class FoxgloveGateway:
     # within
 
     def _tell_refused(self, text: str) -> None:
-        if text not in self._refused and len(self._refused) < _MAX_SHOWN_STATUSES:
-            self._refused.add(text)
-            self._tell(Level.WARN, f"foxglove: {text}")
+        self._tell(Level.WARN, f"foxglove: {text}")
 
     async def _follow(self) -> None:
         while not self._is_closing:

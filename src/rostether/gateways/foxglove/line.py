@@ -10,7 +10,6 @@ import asyncio
 from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
-from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed
 from websockets.frames import Frame, Opcode
 from websockets.http11 import Request, Response
@@ -209,7 +208,7 @@ class Line(asyncio.Protocol):
             self._set_timer(_CLOSE_S, self.abort)
 
     def _shake_hands(self, request: Request) -> None:
-        refusal = self._admission.refusal(request.path, _known_headers(request.headers))
+        refusal = self._admission.refusal(request.path, request.headers)
         response: Response
         if refusal is not None:
             self._tell_refused(refusal)
@@ -305,13 +304,3 @@ class Line(asyncio.Protocol):
 def _choose_subprotocol(_: ServerProtocol, offered: Sequence[Subprotocol]) -> Subprotocol | None:
     # A client that names none is one written by hand for this very protocol.
     return next((Subprotocol(each) for each in SUBPROTOCOLS if each in offered), None)
-
-
-def _known_headers(headers: Headers) -> dict[str, str]:
-    # What is there twice is neither: an Origin that no page has, and a token that nobody has.
-    found: dict[str, str] = {}
-    for name in ("Origin", "Host", "Authorization"):
-        values = headers.get_all(name)
-        if values:
-            found[name] = values[0] if len(values) == 1 else "null"
-    return found

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import asyncio
-import ssl
 from collections.abc import Callable
 
 from rostether.errors import ConfigError
+from rostether.gateways.door import Door
+from rostether.gateways.encryption import server_encryption
 from rostether.gateways.foxglove.admission import Admission
+from rostether.gateways.foxglove.limits import FoxgloveLimits
 from rostether.gateways.foxglove.line import Line, LineUser
 from rostether.gateways.foxglove.settings import DEFAULT_HOST, FoxgloveSettings
-from rostether.transports.allow_list import AllowList
 
 
 class Listening:
@@ -24,9 +25,9 @@ class Listening:
     ) -> None:
         self._settings = settings
         self._make_user = make_user
-        self._tell_refused = tell_refused
         self._admission = Admission(settings.origins, settings.token)
-        self._allowed = AllowList(settings.allow)
+        self.door = Door(settings.allow, settings.limits.clients, tell_refused)
+        """Counts the connections, and tells of those that are refused."""
         self._servers: list[asyncio.Server] = []
         self._lines: set[_Counted] = set()
         self._is_closed = False
@@ -41,7 +42,7 @@ class Listening:
         """Listen. Raises ConfigError when the port is taken or the certificate cannot be used."""
         host = self._settings.host
         hosts = ["127.0.0.1", "::1"] if host == DEFAULT_HOST else [host or None]
-        encryption = _encryption(self._settings)
+        encryption = server_encryption(self._settings.certificate, self._settings.key)
         port = self._settings.port
         loop = asyncio.get_running_loop()
         for each in hosts:
@@ -77,44 +78,36 @@ class Listening:
             await asyncio.wait(ended)
 
     def _connect(self) -> Line:
-        line = _Counted(self, self._admission, self._settings, self._tell_refused)
+        line = _Counted(self, self._admission, self._settings.limits)
         line.user = self._make_user(line)
         return line
 
-    def takes(self, line: _Counted, peer: str, own: str) -> bool:
+    def takes(self, line: _Counted, transport: asyncio.BaseTransport) -> bool:
         """Tell whether a connection may stay, and count it."""
-        if self._is_closed or len(self._lines) >= self._settings.limits.clients:
-            return False
-        if not self._allowed.allows_connection(peer, own):
-            self._tell_refused(f"{peer} may not connect: allow it with --allow {peer}")
+        if self._is_closed or not self.door.lets_in(transport):
             return False
         self._lines.add(line)
         return True
 
     def forget(self, line: _Counted) -> None:
         """Take a connection's end."""
-        self._lines.discard(line)
+        if line in self._lines:
+            self._lines.remove(line)
+            self.door.let_out()
 
 
 class _Counted(Line):
     """A line that counts as soon as it is there: who never shakes hands takes a place, too."""
 
-    def __init__(
-        self,
-        listening: Listening,
-        admission: Admission,
-        settings: FoxgloveSettings,
-        tell_refused: Callable[[str], None],
-    ) -> None:
-        super().__init__(admission, settings.limits, tell_refused)
+    def __init__(self, listening: Listening, admission: Admission, limits: FoxgloveLimits) -> None:
+        super().__init__(admission, limits, self._tell_refused)
         self.ended: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         self._listening = listening
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Look who it is."""
         super().connection_made(transport)
-        peer, own = (transport.get_extra_info(name) or ("",) for name in ("peername", "sockname"))
-        if not self._listening.takes(self, str(peer[0]), str(own[0])):
+        if not self._listening.takes(self, transport):
             self.abort()
 
     def connection_lost(self, error: Exception | None) -> None:
@@ -123,15 +116,6 @@ class _Counted(Line):
         self._listening.forget(self)
         self.ended.set_result(None)
 
-
-def _encryption(settings: FoxgloveSettings) -> ssl.SSLContext | None:
-    if not settings.certificate:
-        return None
-    try:
-        context = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
-        context.load_cert_chain(settings.certificate, settings.key or None)
-    except (OSError, ssl.SSLError) as error:
-        raise ConfigError(
-            f"the certificate {settings.certificate} and its key cannot be used: {error.strerror or error}"
-        ) from error
-    return context
+    def _tell_refused(self, reason: str) -> None:
+        if self._transport is not None:
+            self._listening.door.tell_refusal(self._transport, reason)

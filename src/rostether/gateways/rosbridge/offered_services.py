@@ -8,9 +8,9 @@ from itertools import count
 from typing import Any
 
 from rostether.errors import ServiceCallError, UnknownNameError
+from rostether.gateways.clean_line import clean_line
 from rostether.gateways.rosbridge.message_forms import MessageForms
 from rostether.gateways.rosbridge.settings import MAX_CALLS
-from rostether.gateways.rosbridge.status import clean_line
 from rostether.graph.ports import Graph, ServiceServer
 from rostether.msgdef.interface import ServiceType
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import errno
-import ssl
 from functools import partial
 from http import HTTPStatus
 
@@ -18,9 +17,12 @@ from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request as HttpRequest
 from websockets.http11 import Response
 
-from rostether.errors import ConfigError, RostetherError, TransportOpenError
+from rostether.errors import RostetherError, TransportOpenError
+from rostether.gateways.admission import single_header
+from rostether.gateways.door import Door, peer_name
+from rostether.gateways.encryption import server_encryption
 from rostether.gateways.rosbridge.admission import Admission
-from rostether.gateways.rosbridge.door import Door, DoorConnection, peer_name
+from rostether.gateways.rosbridge.door_connection import DoorConnection
 from rostether.gateways.rosbridge.message_forms import MessageForms
 from rostether.gateways.rosbridge.offered_services import OfferedServices
 from rostether.gateways.rosbridge.service_types import AskServer, ServiceTypes
@@ -28,6 +30,7 @@ from rostether.gateways.rosbridge.session import Session
 from rostether.gateways.rosbridge.settings import (
     DEFAULT_HOST,
     MAX_CLIENTS,
+    MAX_GREETING,
     PING_INTERVAL_S,
     PING_LIMIT_S,
     RosbridgeSettings,
@@ -85,7 +88,11 @@ class RosbridgeServer:
         self._count_publisher: Publisher | None = None
         self._leaving: asyncio.Task[None] | None = None
         self._ended = asyncio.Event()
-        self._door = Door(self._admission, tell)
+        self._door = Door(
+            settings.allow,
+            MAX_CLIENTS + MAX_GREETING,
+            lambda text: tell(Level.WARN, f"rosbridge: {text}"),
+        )
 
     @property
     def port(self) -> int:
@@ -154,13 +161,14 @@ class RosbridgeServer:
 
     async def _listen(self, host: str, port: int) -> None:
         settings = self._settings
+        encryption = server_encryption(settings.certificate, settings.key)
         try:
             server = await serve(
                 self._serve,
                 host,
                 port,
                 process_request=self._admit,
-                ssl=_tls(settings),
+                ssl=encryption,
                 compression="deflate" if settings.deflate else None,
                 max_size=settings.max_message_bytes,
                 max_queue=MAX_WAITING_FRAMES,
@@ -177,8 +185,8 @@ class RosbridgeServer:
         self._servers.append(server)
 
     async def _admit(self, connection: ServerConnection, request: HttpRequest) -> Response | None:
-        origin = request.headers.get("Origin")
-        if not self._admission.allows_origin(origin, request.headers.get("Host", "")):
+        origin = single_header(request.headers, "Origin")
+        if not self._admission.allows_origin(origin, single_header(request.headers, "Host") or ""):
             return self._refuse(
                 connection,
                 f"the page {origin!r:.200} is of another host; `--origin {origin:.200}` lets it in",
@@ -196,14 +204,14 @@ class RosbridgeServer:
     def _refuse(
         self, connection: ServerConnection, reason: str, status: HTTPStatus = HTTPStatus.FORBIDDEN
     ) -> Response:
-        self._door.tell_refusal(peer_name(connection.transport), reason)
+        self._door.tell_refusal(connection.transport, reason)
         return connection.respond(status, f"rosbridge: {reason}\n")
 
     async def _serve(self, connection: ServerConnection) -> None:
         request = connection.request
         assert request is not None
         is_known = not self._admission.wants_token or self._admission.knows_token(
-            request.path, request.headers.get("Authorization", "")
+            request.path, single_header(request.headers, "Authorization") or ""
         )
         session = Session(connection, self._around, self._admission, peer_name(connection.transport))
         self._clients.add(session)
@@ -232,19 +240,6 @@ def _why(connection: ServerConnection) -> str:
     if sent is None or sent.code in (1000, 1001, 1005):
         return ""
     return f": {sent.reason or sent.code}"
-
-
-def _tls(settings: RosbridgeSettings) -> ssl.SSLContext | None:
-    if not settings.certificate:
-        return None
-    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
-    try:
-        context.load_cert_chain(settings.certificate, settings.key or None)
-    except (OSError, ssl.SSLError) as error:
-        raise ConfigError(
-            f"rosbridge: the certificate {settings.certificate} cannot be used: {error}"
-        ) from None
-    return context
 
 
 def _explain(host: str, port: int, error: OSError) -> TransportOpenError:

@@ -12,6 +12,7 @@ from websockets.asyncio.server import ServerConnection
 from websockets.exceptions import ConnectionClosed
 
 from rostether.errors import RemoteProtocolError, RostetherError
+from rostether.gateways.clean_line import clean_line
 from rostether.gateways.rosbridge.admission import Admission
 from rostether.gateways.rosbridge.client_services import ClientServices
 from rostether.gateways.rosbridge.client_subscription import ClientSubscription, Compression, Wish
@@ -28,7 +29,7 @@ from rostether.gateways.rosbridge.settings import (
     OPERATION_LIMIT_S,
     TURN_S,
 )
-from rostether.gateways.rosbridge.status import DEFAULT_LEVEL, StatusLevel, clean_line, show, status_message
+from rostether.gateways.rosbridge.status import DEFAULT_LEVEL, StatusLevel, show, status_message
 from rostether.gateways.rosbridge.values import write_json
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Level

@@ -15,6 +15,9 @@ DEFAULT_MAX_MESSAGE_BYTES = 10_000_000
 MAX_CLIENTS = 1024
 """Pages and programs of a large laboratory; each costs a descriptor and some 100 kB."""
 
+MAX_GREETING = 256
+"""Connections that have not said what they want yet; websockets gives each ten seconds for that."""
+
 MAX_SUBSCRIPTIONS = 1000
 """Topics of one client: a page that shows a whole robot has some hundred."""
 

@@ -40,12 +40,6 @@ def status_message(level: StatusLevel, text: str, request_id: object = None) -> 
     return json.dumps(fields)
 
 
-def clean_line(text: str) -> str:
-    """Return a text that holds what a client sent as one line that any terminal and any encoding takes."""
-    line = " ".join(text.split())
-    return line if line.isprintable() else "".join(c if c.isprintable() else "\ufffd" for c in line)
-
-
 def show(value: object) -> str:
     """Return what a client sent as an error repeats it: short, on one line."""
     text = repr(value)

@@ -12,7 +12,7 @@ from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus, WebSocketException
 
 from rostether.errors import ServiceCallError, TransportOpenError
-from rostether.gateways.rosbridge import client_services, door, publication, server, session
+from rostether.gateways.rosbridge import client_services, publication, server, session
 from rostether.gateways.rosbridge.png_packing import pack_png, unpack_png
 from rostether.gateways.rosbridge.server import RosbridgeServer
 from rostether.gateways.rosbridge.settings import RosbridgeSettings
@@ -529,10 +529,15 @@ async def test_clients_are_counted_and_bounded(there: World, monkeypatch: pytest
 
 
 async def test_silent_connections_are_bounded_and_told_of_now_and_then(
-    there: World, monkeypatch: pytest.MonkeyPatch
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(door, "MAX_CLIENTS", 2)
-    monkeypatch.setattr(door, "MAX_GREETING", 1)
+    monkeypatch.setattr(server, "MAX_CLIENTS", 2)
+    monkeypatch.setattr(server, "MAX_GREETING", 1)
+    async with world(SETTINGS) as there:
+        await silent_connections_are_bounded(there)
+
+
+async def silent_connections_are_bounded(there: World) -> None:
     silent = [await asyncio.open_connection("127.0.0.1", there.server.port) for _ in range(3)]
     for _ in range(3):
         refused, writer = await asyncio.open_connection("127.0.0.1", there.server.port)

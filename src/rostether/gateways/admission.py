@@ -1,0 +1,118 @@
+"""Who may connect to a gateway: which web pages, and who knows the token.
+
+Any page that a browser shows may open a WebSocket to this machine, loopback or not; only the `Origin` that
+browsers send tells which page it is. Programs send none.
+"""
+
+from __future__ import annotations
+
+import hmac
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field
+from ipaddress import ip_address
+from typing import Protocol
+from urllib.parse import SplitResult, parse_qs, urlsplit
+
+ANY_PAGE = "*"
+
+_LOOPBACK_NAMES = frozenset({"localhost", "127.0.0.1", "::1"})
+_WEB_SCHEMES = ("http", "https")
+_BEARER = "bearer"
+
+
+@dataclass(frozen=True, slots=True)
+class PageRule:
+    """Which pages may connect: this machine's to this machine, and those of the address connected to.
+
+    `origins` are pages that the user named, such as `https://panel.example` (`*`: all), `own_names` names of
+    this machine besides its addresses. A gateway for a viewer names the viewer's own `viewer_site`: its pages
+    and desktop applications may connect too, and so may the viewer that this machine serves, to any machine.
+    """
+
+    origins: Sequence[str] = ()
+    own_names: Collection[str] = ()
+    viewer_site: str = ""
+
+    def admits(self, origin: str | None, host: str) -> bool:
+        """Tell whether a page may connect; `host` is the Host that it asked, `origin` may be missing."""
+        if origin is None or ANY_PAGE in self.origins:
+            return True
+        if any(origin in (each, each.rstrip("/")) for each in self.origins):
+            return True
+        try:
+            page = urlsplit(origin)
+            server = urlsplit(f"//{host}").hostname or ""
+        except ValueError:
+            return False
+        if self.viewer_site and self._is_viewer(page):
+            return True
+        name = page.hostname or ""
+        if name in _LOOPBACK_NAMES and server in _LOOPBACK_NAMES:
+            return True
+        # A name that somebody else's name server resolves to us must not count as ours.
+        return bool(name) and name == server and (name in self.own_names or _is_address(name))
+
+    def _is_viewer(self, page: SplitResult) -> bool:
+        name = page.hostname or ""
+        if page.scheme not in _WEB_SCHEMES:
+            # "null" is what any page may make of itself; file: and the like only a program can.
+            return bool(page.scheme)
+        if page.scheme == "https" and (name == self.viewer_site or name.endswith(f".{self.viewer_site}")):
+            return True
+        return name in _LOOPBACK_NAMES
+
+
+@dataclass(frozen=True, slots=True)
+class Token:
+    """What clients must know; an empty secret is asked of nobody."""
+
+    secret: str = field(default="", repr=False)
+
+    @property
+    def is_wanted(self) -> bool:
+        """Whether clients must say who they are."""
+        return bool(self.secret)
+
+    def is_carried_by(self, path: str, authorization: str) -> bool:
+        """Tell whether a request has the token: `Authorization: Bearer` counts, or else `?token=`."""
+        scheme, _, credentials = authorization.partition(" ")
+        if scheme.lower() == _BEARER:
+            return self.is_same(credentials.strip())
+        return self.is_same(parse_qs(path.partition("?")[2]).get("token", [""])[0])
+
+    def is_same(self, given: str) -> bool:
+        """Tell whether a text is the secret, in a time that says nothing of it."""
+        return is_same_secret(given, self.secret)
+
+
+class Headers(Protocol):
+    """What is asked of a request's headers."""
+
+    def get_all(self, key: str, /) -> list[str]:
+        """Return all values that a header was given."""
+
+
+def single_header(headers: Headers, name: str) -> str | None:
+    """Return a header that is there, None where it is not.
+
+    What is there twice is neither: it is "null", an Origin that no page has and a token that nobody has.
+    """
+    values = headers.get_all(name)
+    if not values:
+        return None
+    return values[0] if len(values) == 1 else "null"
+
+
+def is_same_secret(given: str, wanted: str) -> bool:
+    """Tell whether two texts are equal, in a time that does not depend on where they differ."""
+    return hmac.compare_digest(
+        given.encode("utf-8", "surrogatepass"), wanted.encode("utf-8", "surrogatepass")
+    )
+
+
+def _is_address(host: str) -> bool:
+    try:
+        ip_address(host)
+    except ValueError:
+        return False
+    return True

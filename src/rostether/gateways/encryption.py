@@ -1,0 +1,26 @@
+"""Encrypted connections (wss): a certificate and its key, as files."""
+
+from __future__ import annotations
+
+import ssl
+
+from rostether.errors import ConfigError
+
+
+def server_encryption(certificate: str, key: str) -> ssl.SSLContext | None:
+    """Return what a listener encrypts with, None without a certificate; the key may stand in its file.
+
+    Raises ConfigError naming the files that cannot be used.
+    """
+    if not certificate:
+        return None
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    try:
+        context.load_cert_chain(certificate, key or None)
+    except (OSError, ssl.SSLError) as error:
+        files = f"{certificate} and its key {key}" if key else certificate
+        raise ConfigError(
+            f"the certificate {files} cannot be used: {error.strerror or error}; "
+            "give files in PEM format that can be read"
+        ) from None
+    return context

@@ -1,0 +1,71 @@
+from __future__ import annotations
+
+import pytest
+from websockets.datastructures import Headers
+
+from rostether.gateways.admission import PageRule, Token, single_header
+
+REBOUND = "stranger.example"
+"""A name whose owner lets it lead to this machine once the page is there."""
+
+
+@pytest.mark.parametrize("viewer_site", ["", "viewer.example"])
+@pytest.mark.parametrize(
+    ("origin", "host", "is_admitted"),
+    [
+        (None, "robot:1", True),
+        ("http://localhost:3000", "127.0.0.1:1", True),
+        ("http://10.0.0.7", "10.0.0.7:1", True),
+        ("http://[fd00::7]", "[fd00::7]:1", True),
+        ("http://robot", "robot:1", True),
+        (f"http://{REBOUND}", f"{REBOUND}:1", False),
+        ("http://10.0.0.8", "10.0.0.7:1", False),
+        ("http://robot", "10.0.0.7:1", False),
+        ("null", "localhost:1", False),
+        ("", "localhost:1", False),
+        ("http://", ":1", False),
+        ("http://[", "localhost:1", False),
+        ("http://10.0.0.7", "[", False),
+    ],
+)
+def test_pages_whose_address_is_ours_may_connect(
+    origin: str | None, host: str, viewer_site: str, is_admitted: bool
+) -> None:
+    assert PageRule((), ("robot",), viewer_site).admits(origin, host) is is_admitted
+
+
+@pytest.mark.parametrize(
+    "origin",
+    ["https://viewer.example", "https://app.viewer.example", "viewer://app", "http://localhost:3000"],
+)
+def test_a_viewer_may_connect_where_a_gateway_is_made_for_it(origin: str) -> None:
+    assert PageRule(viewer_site="viewer.example").admits(origin, "robot:1")
+    assert not PageRule().admits(origin, "robot:1")
+
+
+def test_pages_that_were_named_may_connect() -> None:
+    rule = PageRule(("https://panel.example/", "null"))
+    assert rule.admits("https://panel.example", "robot:1")
+    assert rule.admits("null", "robot:1")
+    assert not rule.admits("http://panel.example", "robot:1")
+    assert PageRule(("*",)).admits("http://a.b", "robot:1")
+
+
+def test_a_request_carries_one_token() -> None:
+    token = Token("abc")
+    assert token.is_wanted
+    assert not Token().is_wanted
+    assert token.is_carried_by("/?a=1&token=abc", "")
+    assert token.is_carried_by("/", "bearer  abc ")
+    assert token.is_carried_by("//[?token=abc", "Basic x")
+    assert not token.is_carried_by("/?token=abc", "Bearer wrong")
+    assert not token.is_carried_by("/?token=wrong&token=abc", "")
+    assert not token.is_same("ab\ud800")
+    assert "abc" not in repr(token)
+
+
+def test_a_header_that_is_there_twice_is_nothing_that_is_known() -> None:
+    headers = Headers([("Origin", "http://localhost"), ("Origin", "http://a.b"), ("Host", "robot")])
+    assert single_header(headers, "Origin") == "null"
+    assert single_header(headers, "Host") == "robot"
+    assert single_header(headers, "Authorization") is None
