@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Coroutine
+from collections import Counter
+from collections.abc import Callable, Coroutine, Sequence
 from typing import TYPE_CHECKING, Any
 
 from rostether.errors import InvalidNameError, RemoteProtocolError, RostetherError
@@ -49,7 +50,8 @@ class Client:
         self._watched: set[str] = set()
         self._changed: dict[str, dict[str, Any]] = {}
         self._work: set[asyncio.Task[Any]] = set()
-        self._calls = 0
+        self._requests: Counter[str] = Counter()
+        self._fetching = asyncio.Semaphore(1)
         self._mistakes = 0
         self._dropped = 0
         self._dropped_before = 0
@@ -213,11 +215,11 @@ class Client:
             answer = await self._gateway.services.call(
                 service, request.encoding, request.payload, self._gateway.limits.call_timeout_s
             )
-            self.line.send(
+            await self.line.send_large(
                 told.service_response(request.service_id, request.call_id, request.encoding, answer)
             )
 
-        self._ask(call(), fail)
+        self._ask(call, fail)
 
     def _get_parameters(self, request: asked.GetParameters) -> None:
         async def get() -> None:
@@ -225,7 +227,7 @@ class Client:
                 values = await self._gateway.parameters.get(request.names)
             self.line.send(told.parameter_values(values, request.request_id))
 
-        self._ask(get(), lambda text: self.mistake(f"parameters cannot be read: {text}"))
+        self._ask(get, lambda text: self.mistake(f"parameters cannot be read: {text}"))
 
     def _set_parameters(self, request: asked.SetParameters) -> None:
         async def set_them() -> None:
@@ -236,10 +238,22 @@ class Client:
             if request.request_id is not None:
                 self.line.send(told.parameter_values(values, request.request_id))
 
-        self._ask(set_them(), lambda text: self.mistake(f"parameters cannot be set: {text}"))
+        self._ask(set_them, lambda text: self.mistake(f"parameters cannot be set: {text}"))
 
     def _watch_parameters(self, request: asked.SubscribeParameters) -> None:
-        for name in request.names:
+        if request.names:
+            self._watch_each(request.names)
+            return
+
+        async def watch_all() -> None:
+            async with asyncio.timeout(self._gateway.limits.parameters_timeout_s):
+                names = await self._gateway.parameters.names()
+            self._watch_each(names)
+
+        self._ask(watch_all, lambda text: self.mistake(f"parameters cannot be watched: {text}"))
+
+    def _watch_each(self, names: Sequence[str]) -> None:
+        for name in names:
             if name in self._watched:
                 continue
             if len(self._watched) >= self._gateway.limits.watched_parameters:
@@ -256,8 +270,7 @@ class Client:
             self.mistake(f"parameter {name[:80]} cannot be watched: {error}")
 
     def _unwatch_parameters(self, request: asked.UnsubscribeParameters) -> None:
-        # As Foxglove's own server has it, no names means none, not all.
-        for name in request.names:
+        for name in request.names or tuple(self._watched):
             if name in self._watched:
                 self._watched.discard(name)
                 self._gateway.run(self._gateway.parameters.unwatch(name, self._parameter_changed))
@@ -282,37 +295,51 @@ class Client:
 
     def _fetch(self, request: asked.FetchAsset) -> None:
         async def fetch() -> None:
-            data = await self._gateway.assets.read(request.uri)
-            self.line.send(told.asset(request.request_id, data))
+            # One at a time: each may be large, and goes to the client before the next is read.
+            async with self._fetching:
+                data = await self._gateway.assets.read(request.uri)
+                await self.line.send_large(told.asset(request.request_id, data))
 
-        self._ask(fetch(), lambda text: self.line.send(told.asset_failure(request.request_id, text)))
+        self._ask(
+            fetch,
+            lambda text: self.line.send(told.asset_failure(request.request_id, text)),
+            what="assets",
+            limit=self._gateway.limits.assets,
+        )
 
     # within
 
-    def _ask(self, work: Coroutine[Any, Any, None], fail: Callable[[str], None]) -> None:
+    def _ask(
+        self,
+        work: Callable[[], Coroutine[Any, Any, None]],
+        fail: Callable[[str], None],
+        *,
+        what: str = "requests",
+        limit: int | None = None,
+    ) -> None:
         """Do something that takes time, a bounded number at once; what goes wrong is told in one line."""
-        if self._calls >= self._gateway.limits.calls:
-            work.close()
-            fail(f"more than {self._gateway.limits.calls} requests at once: wait for answers")
+        limit = self._gateway.limits.calls if limit is None else limit
+        if self._requests[what] >= limit:
+            fail(f"more than {limit} {what} at once: wait for answers")
             return
 
-        async def bounded() -> None:
-            self._calls += 1
+        async def contained() -> None:
             try:
-                await work
+                await work()
             except RostetherError as error:
                 fail(str(error))
             except TimeoutError:
                 fail("no answer in time")
-            finally:
-                self._calls -= 1
 
-        self._start(bounded())
+        # Counted at once: a client may ask for many in one breath.
+        self._requests[what] += 1
+        self._start(contained()).add_done_callback(lambda _: self._requests.subtract([what]))
 
-    def _start(self, work: Coroutine[Any, Any, None]) -> None:
+    def _start(self, work: Coroutine[Any, Any, None]) -> asyncio.Task[None]:
         task = asyncio.ensure_future(work)
         self._work.add(task)
         task.add_done_callback(self._finish)
+        return task
 
     def _finish(self, task: asyncio.Task[Any]) -> None:
         self._work.discard(task)

@@ -41,7 +41,6 @@ class ClientTopic:
         self._early_bytes = 0
         self._told: set[str] = set()
         self._opening: asyncio.Task[None] | None = None
-        self._is_closed = False
 
     def open(self, graph: Graph, store: TypeStore) -> None:
         """Advertise the topic; what goes wrong is told."""
@@ -61,11 +60,11 @@ class ClientTopic:
 
     async def close(self) -> None:
         """Unadvertise."""
-        self._is_closed = True
         if self._opening is not None:
             await asyncio.wait([self._opening])
         if self._publisher is not None:
             publisher, self._publisher = self._publisher, None
+            await drained(publisher)
             await publisher.close()
 
     async def _open(self, graph: Graph, store: TypeStore) -> None:
@@ -84,7 +83,8 @@ class ClientTopic:
             await _met(graph, publisher)
         finally:
             self._publisher = publisher
-        while self._early and not self._is_closed:
+        # A client that says one thing and leaves is heard, too.
+        while self._early:
             self.publish(self._early.popleft())
 
     def _keep(self, payload: bytes) -> None:

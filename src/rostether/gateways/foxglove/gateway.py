@@ -158,8 +158,8 @@ class FoxgloveGateway:
                 metadata={"ROS_DISTRO": "noetic"},
             )
         )
-        if self.channels.by_id:
-            send(told.advertise(self.channels.by_id.values()))
+        # The protocol wants one in each connection; it may be empty.
+        send(told.advertise(self.channels.by_id.values()))
         if self.services.by_id and "services" in capabilities:
             send(told.advertise_services(self.services.by_id.values()))
         for text in self._statuses.values():

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 class FoxgloveLimits:
     """Bounds of one gateway and its clients."""
 
-    clients: int = 32
-    """A team in front of one robot; each may cost `waiting_bytes`."""
+    clients: int = 64
+    """A class in front of one robot; each may cost `waiting_bytes`."""
 
     message_bytes: int = 16 << 20
     """Of what a client sends: a large image or map that it publishes."""
@@ -19,13 +19,16 @@ class FoxgloveLimits:
     """For each slow client: some five camera images, or seconds of everything else."""
 
     control_bytes: int = 32 << 20
-    """Answers that a client does not read; then it is given up. Two of the largest assets."""
+    """Answers that a client does not read; then it is given up. Large ones wait for their turn."""
 
     asset_bytes: int = 64 << 20
     """The largest meshes that robots have are some ten megabytes."""
 
     calls: int = 32
-    """Service calls, parameter requests and assets of one client at once, as Foxglove's own server takes."""
+    """Service calls and parameter requests of one client at once, as Foxglove's own server takes."""
+
+    assets: int = 1024
+    """Asked for by one client at once, read one after another: all meshes of a robot's description."""
 
     subscriptions: int = 4096
     """Of one client: more topics than any graph has."""

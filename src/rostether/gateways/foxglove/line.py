@@ -76,6 +76,10 @@ class Line(asyncio.Protocol):
         self._is_flush_due = False
         self._flushed_s = 0.0
         self._is_paused = False
+        self._has_room = asyncio.Event()
+        self._has_room.set()
+        self._large_turn = asyncio.Lock()
+        self._large_bytes = 0
         self._waiting = WaitingMessages(limits.waiting_bytes)
         self._told_dropped = 0
         self._parts: list[bytes] = []
@@ -116,10 +120,13 @@ class Line(asyncio.Protocol):
     def pause_writing(self) -> None:
         """Let messages of topics wait."""
         self._is_paused = True
+        self._has_room.clear()
 
     def resume_writing(self) -> None:
         """Send what waited."""
         self._is_paused = False
+        self._large_bytes = 0
+        self._has_room.set()
         self._drain()
 
     # the user's side
@@ -148,8 +155,16 @@ class Line(asyncio.Protocol):
         except ConnectionClosed:
             return
         self._write_control()
-        if self._transport.get_write_buffer_size() > self._limits.control_bytes + HIGH_WATER_BYTES:
+        allowed = self._limits.control_bytes + HIGH_WATER_BYTES + self._large_bytes
+        if self._transport.get_write_buffer_size() > allowed:
             self.abort()
+
+    async def send_large(self, message: bytes) -> None:
+        """Send an answer of any size, as soon as the client has read the one before."""
+        async with self._large_turn:
+            await self._has_room.wait()
+            self._large_bytes = len(message)
+            self.send(message)
 
     def send_data(self, subscription_id: int, time_ns: int, payloads: Sequence[bytes]) -> None:
         """Send messages of a topic, or let them wait."""
@@ -246,6 +261,9 @@ class Line(asyncio.Protocol):
                 self._transport.write(data)
             elif self._transport.can_write_eof():
                 self._transport.write_eof()
+            else:
+                # TLS cannot close one half; what was written is sent before.
+                self._transport.close()
 
     def _flush_due(self) -> None:
         self._is_flush_due = False

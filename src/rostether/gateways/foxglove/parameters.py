@@ -33,7 +33,7 @@ class Parameters:
         """
         if names:
             return await self._get_each([name for name in names if self._offers(name)])
-        listed = [name for name in await self._graph.list_params() if self._offers(name)][:MAX_PARAMETERS]
+        listed = await self.names()
         try:
             # On ROS 1 one request has them all.
             tree = await self._graph.get_param("/")
@@ -65,6 +65,10 @@ class Parameters:
                 mistakes.append(f"parameter {each.name[:80]} is not set: {error}")
                 now.append(describe(each.name, before))
         return now, mistakes
+
+    async def names(self) -> list[str]:
+        """Return the names of all parameters that are offered. Raises GraphError."""
+        return [name for name in await self._graph.list_params() if self._offers(name)][:MAX_PARAMETERS]
 
     async def watch(self, name: str, on_change: Callable[[dict[str, Any]], None]) -> None:
         """Call back with the value now and after each change. Raises InvalidNameError, GraphError."""

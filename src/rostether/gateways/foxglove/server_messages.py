@@ -28,6 +28,7 @@ _SERVICE_RESPONSE = struct.Struct("<BIII")
 _ASSET_RESPONSE = struct.Struct("<BIBI")
 _TIME_OPCODE, _SERVICE_RESPONSE_OPCODE, _ASSET_RESPONSE_OPCODE = 0x02, 0x03, 0x04
 _ASSET_FOUND, _ASSET_FAILED = 0, 1
+_ENCODED = frozenset({"clientPublish", "services"})  # what clients send encoded messages for
 _MAX_TEXT_CHARACTERS = 2000  # of a line for people
 
 
@@ -61,16 +62,16 @@ def server_info(
     *, name: str, capabilities: Sequence[str], session_id: str, metadata: Mapping[str, str]
 ) -> str:
     """Return the first message of every connection."""
-    return _json(
-        {
-            "op": "serverInfo",
-            "name": name,
-            "capabilities": list(capabilities),
-            "supportedEncodings": [ROS1_ENCODING, JSON_ENCODING],
-            "metadata": dict(metadata),
-            "sessionId": session_id,
-        }
-    )
+    message: dict[str, Any] = {
+        "op": "serverInfo",
+        "name": name,
+        "capabilities": list(capabilities),
+        "metadata": dict(metadata),
+        "sessionId": session_id,
+    }
+    if not _ENCODED.isdisjoint(capabilities):
+        message["supportedEncodings"] = [ROS1_ENCODING, JSON_ENCODING]
+    return _json(message)
 
 
 def status(level: StatusLevel, text: str, status_id: str | None = None) -> str:

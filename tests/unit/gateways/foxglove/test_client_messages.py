@@ -4,7 +4,7 @@ import contextlib
 import json
 
 import pytest
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rostether.errors import RemoteProtocolError
@@ -107,6 +107,8 @@ _FIELDS = [
 ]
 
 
+# On a machine under load, making examples takes long.
+@settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(st.sampled_from(_OPS), st.dictionaries(st.sampled_from(_FIELDS), _JSON, max_size=3))
 def test_any_json_is_a_message_or_an_error(op: str, fields: dict[str, object]) -> None:
     with contextlib.suppress(RemoteProtocolError):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import socket
+import struct
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -151,6 +152,17 @@ async def test_a_client_publishes_raw_and_json() -> None:
     assert len(heard) == 2
 
 
+async def test_what_a_client_says_before_it_leaves_is_published() -> None:
+    async with stage() as there, there.client() as client:
+        heard: list[bytes] = []
+        await there.robot.subscribe("/said", string_type(there), heard.extend)
+        channel = {"id": 1, "topic": "/said", "encoding": "ros1", "schemaName": STRING}
+        await client.say("advertise", channels=[channel])
+        await client.publish(1, text(there, "bye"))
+        await client.say("unadvertise", channelIds=[1])
+        await until(lambda: heard == [text(there, "bye")])
+
+
 async def test_a_client_calls_services() -> None:
     async with stage() as there, there.client() as client:
         codec = there.store.codec("std_srvs/SetBoolResponse")
@@ -232,6 +244,28 @@ async def test_parameters_are_got_set_and_watched() -> None:
         assert [each["name"] for each in answer["parameters"]] == ["/arm/names"]
 
 
+async def test_no_names_are_all_parameters_to_watch_and_to_forget() -> None:
+    async with stage() as there, there.client() as client:
+        await there.robot.set_param("/a", 1)
+        await there.robot.set_param("/b", 2)
+        await client.say("subscribeParameterUpdates", parameterNames=[])
+
+        def told(name: str, value: int) -> bool:
+            said = [each for message in client.of("parameterValues") for each in message["parameters"]]
+            return {"name": name, "value": value} in said
+
+        await until(lambda: told("/a", 1) and told("/b", 2))
+        await there.robot.set_param("/b", 3)
+        await until(lambda: told("/b", 3))
+        await client.say("unsubscribeParameterUpdates", parameterNames=[])
+        await client.say("getParameters", parameterNames=["/a"], id="done")
+        await client.wait("parameterValues", lambda each: each.get("id") == "done")
+        await there.robot.set_param("/a", 4)
+        await client.say("getParameters", parameterNames=["/b"], id="later")
+        await client.wait("parameterValues", lambda each: each.get("id") == "later")
+        assert not told("/a", 4)
+
+
 async def test_the_connection_graph_comes_whole_and_then_in_changes() -> None:
     async with stage() as there, there.client() as client:
         publisher = await there.robot.advertise("/chatter", string_type(there))
@@ -274,6 +308,19 @@ async def test_assets_of_packages_are_read(tmp_path: Path) -> None:
         await client.say("fetchAsset", uri="package://arm/../../etc/passwd", requestId=2)
         answer = await client.wait("fetchAssetResponse", lambda each: each["request"] == 2)
         assert (answer["status"], answer["data"]) == (1, b"")
+
+
+async def test_all_meshes_of_a_robot_come_however_large_and_many_they_are(tmp_path: Path) -> None:
+    (tmp_path / "mesh.stl").write_bytes(bytes(6 << 20))
+    limits = FoxgloveLimits(control_bytes=1 << 20, calls=2)
+    async with (
+        stage(FoxgloveSettings(port=0, limits=limits), find_packages=lambda: {"arm": tmp_path}) as there,
+        there.client() as client,
+    ):
+        for number in range(5):
+            await client.say("fetchAsset", uri="package://arm/mesh.stl", requestId=number)
+        await until(lambda: len(client.of("fetchAssetResponse")) == 5)
+        assert {len(each["data"]) for each in client.of("fetchAssetResponse")} == {6 << 20}
 
 
 async def test_a_client_that_does_not_read_loses_messages_and_delays_nobody() -> None:
@@ -343,9 +390,38 @@ async def test_no_more_clients_than_allowed_and_a_free_place_is_taken() -> None:
             with pytest.raises((OSError, InvalidHandshake)):
                 async with there.client():
                     pass
+            assert "are the most" in there.told[-1]
         await until(lambda: there.gateway.client_count == 0)
         async with there.client() as client:
             await client.wait("serverInfo")
+
+
+async def test_requests_in_one_breath_are_bounded() -> None:
+    async with stage(FoxgloveSettings(port=0, limits=FoxgloveLimits(calls=3))) as there:
+        calls: list[bytes] = []
+
+        async def hang(request: bytes) -> bytes:
+            calls.append(request)
+            await asyncio.Event().wait()
+            return b""
+
+        service = there.store.registry.service_type("std_srvs/Empty")
+        await there.robot.advertise_service("/hang", service, hang)
+        async with there.client() as client:
+            offered = await client.service("/hang")
+            (inside,) = there.gateway._clients
+            request = b"\x02" + struct.pack("<III", offered["id"], 1, 4) + b"ros1"
+            for _ in range(5):
+                inside.received(request)
+            await until(lambda: len(client.of("serviceCallFailure")) == 2 and len(calls) == 3)
+
+
+async def test_a_new_client_is_told_of_channels_also_where_there_are_none() -> None:
+    nothing = NameFilter.of([], "test")
+    settings = FoxgloveSettings(port=0, capabilities=("parameters",), topics=nothing)
+    async with stage(settings) as there, there.client() as client:
+        assert (await client.wait("advertise"))["channels"] == []
+        assert "supportedEncodings" not in await client.wait("serverInfo")
 
 
 async def test_only_a_part_of_the_graph_is_offered_where_that_is_asked_for() -> None:

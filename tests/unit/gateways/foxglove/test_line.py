@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import asyncio
 import os
+import ssl
 import struct
+import subprocess
 from dataclasses import replace
+from pathlib import Path
 from typing import TypeAlias
 
 import pytest
+from websockets.asyncio.client import connect
+from websockets.typing import Subprotocol
 
+from rostether.gateways.foxglove import line
 from rostether.gateways.foxglove.limits import FoxgloveLimits
 from rostether.gateways.foxglove.settings import FoxgloveSettings
 from unit.gateways.foxglove.protocol_client import LIMIT_S, stage, until
@@ -138,6 +144,20 @@ async def test_who_does_not_read_answers_is_given_up() -> None:
         writer.close()
 
 
+async def test_an_encrypted_connection_ends_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(line, "_CLOSE_S", 3600.0)
+    certificate, key = _certificate(tmp_path)
+    settings = FoxgloveSettings(port=0, certificate=certificate, key=key)
+    trust = ssl.create_default_context(cafile=certificate)
+    async with stage(settings) as there:
+        url = f"wss://localhost:{there.gateway.port}"
+        protocol = Subprotocol("foxglove.sdk.v1")
+        viewer = await connect(url, ssl=trust, subprotocols=[protocol], proxy=None, close_timeout=2 * LIMIT_S)
+        await viewer.recv()
+        await asyncio.wait_for(viewer.close(), LIMIT_S)
+        assert viewer.close_code == 1000
+
+
 async def test_random_bytes_after_the_handshake_leave_the_gateway_up() -> None:
     async with stage() as there, there.client() as other:
         for _ in range(30):
@@ -149,3 +169,17 @@ async def test_random_bytes_after_the_handshake_leave_the_gateway_up() -> None:
         await other.say("getParameters", parameterNames=[], id="here")
         await other.wait("parameterValues")
         await until(lambda: there.gateway.client_count == 1)
+
+
+def _certificate(folder: Path) -> tuple[str, str]:
+    certificate, key = str(folder / "cert.pem"), str(folder / "key.pem")
+    subprocess.run(
+        [
+            *("openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1"),
+            *("-nodes", "-days", "2", "-subj", "/CN=localhost", "-addext", "subjectAltName=DNS:localhost"),
+            *("-keyout", key, "-out", certificate),
+        ],
+        check=True,
+        capture_output=True,
+    )
+    return certificate, key
