@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import AsyncIterator, Mapping, Sequence
-from contextlib import asynccontextmanager
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,18 +13,18 @@ import click
 
 from rostether.cli.bridge_lines import ConsoleReporter
 from rostether.cli.gateway_options import access_options, read_gateway_options, read_place
-from rostether.cli.gateways import GatewayGraph, Tell, joined_patiently, ros1_gateway_graph
+from rostether.cli.gateway_parameters import certificate_files, flag, private_parameters, whole_number
+from rostether.cli.gateway_serving import serve_gateway
+from rostether.cli.gateways import GatewayGraph, Tell, joined_patiently, ros1_gateway_graph, tell_reach
 from rostether.cli.graph_access import read_environment
 from rostether.cli.options import allow_option, msg_path_option
 from rostether.cli.role_node import NODE_SETTINGS, run_role
-from rostether.cli.ros2_options import Ros2Options, read_ros2_options, ros2_options
-from rostether.cli.ros_choice import Middleware, chosen_ros1, chosen_ros2
-from rostether.cli.running import run
-from rostether.cli.served_graphs import ServedGraphs, served_graphs
+from rostether.cli.ros2_options import ros2_options
+from rostether.cli.served_graphs import ServedGraphs
 from rostether.cli.verbs import Verb
 from rostether.errors import ConfigError
+from rostether.extras import install_command
 from rostether.graph.ports import Level
-from rostether.ros1.environment import is_loopback
 
 if TYPE_CHECKING:
     from rostether.cli.gateway_options import GatewayOptions
@@ -32,10 +32,8 @@ if TYPE_CHECKING:
     from rostether.gateways.foxglove.settings import FoxgloveSettings, NameFilter
     from rostether.graph.ports import Graph
     from rostether.graph.typed_graph import TypedGraph
-    from rostether.ros1.environment import RosEnvironment
 
 FOXGLOVE_NODE = "foxglove_bridge"
-_TRUE = ("true", "1", "yes", "on")
 
 
 @click.command(
@@ -61,18 +59,13 @@ def foxglove(place: str, master: str | None, allowed: tuple[str, ...], msg_paths
     --foxglove` does the same beside boards. Other machines need a PLACE such as 0.0.0.0:8765.
     """
     check_foxglove()
-    run(
-        _serve(
-            read_settings(place, read_gateway_options(allowed)),
-            read_environment(master).allowing(allowed),
-            chosen_ros2(),
-            read_ros2_options(),
-            msg_paths,
-            ros1=chosen_ros1(),
-            is_chosen=master is not None,
-        ),
-        is_service=True,
-    )
+    settings = read_settings(place, read_gateway_options(allowed))
+
+    def open_gateway(graphs: ServedGraphs, tell: Tell) -> AbstractAsyncContextManager[FoxgloveGateway]:
+        on = _in_ros1_words(graphs, msg_paths)
+        return _gateway(settings, on, tell, "`rostether foxglove 0.0.0.0:8765`")
+
+    serve_gateway(master, allowed, msg_paths, open_gateway)
 
 
 @click.command(
@@ -121,9 +114,7 @@ def read_settings(place: str, options: GatewayOptions) -> FoxgloveSettings:
 def check_foxglove() -> None:
     """Raise ConfigError where the extra is not installed."""
     if find_spec("websockets") is None:
-        raise ConfigError(
-            "the gateway for Foxglove is not installed; type: pip install 'rostether[foxglove]'"
-        )
+        raise ConfigError(f"the gateway for Foxglove is not installed; type: {install_command('foxglove')}")
 
 
 def settings_of_parameters(
@@ -138,20 +129,18 @@ def settings_of_parameters(
         FoxgloveSettings,
     )
 
-    is_secure = str(parameters.get("tls", False)).strip().lower() in _TRUE
-    if is_secure and not parameters.get("certfile"):
-        raise ConfigError("~tls needs ~certfile and ~keyfile, the files of a certificate and its key")
+    certificate, key = certificate_files(parameters, "tls") if flag(parameters, "tls") else ("", "")
     wanted = parameters.get("capabilities")
     if wanted is not None and not isinstance(wanted, list):
         raise ConfigError(f"~capabilities must be a list, as [{', '.join(CAPABILITIES)}]")
-    waiting_bytes = _whole(parameters, "send_buffer_limit", 0)
+    waiting_bytes = whole_number(parameters, "send_buffer_limit", 0)
     return FoxgloveSettings(
         host=str(parameters.get("address") or DEFAULT_HOST),
-        port=_whole(parameters, "port", DEFAULT_PORT),
+        port=whole_number(parameters, "port", DEFAULT_PORT),
         token=token,
         allow=allow,
-        certificate=str(parameters["certfile"]) if is_secure else "",
-        key=str(parameters.get("keyfile", "")) if is_secure else "",
+        certificate=certificate,
+        key=key,
         capabilities=tuple(each for each in CAPABILITIES if wanted is None or each in wanted),
         topics=_filter(parameters, "topic_whitelist"),
         services=_filter(parameters, "service_whitelist"),
@@ -161,36 +150,8 @@ def settings_of_parameters(
     )
 
 
-async def _serve(
-    settings: FoxgloveSettings,
-    environment: RosEnvironment,
-    ros2: Middleware | None,
-    ros2_options: Ros2Options,
-    msg_paths: Sequence[Path],
-    *,
-    ros1: bool,
-    is_chosen: bool,
-) -> None:
-    reporter = ConsoleReporter()
-    async with served_graphs(
-        environment,
-        ros1=ros1,
-        ros2=ros2,
-        options=ros2_options,
-        is_chosen=is_chosen,
-        msg_paths=msg_paths,
-    ) as graphs:
-        for line in graphs.lines:
-            reporter.line(Level.INFO, line)
-        on = _in_ros1_words(graphs, msg_paths)
-        async with _gateway(settings, on, reporter.line, "`rostether foxglove 0.0.0.0:8765`") as gateway:
-            await gateway.wait_ended()
-
-
 async def _main(graph: TypedGraph, _: list[str]) -> None:
-    found = await graph.raw.get_param("~") if await graph.raw.has_param("~") else {}
-    parameters = dict(found) if isinstance(found, Mapping) else {}
-    settings = settings_of_parameters(parameters, read_gateway_options().token)
+    settings = settings_of_parameters(await private_parameters(graph), read_gateway_options().token)
     # Its own node is there already.
     on = ros1_gateway_graph(_no_join, graph.store, read_environment())
     async with _gateway_on(graph.raw, on, settings, ConsoleReporter().line, "address 0.0.0.0") as gateway:
@@ -240,25 +201,8 @@ async def _gateway_on(
     )
     async with gateway:
         tell(Level.INFO, f"foxglove: open a connection to {gateway.url} in Foxglove")
-        if is_loopback(settings.host):
-            tell(Level.INFO, f"foxglove: this machine only; {wider} lets others connect")
-        elif not settings.token:
-            tell(
-                Level.WARN,
-                "foxglove: whoever reaches it can publish and call services; --token and --allow limit that",
-            )
+        tell_reach("foxglove", settings.host, settings.token, wider, tell)
         yield gateway
-
-
-def _whole(parameters: Mapping[str, Any], name: str, default: int) -> int:
-    value = parameters.get(name, default)
-    try:
-        number = int(str(value).strip())
-    except ValueError:
-        number = -1
-    if isinstance(value, bool) or number < 0:
-        raise ConfigError(f"~{name} must be a whole number, not {value!r}")
-    return number
 
 
 def _filter(parameters: Mapping[str, Any], name: str) -> NameFilter:

@@ -18,6 +18,7 @@ from rostether.cli.ros_choice import Middleware
 from rostether.cli.served_graphs import ServedGraphs
 from rostether.cli.service_probe import look_up, probe_type
 from rostether.errors import ConfigError, DefinitionError, GraphError, MasterUnreachableError
+from rostether.extras import install_command
 from rostether.graph.ports import JoinGraph, Level
 from rostether.ros1.environment import RosEnvironment, is_loopback, parse_rpc_uri
 
@@ -198,17 +199,22 @@ async def rosbridge_server(
             tell(Level.INFO, f"rosbridge: rosapi's services are there for its clients alone: {error}")
         await server.start()
         tell(Level.INFO, f"rosbridge: web pages and programs connect to {server.uri}")
-        if is_loopback(settings.host):
-            tell(Level.INFO, f"rosbridge: this machine only; {wider} lets others connect")
-        elif not settings.token:
-            tell(
-                Level.WARN,
-                "rosbridge: whoever reaches it can publish and call services; --token and --allow limit that",
-            )
+        tell_reach("rosbridge", settings.host, settings.token, wider, tell)
         yield server
+
+
+def tell_reach(gateway: str, host: str, token: str, wider: str, tell: Tell) -> None:
+    """Say who reaches a gateway; `wider` is what people type to let other machines connect."""
+    if is_loopback(host):
+        tell(Level.INFO, f"{gateway}: this machine only; {wider} lets others connect")
+    elif not token:
+        tell(
+            Level.WARN,
+            f"{gateway}: whoever reaches it can publish and call services; --token and --allow limit that",
+        )
 
 
 def check_rosbridge() -> None:
     """Raise ConfigError where the extra is not installed."""
     if find_spec("websockets") is None or find_spec("cbor2") is None:
-        raise ConfigError("rosbridge is not installed; type: pip install 'rostether[rosbridge]'")
+        raise ConfigError(f"rosbridge is not installed; type: {install_command('rosbridge')}")

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import AsyncIterator, Mapping, Sequence
+from contextlib import asynccontextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,8 +18,11 @@ from rostether.cli.gateway_options import (
     access_options,
     read_gateway_options,
 )
+from rostether.cli.gateway_parameters import certificate_files, flag, private_parameters, whole_number
+from rostether.cli.gateway_serving import serve_gateway
 from rostether.cli.gateways import (
     ROSBRIDGE_NODE,
+    Tell,
     check_rosbridge,
     gateway_graph,
     gateways,
@@ -27,21 +32,17 @@ from rostether.cli.gateways import (
 from rostether.cli.graph_access import read_environment
 from rostether.cli.options import allow_option, msg_path_option
 from rostether.cli.role_node import NODE_SETTINGS, run_role
-from rostether.cli.ros2_options import Ros2Options, read_ros2_options, ros2_options
-from rostether.cli.ros_choice import Middleware, chosen_ros1, chosen_ros2
-from rostether.cli.running import run
-from rostether.cli.served_graphs import served_graphs
+from rostether.cli.ros2_options import read_ros2_options, ros2_options
+from rostether.cli.ros_choice import chosen_ros2
 from rostether.cli.serving import joining_ros1
 from rostether.cli.verbs import Verb
 from rostether.errors import ConfigError
-from rostether.graph.ports import Level
 
 if TYPE_CHECKING:
+    from rostether.cli.served_graphs import ServedGraphs
+    from rostether.gateways.rosbridge.server import RosbridgeServer
     from rostether.gateways.rosbridge.settings import RosbridgeSettings
     from rostether.graph.typed_graph import TypedGraph
-    from rostether.ros1.environment import RosEnvironment
-
-_TRUE = ("true", "1", "yes", "on")
 
 
 @click.command(
@@ -70,47 +71,19 @@ def rosbridge(place: str, master: str | None, allowed: tuple[str, ...], msg_path
     options = replace(
         read_gateway_options(allowed), rosbridge=place, wider="`rostether rosbridge 0.0.0.0:9090`"
     )
-    run(
-        _serve(
-            options,
-            read_environment(master).allowing(allowed),
-            chosen_ros2(),
-            read_ros2_options(),
-            msg_paths,
-            ros1=chosen_ros1(),
-            is_chosen=master is not None,
-        ),
-        is_service=True,
-    )
+    serve_gateway(master, allowed, msg_paths, partial(_opened, options, msg_paths))
 
 
-async def _serve(
-    options: GatewayOptions,
-    environment: RosEnvironment,
-    ros2: Middleware | None,
-    ros2_options: Ros2Options,
-    msg_paths: Sequence[Path],
-    *,
-    ros1: bool,
-    is_chosen: bool,
-) -> None:
-    reporter = ConsoleReporter()
-    async with served_graphs(
-        environment,
-        ros1=ros1,
-        ros2=ros2,
-        options=ros2_options,
-        is_chosen=is_chosen,
-        msg_paths=msg_paths,
-    ) as graphs:
-        for line in graphs.lines:
-            reporter.line(Level.INFO, line)
-        async with (
-            gateway_graph(graphs, ros2, ros2_options, msg_paths) as graph,
-            gateways(options, graph, reporter.line) as server,
-        ):
-            assert server is not None
-            await server.wait_ended()
+@asynccontextmanager
+async def _opened(
+    options: GatewayOptions, msg_paths: tuple[Path, ...], graphs: ServedGraphs, tell: Tell
+) -> AsyncIterator[RosbridgeServer]:
+    async with (
+        gateway_graph(graphs, chosen_ros2(), read_ros2_options(), msg_paths) as graph,
+        gateways(options, graph, tell) as server,
+    ):
+        assert server is not None
+        yield server
 
 
 @click.command(
@@ -147,8 +120,7 @@ async def _main(graph: TypedGraph, words: list[str]) -> None:
 
 async def node_parameters(graph: TypedGraph, words: Sequence[str]) -> dict[str, Any]:
     """Return the node's private parameters; words such as `--port 9091` win, as with rosbridge_websocket."""
-    found = await graph.raw.get_param("~") if await graph.raw.has_param("~") else {}
-    parameters = dict(found) if isinstance(found, Mapping) else {}
+    parameters = await private_parameters(graph)
     rest = iter(words)
     for word in rest:
         if word.startswith("--"):
@@ -166,43 +138,25 @@ def read_settings(parameters: Mapping[str, Any], token: str = "") -> RosbridgeSe
         RosbridgeSettings,
     )
 
-    if _flag(parameters, "authenticate") and not token:
+    if flag(parameters, "authenticate") and not token:
         raise ConfigError(f"~authenticate needs a token: set {TOKEN_VARIABLE} where the node is started")
-    is_secure = _flag(parameters, "ssl") or bool(parameters.get("certfile"))
-    if is_secure and not parameters.get("certfile"):
-        raise ConfigError("~ssl needs ~certfile and ~keyfile, the files of a certificate and its key")
-    fragment_bytes = _whole(parameters, "fragment_size", 0)
+    is_secure = flag(parameters, "ssl") or bool(parameters.get("certfile"))
+    certificate, key = certificate_files(parameters, "ssl") if is_secure else ("", "")
+    fragment_bytes = whole_number(parameters, "fragment_size", 0)
     return RosbridgeSettings(
         host=str(parameters.get("address") or DEFAULT_HOST),
-        port=_whole(parameters, "port", DEFAULT_PORT),
+        port=whole_number(parameters, "port", DEFAULT_PORT),
         token=token,
         path="" if parameters.get("websocket_path") in (None, "/") else str(parameters["websocket_path"]),
-        max_message_bytes=_whole(parameters, "max_message_size", 0) or DEFAULT_MAX_MESSAGE_BYTES,
-        deflate=_flag(parameters, "use_compression"),
-        certificate=str(parameters.get("certfile", "")) if is_secure else "",
-        key=str(parameters.get("keyfile", "")) if is_secure else "",
+        max_message_bytes=whole_number(parameters, "max_message_size", 0) or DEFAULT_MAX_MESSAGE_BYTES,
+        deflate=flag(parameters, "use_compression"),
+        certificate=certificate,
+        key=key,
         fragment_bytes=fragment_bytes or None,
         topics_glob=_globs(parameters, "topics_glob"),
         services_glob=_globs(parameters, "services_glob"),
         params_glob=_globs(parameters, "params_glob"),
     )
-
-
-def _flag(parameters: Mapping[str, Any], name: str) -> bool:
-    return str(parameters.get(name, False)).strip().lower() in _TRUE
-
-
-def _whole(parameters: Mapping[str, Any], name: str, default: int) -> int:
-    value = parameters.get(name)
-    if value in (None, "", "None"):
-        return default
-    try:
-        number = int(str(value).strip())
-    except ValueError:
-        number = -1
-    if isinstance(value, bool) or number < 0:
-        raise ConfigError(f"~{name} must be a whole number, not {value!r}")
-    return number
 
 
 def _globs(parameters: Mapping[str, Any], name: str) -> tuple[str, ...] | None:

@@ -1,0 +1,47 @@
+"""Parameters of nodes that are gateways, as launch files for the established ones give them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from rostether.errors import ConfigError
+
+if TYPE_CHECKING:
+    from rostether.graph.typed_graph import TypedGraph
+
+_TRUE = ("true", "1", "yes", "on")
+_NOTHING = (None, "", "None")
+"""What launch files write for a parameter that they leave open; "None" is how Python's own nodes say it."""
+
+
+async def private_parameters(graph: TypedGraph) -> dict[str, Any]:
+    """Return all of the node's own parameters; none where there are none."""
+    found = await graph.raw.get_param("~") if await graph.raw.has_param("~") else {}
+    return dict(found) if isinstance(found, Mapping) else {}
+
+
+def flag(parameters: Mapping[str, Any], name: str) -> bool:
+    """Return a parameter that is true or false, False where it is missing."""
+    return str(parameters.get(name, False)).strip().lower() in _TRUE
+
+
+def whole_number(parameters: Mapping[str, Any], name: str, default: int) -> int:
+    """Return a number that is not negative. Raises ConfigError naming the parameter."""
+    value = parameters.get(name)
+    if value in _NOTHING:
+        return default
+    try:
+        number = int(str(value).strip())
+    except ValueError:
+        number = -1
+    if isinstance(value, bool) or number < 0:
+        raise ConfigError(f"~{name} must be a whole number, not {value!r}")
+    return number
+
+
+def certificate_files(parameters: Mapping[str, Any], switch: str) -> tuple[str, str]:
+    """Return ~certfile and ~keyfile. Raises ConfigError that names what was switched on without them."""
+    if not parameters.get("certfile"):
+        raise ConfigError(f"~{switch} needs ~certfile and ~keyfile, the files of a certificate and its key")
+    return str(parameters["certfile"]), str(parameters.get("keyfile") or "")
