@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import asyncio
-from collections import Counter
-from collections.abc import Callable, Coroutine, Sequence
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from rostether.errors import InvalidNameError, RemoteProtocolError, RostetherError
+from rostether.errors import InvalidNameError, RemoteProtocolError
 from rostether.gateways.foxglove import client_messages as asked
 from rostether.gateways.foxglove import server_messages as told
+from rostether.gateways.foxglove.client_parameters import ClientParameters
 from rostether.gateways.foxglove.client_topics import ClientTopic, drained
+from rostether.gateways.foxglove.client_work import ClientWork
 from rostether.gateways.foxglove.server_messages import Channel, StatusLevel
 from rostether.gateways.foxglove.subscription import Subscription
-from rostether.graph.callbacks import report_error
 
 if TYPE_CHECKING:
     from rostether.gateways.foxglove.gateway import FoxgloveGateway
@@ -47,10 +47,8 @@ class Client:
         self._subscriptions: dict[int, Subscription] = {}
         self._by_channel: dict[int, Subscription] = {}
         self._topics: dict[int, ClientTopic] = {}
-        self._watched: set[str] = set()
-        self._changed: dict[str, dict[str, Any]] = {}
-        self._work: set[asyncio.Task[Any]] = set()
-        self._requests: Counter[str] = Counter()
+        self._work = ClientWork()
+        self._parameters = ClientParameters(gateway, self._work, line.send, self.mistake)
         self._fetching = asyncio.Semaphore(1)
         self._mistakes = 0
         self._dropped = 0
@@ -64,10 +62,10 @@ class Client:
             asked.Unadvertise: self._unadvertise,
             asked.MessageData: self._publish,
             asked.ServiceRequest: self._call,
-            asked.GetParameters: self._get_parameters,
-            asked.SetParameters: self._set_parameters,
-            asked.SubscribeParameters: self._watch_parameters,
-            asked.UnsubscribeParameters: self._unwatch_parameters,
+            asked.GetParameters: self._parameters.get,
+            asked.SetParameters: self._parameters.set,
+            asked.SubscribeParameters: self._parameters.watch,
+            asked.UnsubscribeParameters: self._parameters.unwatch,
             asked.SubscribeConnectionGraph: self._watch_graph,
             asked.UnsubscribeConnectionGraph: self._unwatch_graph,
             asked.FetchAsset: self._fetch,
@@ -103,8 +101,7 @@ class Client:
         if self._slow_timer is not None:
             self._slow_timer.cancel()
         self._gateway.forget(self)
-        for task in self._work:
-            task.cancel()
+        self._work.cancel()
         for subscription in self._subscriptions.values():
             self._gateway.run(subscription.close())
         for topic in self._topics.values():
@@ -112,8 +109,7 @@ class Client:
         self._subscriptions.clear()
         self._by_channel.clear()
         self._topics.clear()
-        for name in self._watched:
-            self._gateway.run(self._gateway.parameters.unwatch(name, self._parameter_changed))
+        self._parameters.close()
 
     # the gateway's side
 
@@ -165,6 +161,8 @@ class Client:
                 self.mistake(f"channel {channel.id} is advertised already")
             elif len(self._topics) >= self._gateway.limits.client_channels:
                 self.mistake(f"a client may publish {self._gateway.limits.client_channels} topics")
+            elif not channel.topic.strip("/"):
+                self.mistake(f"channel {channel.id} names no topic")
             elif not self._may_publish(channel.topic):
                 self.mistake(f"this gateway does not let clients publish {channel.topic[:200]}")
             else:
@@ -190,7 +188,7 @@ class Client:
         if topic is None:
             self.mistake(f"channel {message.channel_id} is not advertised")
         elif (behind := topic.publish(message.payload)) is not None:
-            self._start(self._wait_for(behind))
+            self._work.start(self._wait_for(behind))
 
     async def _wait_for(self, behind: Publisher) -> None:
         self._asleep += 1
@@ -219,71 +217,7 @@ class Client:
                 told.service_response(request.service_id, request.call_id, request.encoding, answer)
             )
 
-        self._ask(call, fail)
-
-    def _get_parameters(self, request: asked.GetParameters) -> None:
-        async def get() -> None:
-            async with asyncio.timeout(self._gateway.limits.parameters_timeout_s):
-                values = await self._gateway.parameters.get(request.names)
-            self.line.send(told.parameter_values(values, request.request_id))
-
-        self._ask(get, lambda text: self.mistake(f"parameters cannot be read: {text}"))
-
-    def _set_parameters(self, request: asked.SetParameters) -> None:
-        async def set_them() -> None:
-            async with asyncio.timeout(self._gateway.limits.parameters_timeout_s):
-                values, mistakes = await self._gateway.parameters.set(request.parameters)
-            for text in mistakes:
-                self.mistake(text)
-            if request.request_id is not None:
-                self.line.send(told.parameter_values(values, request.request_id))
-
-        self._ask(set_them, lambda text: self.mistake(f"parameters cannot be set: {text}"))
-
-    def _watch_parameters(self, request: asked.SubscribeParameters) -> None:
-        if request.names:
-            self._watch_each(request.names)
-            return
-
-        async def watch_all() -> None:
-            async with asyncio.timeout(self._gateway.limits.parameters_timeout_s):
-                names = await self._gateway.parameters.names()
-            self._watch_each(names)
-
-        self._ask(watch_all, lambda text: self.mistake(f"parameters cannot be watched: {text}"))
-
-    def _watch_each(self, names: Sequence[str]) -> None:
-        for name in names:
-            if name in self._watched:
-                continue
-            if len(self._watched) >= self._gateway.limits.watched_parameters:
-                self.mistake(f"a client may watch {self._gateway.limits.watched_parameters} parameters")
-                return
-            self._watched.add(name)
-            self._start(self._watch(name))
-
-    async def _watch(self, name: str) -> None:
-        try:
-            await self._gateway.parameters.watch(name, self._parameter_changed)
-        except RostetherError as error:
-            self._watched.discard(name)
-            self.mistake(f"parameter {name[:80]} cannot be watched: {error}")
-
-    def _unwatch_parameters(self, request: asked.UnsubscribeParameters) -> None:
-        for name in request.names or tuple(self._watched):
-            if name in self._watched:
-                self._watched.discard(name)
-                self._gateway.run(self._gateway.parameters.unwatch(name, self._parameter_changed))
-
-    def _parameter_changed(self, described: dict[str, Any]) -> None:
-        # Many are watched, and set, at once: they go in one message.
-        if not self._changed:
-            asyncio.get_running_loop().call_soon(self._tell_changed)
-        self._changed[described["name"]] = described
-
-    def _tell_changed(self) -> None:
-        changed, self._changed = list(self._changed.values()), {}
-        self.line.send(told.parameter_values(changed))
+        self._work.ask(call, fail, self._gateway.limits.calls)
 
     def _watch_graph(self, _: asked.SubscribeConnectionGraph) -> None:
         if not self.wants_connection_graph:
@@ -300,51 +234,14 @@ class Client:
                 data = await self._gateway.assets.read(request.uri)
                 await self.line.send_large(told.asset(request.request_id, data))
 
-        self._ask(
+        self._work.ask(
             fetch,
             lambda text: self.line.send(told.asset_failure(request.request_id, text)),
-            what="assets",
-            limit=self._gateway.limits.assets,
+            self._gateway.limits.assets,
+            "assets",
         )
 
     # within
-
-    def _ask(
-        self,
-        work: Callable[[], Coroutine[Any, Any, None]],
-        fail: Callable[[str], None],
-        *,
-        what: str = "requests",
-        limit: int | None = None,
-    ) -> None:
-        """Do something that takes time, a bounded number at once; what goes wrong is told in one line."""
-        limit = self._gateway.limits.calls if limit is None else limit
-        if self._requests[what] >= limit:
-            fail(f"more than {limit} {what} at once: wait for answers")
-            return
-
-        async def contained() -> None:
-            try:
-                await work()
-            except RostetherError as error:
-                fail(str(error))
-            except TimeoutError:
-                fail("no answer in time")
-
-        # Counted at once: a client may ask for many in one breath.
-        self._requests[what] += 1
-        self._start(contained()).add_done_callback(lambda _: self._requests.subtract([what]))
-
-    def _start(self, work: Coroutine[Any, Any, None]) -> asyncio.Task[None]:
-        task = asyncio.ensure_future(work)
-        self._work.add(task)
-        task.add_done_callback(self._finish)
-        return task
-
-    def _finish(self, task: asyncio.Task[Any]) -> None:
-        self._work.discard(task)
-        if not task.cancelled() and (error := task.exception()) is not None:
-            report_error("a Foxglove client's request", error)
 
     def _tell_dropped(self) -> None:
         self._slow_timer = None

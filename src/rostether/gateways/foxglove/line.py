@@ -1,7 +1,7 @@
-"""One WebSocket connection of a client: handshake, messages in and out, and what a slow reader loses.
+"""One WebSocket connection of a client: handshake, messages in and out, pings, and its end.
 
 The WebSocket protocol itself is that of the library websockets, without I/O. Only frames with messages of
-topics are written past it (see `data_frames.py`), gathered over one turn of the event loop.
+topics are written past it (see `data_outlet.py`).
 """
 
 from __future__ import annotations
@@ -18,22 +18,14 @@ from websockets.server import ServerProtocol
 from websockets.typing import Subprotocol
 
 from rostether.gateways.foxglove.admission import Admission
-from rostether.gateways.foxglove.data_frames import add_data_frames
+from rostether.gateways.foxglove.data_outlet import DataOutlet
 from rostether.gateways.foxglove.limits import FoxgloveLimits
 from rostether.gateways.foxglove.server_messages import SUBPROTOCOLS
-from rostether.gateways.foxglove.waiting_messages import WaitingMessages
 
 HIGH_WATER_BYTES = 1 << 20
 """What stands in the process for a client before messages wait in queues where they can be dropped: 50 ms of
 what a fast network takes."""
 
-GATHER_S = 0.01
-"""A message goes at once when none has gone for so long; those of a flood go together, less often than a
-screen is drawn: each write costs more than all the rest."""
-
-_GATHERED_BYTES = 256 << 10
-_DRAIN_BYTES = 64 << 10  # written at once of what waited: enough for one system call
-_JOIN_BYTES = 64 << 10  # larger pieces are not copied together first
 _CLOSE_S = 5.0  # for a client to answer that the connection ends; then it is cut
 
 
@@ -71,23 +63,21 @@ class Line(asyncio.Protocol):
         )
         self._loop = asyncio.get_running_loop()
         self._transport: asyncio.Transport | None = None
-        self._pieces: list[bytes] = []
-        self._pieces_bytes = 0
-        self._is_flush_due = False
-        self._flushed_s = 0.0
-        self._is_paused = False
+        self._data = DataOutlet(limits.waiting_bytes, lambda count: self.user.dropped(count))
         self._has_room = asyncio.Event()
         self._has_room.set()
         self._large_turn = asyncio.Lock()
         self._large_bytes = 0
-        self._waiting = WaitingMessages(limits.waiting_bytes)
-        self._told_dropped = 0
         self._parts: list[bytes] = []
         self._is_text = False
         self._timer: asyncio.TimerHandle | None = None
         self._is_answered = True
-        self.is_open = False
+        self._unsent_at_ping = 0
+
+    @property
+    def is_open(self) -> bool:
         """Whether messages can be sent."""
+        return self._data.is_open
 
     # asyncio's side
 
@@ -111,23 +101,21 @@ class Line(asyncio.Protocol):
 
     def connection_lost(self, _: Exception | None) -> None:
         """Tell the user."""
-        self.is_open = False
-        self._pieces.clear()
+        self._data.end()
         if self._timer is not None:
             self._timer.cancel()
         self.user.closed()
 
     def pause_writing(self) -> None:
         """Let messages of topics wait."""
-        self._is_paused = True
+        self._data.pause()
         self._has_room.clear()
 
     def resume_writing(self) -> None:
         """Send what waited."""
-        self._is_paused = False
         self._large_bytes = 0
         self._has_room.set()
-        self._drain()
+        self._data.resume()
 
     # the user's side
 
@@ -146,7 +134,7 @@ class Line(asyncio.Protocol):
         if not self.is_open or self._transport is None:
             return
         # What was gathered is older.
-        self._flush()
+        self._data.flush()
         try:
             if isinstance(message, str):
                 self._websocket.send_text(message.encode("utf-8", "replace"))
@@ -168,42 +156,26 @@ class Line(asyncio.Protocol):
 
     def send_data(self, subscription_id: int, time_ns: int, payloads: Sequence[bytes]) -> None:
         """Send messages of a topic, or let them wait."""
-        if not self.is_open:
-            return
-        if self._is_paused or self._waiting:
-            self._waiting.add(subscription_id, time_ns, payloads)
-            self._tell_dropped()
-            return
-        self._pieces_bytes += add_data_frames(self._pieces, subscription_id, time_ns, payloads)
-        if self._pieces_bytes > _GATHERED_BYTES:
-            self._flush()
-        elif not self._is_flush_due:
-            self._is_flush_due = True
-            due_s = self._flushed_s + GATHER_S
-            if self._loop.time() >= due_s:
-                # What else comes in this turn of the loop goes with it.
-                self._loop.call_soon(self._flush_due)
-            else:
-                self._loop.call_at(due_s, self._flush_due)
+        self._data.send(subscription_id, time_ns, payloads)
 
     def forget(self, subscription_id: int) -> None:
         """Drop what waits for a subscription that has ended."""
-        self._waiting.forget(subscription_id)
+        self._data.forget(subscription_id)
 
     def close(self, code: int = 1001, reason: str = "") -> None:
         """Say good-bye, and hang up when the client has answered or does not."""
         if not self.is_open or self._transport is None:
             self.abort()
             return
-        self._flush()
-        self.is_open = False
+        self._data.flush()
+        self._data.end()
         self._websocket.send_close(code, reason)
         self._write_control()
         self._set_timer(_CLOSE_S, self.abort)
 
     def abort(self) -> None:
         """Hang up now."""
-        self.is_open = False
+        self._data.end()
         if self._transport is not None:
             self._transport.abort()
 
@@ -217,7 +189,7 @@ class Line(asyncio.Protocol):
                 self._take(event)
         self._write_control()
         if self._websocket.state is not OPEN:
-            self.is_open = False
+            self._data.end()
         if self._websocket.close_expected() and self._transport is not None:
             # A client that fell out of step is told why (RFC 6455, 7.4); then it hangs up, or we do.
             self._set_timer(_CLOSE_S, self.abort)
@@ -232,9 +204,9 @@ class Line(asyncio.Protocol):
             response = self._websocket.accept(request)
         self._websocket.send_response(response)
         self._write_control()
-        if response.status_code != 101:
+        if response.status_code != 101 or self._transport is None:
             return
-        self.is_open = True
+        self._data.open(self._transport)
         self._set_timer(self._limits.ping_period_s, self._ping)
         self.user.opened()
 
@@ -265,36 +237,6 @@ class Line(asyncio.Protocol):
                 # TLS cannot close one half; what was written is sent before.
                 self._transport.close()
 
-    def _flush_due(self) -> None:
-        self._is_flush_due = False
-        self._flush()
-
-    def _flush(self) -> None:
-        pieces, size = self._pieces, self._pieces_bytes
-        if not pieces:
-            return
-        self._pieces, self._pieces_bytes = [], 0
-        if self._transport is None or not self.is_open:
-            return
-        self._flushed_s = self._loop.time()
-        if size <= _JOIN_BYTES:
-            self._transport.write(b"".join(pieces))
-        else:
-            self._transport.writelines(pieces)
-
-    def _drain(self) -> None:
-        while self._waiting and not self._is_paused and self.is_open:
-            while self._waiting and self._pieces_bytes < _DRAIN_BYTES:
-                subscription_id, time_ns, payload = self._waiting.take()
-                self._pieces_bytes += add_data_frames(self._pieces, subscription_id, time_ns, [payload])
-            self._flush()
-
-    def _tell_dropped(self) -> None:
-        count = self._waiting.dropped_count - self._told_dropped
-        if count:
-            self._told_dropped += count
-            self.user.dropped(count)
-
     def _ping(self) -> None:
         # Who still reads what was sent is there, however long an answer takes behind it.
         if not self._is_answered and not self._is_moving():
@@ -310,8 +252,6 @@ class Line(asyncio.Protocol):
         unsent = self._transport.get_write_buffer_size() if self._transport is not None else 0
         before, self._unsent_at_ping = self._unsent_at_ping, unsent
         return unsent != before
-
-    _unsent_at_ping = 0
 
     def _set_timer(self, delay_s: float, act: Callable[[], Any]) -> None:
         if self._timer is not None:

@@ -16,6 +16,9 @@ from rostether.gateways.foxglove.client_messages import GivenParameter
 from rostether.graph.ports import ParamValue
 from rostether.serde.plain_form import clean_text
 
+MAX_DEPTH = 64
+"""Of mappings and lists within each other: deeper than anybody writes, and far from what Python can nest."""
+
 _SPECIAL = {"NaN": math.nan, "Infinity": math.inf, "-Infinity": -math.inf}
 _FLOAT, _FLOATS, _BYTES = "float64", "float64_array", "byte_array"
 
@@ -55,18 +58,23 @@ def _float(name: str, value: Any) -> float:
         return _SPECIAL[value]
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise ConfigError(f"parameter {name} wants a number, not {str(value)[:40]!r}")
-    return float(value)
+    try:
+        return float(value)
+    except OverflowError:
+        raise ConfigError(f"parameter {name} is too large for a float") from None
 
 
 def _is_float_list(value: ParamValue) -> bool:
     return isinstance(value, list) and bool(value) and all(isinstance(each, float) for each in value)
 
 
-def _native(name: str, value: Any) -> ParamValue:
+def _native(name: str, value: Any, depth: int = 0) -> ParamValue:
+    if depth > MAX_DEPTH:
+        raise ConfigError(f"parameter {name} is nested more than {MAX_DEPTH} deep")
     if isinstance(value, dict):
-        return {str(key): _native(name, each) for key, each in value.items()}
+        return {str(key): _native(name, each, depth + 1) for key, each in value.items()}
     if isinstance(value, list):
-        return [_native(name, each) for each in value]
+        return [_native(name, each, depth + 1) for each in value]
     if isinstance(value, bool | int | float | str | bytes):
         return value
     raise ConfigError(f"parameter {name} cannot hold null inside of a value")

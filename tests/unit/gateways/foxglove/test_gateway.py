@@ -363,9 +363,11 @@ async def test_mistakes_are_told_and_the_connection_stays() -> None:
         for data in (b"", b"\x07", b"\x01\0", b"\x02\0\0\0\0\0\0\0\0\xff\xff\xff\xff"):
             await client.send_binary(data)
         await client.say("subscribe", subscriptions=[{"id": 1, "channelId": 12345}])
+        nameless = {"id": 4, "topic": "", "encoding": "ros1", "schemaName": STRING}
+        await client.say("advertise", channels=[nameless])
         await client.say("unadvertise", channelIds=[3])
         await client.publish(3, b"")
-        await until(lambda: len(client.of("status")) == 13)
+        await until(lambda: len(client.of("status")) == 14)
         assert all(each["level"] == 2 and "\n" not in each["message"] for each in client.of("status"))
         await client.say("getParameters", parameterNames=[], id="still here")
         await client.wait("parameterValues")

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import json
 import math
 from typing import Any
 
@@ -57,7 +58,14 @@ def test_given_values_get_the_type_that_is_meant(
 
 @pytest.mark.parametrize(
     ("value", "kind", "before"),
-    [(True, None, 1.0), ("x", "float64", None), (1, "float64_array", None), ([None], None, None)],
+    [
+        (True, None, 1.0),
+        ("x", "float64", None),
+        (10**400, "float64", None),
+        (1, "float64_array", None),
+        ([None], None, None),
+        (json.loads("[" * 400 + "]" * 400), None, None),
+    ],
 )
 def test_what_cannot_be_a_value_is_named(value: Any, kind: str | None, before: ParamValue) -> None:
     with pytest.raises(ConfigError, match="/p"):
