@@ -9,6 +9,7 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 from rostether.errors import ConfigError, TransportOpenError
+from rostether.extras import install_command
 from rostether.graph.ports import Level
 from rostether.ros1.environment import is_loopback
 from rostether.transports.address import TcpAddress, parse_address
@@ -24,7 +25,7 @@ def check_mdns(*, is_wanted: bool | None) -> bool:
         return False
     is_there = find_spec("zeroconf") is not None
     if is_wanted and not is_there:
-        raise ConfigError("--mdns needs zeroconf: pip install 'rostether[mdns]', or leave --mdns out")
+        raise ConfigError(f"--mdns needs zeroconf; type: {install_command('mdns')}; or leave --mdns out")
     return is_there
 
 

@@ -36,7 +36,9 @@ def new_place(path: Path, output_dir: Path | None, *, force: bool) -> tuple[Path
         try:
             output_dir.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise ConfigError(f"cannot make the folder {output_dir}: {error.strerror or error}") from None
+            raise ConfigError(
+                f"cannot make the folder {output_dir}: {error.strerror or error}; name one of yours"
+            ) from None
         return output_dir / name, None
     output = path.parent / name
     stem, _, suffix = name.rpartition(".")

@@ -241,8 +241,10 @@ async def _record(
         finally:
             showing.cancel()
             line.clear()
-            told = f"{recorder.progress.message_count} messages, {size_text(recorder.size_bytes)}"
-            tell(f"{told} in {', '.join(str(each) for each in recorder.progress.files if each.exists())}")
+            # Where the first one cannot be made, the error says all there is to say.
+            if written := [str(each) for each in recorder.progress.files if each.exists()]:
+                told = f"{recorder.progress.message_count} messages, {size_text(recorder.size_bytes)}"
+                tell(f"{told} in {', '.join(written)}")
 
 
 async def _telling_begin(graph: Graph, files: NewFiles) -> Callable[[Path], RecordingWriter]:

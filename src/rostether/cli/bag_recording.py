@@ -97,7 +97,7 @@ def read_bag_recording() -> BagRecording | None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise ConfigError(f"--record {folder}: {error.strerror or error}") from None
+        raise ConfigError(f"--record {folder}: {error.strerror or error}; name a folder of yours") from None
     return BagRecording(folder, typed["record_size"], typed["record_keep"])
 
 

@@ -28,6 +28,7 @@ from rostether.cli.verbs import Verb
 from rostether.cli.which_master import used_master
 from rostether.devices.device_book import DeviceBook
 from rostether.errors import GraphError, RostetherError, UnknownNameError
+from rostether.extras import install_command
 from rostether.graph.joint_join import JointJoin
 from rostether.graph.ports import JoinGraph, Level, ParamValue
 from rostether.msgdef.registry import Registry
@@ -108,7 +109,7 @@ async def _demo(environment: RosEnvironment, seconds: float | None, devices: Dev
 async def _joining_ros2(stack: AsyncExitStack, reporter: Reporter) -> JoinGraph | None:
     """Return what makes nodes of ROS 2 over zenoh; None, with a line why, where that cannot be."""
     if find_spec("zenoh") is None:
-        reporter.line(Level.INFO, "Not in ROS 2: pip install 'rostether[zenoh]' puts the board there as well")
+        reporter.line(Level.INFO, f"Not in ROS 2: {install_command('zenoh')} puts the board there as well")
         return None
     from rostether.cli.ros2_graph import ros2_access
 

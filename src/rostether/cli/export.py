@@ -121,7 +121,9 @@ class _Place:
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise ConfigError(f"cannot make the folder {path.parent}: {error.strerror or error}") from None
+            raise ConfigError(
+                f"cannot make the folder {path.parent}: {error.strerror or error}; name one of yours"
+            ) from None
         if self._format == "parquet":
             from rostether.recording.parquet_table import ParquetTable
 

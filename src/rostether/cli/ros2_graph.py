@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from rostether.cli.ros_choice import Middleware
 from rostether.errors import ConfigError
+from rostether.extras import install_command
 from rostether.graph.ports import Graph, JoinGraph
 from rostether.ros2.environment import Ros2Environment
 
@@ -94,7 +95,7 @@ async def _over_zenoh(
     except ModuleNotFoundError as error:
         if error.name != "zenoh":
             raise
-        raise ConfigError("ROS 2 over zenoh is not installed; type: pip install 'rostether[zenoh]'") from None
+        raise ConfigError(f"ROS 2 over zenoh is not installed; type: {install_command('zenoh')}") from None
     rules = read_parameter_files(params_files)
     session = await ZenohSession.open(
         environment, types, reach=Reach(RouterChoice(reach.router), reach.connect, reach.listen)

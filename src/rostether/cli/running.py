@@ -19,6 +19,7 @@ import click
 from rostether.cli.failures import EXIT_DONE, EXIT_INTERRUPTED
 from rostether.cli.library_logs import show_library_logs
 from rostether.errors import ConfigError
+from rostether.extras import install_command
 from rostether.transports.descriptors import allow_many_descriptors
 
 T = TypeVar("T")
@@ -78,7 +79,7 @@ def _loop_factory(uvloop: bool | None) -> Callable[[], asyncio.AbstractEventLoop
         if uvloop is None:
             return None
         raise ConfigError(
-            "uvloop is not installed: pip install 'rostether[uvloop]', or leave --uvloop out"
+            f"uvloop is not installed; type: {install_command('uvloop')}; or leave --uvloop out"
         ) from None
     factory: Callable[[], asyncio.AbstractEventLoop] = implementation.new_event_loop
     return factory

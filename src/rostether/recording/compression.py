@@ -6,6 +6,7 @@ import bz2
 from typing import Any, TypeAlias
 
 from rostether.errors import ConfigError, RecordingError
+from rostether.extras import install_command
 
 Buffer: TypeAlias = bytes | memoryview
 
@@ -85,7 +86,7 @@ def _lz4_frame() -> Any:
     try:
         import lz4.frame
     except ImportError:
-        raise ConfigError("LZ4 is not installed; type: pip install 'rostether[recording]'") from None
+        raise ConfigError(f"LZ4 is not installed; type: {install_command('recording')}") from None
     return lz4.frame
 
 
@@ -93,5 +94,5 @@ def _zstandard() -> Any:
     try:
         import zstandard
     except ImportError:
-        raise ConfigError("Zstandard is not installed; type: pip install 'rostether[recording]'") from None
+        raise ConfigError(f"Zstandard is not installed; type: {install_command('recording')}") from None
     return zstandard

@@ -55,7 +55,9 @@ class Db3Writer:
             try:
                 path.with_name(path.name + suffix).unlink(missing_ok=True)
             except OSError as error:
-                raise RecordingError(f"cannot write {path}: {error.strerror or error}") from None
+                raise RecordingError(
+                    f"cannot write {path}: {error.strerror or error}; name a file in a folder of yours"
+                ) from None
         try:
             self._database = sqlite3.connect(path, isolation_level=None, timeout=_LOCK_WAIT_S)
             # A killed process loses nothing that was committed; only a machine that loses power may.

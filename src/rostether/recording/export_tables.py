@@ -44,7 +44,9 @@ class CsvTable:
                 target.open("w", encoding="utf-8", newline="") if isinstance(target, Path) else target
             )
         except OSError as error:
-            raise RecordingError(f"cannot write {target}: {error.strerror or error}") from None
+            raise RecordingError(
+                f"cannot write {target}: {error.strerror or error}; name a file in a folder of yours"
+            ) from None
         self._cells = [_cell_of(column) for column in columns]
         self._writer = csv.writer(self._file, lineterminator="\n")
         self._write((*TIME_COLUMNS, *(column.name for column in columns)))

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from rostether.errors import ConfigError, RecordingError
+from rostether.extras import install_command
 from rostether.recording.export_columns import Column
 from rostether.recording.export_tables import TIME_COLUMNS, nested
 from rostether.rostime import NS_PER_S
@@ -26,7 +27,7 @@ def parquet_package() -> Any:
         import pyarrow
         import pyarrow.parquet
     except ImportError:
-        raise ConfigError("Parquet is not installed; type: pip install 'rostether[parquet]'") from None
+        raise ConfigError(f"Parquet is not installed; type: {install_command('parquet')}") from None
     return pyarrow
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from rostether.errors import ConfigError, RecordingError
+from rostether.extras import install_command
 from rostether.recording.db3_reader import Db3Reader
 from rostether.recording.mcap_reader import McapReader
 from rostether.recording.recorded import CompressionShare, Connection, RecordedMessage, Wanted
@@ -161,5 +162,5 @@ def _zstandard() -> Any:
     try:
         import zstandard
     except ImportError:
-        raise ConfigError("Zstandard is not installed; type: pip install 'rostether[recording]'") from None
+        raise ConfigError(f"Zstandard is not installed; type: {install_command('recording')}") from None
     return zstandard

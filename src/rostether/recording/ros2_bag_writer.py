@@ -73,7 +73,9 @@ class Ros2Bag:
             if any(folder.iterdir()):
                 raise RecordingError(f"{folder} is not empty, and a ROS 2 bag is a folder of its own")
         except OSError as error:
-            raise RecordingError(f"cannot write {folder}: {error.strerror or error}") from None
+            raise RecordingError(
+                f"cannot write {folder}: {error.strerror or error}; name a folder of yours"
+            ) from None
 
     def path_of(self, number: int) -> Path:
         """Return the path of the file of a number, as rosbag2 names it."""

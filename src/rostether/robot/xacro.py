@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from rostether.errors import ConfigError, RobotModelError
+from rostether.extras import install_command
 from rostether.robot.xml_tree import parse_xml
 
 ASSIGNMENT = ":="
@@ -75,7 +76,7 @@ def _xacro(file: Path) -> Any:
         import xacro.substitution_args
     except ImportError:
         raise RobotModelError(
-            f"{file} is xacro, which needs the package xacro: pip install 'rostether[robot]'"
+            f"{file} is xacro, which needs the package xacro; type: {install_command('robot')}"
         ) from None
     return xacro
 

@@ -6,6 +6,7 @@ from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 
 from rostether.errors import ConfigError
+from rostether.extras import install_command
 from rostether.graph.ports import JoinGraph
 from rostether.ros2.environment import Ros2Environment
 from rostether.ros2.type_support import Ros2Types
@@ -36,7 +37,7 @@ async def open_ros2(
     except ModuleNotFoundError as error:
         if error.name not in ("zenoh", "xxhash"):
             raise
-        raise ConfigError("ROS 2 over zenoh is not installed; type: pip install 'rostether[zenoh]'") from None
+        raise ConfigError(f"ROS 2 over zenoh is not installed; type: {install_command('zenoh')}") from None
     session = await ZenohSession.open(environment, types)
     try:
         yield session.join

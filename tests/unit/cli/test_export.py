@@ -54,6 +54,7 @@ def test_what_makes_no_sense_is_told_and_leaves_no_file(bag: Path, shell: Shell)
 def test_a_missing_extra_is_told_with_what_to_type(
     bag: Path, shell: Shell, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setenv("VIRTUAL_ENV", sys.prefix)
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     monkeypatch.setitem(sys.modules, "lz4.frame", None)
     told = shell.failure("export", str(bag), "--format", "parquet")

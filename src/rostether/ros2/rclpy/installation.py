@@ -9,13 +9,10 @@ from __future__ import annotations
 import functools
 import warnings
 from importlib import import_module
-from typing import Any, Final, NamedTuple
+from typing import Any, NamedTuple
 
 from rostether.errors import ConfigError, UnknownTypeError
-
-INSTALL_ADVICE: Final = (
-    'pip install "rostether[rclpy]" or source the setup file of a ROS 2, or use zenoh, which needs neither'
-)
+from rostether.extras import install_command
 
 
 class Rclpy(NamedTuple):
@@ -43,7 +40,10 @@ def load_rclpy() -> Rclpy:
             import_module("rosidl_generator_py")
             return _import_modules()
     except ImportError as error:
-        raise ConfigError(f"rclpy cannot be used ({_one_line(error)}): {INSTALL_ADVICE}") from error
+        raise ConfigError(
+            f"rclpy cannot be used ({_one_line(error)}); type: {install_command('rclpy')}; or source the "
+            "setup file of a ROS 2, or use zenoh, which needs neither"
+        ) from error
 
 
 def _import_modules() -> Rclpy:

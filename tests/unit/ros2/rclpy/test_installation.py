@@ -20,7 +20,7 @@ def _forget() -> None:
 def test_rclpy_that_is_missing_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "rosidl_generator_py", None)
     monkeypatch.setitem(sys.modules, "rclpy.context", None)
-    with pytest.raises(ConfigError, match=r'pip install "rostether\[rclpy\]" or source') as caught:
+    with pytest.raises(ConfigError, match=r"pip install 'rostether\[rclpy\]'; or source") as caught:
         load_rclpy()
     assert "\n" not in str(caught.value)
 

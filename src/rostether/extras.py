@@ -1,0 +1,21 @@
+"""What is typed to install one of rostether's extras, where and as it is installed here."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import sys
+from pathlib import Path
+
+
+def install_command(extra: str) -> str:
+    """Return the command that adds an extra to the environment that runs.
+
+    A bare `pip` is another one's where pipx brought us, or where nobody activated the environment.
+    """
+    wanted = f"'rostether[{extra}]'"
+    if Path(sys.prefix, "pipx_metadata.json").exists():
+        return f"pipx runpip {shlex.quote(Path(sys.prefix).name)} install {wanted}"
+    if sys.prefix != sys.base_prefix and os.environ.get("VIRTUAL_ENV") != sys.prefix:
+        return f"{shlex.quote(sys.executable)} -m pip install {wanted}"
+    return f"pip install {wanted}"

@@ -1,0 +1,39 @@
+"""What is typed to install an extra, in each way rostether may be installed."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from rostether.extras import install_command
+
+
+@pytest.fixture
+def prefix(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    folder = tmp_path / "rostether"
+    folder.mkdir()
+    monkeypatch.setattr(sys, "prefix", str(folder))
+    monkeypatch.setattr(sys, "executable", f"{folder}/bin/python")
+    monkeypatch.delenv("VIRTUAL_ENV", raising=False)
+    return folder
+
+
+def test_pip_is_the_one_of_an_activated_environment(prefix: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("VIRTUAL_ENV", str(prefix))
+    assert install_command("zenoh") == "pip install 'rostether[zenoh]'"
+
+
+def test_pip_is_the_systems_without_an_environment(prefix: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "base_prefix", str(prefix))
+    assert install_command("zenoh") == "pip install 'rostether[zenoh]'"
+
+
+def test_an_environment_that_nobody_activated_is_named(prefix: Path) -> None:
+    assert install_command("zenoh") == f"{prefix}/bin/python -m pip install 'rostether[zenoh]'"
+
+
+def test_pipx_is_asked_where_it_brought_us(prefix: Path) -> None:
+    (prefix / "pipx_metadata.json").touch()
+    assert install_command("zenoh") == "pipx runpip rostether install 'rostether[zenoh]'"
