@@ -1,0 +1,113 @@
+"""Parameters as one client reads, sets and watches them."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Coroutine, Sequence
+from typing import TYPE_CHECKING, Any
+
+from rostether.errors import RostetherError
+from rostether.gateways.foxglove import client_messages as asked
+from rostether.gateways.foxglove import server_messages as told
+from rostether.gateways.foxglove.client_work import ClientWork
+
+if TYPE_CHECKING:
+    from rostether.gateways.foxglove.gateway import FoxgloveGateway
+
+
+class ClientParameters:
+    """What one client asks about parameters; `send` carries answers, `mistake` what it did wrong."""
+
+    def __init__(
+        self,
+        gateway: FoxgloveGateway,
+        work: ClientWork,
+        send: Callable[[str], None],
+        mistake: Callable[[str], None],
+    ) -> None:
+        self._gateway = gateway
+        self._work = work
+        self._send = send
+        self._mistake = mistake
+        self._watched: set[str] = set()
+        self._changed: dict[str, dict[str, Any]] = {}
+
+    def get(self, request: asked.GetParameters) -> None:
+        """Answer with values."""
+
+        async def get() -> None:
+            values = await self._gateway.parameters.get(request.names)
+            self._send(told.parameter_values(values, request.request_id))
+
+        self._ask(get, "parameters cannot be read")
+
+    def set(self, request: asked.SetParameters) -> None:
+        """Set values, and answer with what they are then if that is asked for."""
+
+        async def set_them() -> None:
+            values, mistakes = await self._gateway.parameters.set(request.parameters)
+            for text in mistakes:
+                self._mistake(text)
+            if request.request_id is not None:
+                self._send(told.parameter_values(values, request.request_id))
+
+        self._ask(set_them, "parameters cannot be set")
+
+    def watch(self, request: asked.SubscribeParameters) -> None:
+        """Tell of changes from now on; no names are all."""
+        if request.names:
+            self._watch_each(request.names)
+            return
+
+        async def watch_all() -> None:
+            self._watch_each(await self._gateway.parameters.names())
+
+        self._ask(watch_all, "parameters cannot be watched")
+
+    def unwatch(self, request: asked.UnsubscribeParameters) -> None:
+        """Tell of changes no longer; no names are all."""
+        self._unwatch_each(request.names or tuple(self._watched))
+
+    def close(self) -> None:
+        """Watch nothing any more."""
+        self._unwatch_each(tuple(self._watched))
+
+    def _ask(self, work: Callable[[], Coroutine[Any, Any, None]], failed: str) -> None:
+        async def in_time() -> None:
+            async with asyncio.timeout(self._gateway.limits.parameters_timeout_s):
+                await work()
+
+        self._work.ask(in_time, lambda text: self._mistake(f"{failed}: {text}"), self._gateway.limits.calls)
+
+    def _watch_each(self, names: Sequence[str]) -> None:
+        for name in names:
+            if name in self._watched:
+                continue
+            if len(self._watched) >= self._gateway.limits.watched_parameters:
+                self._mistake(f"a client may watch {self._gateway.limits.watched_parameters} parameters")
+                return
+            self._watched.add(name)
+            self._work.start(self._watch(name))
+
+    async def _watch(self, name: str) -> None:
+        try:
+            await self._gateway.parameters.watch(name, self._take_change)
+        except RostetherError as error:
+            self._watched.discard(name)
+            self._mistake(f"parameter {name[:80]} cannot be watched: {error}")
+
+    def _unwatch_each(self, names: Sequence[str]) -> None:
+        for name in names:
+            if name in self._watched:
+                self._watched.discard(name)
+                self._gateway.run(self._gateway.parameters.unwatch(name, self._take_change))
+
+    def _take_change(self, described: dict[str, Any]) -> None:
+        # Many are watched, and set, at once: they go in one message.
+        if not self._changed:
+            asyncio.get_running_loop().call_soon(self._tell_changed)
+        self._changed[described["name"]] = described
+
+    def _tell_changed(self) -> None:
+        changed, self._changed = list(self._changed.values()), {}
+        self._send(told.parameter_values(changed))

@@ -1,0 +1,60 @@
+"""What one client has under way: tasks that end with it, and requests of which only so many run at once."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import Counter
+from collections.abc import Callable, Coroutine
+from typing import Any
+
+from rostether.errors import RostetherError
+from rostether.graph.callbacks import report_error
+
+
+class ClientWork:
+    """The tasks of one client."""
+
+    def __init__(self) -> None:
+        self._tasks: set[asyncio.Task[Any]] = set()
+        self._requests: Counter[str] = Counter()
+
+    def start(self, work: Coroutine[Any, Any, None]) -> asyncio.Task[None]:
+        """Let something run; what it raises is reported."""
+        task = asyncio.ensure_future(work)
+        self._tasks.add(task)
+        task.add_done_callback(self._finish)
+        return task
+
+    def ask(
+        self,
+        work: Callable[[], Coroutine[Any, Any, None]],
+        fail: Callable[[str], None],
+        limit: int,
+        what: str = "requests",
+    ) -> None:
+        """Do something that takes time, a bounded number at once; what goes wrong is told in one line."""
+        if self._requests[what] >= limit:
+            fail(f"more than {limit} {what} at once: wait for answers")
+            return
+
+        async def contained() -> None:
+            try:
+                await work()
+            except RostetherError as error:
+                fail(str(error))
+            except TimeoutError:
+                fail("no answer in time")
+
+        # Counted at once: a client may ask for many in one breath.
+        self._requests[what] += 1
+        self.start(contained()).add_done_callback(lambda _: self._requests.subtract([what]))
+
+    def cancel(self) -> None:
+        """End everything."""
+        for task in self._tasks:
+            task.cancel()
+
+    def _finish(self, task: asyncio.Task[Any]) -> None:
+        self._tasks.discard(task)
+        if not task.cancelled() and (error := task.exception()) is not None:
+            report_error("a Foxglove client's request", error)

@@ -1,0 +1,113 @@
+"""Messages of topics on their way to one client: gathered over a turn of the event loop, or waiting.
+
+They are written past the WebSocket library (see `data_frames.py`); what a client reads too slowly waits in
+bounded queues, where the oldest is lost first.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Sequence
+
+from rostether.gateways.foxglove.data_frames import add_data_frames
+from rostether.gateways.foxglove.waiting_messages import WaitingMessages
+
+GATHER_S = 0.01
+"""A message goes at once when none has gone for so long; those of a flood go together, less often than a
+screen is drawn: each write costs more than all the rest."""
+
+_GATHERED_BYTES = 256 << 10
+_DRAIN_BYTES = 64 << 10  # written at once of what waited: enough for one system call
+_JOIN_BYTES = 64 << 10  # larger pieces are not copied together first
+
+
+class DataOutlet:
+    """Open between the handshake and the end; `dropped` is told how many messages more were lost."""
+
+    def __init__(self, waiting_bytes: int, dropped: Callable[[int], None]) -> None:
+        self.is_open = False
+        self._dropped = dropped
+        self._loop = asyncio.get_running_loop()
+        self._transport: asyncio.WriteTransport | None = None
+        self._pieces: list[bytes] = []
+        self._pieces_bytes = 0
+        self._is_flush_due = False
+        self._flushed_s = 0.0
+        self._is_paused = False
+        self._waiting = WaitingMessages(waiting_bytes)
+        self._told_dropped = 0
+
+    def open(self, transport: asyncio.WriteTransport) -> None:
+        """Let messages go to the client."""
+        self._transport = transport
+        self.is_open = True
+
+    def end(self) -> None:
+        """Write nothing more."""
+        self.is_open = False
+        self._pieces.clear()
+        self._pieces_bytes = 0
+
+    def pause(self) -> None:
+        """Let messages wait."""
+        self._is_paused = True
+
+    def resume(self) -> None:
+        """Send what waited."""
+        self._is_paused = False
+        self._drain()
+
+    def send(self, subscription_id: int, time_ns: int, payloads: Sequence[bytes]) -> None:
+        """Send messages of a topic, or let them wait."""
+        if not self.is_open:
+            return
+        if self._is_paused or self._waiting:
+            self._waiting.add(subscription_id, time_ns, payloads)
+            self._tell_dropped()
+            return
+        self._pieces_bytes += add_data_frames(self._pieces, subscription_id, time_ns, payloads)
+        if self._pieces_bytes > _GATHERED_BYTES:
+            self.flush()
+        elif not self._is_flush_due:
+            self._is_flush_due = True
+            due_s = self._flushed_s + GATHER_S
+            if self._loop.time() >= due_s:
+                # What else comes in this turn of the loop goes with it.
+                self._loop.call_soon(self._flush_due)
+            else:
+                self._loop.call_at(due_s, self._flush_due)
+
+    def forget(self, subscription_id: int) -> None:
+        """Drop what waits for a subscription that has ended."""
+        self._waiting.forget(subscription_id)
+
+    def flush(self) -> None:
+        """Write what was gathered."""
+        pieces, size = self._pieces, self._pieces_bytes
+        if not pieces:
+            return
+        self._pieces, self._pieces_bytes = [], 0
+        if self._transport is None or not self.is_open:
+            return
+        self._flushed_s = self._loop.time()
+        if size <= _JOIN_BYTES:
+            self._transport.write(b"".join(pieces))
+        else:
+            self._transport.writelines(pieces)
+
+    def _flush_due(self) -> None:
+        self._is_flush_due = False
+        self.flush()
+
+    def _drain(self) -> None:
+        while self._waiting and not self._is_paused and self.is_open:
+            while self._waiting and self._pieces_bytes < _DRAIN_BYTES:
+                subscription_id, time_ns, payload = self._waiting.take()
+                self._pieces_bytes += add_data_frames(self._pieces, subscription_id, time_ns, [payload])
+            self.flush()
+
+    def _tell_dropped(self) -> None:
+        count = self._waiting.dropped_count - self._told_dropped
+        if count:
+            self._told_dropped += count
+            self._dropped(count)
