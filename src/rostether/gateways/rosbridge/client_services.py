@@ -16,7 +16,7 @@ from rostether.errors import (
 from rostether.gateways.rosbridge.client_subscription import Wish
 from rostether.gateways.rosbridge.offered_services import OfferedService
 from rostether.gateways.rosbridge.request import Request
-from rostether.gateways.rosbridge.settings import MAX_CALLS, MAX_SERVICES, matches
+from rostether.gateways.rosbridge.settings import MAX_CALLS, MAX_QUEUED_BYTES, MAX_SERVICES, matches
 from rostether.gateways.rosbridge.surroundings import Surroundings
 from rostether.gateways.rosbridge.type_names import short_type
 
@@ -32,29 +32,33 @@ class ClientServices:
     def __init__(self, around: Surroundings, send: Send) -> None:
         self._around = around
         self._send = send
-        self._calls: set[asyncio.Task[None]] = set()
+        self._calls: dict[asyncio.Task[None], int] = {}
+        self._call_bytes = 0
         self._local_calls = asyncio.Semaphore(MAX_LOCAL_CALLS)
 
     def call(self, request: Request) -> None:
         """Call a service; the answer is sent when it is there, whatever else the client does meanwhile."""
-        service, wish = request.text("service"), Wish.read(request)
+        service, wish = request.word("service"), Wish.read(request)
         timeout_s = request.number("timeout", 0) or None
-        if len(self._calls) >= MAX_CALLS:
+        is_too_large = self._calls and self._call_bytes + request.size_bytes > MAX_QUEUED_BYTES
+        if len(self._calls) >= MAX_CALLS or is_too_large:
             # Not held up until one ends: what else the client says may stop a robot.
-            reason = f"this client has {MAX_CALLS} calls under way: {service} is not called"
+            most = f"{self._call_bytes} bytes of" if is_too_large else MAX_CALLS
+            reason = f"this client has {most} calls under way: {service} is not called"
             self._send(_response(request, service) | {"values": reason, "result": False}, wish)
             return
         task = asyncio.ensure_future(self._call(request, service, wish, timeout_s))
-        self._calls.add(task)
-        task.add_done_callback(self._calls.discard)
+        self._calls[task] = request.size_bytes
+        self._call_bytes += request.size_bytes
+        task.add_done_callback(self._called)
 
     async def advertise(self, request: Request) -> str:
         """Offer a service that the client answers; returns a warning, empty if there is none."""
-        name = self._around.graph.resolve(request.text("service"))
+        name = self._around.graph.resolve(request.word("service"))
         self._check_glob(name)
         if len(self._around.offered.of(self)) >= MAX_SERVICES:
             raise RemoteProtocolError(f"advertise_service: {MAX_SERVICES} services are the most")
-        service_type = self._around.store.registry.service_type(short_type(request.text("type")))
+        service_type = self._around.store.registry.service_type(short_type(request.word("type")))
         send = self._send
         service = OfferedService(
             name, service_type, self, self._around.forms, lambda fields: send(fields, Wish())
@@ -83,6 +87,9 @@ class ClientServices:
             for each in self._around.offered.of(self)
         )
         await asyncio.gather(*withdrawals, *self._calls, return_exceptions=True)
+
+    def _called(self, task: asyncio.Task[None]) -> None:
+        self._call_bytes -= self._calls.pop(task)
 
     async def _call(self, request: Request, service: str, wish: Wish, timeout_s: float | None) -> None:
         answer = _response(request, service)
@@ -131,7 +138,7 @@ class ClientServices:
         return dict(zip(names, values, strict=False))
 
     def _own(self, request: Request) -> OfferedService:
-        name = self._around.graph.resolve(request.text("service"))
+        name = self._around.graph.resolve(request.word("service"))
         service = self._around.offered.find(name, self)
         if service is None:
             raise UnknownNameError(f"{request.op}: this client does not offer {name}")

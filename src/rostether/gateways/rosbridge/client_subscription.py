@@ -55,7 +55,7 @@ class Wish:
     @classmethod
     def read(cls, request: Request) -> Wish:
         """Read a subscribe or call_service message. Raises RemoteProtocolError."""
-        name = request.optional_text("compression") or Compression.NONE
+        name = request.optional_word("compression") or Compression.NONE
         try:
             compression = Compression(name)
         except ValueError:

@@ -31,7 +31,7 @@ class ClientTopics:
 
     async def advertise(self, request: Request) -> None:
         """Announce that the client will publish a topic."""
-        topic, type_name = request.text("topic"), request.text("type")
+        topic, type_name = request.word("topic"), request.word("type")
         message_type = self._around.store.registry.message_type(short_type(type_name))
         known = self._publications.get(topic)
         if known is not None and known.type == message_type:
@@ -40,7 +40,7 @@ class ClientTopics:
 
     async def unadvertise(self, request: Request) -> None:
         """Take an announcement back; subscribers stay connected for a while, in case it comes again."""
-        topic = request.text("topic")
+        topic = request.word("topic")
         publication = self._publications.pop(topic, None)
         if publication is None:
             raise UnknownNameError(f"unadvertise: this client does not advertise {topic}")
@@ -48,7 +48,7 @@ class ClientTopics:
 
     async def publish(self, request: Request) -> None:
         """Publish a message; a topic that was not advertised must exist."""
-        topic = request.text("topic")
+        topic = request.word("topic")
         publication = self._publications.get(topic)
         if publication is None:
             message_type = await self._type_of(topic)
@@ -58,9 +58,9 @@ class ClientTopics:
 
     async def subscribe(self, request: Request) -> None:
         """Listen to a topic, whether or not it exists already."""
-        topic = request.text("topic")
+        topic = request.word("topic")
         wish = Wish.read(request)
-        type_name = request.optional_text("type")
+        type_name = request.optional_word("type")
         known = self._subscriptions.get(topic)
         if known is not None:
             known.want(request.id, wish, type_name)
@@ -80,7 +80,7 @@ class ClientTopics:
 
     async def unsubscribe(self, request: Request) -> None:
         """Listen no more; without an id to none of the client's subscriptions of the topic."""
-        topic = request.text("topic")
+        topic = request.word("topic")
         subscription = self._subscriptions.get(topic)
         if subscription is None:
             raise UnknownNameError(f"unsubscribe: this client does not subscribe {topic}")

@@ -29,6 +29,10 @@ def split_fragments(text: str, size: int, message_id: str) -> Iterator[str]:
         yield json.dumps(fields, separators=(",", ":"))
 
 
+MAX_UNFINISHED_PIECES: Final = 2 * MAX_FRAGMENTS
+"""Pieces that wait for others, of all messages: each takes some hundred bytes, empty ones too."""
+
+
 class _Unfinished:
     def __init__(self, total: int) -> None:
         self.total = total
@@ -42,6 +46,7 @@ class Defragmenter:
     def __init__(self, max_bytes: int) -> None:
         self._max_bytes = max_bytes
         self._size = 0
+        self._pieces = 0
         self._unfinished: dict[str | int, _Unfinished] = {}
 
     def add(self, fields: Mapping[str, Any]) -> str | None:
@@ -55,17 +60,22 @@ class Defragmenter:
                 f"fragment: num counts from 0 and stays below total, which is {MAX_FRAGMENTS} at most"
             )
         # A message that goes on is the newest.
-        whole = self._unfinished.pop(message_id, None)
-        if whole is None or whole.total != total:
-            self._size -= whole.size if whole is not None else 0
-            whole = _Unfinished(total)
+        known = self._unfinished.get(message_id)
+        if known is not None and known.total != total:
+            self._forget(message_id)
+        whole = self._unfinished.pop(message_id, None) or _Unfinished(total)
         self._unfinished[message_id] = whole
         # A piece that comes twice counts once.
+        self._pieces += number not in whole.pieces
         grown = len(data) - len(whole.pieces.get(number, ""))
         whole.pieces[number] = data
         whole.size += grown
         self._size += grown
-        while self._size > self._max_bytes or len(self._unfinished) > MAX_UNFINISHED:
+        while (
+            self._size > self._max_bytes
+            or self._pieces > MAX_UNFINISHED_PIECES
+            or len(self._unfinished) > MAX_UNFINISHED
+        ):
             oldest = next(iter(self._unfinished))
             self._forget(oldest)
             if oldest == message_id:
@@ -76,4 +86,6 @@ class Defragmenter:
         return "".join(whole.pieces[each] for each in range(total))
 
     def _forget(self, message_id: str | int) -> None:
-        self._size -= self._unfinished.pop(message_id).size
+        whole = self._unfinished.pop(message_id)
+        self._size -= whole.size
+        self._pieces -= len(whole.pieces)

@@ -4,23 +4,32 @@ from __future__ import annotations
 
 import json
 import math
-from typing import Any
+from typing import Any, Final
 
 from rostether.errors import RemoteProtocolError
 from rostether.gateways.rosbridge.status import show
 
+MAX_WORD_CHARACTERS: Final = 512
+"""Names and ids: they are kept by the thousand, and shown to the whole graph; those in use are below 150."""
+
 
 class Request:
-    """A JSON object with an `op`."""
+    """A JSON object with an `op`, which came in a frame of `size_bytes`."""
 
-    def __init__(self, fields: dict[str, Any]) -> None:
+    def __init__(self, fields: dict[str, Any], size_bytes: int = 0) -> None:
         self.fields = fields
-        self.op = self.text("op")
+        self.size_bytes = size_bytes
+        self.op = self.word("op")
 
     @property
     def id(self) -> object:
-        """The client's own id of the message; None where it gave none or nothing that can be one."""
+        """The client's own id of the message; None where it gave none or nothing that can be one.
+
+        Raises RemoteProtocolError for one that is too long to be kept.
+        """
         found = self.fields.get("id")
+        if isinstance(found, str):
+            self._check_length("id", found)
         # NaN comes in with Python's reader of JSON, and would go out as what is none.
         is_one = isinstance(found, str | int) or (isinstance(found, float) and math.isfinite(found))
         return found if is_one else None
@@ -32,9 +41,15 @@ class Request:
             raise self._wrong(name, "a text")
         return value
 
-    def optional_text(self, name: str) -> str:
-        """Return a text, empty where it is missing or null. Raises RemoteProtocolError."""
-        return "" if self.fields.get(name) is None else self.text(name)
+    def word(self, name: str) -> str:
+        """Return a text that names something. Raises RemoteProtocolError, also if it is too long."""
+        value = self.text(name)
+        self._check_length(name, value)
+        return value
+
+    def optional_word(self, name: str) -> str:
+        """Return a word, empty where it is missing or null. Raises RemoteProtocolError."""
+        return "" if self.fields.get(name) is None else self.word(name)
 
     def number(self, name: str, default: float) -> float:
         """Return a number that is not negative; browsers send some as texts. Raises RemoteProtocolError."""
@@ -60,6 +75,10 @@ class Request:
             raise self._wrong(name, "true or false")
         return bool(value)
 
+    def _check_length(self, name: str, value: str) -> None:
+        if len(value) > MAX_WORD_CHARACTERS:
+            raise self._wrong(name, f"{MAX_WORD_CHARACTERS} characters at most")
+
     def _wrong(self, name: str, wanted: str) -> RemoteProtocolError:
         op = self.fields.get("op")
         subject = f"{show(op)[1:-1]}: " if isinstance(op, str) and name != "op" else ""
@@ -77,4 +96,4 @@ def read_request(data: str | bytes) -> Request:
         raise RemoteProtocolError(f"this is no JSON: {error}; got {show(data)}") from None
     if not isinstance(fields, dict):
         raise RemoteProtocolError(f"a message is a JSON object with an op, got {show(fields)}")
-    return Request(fields)
+    return Request(fields, len(data))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from enum import IntEnum
+from itertools import islice
 
 from rostether.errors import RemoteProtocolError
 
@@ -30,6 +31,7 @@ DEFAULT_LEVEL = StatusLevel.WARNING
 """Losses are told unless a client wants only errors; the protocol's own text says `error`."""
 
 _MAX_SHOWN = 80
+_SHOWN_DEPTH = 3
 
 
 def status_message(level: StatusLevel, text: str, request_id: object = None) -> str:
@@ -42,5 +44,20 @@ def status_message(level: StatusLevel, text: str, request_id: object = None) -> 
 
 def show(value: object) -> str:
     """Return what a client sent as an error repeats it: short, on one line."""
-    text = repr(value)
+    # The repr of millions of values would take a second, in which nobody else is served.
+    text = repr(_beginning(value, _SHOWN_DEPTH)).replace("Ellipsis", "...")
     return text if len(text) <= _MAX_SHOWN else f"{text[: _MAX_SHOWN - 3]}..."
+
+
+def _beginning(value: object, depth: int) -> object:
+    if isinstance(value, str | bytes):
+        return value[: _MAX_SHOWN + 1]
+    if isinstance(value, list):
+        # A value takes two characters at least.
+        return [_beginning(each, depth - 1) for each in value[:_MAX_SHOWN]] if depth else [...]
+    if isinstance(value, dict):
+        items = islice(value.items(), _MAX_SHOWN)
+        return (
+            {str(name)[:_MAX_SHOWN]: _beginning(each, depth - 1) for name, each in items} if depth else {...}
+        )
+    return value

@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from rostether.errors import RemoteProtocolError
+from rostether.gateways.rosbridge import fragments
 from rostether.gateways.rosbridge.fragments import MAX_UNFINISHED, Defragmenter, split_fragments
 
 
@@ -63,6 +64,18 @@ def test_unfinished_messages_are_counted() -> None:
     for number in range(MAX_UNFINISHED):
         joiner.add({"id": number, "data": "", "num": 0, "total": 2})
     assert joiner.add(first[1]) is None
+
+
+def test_empty_pieces_take_room_as_well(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(fragments, "MAX_UNFINISHED_PIECES", 10)
+    joiner = Defragmenter(1000)
+    first = pieces("abcdef", 2, "first")
+    joiner.add(first[0])
+    for number in range(10):
+        joiner.add({"id": "hollow", "data": "", "num": number, "total": 100})
+    assert joiner.add(first[1]) is None
+    assert joiner.add(first[2]) is None
+    assert joiner.add(first[0]) == "abcdef"
 
 
 @pytest.mark.parametrize(

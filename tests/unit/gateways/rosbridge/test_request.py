@@ -1,11 +1,12 @@
 from __future__ import annotations
 
+import tracemalloc
 from typing import Any
 
 import pytest
 
 from rostether.errors import RemoteProtocolError
-from rostether.gateways.rosbridge.request import Request, read_request
+from rostether.gateways.rosbridge.request import MAX_WORD_CHARACTERS, Request, read_request
 
 
 def request(**fields: Any) -> Request:
@@ -73,3 +74,40 @@ def test_a_flag_is_no_text() -> None:
 )
 def test_an_id_is_a_text_or_a_number(given: object, read: object) -> None:
     assert request(id=given).id == read
+
+
+def test_what_would_be_kept_by_the_thousand_is_no_book() -> None:
+    book = "x" * (MAX_WORD_CHARACTERS + 1)
+    assert request(id=book[1:], topic=book[1:]).word("topic") == request(id=book[1:]).id
+    with pytest.raises(RemoteProtocolError, match="'topic' wants 512 characters at most, got 'xxx") as caught:
+        request(topic=book).word("topic")
+    assert len(str(caught.value)) < 250
+    with pytest.raises(RemoteProtocolError, match="'id' wants 512"):
+        _ = request(id=book).id
+    with pytest.raises(RemoteProtocolError, match="field 'op' wants 512"):
+        Request({"op": book})
+
+
+@pytest.mark.parametrize(
+    "value", [[[1] * 500_000], {"a": {str(each): 1 for each in range(200_000)}}, [["x" * 5_000_000] * 50]]
+)
+def test_only_the_beginning_of_what_is_wrong_is_put_into_words(value: object) -> None:
+    tracemalloc.start()
+    try:
+        with pytest.raises(RemoteProtocolError, match="field 'topic' wants a text") as caught:
+            request(topic=value).text("topic")
+        assert tracemalloc.get_traced_memory()[1] < 1 << 20
+    finally:
+        tracemalloc.stop()
+    assert len(str(caught.value)) < 250
+
+
+def test_what_nests_deeply_is_shown_too() -> None:
+    deep: list[object] = []
+    for _ in range(100_000):
+        deep = [deep]
+    with pytest.raises(RemoteProtocolError, match=r"got \[\[\[\[\.\.\.\]\]\]\]"):
+        request(topic=deep).text("topic")
+    # Ended here, piece by piece: Python's own way would nest as deeply.
+    while deep:
+        deep = deep.pop()  # type: ignore[assignment]

@@ -235,6 +235,27 @@ async def test_calls_that_never_end_hold_up_nothing_else(
         assert "advertise it first" in (await client.hear("status"))["msg"]
 
 
+async def test_what_calls_hold_is_bounded(there: World, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(client_services, "MAX_QUEUED_BYTES", 1000)
+    go_on = asyncio.Event()
+
+    async def hang(request: Message) -> dict[str, Any]:
+        await go_on.wait()
+        return {}
+
+    await there.graph.serve("/hang", "std_srvs/Trigger", hang)
+    async with there.client() as client:
+        for number in range(2):
+            await client.say("call_service", service="/hang", id=number, filler="x" * 900)
+        refused = await client.hear("service_response")
+        assert (refused["id"], refused["result"]) == (1, False)
+        assert "bytes of calls under way: /hang is not called" in refused["values"]
+        go_on.set()
+        assert (await client.hear("service_response"))["id"] == 0
+        await client.say("call_service", service="/hang", id=2, filler="x" * 2000)
+        assert (await client.hear("service_response"))["result"] is True
+
+
 async def test_a_client_serves_and_its_faults_reach_the_caller(there: World) -> None:
     async with there.client() as client:
         await client.say("advertise_service", service="/add", type="std_srvs/SetBool")
