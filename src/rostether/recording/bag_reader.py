@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import mmap
-import os
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
@@ -14,8 +11,9 @@ from types import MappingProxyType
 from rostether.errors import RecordingError
 from rostether.recording.bag_chunks import Chunk, messages_in, read_content
 from rostether.recording.bag_records import MAGIC, MAGIC_START
-from rostether.recording.chunk_order import MAX_LISTED_BYTES, Entry, Unpacked, in_order
-from rostether.recording.compression import decompress
+from rostether.recording.chunk_order import Entry, Unpacked, in_order
+from rostether.recording.mapped_file import MappedFile
+from rostether.recording.packed_chunks import compression_shares, unpack_chunk
 from rostether.recording.recorded import CompressionShare, Connection, RecordedMessage, Wanted
 
 
@@ -30,20 +28,13 @@ class BagReader:
 
     def __init__(self, path: Path, *, damage: str = "") -> None:
         self.path = path
+        self._file = MappedFile(path)
+        self.size_bytes = self._file.size_bytes
+        self._view = self._file.view
         try:
-            descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
-            try:
-                self.size_bytes = os.fstat(descriptor).st_size
-                start = os.read(descriptor, len(MAGIC))
-                if start != MAGIC:
-                    raise RecordingError(f"{path} {_what_else(start)}")
-                self._data = mmap.mmap(descriptor, 0, access=mmap.ACCESS_READ)
-            finally:
-                os.close(descriptor)
-        except OSError as error:
-            raise RecordingError(f"cannot read {path}: {error.strerror or error}") from None
-        self._view = memoryview(self._data)
-        try:
+            start = bytes(self._view[: len(MAGIC)])
+            if start != MAGIC:
+                raise RecordingError(f"{path} {_what_else(start)}")
             self._content = read_content(self._view, damage)
         except BaseException:
             self.close()
@@ -83,19 +74,7 @@ class BagReader:
     @property
     def compressions(self) -> Sequence[CompressionShare]:
         """How the chunks are compressed, the most frequent first."""
-        by_name: dict[str, list[Chunk]] = {}
-        for chunk in self._content.chunks:
-            by_name.setdefault(chunk.compression, []).append(chunk)
-        shares = (
-            CompressionShare(
-                name,
-                len(chunks),
-                sum(chunk.size_bytes for chunk in chunks),
-                sum(chunk.data_end - chunk.data_start for chunk in chunks),
-            )
-            for name, chunks in by_name.items()
-        )
-        return sorted(shares, key=lambda share: -share.chunk_count)
+        return compression_shares(self._content.chunks)
 
     def messages(
         self, wanted: Wanted | None = None, *, start_ns: int | None = None, end_ns: int | None = None
@@ -127,15 +106,10 @@ class BagReader:
 
     def close(self) -> None:
         """Close the file. Idempotent."""
-        self._view.release()
-        with contextlib.suppress(BufferError):  # a reading that was left holds a part of it, and frees it
-            self._data.close()
+        self._file.close()
 
     def _unpack(self, connections: Mapping[int, Connection], chunk: Chunk) -> Unpacked:
-        stored = self._view[chunk.data_start : chunk.data_end]
-        plain = decompress(chunk.compression, stored, chunk.size_bytes)
-        if len(plain) <= MAX_LISTED_BYTES:
-            plain = bytes(plain)  # a slice of bytes costs half of what one of a view does
+        plain = unpack_chunk(self._view, chunk)
 
         def walk() -> Iterator[Entry]:
             for number, time_ns, start, end in messages_in(plain):
@@ -146,8 +120,6 @@ class BagReader:
 
 
 def _what_else(start: bytes) -> str:
-    if not start:
-        return "is empty"
     if start.startswith(MAGIC_START):
         version = start[len(MAGIC_START) :].decode("latin-1").split("\n")[0]
         version = version.strip().encode("unicode_escape").decode()

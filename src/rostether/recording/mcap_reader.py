@@ -5,9 +5,6 @@ Source: mcap.dev/spec
 
 from __future__ import annotations
 
-import contextlib
-import mmap
-import os
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
@@ -15,10 +12,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rostether.errors import RecordingError
-from rostether.recording.chunk_order import MAX_LISTED_BYTES, Entry, Unpacked, in_order
-from rostether.recording.compression import NONE, decompress
+from rostether.recording.chunk_order import Entry, Unpacked, in_order
+from rostether.recording.mapped_file import MappedFile
 from rostether.recording.mcap_content import StoredChunk, messages_in, read_content
 from rostether.recording.mcap_records import Channel, Schema
+from rostether.recording.packed_chunks import compression_shares, unpack_chunk
 from rostether.recording.recorded import (
     CompressionShare,
     Connection,
@@ -54,18 +52,9 @@ class McapReader:
         self._unpack_message = unpack
         self._is_native = is_native
         self._ros2: Ros2Topics | None = None
-        try:
-            descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
-            try:
-                self.size_bytes = os.fstat(descriptor).st_size
-                if not self.size_bytes:
-                    raise RecordingError(f"{path} is empty")
-                self._data = mmap.mmap(descriptor, 0, access=mmap.ACCESS_READ)
-            finally:
-                os.close(descriptor)
-        except OSError as error:
-            raise RecordingError(f"cannot read {path}: {error.strerror or error}") from None
-        self._view = memoryview(self._data)
+        self._file = MappedFile(path)
+        self.size_bytes = self._file.size_bytes
+        self._view = self._file.view
         try:
             self._content = read_content(self._view, damage)
         except RecordingError as error:
@@ -113,19 +102,7 @@ class McapReader:
     @property
     def compressions(self) -> Sequence[CompressionShare]:
         """How the chunks are compressed, the most frequent first."""
-        by_name: dict[str, list[StoredChunk]] = {}
-        for each in self._content.chunks:
-            by_name.setdefault(each.compression or NONE, []).append(each)
-        shares = (
-            CompressionShare(
-                name,
-                len(chunks),
-                sum(each.size_bytes for each in chunks),
-                sum(each.data_end - each.data_start for each in chunks),
-            )
-            for name, chunks in by_name.items()
-        )
-        return sorted(shares, key=lambda share: -share.chunk_count)
+        return compression_shares(self._content.chunks)
 
     def messages(
         self, wanted: Wanted | None = None, *, start_ns: int | None = None, end_ns: int | None = None
@@ -161,15 +138,10 @@ class McapReader:
 
     def close(self) -> None:
         """Close the file. Idempotent."""
-        self._view.release()
-        with contextlib.suppress(BufferError):  # a reading that was left holds a part of it, and frees it
-            self._data.close()
+        self._file.close()
 
     def _unpack(self, connections: Mapping[int, Connection], chunk: StoredChunk) -> Unpacked:
-        stored = self._view[chunk.data_start : chunk.data_end]
-        plain = decompress(chunk.compression, stored, chunk.size_bytes)
-        if len(plain) <= MAX_LISTED_BYTES:
-            plain = bytes(plain)  # a slice of bytes costs half of what one of a view does
+        plain = unpack_chunk(self._view, chunk)
 
         def walk() -> Iterator[Entry]:
             for entry in messages_in(plain):

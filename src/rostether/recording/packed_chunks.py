@@ -1,0 +1,54 @@
+"""Chunks as they stand in a file, compressed or not: what they hold, and how much that saves."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Protocol
+
+from rostether.recording.chunk_order import MAX_LISTED_BYTES
+from rostether.recording.compression import NONE, decompress
+from rostether.recording.recorded import CompressionShare
+
+
+class PackedChunk(Protocol):
+    """Where a chunk's data stands in its file, and how it is packed."""
+
+    @property
+    def compression(self) -> str:
+        """The compression's name; none may be empty."""
+
+    @property
+    def size_bytes(self) -> int:
+        """Its size unpacked."""
+
+    @property
+    def data_start(self) -> int:
+        """Where its data begins in the file."""
+
+    @property
+    def data_end(self) -> int:
+        """Where its data ends in the file."""
+
+
+def unpack_chunk(view: memoryview, chunk: PackedChunk) -> bytes | memoryview:
+    """Return what a chunk of the file holds. Raises RecordingError where it is broken."""
+    plain = decompress(chunk.compression, view[chunk.data_start : chunk.data_end], chunk.size_bytes)
+    # A slice of bytes costs half of what one of a view does.
+    return bytes(plain) if len(plain) <= MAX_LISTED_BYTES else plain
+
+
+def compression_shares(chunks: Iterable[PackedChunk]) -> list[CompressionShare]:
+    """Return how chunks are compressed, the most frequent first."""
+    by_name: dict[str, list[PackedChunk]] = {}
+    for chunk in chunks:
+        by_name.setdefault(chunk.compression or NONE, []).append(chunk)
+    shares = (
+        CompressionShare(
+            name,
+            len(packed),
+            sum(each.size_bytes for each in packed),
+            sum(each.data_end - each.data_start for each in packed),
+        )
+        for name, packed in by_name.items()
+    )
+    return sorted(shares, key=lambda share: -share.chunk_count)
