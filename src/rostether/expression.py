@@ -130,7 +130,9 @@ def compile_expression(expression: str, names: frozenset[str], *, source: str) -
     except ConfigError as error:
         raise ConfigError(f"{source}: {error}") from None
     except (SyntaxError, ValueError, RecursionError) as error:
-        raise ConfigError(f"{source}: {expression!r} is no expression ({error})") from None
+        # A line number says nothing of one line.
+        told = error.msg if isinstance(error, SyntaxError) else error
+        raise ConfigError(f"{source}: {expression!r} is no expression ({told})") from None
 
     def compute(scope: Scope) -> Any:
         try:

@@ -10,6 +10,7 @@ import click
 
 from rostether.cli.output import write_line
 from rostether.cli.verbs import Verb
+from rostether.errors import ConfigError
 from rostether.rostime import Time
 
 if TYPE_CHECKING:
@@ -51,10 +52,15 @@ def bag_filter(source: Path, target: Path, expression: str, shown: str | None) -
 
     def is_wanted(message: RecordedMessage) -> bool:
         value = decoder.decode(message) if needs_message else None
-        scope = {"topic": message.connection.topic, "t": Time.from_ns(message.time_ns), "m": value}
-        matches = bool(test(scope))
+        topic = message.connection.topic
+        scope = {"topic": topic, "t": Time.from_ns(message.time_ns), "m": value}
+        try:
+            matches = bool(test(scope))
+            line = None if show is None else show(scope)
+        except ConfigError as error:
+            raise ConfigError(f"{topic}: {error}; to ask one topic alone: topic == '/NAME' and ...") from None
         if show is not None:
-            write_line(f"{'MATCH' if matches else 'NO MATCH'} {show(scope)}")
+            write_line(f"{'MATCH' if matches else 'NO MATCH'} {line}")
         return matches
 
     reader = open_recording(source)

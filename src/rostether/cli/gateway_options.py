@@ -20,6 +20,7 @@ TOKEN_VARIABLE = "ROSTETHER_TOKEN"  # noqa: S105 - the name of a variable
 _KEY = "rostether.gateway_options"
 _PLACE = re.compile(r"(?:[\w.-]+:|\[[\da-fA-F:.]+\]:)?\d{1,5}")
 _MAX_PORT = 65535
+_ORIGIN = re.compile(r"\*|null|[a-zA-Z][\w+.-]*://[^/\s]*/?")
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,7 +129,14 @@ def gateway_options(function: Function) -> Function:
 
 
 def read_gateway_options(allow: tuple[str, ...] = ()) -> GatewayOptions:
-    """Return what was typed on this command line; `allow` are the networks of its --allow."""
+    """Return what was typed; `allow` are the networks of the command's --allow. Raises ConfigError."""
     context = click.get_current_context(silent=True)
     typed = context.meta.get(_KEY) if context is not None else None
-    return GatewayOptions(**(typed or {}), allow=allow)
+    options = GatewayOptions(**(typed or {}), allow=allow)
+    for origin in options.origins:
+        if not _ORIGIN.fullmatch(origin):
+            raise ConfigError(
+                f"--origin: no page is of {origin!r}; write what its address begins with, such as "
+                "https://panel.example or http://192.168.1.7:8000"
+            )
+    return options

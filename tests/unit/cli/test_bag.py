@@ -62,7 +62,12 @@ def test_filter_by_topic_message_and_time(bag: Path, tmp_path: Path, shell: Shel
     assert kept("topic == '/b'") == [text(f"message {index}") for index in range(1, 30, 2)]
     assert kept("m.data == 'message 7'") == [text("message 7")]
     assert kept("t.nsecs < 130000000 and topic == '/a'") == [text("message 0")]
-    assert "EXPRESSION" in shell.failure("bag", "filter", str(bag), str(target), "m.nothing")
+    assert "/a: EXPRESSION: there is no .nothing" in shell.failure(
+        "bag", "filter", str(bag), str(target), "topic == '/b' or m.nothing"
+    )
+    assert "is no expression (invalid syntax)" in shell.failure(
+        "bag", "filter", str(bag), str(target), "m.data >"
+    )
     assert "is what is read" in shell.failure("bag", "filter", str(bag), str(bag), "True")
 
 

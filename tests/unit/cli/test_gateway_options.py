@@ -4,6 +4,7 @@ import pytest
 
 from rostether.cli.gateway_options import read_place, with_places
 from rostether.errors import ConfigError
+from unit.cli.shell import Shell
 
 KNOWN = {"--rosbridge"}
 
@@ -53,3 +54,9 @@ def test_places(text: str, place: tuple[str, int]) -> None:
 def test_what_is_no_place(text: str) -> None:
     with pytest.raises(ConfigError, match=r"is no place to listen on: write HOST:PORT, as 0\.0\.0\.0:9090"):
         read_place(text, 9090)
+
+
+@pytest.mark.parametrize("command", ["rosbridge", "foxglove"])
+@pytest.mark.parametrize("origin", ["panel.example", "https:panel.example", "https://panel.example/page"])
+def test_what_is_no_origin(command: str, origin: str, shell: Shell) -> None:
+    assert "such as https://panel.example or" in shell.failure(command, "--origin", origin)

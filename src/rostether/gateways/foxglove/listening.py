@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import errno
+import socket
 from collections.abc import Callable
 
 from rostether.errors import ConfigError
@@ -52,9 +54,11 @@ class Listening:
                 if self._servers:
                     # A machine without IPv6.
                     continue
+                advice = "give another port, or end what uses it"
+                if isinstance(error, socket.gaierror) or error.errno == errno.EADDRNOTAVAIL:
+                    advice = f"that is no address of this machine, 0.0.0.0:{port} listens on all it has"
                 raise ConfigError(
-                    f"cannot listen on {host}:{port} for Foxglove: {error.strerror or error}; "
-                    "give another port, or end what uses it"
+                    f"cannot listen on {host}:{port} for Foxglove: {error.strerror or error}; {advice}"
                 ) from error
             self._servers.append(server)
             port = self.port

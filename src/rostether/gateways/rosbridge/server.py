@@ -249,5 +249,7 @@ def _explain(host: str, port: int, error: OSError) -> TransportOpenError:
             "(another rosbridge?), or choose another port"
         )
     if error.errno in (errno.EADDRNOTAVAIL, None) or not error.errno or error.errno < 0:
-        return TransportOpenError(f"rosbridge: {host} is no address of this machine; 0.0.0.0 is all it has")
+        return TransportOpenError(
+            f"rosbridge: {host} is no address of this machine; 0.0.0.0:{port} listens on all it has"
+        )
     return TransportOpenError(f"rosbridge: cannot listen on {host}:{port}: {error.strerror or error}")
