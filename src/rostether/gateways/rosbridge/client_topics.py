@@ -105,6 +105,7 @@ class ClientTopics:
         if old is not None:
             await old.close()
         graph = self._around.graph
+        await self._check_type(topic, message_type)
         try:
             publication = await Publication.open(graph, topic, message_type, latch=latch)
         except TypeMismatchError:
@@ -121,6 +122,23 @@ class ClientTopics:
         if known is None or known.type == ANY_TYPE:
             raise UnknownNameError(f"publish: {topic} has no type yet: advertise it first")
         return self._around.store.registry.message_type(short_type(known.type))
+
+    async def _check_type(self, topic: str, message_type: MessageType) -> None:
+        """Refuse another type than other nodes have.
+
+        They would not hear it, and a ROS 1 master would tell everybody the new type.
+        """
+        graph = self._around.graph
+        known = (await graph.snapshot()).topics.get(graph.resolve(topic))
+        if (
+            known is None
+            or known.type == ANY_TYPE
+            or not {*known.publishers, *known.subscribers} - {graph.node_name}
+        ):
+            return
+        # Several types on one ROS 2 topic stand with a space between them.
+        if short_type(message_type.name) not in map(short_type, known.type.split()):
+            raise TypeMismatchError(f"advertise: {topic} is {known.type}, not {message_type.name}")
 
     def _check_glob(self, topic: str) -> None:
         if not matches(self._around.graph.resolve(topic), self._around.settings.topics_glob):

@@ -235,6 +235,22 @@ async def test_calls_that_never_end_hold_up_nothing_else(
         assert "advertise it first" in (await client.hear("status"))["msg"]
 
 
+async def test_a_topic_of_others_keeps_its_type(there: World) -> None:
+    publisher = await there.graph.publisher("/chatter", "std_msgs/String")
+    async with there.client() as client:
+        await client.say("advertise", topic="/chatter", type="std_msgs/Int32", id="wrong")
+        status = await client.hear("status")
+        assert status["msg"] == "advertise: /chatter is std_msgs/String, not std_msgs/Int32"
+        assert status["id"] == "wrong"
+        await client.say("advertise", topic="/chatter", type="std_msgs/msg/String")
+        assert await client.settled() == []
+        await client.say("unadvertise", topic="/chatter")
+        await client.settled()
+        await publisher.close()
+        await client.say("advertise", topic="/chatter", type="std_msgs/Int32")
+        assert await client.settled() == []
+
+
 async def test_what_calls_hold_is_bounded(there: World, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(client_services, "MAX_QUEUED_BYTES", 1000)
     go_on = asyncio.Event()
