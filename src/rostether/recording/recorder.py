@@ -16,6 +16,7 @@ from pathlib import Path
 from rostether.errors import RecordingError
 from rostether.graph.ports import Graph, OnMessages, Snapshot, Subscriber
 from rostether.msgdef.interface import ANY_MESSAGE, ANY_TYPE
+from rostether.recording.active_file import end_active
 from rostether.recording.background_writer import BackgroundWriter
 from rostether.recording.recorded import Connection, RecordingWriter
 
@@ -152,8 +153,8 @@ class Recorder:
             if writer is not None:
                 self._finish()
             await asyncio.gather(*self._closings)
-        if self._failure is not None:
-            raise self._failure
+            if self._failure is not None:
+                raise self._failure
 
     async def _search(self) -> None:
         async for snapshot in self._graph.changes():
@@ -241,18 +242,23 @@ class Recorder:
             self._ended.set()
             return
         self._finish()
+        if self._failure is not None:
+            return
         try:
             self._open()
+            self._repeat_latched()
         except RecordingError as error:
             self._fail(error)
+
+    def _repeat_latched(self) -> None:
+        writer = self._writer
+        if writer is None:
             return
-        writer, latched = self._writer, self._latched
-        if writer is not None:
-            now_ns = self._graph.now().to_ns()
-            for connection, payload in (latched or {}).items():
-                writer.write(writer.add_connection(connection), now_ns, [payload])
-                self.progress.message_count += 1
-                self._file_count += 1
+        now_ns = self._graph.now().to_ns()
+        for connection, payload in (self._latched or {}).items():
+            writer.write(writer.add_connection(connection), now_ns, [payload])
+            self.progress.message_count += 1
+            self._file_count += 1
 
     def _open(self) -> None:
         number = len(self.progress.files)
@@ -289,16 +295,25 @@ class Recorder:
         try:
             writer.close()
         except RecordingError as error:
-            told = f"{self._failure or error}; `rostether bag reindex {path}` gives it an index"
-            self._failure = RecordingError(told)
+            told = f"{self._failure or f'{error}; recording stopped'}"
+            self._failure = RecordingError(f"{told}; `rostether bag reindex {path}` gives it an index")
+            self._ended.set()
         # What found no room is not counted.
         self.progress.message_count += writer.message_count - count
         self.progress.finished_bytes += writer.size_bytes
-        path.with_name(path.name + ACTIVE_SUFFIX).replace(path)
-        if path in self._dropped:
-            path.unlink()
+        try:
+            end_active(path.with_name(path.name + ACTIVE_SUFFIX), path)
+            if path in self._dropped:
+                path.unlink()
+        except OSError as error:
+            self._failure = self._failure or RecordingError(
+                f"{path}{ACTIVE_SUFFIX} cannot become {path.name}: {error.strerror or error}"
+            )
+            self._ended.set()
 
     def _fail(self, error: RecordingError) -> None:
-        self._failure = RecordingError(f"{error}; recording stopped, {self._path} keeps what came until then")
+        self._failure = self._failure or RecordingError(
+            f"{error}; recording stopped, {self._path} keeps what came until then"
+        )
         self._finish()
         self._ended.set()

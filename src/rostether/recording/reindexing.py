@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rostether.errors import RecordingError
+from rostether.recording.active_file import end_active
 from rostether.recording.checking import file_faults
 from rostether.recording.compression import NONE
 from rostether.recording.files import Form, create_recording, form_of, is_mcap, open_recording
@@ -69,9 +70,10 @@ def _rewrite(
 ) -> int:
     with _unfinished(path, output) as unfinished:
         written = copy(reader, unfinished, compression=compression, form=form_of(reader))
+        reader.close()  # SQLite brings its log into the file, where there is room
         if keep_original is not None:
-            path.replace(keep_original)
-        unfinished.replace(output)
+            end_active(path, keep_original)
+        end_active(unfinished, output)
     return written
 
 

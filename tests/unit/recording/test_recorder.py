@@ -210,3 +210,32 @@ async def test_a_full_disk_ends_it_with_a_line_and_keeps_what_is_there(stage: St
         await asyncio.wait_for(task, 60)
     assert len(stage.payloads()) == 5
     assert recorder.progress.message_count == 5
+
+
+async def test_what_goes_wrong_at_the_end_is_told_also_after_ctrl_c(stage: Stage) -> None:
+    recorder = stage.recorder(TopicChoice(names=("/a",)))
+    publisher = await stage.node.advertise("/a", STRING)
+    task = asyncio.create_task(recorder.run())
+    await _subscribed(publisher)
+    (stage.folder / "0.bag.active").unlink()
+    task.cancel()
+    with pytest.raises(RecordingError, match=r"0\.bag\.active cannot become 0\.bag: No such file"):
+        await asyncio.wait_for(task, 60)
+
+
+async def test_no_file_is_begun_after_one_that_found_no_room_for_its_index(stage: Stage) -> None:
+    class NoIndex(BagWriter):
+        def close(self) -> None:
+            self.flush()
+            raise RecordingError("cannot write x: No space left on device")
+
+    publisher = await stage.node.advertise("/a", STRING)
+    limits = RecordLimits(size_bytes=5000, is_splitting=True)
+    recorder = stage.recorder(TopicChoice(names=("/a",)), limits, create=NoIndex)
+    task = asyncio.create_task(recorder.run())
+    await _subscribed(publisher)
+    publisher.publish_raw([bytes(5000)])
+    with pytest.raises(RecordingError, match=r"device; recording stopped; `rostether bag reindex .*0\.bag`"):
+        await asyncio.wait_for(task, 60)
+    assert [each.name for each in stage.folder.iterdir()] == ["0.bag"]
+    assert recorder.progress.message_count == 1
