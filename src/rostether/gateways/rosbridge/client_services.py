@@ -95,7 +95,7 @@ class ClientServices:
         answer = _response(request, service)
         try:
             async with asyncio.timeout(timeout_s):
-                values: Any = await self._values(service, request.fields.get("args"))
+                values: Any = await self._values(service, request)
             answer |= {"values": values, "result": True}
         except RostetherError as error:
             answer |= {"values": str(error), "result": False}
@@ -103,7 +103,7 @@ class ClientServices:
             answer |= {"values": f"service {service} did not answer within {timeout_s:g} s", "result": False}
         self._send(answer, wish)
 
-    async def _values(self, service: str, args: Any) -> dict[str, Any]:
+    async def _values(self, service: str, request: Request) -> dict[str, Any]:
         around = self._around
         try:
             name = around.graph.resolve(service)
@@ -113,11 +113,13 @@ class ClientServices:
         local = around.local_services.find(name) if around.local_services is not None else None
         if local is not None:
             async with self._local_calls:
-                return await local(args)
+                return await local(request.fields.get("args"))
         service_type = await around.service_types.find(name)
-        payload = around.forms.from_json(
-            service_type.request.name, self._by_name(service_type.request.name, args)
-        )
+        args = self._by_name(service_type.request.name, request.fields.get("args"))
+        payload = around.forms.from_json(service_type.request.name, args)
+        # The call may take long, and what it was made of twenty times the room of its JSON.
+        del args
+        request.fields.clear()
         try:
             answer = await around.graph.call_service(name, service_type, payload)
         except RostetherError:

@@ -1,6 +1,8 @@
 from __future__ import annotations
 
+import gc
 import tracemalloc
+from contextlib import nullcontext
 from typing import Any
 
 import pytest
@@ -111,3 +113,21 @@ def test_what_nests_deeply_is_shown_too() -> None:
     # Ended here, piece by piece: Python's own way would nest as deeply.
     while deep:
         deep = deep.pop()  # type: ignore[assignment]
+
+
+@pytest.mark.parametrize("end", ["]}", ""])
+def test_nobody_looks_for_garbage_while_a_large_message_is_read(end: str) -> None:
+    looked = []
+
+    def look(phase: str, _: object) -> None:
+        # What is created around the reading may fill the youngest generation once.
+        looked.append(phase)
+
+    gc.callbacks.append(look)
+    try:
+        with nullcontext() if end else pytest.raises(RemoteProtocolError):
+            read_request('{"op": "x", "y": [' + "[]," * 100_000 + "[]" + end)
+    finally:
+        gc.callbacks.remove(look)
+    assert gc.isenabled()
+    assert looked.count("start") <= 2
