@@ -88,7 +88,7 @@ class Request:
 
 
 _LARGE_BYTES: Final = 64 << 10
-"""From here on a frame may hold so many lists that looking for garbage among them takes longer than reading."""
+"""From here on looking for garbage among what a frame holds may take longer than reading it."""
 
 
 def read_request(data: str | bytes) -> Request:
