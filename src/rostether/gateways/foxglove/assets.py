@@ -6,7 +6,7 @@ Only files inside of packages that are found here, hidden ones not among them; n
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
@@ -92,11 +92,20 @@ class Assets:
 def _inside(folder: Path, path: Path) -> Path | None:
     """Return the path, when it leads to a file in the folder, whatever it has of links and `..`."""
     try:
-        root, real = folder.resolve(), path.resolve()
-        if not real.is_relative_to(root) or not real.is_file():
+        real = path.resolve()
+        root = next((root for root in _roots(folder) if real.is_relative_to(root)), None)
+        if root is None or not real.is_file():
             return None
     except (OSError, ValueError, RuntimeError):
         return None
     if any(part.startswith(".") for part in real.relative_to(root).parts):
         return None
     return real
+
+
+def _roots(folder: Path) -> Iterator[Path]:
+    yield folder.resolve()
+    manifest = folder / "package.xml"
+    if manifest.is_symlink():
+        # A workspace built with --symlink-install: each installed file is a link to the package's source.
+        yield manifest.resolve().parent

@@ -78,3 +78,16 @@ async def test_a_package_that_comes_later_is_found(folder: Path) -> None:
         await assets.read("package://arm/meshes/left arm.stl")
     found["arm"] = folder
     assert await assets.read("package://arm/meshes/left arm.stl") == b"solid"
+
+
+async def test_a_workspace_whose_files_are_links_to_their_sources(folder: Path, tmp_path: Path) -> None:
+    (folder / "package.xml").write_text("<package><name>arm</name></package>")
+    share = tmp_path / "install/share/arm"
+    share.mkdir(parents=True)
+    for name in ("package.xml", "meshes", "link"):
+        (share / name).symlink_to(folder / name)
+    assets = Assets(lambda: {"arm": share}, 1000)
+    assert await assets.read("package://arm/meshes/left arm.stl") == b"solid"
+    for name in ("link", ".git/config", "meshes/../../secret"):
+        with pytest.raises(ConfigError):
+            await assets.read(f"package://arm/{name}")
