@@ -63,7 +63,7 @@ def foxglove(place: str, master: str | None, allowed: tuple[str, ...], msg_paths
 
     def open_gateway(graphs: ServedGraphs, tell: Tell) -> AbstractAsyncContextManager[FoxgloveGateway]:
         on = _in_ros1_words(graphs, msg_paths)
-        return _gateway(settings, on, tell, "`rostether foxglove 0.0.0.0:8765`")
+        return _gateway(settings, on, tell, "`rostether foxglove 0.0.0.0:{port}`")
 
     serve_gateway(master, allowed, msg_paths, open_gateway)
 
@@ -99,7 +99,7 @@ async def served_foxglove(
         return
     check_foxglove()
     settings = read_settings(options.foxglove, options)
-    async with _gateway(settings, _in_ros1_words(graphs, msg_paths), tell, "--foxglove 0.0.0.0:8765"):
+    async with _gateway(settings, _in_ros1_words(graphs, msg_paths), tell, "--foxglove 0.0.0.0:{port}"):
         yield
 
 
@@ -201,7 +201,7 @@ async def _gateway_on(
     )
     async with gateway:
         tell(Level.INFO, f"foxglove: open a connection to {gateway.url} in Foxglove")
-        tell_reach("foxglove", settings.host, settings.token, wider, tell)
+        tell_reach("foxglove", settings.host, settings.port, settings.token, wider, tell)
         yield gateway
 
 

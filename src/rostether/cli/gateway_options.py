@@ -27,14 +27,14 @@ _ORIGIN = re.compile(r"\*|null|[a-zA-Z][\w+.-]*://[^/\s]*/?")
 class GatewayOptions:
     """What was typed: a place for each gateway that is wanted (None: not wanted), and who may use them.
 
-    `wider` is what people type to let other machines connect.
+    `wider` is what people type, with {port}, to let other machines connect.
     """
 
     rosbridge: str | None = None
     token: str = ""
     origins: tuple[str, ...] = ()
     allow: tuple[str, ...] = ()
-    wider: str = "--rosbridge 0.0.0.0:9090"
+    wider: str = "--rosbridge 0.0.0.0:{port}"
     foxglove: str | None = None
 
     @property

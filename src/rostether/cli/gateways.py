@@ -166,7 +166,7 @@ async def rosbridge_server(
 ) -> AsyncIterator[RosbridgeServer]:
     """Run a rosbridge server on a node, and say where it is. Raises as `gateways`.
 
-    `wider` is what people type to let other machines connect.
+    `wider` is what people type, with {port}, to let other machines connect.
     """
     from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi, offering_rosapi
     from rostether.gateways.rosbridge.server import RosbridgeServer
@@ -199,14 +199,14 @@ async def rosbridge_server(
             tell(Level.INFO, f"rosbridge: rosapi's services are there for its clients alone: {error}")
         await server.start()
         tell(Level.INFO, f"rosbridge: web pages and programs connect to {server.uri}")
-        tell_reach("rosbridge", settings.host, settings.token, wider, tell)
+        tell_reach("rosbridge", settings.host, settings.port, settings.token, wider, tell)
         yield server
 
 
-def tell_reach(gateway: str, host: str, token: str, wider: str, tell: Tell) -> None:
-    """Say who reaches a gateway; `wider` is what people type to let other machines connect."""
+def tell_reach(gateway: str, host: str, port: int, token: str, wider: str, tell: Tell) -> None:
+    """Say who reaches a gateway; `wider` is what people type, with {port}, to let other machines connect."""
     if is_loopback(host):
-        tell(Level.INFO, f"{gateway}: this machine only; {wider} lets others connect")
+        tell(Level.INFO, f"{gateway}: this machine only; {wider.format(port=port)} lets others connect")
     elif not token:
         tell(
             Level.WARN,

@@ -69,7 +69,7 @@ def rosbridge(place: str, master: str | None, allowed: tuple[str, ...], msg_path
     """
     check_rosbridge()
     options = replace(
-        read_gateway_options(allowed), rosbridge=place, wider="`rostether rosbridge 0.0.0.0:9090`"
+        read_gateway_options(allowed), rosbridge=place, wider="`rostether rosbridge 0.0.0.0:{port}`"
     )
     serve_gateway(master, allowed, msg_paths, partial(_opened, options, msg_paths))
 

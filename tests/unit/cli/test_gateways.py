@@ -52,7 +52,7 @@ async def test_pages_are_answered_where_the_graph_carries_no_rosapi(fault: Excep
         (
             "localhost:0",
             "",
-            (Level.INFO, "rosbridge: this machine only; --rosbridge 0.0.0.0:9090 lets others connect"),
+            (Level.INFO, "rosbridge: this machine only; --rosbridge 0.0.0.0:0 lets others connect"),
         ),
         (
             "0.0.0.0:0",
