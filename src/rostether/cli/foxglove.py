@@ -186,10 +186,13 @@ async def _gateway_on(
     graph: Graph, on: GatewayGraph, settings: FoxgloveSettings, tell: Tell, wider: str
 ) -> AsyncIterator[FoxgloveGateway]:
     from rostether.gateways.foxglove.gateway import FoxgloveGateway
+    from rostether.msgdef.ros2.definition_files import install_prefixes
+    from rostether.packages.installed import installed_packages
     from rostether.packages.locate import package_folders
 
     def find_packages() -> Mapping[str, Path]:
-        return package_folders(os.environ, Path.cwd())
+        # Where a ROS 2 is sourced, robots' meshes are where it was installed.
+        return installed_packages(install_prefixes(os.environ)) | package_folders(os.environ, Path.cwd())
 
     gateway = FoxgloveGateway(
         graph,
