@@ -26,6 +26,13 @@ DRAIN_S = 0.5
 BATCH_MESSAGES = 500
 """Messages that leave before others get a turn: about 2 ms of reading."""
 
+BATCH_BYTES = 1 << 20
+"""What leaves before others get a turn where messages are large: less than any queue of a subscriber holds,
+so that those that are due at once, as pictures are with `--immediate`, do not push one another out of it."""
+
+END_DRAIN_S = 5.0
+"""How long the end waits for subscribers that still take what was played: 50 MB on a busy machine."""
+
 SAMPLE_MESSAGES = 2000
 """How many messages are read to know their sizes, where a queue is asked for that holds so and so many."""
 
@@ -114,7 +121,7 @@ class Player:
             if not self._settings.is_looping:
                 break
         for publisher in self._publishers.values():
-            await publisher.drained(DRAIN_S)
+            await publisher.drained(END_DRAIN_S)
 
     async def keep_clock(self) -> None:
         """Go on publishing the clock for ever."""
@@ -166,7 +173,7 @@ class Player:
     async def _play_once(self) -> None:
         self._set_origin(self.start_ns)
         waiting: dict[Publisher, list[bytes]] = {}
-        count = 0
+        count = size_bytes = 0
         last_ns = self.start_ns
         for message in self._merged():
             gap_s = (message.time_ns - last_ns) / NS_PER_S
@@ -176,7 +183,7 @@ class Player:
                 self._set_origin(message.time_ns)
             if not self._is_due(message.time_ns):
                 await self._send(waiting)
-                count = 0
+                count = size_bytes = 0
                 await self._until(message.time_ns)
             self.time_ns = message.time_ns
             if message.connection.topic in self._settings.pause_topics and not self.is_paused:
@@ -184,9 +191,10 @@ class Player:
             publisher = self._publishers[self._settings.topic_of(message.connection)]
             waiting.setdefault(publisher, []).append(message.payload)
             count += 1
-            if count >= BATCH_MESSAGES:
+            size_bytes += len(message.payload)
+            if count >= BATCH_MESSAGES or size_bytes >= BATCH_BYTES:
                 await self._send(waiting)
-                count = 0
+                count = size_bytes = 0
                 await asyncio.sleep(0)
         await self._send(waiting)
 

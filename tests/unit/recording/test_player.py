@@ -14,7 +14,7 @@ from rostether.graph.memory_network import MemoryNetwork
 from rostether.msgdef.interface import ANY_MESSAGE
 from rostether.recording.bag_reader import BagReader
 from rostether.recording.bag_writer import BagWriter
-from rostether.recording.player import Player, PlaySettings
+from rostether.recording.player import BATCH_BYTES, Player, PlaySettings
 from unit.recording.bags import START_NS, STRING, connection, text, write_bag
 
 
@@ -198,3 +198,30 @@ async def test_it_waits_for_the_topic_that_controls_its_rate(stage: Stage) -> No
             await asyncio.sleep(0.01)
     await task
     await stage.until_heard(30)
+
+
+async def test_large_messages_that_are_due_at_once_leave_one_by_one(
+    stage: Stage, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    writer = BagWriter(stage.path)
+    number = writer.add_connection(connection())
+    for index in range(6):
+        writer.write(number, START_NS + index, [text(str(index)) + bytes(BATCH_BYTES // 2)])
+    writer.close()
+    batches: list[int] = []
+    advertise = stage.graph.advertise
+
+    async def watched(topic: str, message_type: Any, **options: Any) -> Any:
+        publisher = await advertise(topic, message_type, **options)
+        publish_raw = publisher.publish_raw
+
+        def noted(payloads: Sequence[bytes]) -> bool:
+            batches.append(len(payloads))
+            return publish_raw(payloads)
+
+        monkeypatch.setattr(publisher, "publish_raw", noted)
+        return publisher
+
+    monkeypatch.setattr(stage.graph, "advertise", watched)
+    await stage.player(is_immediate=True).play()
+    assert batches == [2, 2, 2]
