@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import errno
+import os
 import socket
 from collections.abc import Callable
 
@@ -57,8 +58,11 @@ class Listening:
                 advice = "give another port, or end what uses it"
                 if isinstance(error, socket.gaierror) or error.errno == errno.EADDRNOTAVAIL:
                     advice = f"that is no address of this machine, 0.0.0.0:{port} listens on all it has"
+                # asyncio's own words name the address a second time; negative numbers are the resolver's.
+                number = error.errno or 0
+                reason = os.strerror(number) if number > 0 else error.strerror or error
                 raise ConfigError(
-                    f"cannot listen on {host}:{port} for Foxglove: {error.strerror or error}; {advice}"
+                    f"cannot listen on {host}:{port} for Foxglove: {reason}; {advice}"
                 ) from error
             self._servers.append(server)
             port = self.port

@@ -480,8 +480,13 @@ async def test_a_taken_port_is_said_in_one_line() -> None:
     async with stage() as there:
         settings = FoxgloveSettings(port=there.gateway.port)
         graph = await there.network.join("/second")
-        with pytest.raises(ConfigError, match="cannot listen on localhost"):
+        with pytest.raises(
+            ConfigError, match=r"cannot listen on localhost.*: Address already in use; give another"
+        ):
             await FoxgloveGateway(graph, there.store, settings).start()
+        nowhere = FoxgloveSettings(host="203.0.113.1", port=0)
+        with pytest.raises(ConfigError, match=r"that is no address of this machine, 0\.0\.0\.0:0 listens"):
+            await FoxgloveGateway(graph, there.store, nowhere).start()
         await graph.close()
 
 
