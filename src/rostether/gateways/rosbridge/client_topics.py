@@ -34,9 +34,10 @@ class ClientTopics:
         topic, type_name = request.word("topic"), request.word("type")
         message_type = self._around.store.registry.message_type(short_type(type_name))
         known = self._publications.get(topic)
-        if known is not None and known.type == message_type:
+        latch = request.flag("latch")
+        if known is not None and known.type == message_type and known.is_latching >= latch:
             return
-        await self._advertise(topic, message_type, latch=request.flag("latch"))
+        await self._advertise(topic, message_type, latch=latch)
 
     async def unadvertise(self, request: Request) -> None:
         """Take an announcement back; subscribers stay connected for a while, in case it comes again."""

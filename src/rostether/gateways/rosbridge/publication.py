@@ -27,9 +27,10 @@ class Publication:
     Pages advertise and publish at once; without this their first message would reach nobody.
     """
 
-    def __init__(self, publisher: Publisher) -> None:
+    def __init__(self, publisher: Publisher, *, is_latching: bool = False) -> None:
         self.topic = publisher.topic
         self.type = publisher.type
+        self.is_latching = is_latching
         self._publisher = publisher
         self._first: list[bytes] | None = []
         self._first_bytes = 0
@@ -38,7 +39,7 @@ class Publication:
     @classmethod
     async def open(cls, graph: Graph, topic: str, message_type: MessageType, *, latch: bool) -> Publication:
         """Advertise. Raises InvalidNameError, GraphError."""
-        publication = cls(await graph.advertise(topic, message_type, latch=latch))
+        publication = cls(await graph.advertise(topic, message_type, latch=latch), is_latching=latch)
         publication._opening = asyncio.ensure_future(publication._open(graph))
         return publication
 

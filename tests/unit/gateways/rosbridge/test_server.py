@@ -251,6 +251,17 @@ async def test_a_topic_of_others_keeps_its_type(there: World) -> None:
         assert await client.settled() == []
 
 
+async def test_a_topic_latches_from_when_it_was_asked_to(there: World) -> None:
+    async with there.client() as client, there.client() as late:
+        await client.say("advertise", topic="/plan", type="std_msgs/String")
+        await client.say("advertise", topic="/plan", type="std_msgs/String", latch=True)
+        await client.say("advertise", topic="/plan", type="std_msgs/String")
+        await client.say("publish", topic="/plan", msg={"data": "kept"})
+        await client.settled()
+        await late.say("subscribe", topic="/plan")
+        assert (await late.hear("publish"))["msg"] == {"data": "kept"}
+
+
 async def test_what_calls_hold_is_bounded(there: World, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(client_services, "MAX_QUEUED_BYTES", 1000)
     go_on = asyncio.Event()
