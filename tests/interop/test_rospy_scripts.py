@@ -120,6 +120,9 @@ async def test_a_node_that_talks_with_itself(roscore: Ros1Peers) -> None:
 async def test_what_the_graph_sees(roscore: Ros1Peers, how_to_end: str, arguments: list[str]) -> None:
     theirs = await observe(roscore, DEBIAN_PYTHON, how_to_end, *arguments)
     ours = await observe(roscore, sys.executable, how_to_end, *arguments)
+    if how_to_end == "kill":
+        # Debian's loop may meet a publisher that is closed already; it then ends with 1.
+        theirs["exit"] = 0
     assert ours == theirs
     assert len(ours["registered"][0]) == 6
 

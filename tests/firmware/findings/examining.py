@@ -25,6 +25,7 @@ PORT = "/dev/ttyACM0"
 # A tenth of a second makes a board seem slow.
 MAX_STALL_S = 0.03
 OF_TIME = frozenset({Code.SLOW_LOOP, Code.CLOCK_DRIFT})
+TRIES = 3
 Happening = Callable[[SimulatedBoard], Awaitable[None]]
 
 
@@ -44,8 +45,8 @@ class Case:
     sent_as: Mapping[str, str] | None = None
     known: Mapping[str, str] | None = None
     """Definitions that the doctor has."""
-    is_about_time: bool = False
-    """Whether late requests or drift are the fault; else they are this machine's when it was too slow."""
+    of_time: Code | None = None
+    """What is found where lateness or drift is the fault; else it is this machine's when that was too slow."""
 
 
 async def examine_all(cases: Mapping[str, Case], folder: Path) -> dict[str, Diagnosis]:
@@ -98,6 +99,19 @@ async def _examine(case: Case, program: Path, folder: Path, stalls: Stalls) -> D
     store = STORE
     if case.known:
         store = TypeStore(Registry(paths=(_packages(folder / "known", case.known),)))
+    diagnosis, was_slow = await _watch(case, program, store, stalls)
+    for _ in range(TRIES - 1):
+        found = [each.code for each in diagnosis.findings]
+        if case.of_time is None or not was_slow or found == [case.of_time]:
+            break
+        diagnosis, was_slow = await _watch(case, program, store, stalls)
+    if case.of_time is not None or not was_slow:
+        return diagnosis
+    return replace(diagnosis, findings=tuple(each for each in diagnosis.findings if each.code not in OF_TIME))
+
+
+async def _watch(case: Case, program: Path, store: TypeStore, stalls: Stalls) -> tuple[Diagnosis, bool]:
+    """Return what a doctor finds, and whether this machine was too slow to tell anything of time."""
     link: Literal["pty", "tcp"] = "pty" if case.baud is None else "tcp"
     async with await SimulatedBoard.start(program, words=case.words, link=link) as board:
         happening = asyncio.ensure_future(case.happening(board)) if case.happening is not None else None
@@ -108,9 +122,7 @@ async def _examine(case: Case, program: Path, folder: Path, stalls: Stalls) -> D
                 happening.cancel()
                 await asyncio.gather(happening, return_exceptions=True)
         was_slow = stalls.longest_s > MAX_STALL_S or any(each.name == "behind" for each in board.recent)
-    if case.is_about_time or not was_slow:
-        return diagnosis
-    return replace(diagnosis, findings=tuple(each for each in diagnosis.findings if each.code not in OF_TIME))
+    return diagnosis, was_slow
 
 
 async def _diagnose(case: Case, board: SimulatedBoard, store: TypeStore) -> Diagnosis:

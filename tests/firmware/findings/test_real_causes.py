@@ -131,11 +131,11 @@ async def test_sketches_with_faults(tmp_path: Path) -> None:
 async def test_boards_that_work_badly(tmp_path: Path) -> None:
     found = await examine_all(
         {
-            "waits": Case(sketches.WAITS_IN_ITS_LOOP, watch_s=8.0, is_about_time=True),
+            "waits": Case(sketches.WAITS_IN_ITS_LOOP, watch_s=8.0, of_time=Code.SLOW_LOOP),
             "hangs": Case(sketches.HANGS_AFTER_SECONDS, watch_s=10.0),
             "bitten": Case(sketches.IS_BITTEN_BY_ITS_WATCHDOG, watch_s=8.0),
             "sags": Case(sketches.WELL, happening=sag, watch_s=8.0),
-            "drifts": Case(sketches.STOPS_ITS_CLOCK_FOR_A_LED_STRIP, watch_s=14.0, is_about_time=True),
+            "drifts": Case(sketches.STOPS_ITS_CLOCK_FOR_A_LED_STRIP, watch_s=14.0, of_time=Code.CLOCK_DRIFT),
             "stray": Case(sketches.SENDS_WHAT_IT_NEVER_ANNOUNCED, watch_s=14.0),
             "damaged": Case(sketches.WELL, words=["fault from:flip=0.004,seed=3"], watch_s=10.0),
         },

@@ -224,13 +224,15 @@ async def test_seconds_of_garbage_at_ten_megabytes_a_second(name: str) -> None:
             await board.send(noise[name])
             await asyncio.sleep(max(0.0, began_s + (turn + 1) * 0.1 - time.monotonic()))
         await board.send(TIME_REQUEST)
-        back_s = time.monotonic()
+        back_s, back_used_s = time.monotonic(), _cpu_s()
         async with lateness() as late:
             board.count_from(1)
             await until(lambda: len(set(heard)) > 1, "messages after the garbage")
-        assert time.monotonic() - back_s - late.total_s < AT_ONCE_S
-        # Two seconds, and as much again for a slow machine: judged header by header it took eight.
-        assert _cpu_s() - used_s < 4.0
+        # At once by what it has to do; a busy machine lets it do so later.
+        assert _cpu_s() - back_used_s < AT_ONCE_S
+        assert time.monotonic() - back_s - late.total_s < 4 * AT_ONCE_S
+        # Two seconds, and twice as much again for a busy machine: judged header by header it took eight.
+        assert _cpu_s() - used_s < 6.0
         await asyncio.sleep(0.2)
         assert sorted(set(others)) == list(range(max(others) + 1))
         assert max(others) > 20
