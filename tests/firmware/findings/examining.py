@@ -46,7 +46,7 @@ class Case:
     known: Mapping[str, str] | None = None
     """Definitions that the doctor has."""
     of_time: Code | None = None
-    """What is found where lateness or drift is the fault; else it is this machine's when that was too slow."""
+    """What is found where lateness or drift is the fault; else they are this machine's when it was slow."""
 
 
 async def examine_all(cases: Mapping[str, Case], folder: Path) -> dict[str, Diagnosis]:
