@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     help="What to print (text); a picture is better saved.",
 )
 @click.option(
+    "-o",
     "--save",
     "file",
     metavar="FILE",

@@ -77,6 +77,7 @@ class _Options:
     help="End after SECONDS (Ctrl-C).",
 )
 @click.option(
+    "-o",
     "--save",
     "file",
     metavar="FILE",
