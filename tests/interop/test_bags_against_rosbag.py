@@ -9,10 +9,12 @@ import os
 import signal
 import time
 from collections.abc import AsyncIterator, Callable
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 import pytest_asyncio
+from mcap.reader import make_reader
 
 from interop.command_line import started
 from interop.node_stage import Stage, stage_on
@@ -21,6 +23,7 @@ from rostether.graph.ports import Publisher
 from rostether.msgdef.registry import Registry
 from rostether.recording.bag_reader import BagReader
 from rostether.recording.bag_writer import BagWriter
+from rostether.recording.files import open_recording
 from rostether.recording.recorded import Connection
 from rostether.serde.store import TypeStore
 
@@ -232,6 +235,29 @@ async def test_a_killed_recording_lacks_a_second_at_most(stage: Stage, tmp_path:
     mended = _ours(tmp_path / "a.bag")
     assert len(mended) == count
     assert await _theirs(stage, copy) == mended == await _theirs(stage, tmp_path / "a.bag")
+
+
+async def test_a_killed_mcap_recording_lacks_a_second_at_most(stage: Stage, tmp_path: Path) -> None:
+    node = await stage.join("/node")
+    publisher = await node.advertise("/chat", STORE.registry.message_type("std_msgs/String"))
+    ours = await _ours_started(stage, "bag", "record", "-O", str(tmp_path / "a.mcap"), "/chat")
+    await _until(lambda: publisher.subscriber_count == 1)
+    began_s = time.time()
+    await _publish(publisher, 1.5)
+    killed_s = time.time()
+    ours.process.send_signal(signal.SIGKILL)
+    await ours.process.wait()
+    active = tmp_path / "a.mcap.active"
+    with closing(open_recording(active)) as reader:
+        assert reader.span_ns is not None
+        assert reader.span_ns[0] / 1e9 < began_s + 0.5
+        assert reader.span_ns[1] / 1e9 > killed_s - 1.0
+        left = [(each.time_ns, each.payload) for each in reader.messages()]
+    await _run(stage, "bag", "reindex", str(active))
+    with (tmp_path / "a.mcap").open("rb") as file:
+        theirs = make_reader(file)
+        assert theirs.get_summary() is not None
+        assert [(each.log_time, each.data) for _, _, each in theirs.iter_messages()] == left
 
 
 async def test_what_a_killed_roscpp_recorder_left_is_read_and_mended(stage: Stage, tmp_path: Path) -> None:
