@@ -91,7 +91,13 @@ class _Place:
         self._file: Path | None = None
         if output is not None and not self._is_stdout:
             path = Path(output)
-            is_file = path.suffix.removeprefix(".") in FORMATS and not path.is_dir()
+            is_folder = path.is_dir() or output.endswith("/")
+            is_file = path.suffix.removeprefix(".") in FORMATS and not is_folder
+            if not is_file and not is_folder and path.suffix[1:2].isalpha():
+                raise ConfigError(
+                    f"-o {output}: a table's file ends with .csv or .parquet; a folder has no ending, "
+                    "or is there already"
+                )
             self._folder = path
             self._file = path if is_file else None
         ending = self._file.suffix.removeprefix(".") if self._file is not None else None

@@ -32,6 +32,8 @@ def test_a_folder_of_tables_a_file_or_stdout(bag: Path, shell: Shell) -> None:
     assert Path("one.csv").read_text() == text
     shell.output("export", str(bag), "-o", "tables", "--format", "parquet")
     shell.output("export", str(bag), "--topic", "/b", "-o", "b.parquet")
+    Path("run.old").mkdir()
+    assert "run.old/a.csv: 15 rows" in shell.output("export", str(bag), "-o", "run.old")
     assert Path("b.parquet").read_bytes()[:4] == Path("tables/b.parquet").read_bytes()[:4] == b"PAR1"
 
 
@@ -43,6 +45,8 @@ def test_what_makes_no_sense_is_told_and_leaves_no_file(bag: Path, shell: Shell)
     )
     assert "no topic /c" in shell.failure("export", str(bag), "--topic", "/c")
     assert "is no bag" in shell.failure("export", __file__)
+    assert ".csv or .parquet" in shell.failure("export", str(bag), "--topic", "/a", "-o", "x.txt")
+    assert not Path("x.txt").exists()
     assert "cannot make the folder" in shell.failure("export", str(bag), "-o", "drive.bag/x")
     data = bytearray(bag.read_bytes())
     data[data.index(b"size=") + 5] ^= 0xFF
