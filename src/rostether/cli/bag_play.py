@@ -190,6 +190,11 @@ async def _play(
             environment, "play", is_native=is_native, origins=origins, msg_paths=msg_paths
         ) as graph:
             player = Player(graph.raw, readers, settings)
+            if settings.start_s > player.length_s:
+                warn(
+                    f"WARNING: --start {settings.start_s:g} is beyond the end, "
+                    f"the recording lasts {player.length_s:.3f} s; nothing is played"
+                )
             playing = asyncio.create_task(player.play())
             async with _keys(player, playing.cancel, is_quiet=quiet):
                 leaving = asyncio.ensure_future(graph.raw.wait_closed())

@@ -16,7 +16,7 @@ from rostether.cli.bag_figures import size_text
 from rostether.cli.completions import complete_topics
 from rostether.cli.graph_access import read_environment, resolve
 from rostether.cli.options import master_option, msg_path_option, tool_allow_option
-from rostether.cli.output import write_line
+from rostether.cli.output import warn, write_line
 from rostether.cli.recording_files import NewFiles, Packing, asked_form, format_option, storage_option
 from rostether.cli.recording_graph import is_on_ros2_alone, recording_graph
 from rostether.cli.recording_progress import ProgressLine
@@ -245,6 +245,8 @@ async def _record(
             if written := [str(each) for each in recorder.progress.files if each.exists()]:
                 told = f"{recorder.progress.message_count} messages, {size_text(recorder.size_bytes)}"
                 tell(f"{told} in {', '.join(written)}")
+                if not recorder.progress.message_count:
+                    warn("WARNING: no message came; `rostether topic list -v` shows who publishes what")
 
 
 async def _telling_begin(graph: Graph, files: NewFiles) -> Callable[[Path], RecordingWriter]:

@@ -120,6 +120,8 @@ class BagReader:
 
 
 def _what_else(start: bytes) -> str:
+    if MAGIC.startswith(start):
+        return f"is cut: it has {len(start)} bytes, and a bag begins with {len(MAGIC)} that name its format"
     if start.startswith(MAGIC_START):
         version = start[len(MAGIC_START) :].decode("latin-1").split("\n")[0]
         version = version.strip().encode("unicode_escape").decode()

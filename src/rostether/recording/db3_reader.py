@@ -10,6 +10,7 @@ from pathlib import Path
 from rostether.errors import RecordingError
 from rostether.msgdef.full_text import MAX_FULL_TEXT_CHARACTERS
 from rostether.recording.recorded import CompressionShare, Connection, RecordedMessage, Ros2Origin, Wanted
+from rostether.recording.regular_file import require_regular_file
 from rostether.recording.ros2_reading import CDR, Ros2Topics
 
 MAGIC = b"SQLite format 3\0"
@@ -36,10 +37,14 @@ class Db3Reader:
         self._topics = Ros2Topics(is_native=is_native)
         self._connections: dict[int, Connection] = {}
         self._counts: Counter[Connection] = Counter()
+        require_regular_file(path)
         try:
             self.size_bytes = path.stat().st_size
             with path.open("rb") as file:
-                if file.read(len(MAGIC)) != MAGIC:
+                begin = file.read(len(MAGIC))
+                if not begin:
+                    raise RecordingError(f"{path} is empty")
+                if begin != MAGIC:
                     raise RecordingError(f"{path} is no SQLite file, as .db3 recordings are")
         except OSError as error:
             raise RecordingError(f"cannot read {path}: {error.strerror or error}") from None

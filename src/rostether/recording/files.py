@@ -12,6 +12,7 @@ from rostether.recording.bag_records import MAGIC
 from rostether.recording.bag_writer import DEFAULT_CHUNK_BYTES, BagWriter
 from rostether.recording.compression import NONE
 from rostether.recording.recorded import RecordingReader, RecordingWriter
+from rostether.recording.regular_file import require_regular_file
 
 if TYPE_CHECKING:
     from rostether.ros2.type_support import Ros2Types
@@ -41,11 +42,14 @@ def open_recording(path: Path, *, is_native: bool = False, damage: str = "") -> 
         from rostether.recording.ros2_bag_reader import Ros2BagReader
 
         return Ros2BagReader(path if path.is_dir() else path.parent, is_native=is_native)
-    if is_mcap(path):
+    require_regular_file(path)
+    # What begins with nothing known is refused as what its ending says.
+    ending = "" if is_bag(path) else Path(path.name.removesuffix(_ACTIVE_SUFFIX)).suffix
+    if is_mcap(path) or (ending == MCAP_SUFFIX and not _begins_with(path, SQLITE_MAGIC)):
         from rostether.recording.mcap_reader import McapReader
 
         return McapReader(path, is_native=is_native, damage=damage)
-    if _begins_with(path, SQLITE_MAGIC):
+    if _begins_with(path, SQLITE_MAGIC) or ending == DB3_SUFFIX:
         from rostether.recording.db3_reader import Db3Reader
 
         return Db3Reader(path, is_native=is_native)
@@ -126,6 +130,8 @@ def is_bag(path: Path) -> bool:
 
 def _begins_with(path: Path, magic: bytes) -> bool:
     try:
+        if not path.is_file():
+            return False
         with path.open("rb") as file:
             return file.read(len(magic)) == magic
     except OSError:

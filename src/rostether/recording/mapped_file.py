@@ -8,12 +8,14 @@ import os
 from pathlib import Path
 
 from rostether.errors import RecordingError
+from rostether.recording.regular_file import require_regular_file
 
 
 class MappedFile:
     """The bytes of a file as `view`. Raises RecordingError when it cannot be read or is empty."""
 
     def __init__(self, path: Path) -> None:
+        require_regular_file(path)
         try:
             descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
             try:

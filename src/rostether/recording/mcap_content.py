@@ -94,8 +94,13 @@ def read_content(data: Buffer, damage: str = "") -> McapContent:
 
     Raises RecordingError when it is no MCAP.
     """
-    if bytes(data[: len(MAGIC)]) != MAGIC:
-        raise RecordingError("it is no MCAP file of version 0")
+    begin = bytes(data[: len(MAGIC)])
+    if begin != MAGIC:
+        if MAGIC.startswith(begin):
+            raise RecordingError(f"it is cut: it has {len(begin)} bytes, and MCAP begins with {len(MAGIC)}")
+        if begin.startswith(MAGIC[:5]):
+            raise RecordingError("it is MCAP of another version than 0, which alone can be read")
+        raise RecordingError("it is no MCAP file: those begin with '\\x89MCAP0'")
     if damage:
         return search(data, damage)
     try:

@@ -97,8 +97,10 @@ class Player:
         spans = [span for reader in readers if (span := reader.span_ns) is not None]
         if not spans:
             raise RecordingError("the recording holds no message")
-        self.start_ns = min(start for start, _ in spans) + round(settings.start_s * NS_PER_S)
+        first_ns = min(start for start, _ in spans)
+        self.start_ns = first_ns + round(settings.start_s * NS_PER_S)
         self.end_ns = max(end for _, end in spans)
+        self.length_s = (self.end_ns - first_ns) / NS_PER_S
         if settings.duration_s is not None:
             self.end_ns = min(self.end_ns, self.start_ns + round(settings.duration_s * NS_PER_S))
 
@@ -118,7 +120,7 @@ class Player:
             on_started()
         while True:
             await self._play_once()
-            if not self._settings.is_looping:
+            if not self._settings.is_looping or not self.played_count:
                 break
         for publisher in self._publishers.values():
             await publisher.drained(END_DRAIN_S)

@@ -14,6 +14,7 @@ import yaml
 
 from rostether.errors import RecordingError
 from rostether.recording.recorded import Ros2Origin
+from rostether.recording.regular_file import require_regular_file
 from rostether.recording.ros2_qos import load_yaml, read_profiles
 
 FILE_NAME = "metadata.yaml"
@@ -120,6 +121,7 @@ def write_metadata(folder: Path, content: Mapping[str, Any]) -> None:
 def read_metadata(folder: Path) -> Metadata:
     """Read metadata.yaml. Raises RecordingError when it is missing or broken."""
     path = folder / FILE_NAME
+    require_regular_file(path)
     try:
         with path.open("rb") as file:
             data = file.read(MAX_BYTES + 1)

@@ -106,6 +106,64 @@ def test_what_makes_no_sense_is_told(tmp_path: Path, bag: Path, shell: Shell) ->
     assert "no duration" in shell.failure("bag", "record", "-a", "--duration", "soon", code=2)
 
 
+@pytest.mark.parametrize("verb", [("bag", "info"), ("bag", "check"), ("bag", "reindex"), ("export",)])
+def test_what_is_no_file_is_refused_at_once(tmp_path: Path, shell: Shell, verb: tuple[str, ...]) -> None:
+    for name in ("a.bag", "a.mcap", "a.db3", "folder/metadata.yaml", "folder/a_0.mcap"):
+        path = tmp_path / name
+        path.parent.mkdir(exist_ok=True)
+        os.mkfifo(path)
+        assert f"{path} is a FIFO" in shell.failure(*verb, str(path))
+    (tmp_path / "folder" / "metadata.yaml").unlink()
+    assert "a_0.mcap is a FIFO" in shell.failure(*verb, str(tmp_path / "folder"))
+    assert "/dev/null is a device" in shell.failure(*verb, "/dev/null")
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "told"),
+    [
+        ("a.mcap", b"{}" * 50, "it is no MCAP file"),
+        ("a.mcap.active", b"\x89MCAP", "it is cut: it has 5 bytes"),
+        ("a.mcap", b"\x89MCAP1\r\n" + bytes(50), "another version"),
+        ("a.db3", b"{}" * 50, "no SQLite file"),
+        ("a.db3", b"SQLite", "no SQLite file"),
+        ("a.db3", b"", "is empty"),
+        ("a.bag", b"#ROSBAG", "is cut: it has 7 bytes"),
+    ],
+)
+def test_what_is_broken_is_told_by_its_ending(
+    tmp_path: Path, shell: Shell, name: str, content: bytes, told: str
+) -> None:
+    (tmp_path / name).write_bytes(content)
+    failure = shell.failure("bag", "info", str(tmp_path / name))
+    assert told in failure
+    assert "\n" not in failure
+
+
+def test_names_do_not_matter_where_the_content_tells(tmp_path: Path, bag: Path, shell: Shell) -> None:
+    for name in ("a.mcap", "a.db3"):
+        (tmp_path / name).write_bytes(bag.read_bytes())
+        assert "messages:    30\n" in shell.output("bag", "info", str(tmp_path / name))
+
+
+@pytest.mark.parametrize("words", [(), ("--loop",)])
+def test_a_start_beyond_the_end_is_told(graph: LiveGraph, bag: Path, words: tuple[str, ...]) -> None:
+    player = _started(graph, "play", "-d", "0", "--start", "100", *words, str(bag))
+    printed, _ = player.communicate(timeout=60)
+    assert player.returncode == 0
+    assert printed == (
+        "WARNING: --start 100 is beyond the end, the recording lasts 0.290 s; nothing is played\n"
+        "played 0 messages\n"
+    )
+
+
+def test_a_recording_that_got_nothing_is_told(graph: LiveGraph, tmp_path: Path) -> None:
+    recorder = _started(graph, "record", "-q", "--duration", "0.1", "-O", str(tmp_path / "none.bag"), "/no")
+    printed, _ = recorder.communicate(timeout=60)
+    assert recorder.returncode == 0
+    assert printed.startswith("WARNING: no message came")
+    assert printed.count("\n") == 1
+
+
 def test_recorded_until_interrupted_and_played_again(graph: LiveGraph, tmp_path: Path, shell: Shell) -> None:
     node = graph.node("/node")
     publisher = graph.do(node.advertise("/chat", STRING))
