@@ -211,12 +211,18 @@ async def _record(
     settings: _Settings,
 ) -> None:
     from rostether.recording.recorder import Recorder
+    from rostether.recording.unfit_messages import UnfitMessages
 
     def tell(text: str) -> None:
         if not settings.is_quiet:
             line.clear()
             write_line(text)
 
+    def tell_wrong(text: str) -> None:
+        line.clear()
+        warn(text)
+
+    unfit = files.unfit = UnfitMessages(tell_wrong)
     line = ProgressLine(is_shown=not settings.is_quiet and sys.stderr.isatty())
     async with recording_graph(
         environment, "record", is_native=files.is_of_ros2, msg_paths=settings.msg_paths
@@ -245,7 +251,9 @@ async def _record(
             if written := [str(each) for each in recorder.progress.files if each.exists()]:
                 told = f"{recorder.progress.message_count} messages, {size_text(recorder.size_bytes)}"
                 tell(f"{told} in {', '.join(written)}")
-                if not recorder.progress.message_count:
+                for topic, count in unfit.counts.items():
+                    warn(f"WARNING: {topic}: {count} messages that do not fit their type were left out")
+                if not recorder.progress.message_count and not unfit.counts:
                     warn("WARNING: no message came; `rostether topic list -v` shows who publishes what")
 
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from rostether.recording.files import Form
     from rostether.recording.recorded import RecordingWriter
     from rostether.recording.ros2_bag_writer import Ros2Bag
+    from rostether.recording.unfit_messages import UnfitMessages
     from rostether.ros2.type_support import Ros2Types
 
 _SUFFIXES = (".bag", ".mcap", ".db3")
@@ -53,7 +54,7 @@ class Packing:
 class NewFiles:
     """The files of one recording, named as rosbag and rosbag2 do it. Raises ConfigError.
 
-    `types` are set when the graph is known.
+    `types` are set when the graph is known, and `unfit` when it can be told.
     """
 
     def __init__(
@@ -69,6 +70,7 @@ class NewFiles:
 
         source = Form.ROS2 if is_on_ros2_alone() else Form.ROS1
         self.types: Ros2Types | None = None
+        self.unfit: UnfitMessages | None = None
         self._packing = packing
         self._is_splitting = is_splitting
         self._bag: Ros2Bag | None = None
@@ -113,6 +115,7 @@ class NewFiles:
             chunk_bytes=self._packing.chunk_bytes,
             form=self._form,
             types=self.types,
+            unfit=self.unfit,
         )
 
     def _ros2_bag(self) -> Ros2Bag:
@@ -125,6 +128,7 @@ class NewFiles:
                 compression=self._packing.compression,
                 chunk_bytes=self._packing.chunk_bytes,
                 types=self.types,
+                unfit=self.unfit,
             )
         return self._bag
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from rostether.errors import RecordingError
 from rostether.recording.recorded import Connection
 from rostether.recording.ros2_channels import Channel, Ros2Channels
+from rostether.recording.unfit_messages import UnfitMessages
 from rostether.ros2.type_support import Ros2Types
 
 SCHEMA_VERSION = 4
@@ -40,9 +41,16 @@ CREATE INDEX timestamp_idx ON messages (timestamp ASC);
 class Db3Writer:
     """A .db3 file being written; see `recording.recorded.RecordingWriter`. Takes ROS 1 bytes."""
 
-    def __init__(self, path: Path, *, types: Ros2Types | None = None, distro: str = "jazzy") -> None:
+    def __init__(
+        self,
+        path: Path,
+        *,
+        types: Ros2Types | None = None,
+        distro: str = "jazzy",
+        unfit: UnfitMessages | None = None,
+    ) -> None:
         self.path = path
-        self.channels = Ros2Channels(types)
+        self.channels = Ros2Channels(types, unfit)
         self.message_count = 0
         self.span_ns: tuple[int, int] | None = None
         self._data_bytes = 0

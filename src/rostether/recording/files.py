@@ -15,6 +15,7 @@ from rostether.recording.recorded import RecordingReader, RecordingWriter
 from rostether.recording.regular_file import require_regular_file
 
 if TYPE_CHECKING:
+    from rostether.recording.unfit_messages import UnfitMessages
     from rostether.ros2.type_support import Ros2Types
 
 BAG_SUFFIX = ".bag"
@@ -84,19 +85,23 @@ def create_recording(
     chunk_bytes: int = DEFAULT_CHUNK_BYTES,
     form: Form = Form.ROS1,
     types: Ros2Types | None = None,
+    unfit: UnfitMessages | None = None,
     storage: str = "mcap",
 ) -> RecordingWriter:
     """Create a recording, over one that is there. Raises RecordingError, ConfigError.
 
-    `types` know the types of what is written, where they are not those of the environment. A name without one
-    of the known endings is that of a folder, a ROS 2 bag, whose file is of `storage`, mcap or sqlite3.
+    `types` know the types of what is written, where they are not those of the environment; `unfit`
+    counts what does not fit them. A name without one of the known endings is that of a folder, a ROS 2 bag,
+    whose file is of `storage`, mcap or sqlite3.
     """
     name = path.name.removesuffix(_ACTIVE_SUFFIX)
     if name.endswith(MCAP_SUFFIX):
         if form is Form.ROS2:
             from rostether.recording.ros2_mcap_writer import Ros2McapWriter
 
-            return Ros2McapWriter(path, compression=compression, chunk_bytes=chunk_bytes, types=types)
+            return Ros2McapWriter(
+                path, compression=compression, chunk_bytes=chunk_bytes, types=types, unfit=unfit
+            )
         from rostether.recording.mcap_writer import McapWriter
 
         return McapWriter(path, compression=compression, chunk_bytes=chunk_bytes)
@@ -107,14 +112,21 @@ def create_recording(
     if name.endswith(DB3_SUFFIX):
         from rostether.recording.db3_writer import Db3Writer
 
-        return Db3Writer(path, types=types)
+        return Db3Writer(path, types=types, unfit=unfit)
     if form is Form.ROS1 or path.suffix[1:].isalpha():
         raise ConfigError(
             f"{path}: a recording's name ends with .bag, .mcap or .db3, a ROS 2 bag's folder has no ending"
         )
     from rostether.recording.ros2_bag_writer import Ros2Bag, Storage
 
-    bag = Ros2Bag(path, Storage(storage), compression=compression, chunk_bytes=chunk_bytes, types=types)
+    bag = Ros2Bag(
+        path,
+        Storage(storage),
+        compression=compression,
+        chunk_bytes=chunk_bytes,
+        types=types,
+        unfit=unfit,
+    )
     return bag.create(bag.path_of(0))
 
 

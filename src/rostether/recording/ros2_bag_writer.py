@@ -13,6 +13,7 @@ from rostether.recording.mcap_writer import DEFAULT_CHUNK_BYTES
 from rostether.recording.recorded import Connection, RecordingWriter
 from rostether.recording.ros2_channels import Ros2Channels
 from rostether.recording.ros2_metadata import FileFacts, describe, write_metadata
+from rostether.recording.unfit_messages import UnfitMessages
 from rostether.ros2.type_support import Ros2Types
 
 ACTIVE_SUFFIX = ".active"
@@ -60,12 +61,14 @@ class Ros2Bag:
         compression: str = NONE,
         chunk_bytes: int = DEFAULT_CHUNK_BYTES,
         types: Ros2Types | None = None,
+        unfit: UnfitMessages | None = None,
     ) -> None:
         self.folder = folder
         self.storage = storage
         self._compression = compression
         self._chunk_bytes = chunk_bytes
         self._types = types
+        self._unfit = unfit
         self._distro = DEFAULT_DISTRO if types is None else types.definitions.distro
         self._files: list[FileFacts] = []
         try:
@@ -91,11 +94,15 @@ class Ros2Bag:
             from rostether.recording.ros2_mcap_writer import Ros2McapWriter
 
             return Ros2McapWriter(
-                path, compression=self._compression, chunk_bytes=self._chunk_bytes, types=self._types
+                path,
+                compression=self._compression,
+                chunk_bytes=self._chunk_bytes,
+                types=self._types,
+                unfit=self._unfit,
             )
         from rostether.recording.db3_writer import Db3Writer
 
-        return Db3Writer(path, types=self._types, distro=self._distro)
+        return Db3Writer(path, types=self._types, distro=self._distro, unfit=self._unfit)
 
     def add_file(self, facts: FileFacts) -> None:
         """Let metadata.yaml tell of a file, and no more of those that are gone. Raises RecordingError."""

@@ -11,6 +11,7 @@ from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.recording.recorded import Connection, Ros2Origin
 from rostether.recording.ros2_qos import offered
 from rostether.recording.ros2_types import ROS2MSG, RecordedDefinitions
+from rostether.recording.unfit_messages import UnfitMessages
 from rostether.ros2.native_registry import NativeRegistry
 from rostether.ros2.native_types import NativeTypes
 from rostether.ros2.type_hash import TYPE_HASH_NOT_SUPPORTED
@@ -33,12 +34,12 @@ class Ros2Channels:
 
     As rosbag2 does it, all publishers of a topic share one, which tells what the first one offered. `types`
     know the types of what is written: those of the graph that is recorded, else those of the environment.
+    Messages that do not fit their type are left out, and counted by `unfit`.
     """
 
-    def __init__(self, types: Ros2Types | None = None) -> None:
+    def __init__(self, types: Ros2Types | None = None, unfit: UnfitMessages | None = None) -> None:
         self.channels: list[Channel] = []
-        self.refused_count = 0
-        """Messages that do not fit their type, and so have no CDR."""
+        self._unfit = unfit
         self._types = types
         self._by_connection: dict[Connection, Channel] = {}
         self._by_topic: dict[tuple[str, str, str], Channel] = {}
@@ -70,8 +71,9 @@ class Ros2Channels:
             for payload in payloads:
                 try:
                     converted.append(channel.to_cdr(payload))
-                except SerializationError:
-                    self.refused_count += 1
+                except SerializationError as error:
+                    if self._unfit is not None:
+                        self._unfit.add(channel.topic, str(error))
         channel.message_count += len(converted)
         return converted
 

@@ -9,6 +9,7 @@ from rostether.recording.compression import NONE
 from rostether.recording.mcap_writer import DEFAULT_CHUNK_BYTES, McapWriter
 from rostether.recording.recorded import Connection
 from rostether.recording.ros2_channels import Channel, Ros2Channels
+from rostether.recording.unfit_messages import UnfitMessages
 from rostether.ros2.type_support import Ros2Types
 
 
@@ -24,9 +25,10 @@ class Ros2McapWriter(McapWriter):
         compression: str = NONE,
         chunk_bytes: int = DEFAULT_CHUNK_BYTES,
         types: Ros2Types | None = None,
+        unfit: UnfitMessages | None = None,
     ) -> None:
         super().__init__(path, compression=compression, chunk_bytes=chunk_bytes)
-        self.channels = Ros2Channels(types)
+        self.channels = Ros2Channels(types, unfit)
         self._of_connection: dict[Connection, int] = {}
 
     @property

@@ -145,6 +145,28 @@ def test_a_killed_recording_has_what_came_before(
     assert "20 messages, all right" in shell.output("bag", "check", str(folder))
 
 
+@pytest.mark.parametrize("name", ["drive", "drive.mcap", "drive.db3"])
+def test_what_is_left_out_while_recording_is_told_once_and_counted(
+    graph: LiveGraph, tmp_path: Path, name: str
+) -> None:
+    publisher = graph.do(graph.node("/node").advertise("/chat", STRING))
+    words = ("bag", "record", "--format", "ros2", "--limit", "4", "-O", str(tmp_path / name), "/chat")
+    with started(graph.uri, *words) as process:
+        graph.wait_until(lambda: publisher.subscriber_count == 1)
+        graph.do(_publish(publisher, [text("good"), b"\xff\xff\xff\xff", text("better"), b"\5\0\0\0"]))
+        out, err = process.communicate(timeout=60)
+    assert process.returncode == 0, err
+    assert "2 messages, " in out
+    first, last = err.splitlines()
+    assert first.startswith("WARNING: /chat: messages that do not fit their type are left out: ")
+    assert last == "WARNING: /chat: 2 messages that do not fit their type were left out"
+    assert _count(tmp_path / name) == 2
+
+
+async def _publish(publisher: Publisher, payloads: list[bytes]) -> None:
+    publisher.publish_raw(payloads)
+
+
 async def _say(publisher: Publisher, count: int) -> None:
     publisher.publish_raw([text(str(number)) for number in range(count)])
 

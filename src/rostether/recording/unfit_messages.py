@@ -1,0 +1,19 @@
+"""Messages that do not fit their type, and so have no form in ROS 2, while a recording is written."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+
+class UnfitMessages:
+    """Counts what is left out by topic, over all files of a recording; `tell` gets a line for each topic."""
+
+    def __init__(self, tell: Callable[[str], None]) -> None:
+        self.counts: dict[str, int] = {}
+        self._tell = tell
+
+    def add(self, topic: str, why: str) -> None:
+        """Count one message."""
+        if topic not in self.counts:
+            self._tell(f"WARNING: {topic}: messages that do not fit their type are left out: {why}")
+        self.counts[topic] = self.counts.get(topic, 0) + 1
