@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rostether.cli.bridge_lines import ConsoleReporter
+from rostether.cli.gateway_node import NodeWords, read_gateway_words
 from rostether.cli.gateway_options import access_options, read_gateway_options, read_place
 from rostether.cli.gateway_parameters import certificate_files, flag, private_parameters, whole_number
 from rostether.cli.gateway_serving import serve_gateway
-from rostether.cli.gateways import GatewayGraph, Tell, joined_patiently, ros1_gateway_graph, tell_reach
+from rostether.cli.gateways import GatewayGraph, Tell, joined_as, ros1_gateway_graph, tell_reach
 from rostether.cli.graph_access import read_environment
 from rostether.cli.options import allow_option, msg_path_option
 from rostether.cli.role_node import NODE_SETTINGS, run_role
@@ -46,24 +47,30 @@ FOXGLOVE_NODE = "foxglove_bridge"
     rostether foxglove --ros2 zenoh
     """,
 )
-@click.argument("place", default="localhost", metavar="[[HOST:]PORT]")
+@click.argument("words", nargs=-1, metavar="[[HOST:]PORT] [NAME:=OTHER]...")
 @access_options
 @click.option("--master", metavar="URI", help="The ROS master to join; it is waited for.")
 @ros2_options
 @allow_option
 @msg_path_option
-def foxglove(place: str, master: str | None, allowed: tuple[str, ...], msg_paths: tuple[Path, ...]) -> None:
+def foxglove(
+    words: tuple[str, ...], master: str | None, allowed: tuple[str, ...], msg_paths: tuple[Path, ...]
+) -> None:
     """Let Foxglove show the graph, publish on it and call services.
 
     Foxglove, and viewers that speak its WebSocket protocol, open ws://localhost:8765. `rostether serve
     --foxglove` does the same beside boards. Other machines need a PLACE such as 0.0.0.0:8765.
+
+    Its node is foxglove_bridge, on other ports foxglove_bridge_PORT; __name:=, __ns:= and from:=to work as
+    for any ROS node.
     """
     check_foxglove()
+    place, node = read_gateway_words(words)
     settings = read_settings(place, read_gateway_options(allowed))
 
     def open_gateway(graphs: ServedGraphs, tell: Tell) -> AbstractAsyncContextManager[FoxgloveGateway]:
         on = _in_ros1_words(graphs, msg_paths)
-        return _gateway(settings, on, tell, "`rostether foxglove 0.0.0.0:{port}`")
+        return _gateway(settings, node, on, tell, "`rostether foxglove 0.0.0.0:{port}`")
 
     serve_gateway(master, allowed, msg_paths, open_gateway)
 
@@ -99,7 +106,8 @@ async def served_foxglove(
         return
     check_foxglove()
     settings = read_settings(options.foxglove, options)
-    async with _gateway(settings, _in_ros1_words(graphs, msg_paths), tell, "--foxglove 0.0.0.0:{port}"):
+    on = _in_ros1_words(graphs, msg_paths)
+    async with _gateway(settings, NodeWords(), on, tell, "--foxglove 0.0.0.0:{port}"):
         yield
 
 
@@ -171,9 +179,11 @@ def _in_ros1_words(graphs: ServedGraphs, msg_paths: Sequence[Path]) -> GatewayGr
 
 @asynccontextmanager
 async def _gateway(
-    settings: FoxgloveSettings, on: GatewayGraph, tell: Tell, wider: str
+    settings: FoxgloveSettings, node: NodeWords, on: GatewayGraph, tell: Tell, wider: str
 ) -> AsyncIterator[FoxgloveGateway]:
-    graph = await joined_patiently(on.join, FOXGLOVE_NODE, tell)
+    from rostether.gateways.foxglove.settings import DEFAULT_PORT
+
+    graph = await joined_as(on, node, node.name_for(FOXGLOVE_NODE, settings.port, DEFAULT_PORT), tell)
     try:
         async with _gateway_on(graph, on, settings, tell, wider) as gateway:
             yield gateway

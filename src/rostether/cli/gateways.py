@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
+from rostether.cli.gateway_node import IsLive, NodeWords, asking_ros1, check_free
 from rostether.cli.gateway_options import GatewayOptions, read_place
 from rostether.cli.graph_access import master_client
 from rostether.cli.ros2_graph import ZenohReach, ros2_access
@@ -40,7 +42,8 @@ _MASTER_RETRY_S = 0.5  # as often as rospy asks for a master that is not there y
 class GatewayGraph:
     """How gateways are on a graph: what makes their nodes, their types, and how services are asked.
 
-    With `is_ros2` types are in ROS 2's words alone. ROS 1 needs `ask_service_type` and `ask_service_host`.
+    With `is_ros2` types are in ROS 2's words alone. ROS 1 needs `ask_service_type` and `ask_service_host`,
+    and `is_live`: there a node that joins ends another one of its name.
     """
 
     join: JoinGraph
@@ -48,6 +51,7 @@ class GatewayGraph:
     is_ros2: bool = False
     ask_service_type: AskService | None = None
     ask_service_host: AskService | None = None
+    is_live: IsLive | None = None
 
 
 @asynccontextmanager
@@ -91,7 +95,9 @@ def ros1_gateway_graph(join: JoinGraph, store: TypeStore, environment: RosEnviro
         async with master_client(environment) as client:
             return parse_rpc_uri(await look_up(client, service), scheme="rosrpc").host
 
-    return GatewayGraph(join, store, ask_service_type=ask_type, ask_service_host=ask_host)
+    return GatewayGraph(
+        join, store, ask_service_type=ask_type, ask_service_host=ask_host, is_live=asking_ros1(environment)
+    )
 
 
 @asynccontextmanager
@@ -117,34 +123,50 @@ async def served_gateways(
 
 @asynccontextmanager
 async def gateways(
-    options: GatewayOptions, graph: GatewayGraph, tell: Tell
+    options: GatewayOptions, graph: GatewayGraph, tell: Tell, words: NodeWords | None = None
 ) -> AsyncIterator[RosbridgeServer | None]:
     """Run what `options` ask for as long as the block lasts.
 
-    Raises ConfigError naming what is not installed, TransportOpenError where a port cannot be listened on.
+    Raises ConfigError naming what is not installed, TransportOpenError where a port cannot be listened on,
+    GraphError where the node's name is that of another.
     """
     async with AsyncExitStack() as stack:
         if options.rosbridge is not None:
-            yield await stack.enter_async_context(_rosbridge(options, options.rosbridge, graph, tell))
+            yield await stack.enter_async_context(
+                _rosbridge(options, options.rosbridge, graph, tell, words or NodeWords())
+            )
         else:
             yield None
 
 
 @asynccontextmanager
 async def _rosbridge(
-    options: GatewayOptions, place: str, on: GatewayGraph, tell: Tell
+    options: GatewayOptions, place: str, on: GatewayGraph, tell: Tell, words: NodeWords
 ) -> AsyncIterator[RosbridgeServer]:
     check_rosbridge()
     from rostether.gateways.rosbridge.settings import DEFAULT_PORT, RosbridgeSettings
 
     host, port = read_place(place, DEFAULT_PORT)
     settings = RosbridgeSettings(host, port, options.token, options.origins, options.allow)
-    graph = await joined_patiently(on.join, ROSBRIDGE_NODE, tell)
+    graph = await joined_as(on, words, words.name_for(ROSBRIDGE_NODE, port, DEFAULT_PORT), tell)
     try:
         async with rosbridge_server(graph, on, settings, tell, options.wider) as server:
             yield server
     finally:
         await graph.close()
+
+
+async def joined_as(on: GatewayGraph, words: NodeWords, name: str, tell: Tell) -> Graph:
+    """Join as soon as there is a master. Raises GraphError where another node has the name."""
+
+    async def join(
+        node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
+    ) -> Graph:
+        await check_free(node_name, namespace, on.is_live)
+        return await on.join(node_name, namespace=namespace, remappings=remappings)
+
+    in_its_place = partial(join, namespace=words.namespace, remappings=words.remappings)
+    return await joined_patiently(in_its_place, name, tell)
 
 
 async def joined_patiently(join: JoinGraph, name: str, tell: Tell) -> Graph:
@@ -193,7 +215,7 @@ async def rosbridge_server(
     async with AsyncExitStack() as stack:
         stack.push_async_callback(server.close)
         try:
-            await stack.enter_async_context(offering_rosapi(rosapi, on.join, graph))
+            await stack.enter_async_context(offering_rosapi(rosapi, on.join, graph, on.is_live))
         except (DefinitionError, GraphError) as error:
             # Clients are answered all the same, without the graph.
             tell(Level.INFO, f"rosbridge: rosapi's services are there for its clients alone: {error}")

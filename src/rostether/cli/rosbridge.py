@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rostether.cli.bridge_lines import ConsoleReporter
+from rostether.cli.gateway_node import NodeWords, read_gateway_words
 from rostether.cli.gateway_options import (
     TOKEN_VARIABLE,
     GatewayOptions,
@@ -55,32 +56,38 @@ if TYPE_CHECKING:
     rostether rosbridge --ros2 zenoh
     """,
 )
-@click.argument("place", default="localhost", metavar="[[HOST:]PORT]")
+@click.argument("words", nargs=-1, metavar="[[HOST:]PORT] [NAME:=OTHER]...")
 @access_options
 @click.option("--master", metavar="URI", help="The ROS master to join; it is waited for.")
 @ros2_options
 @allow_option
 @msg_path_option
-def rosbridge(place: str, master: str | None, allowed: tuple[str, ...], msg_paths: tuple[Path, ...]) -> None:
+def rosbridge(
+    words: tuple[str, ...], master: str | None, allowed: tuple[str, ...], msg_paths: tuple[Path, ...]
+) -> None:
     """Let web pages with roslibjs, and programs with roslibpy, use the graph.
 
     It speaks the protocol of rosbridge_suite, with rosapi's services. `rostether serve --rosbridge` does the
     same beside boards. Pages of other hosts need --origin, other machines a PLACE such as 0.0.0.0:9090.
+
+    Its node is rosbridge_websocket, on other ports rosbridge_websocket_PORT; __name:=, __ns:= and from:=to
+    work as for any ROS node.
     """
     check_rosbridge()
+    place, node = read_gateway_words(words)
     options = replace(
         read_gateway_options(allowed), rosbridge=place, wider="`rostether rosbridge 0.0.0.0:{port}`"
     )
-    serve_gateway(master, allowed, msg_paths, partial(_opened, options, msg_paths))
+    serve_gateway(master, allowed, msg_paths, partial(_opened, options, node, msg_paths))
 
 
 @asynccontextmanager
 async def _opened(
-    options: GatewayOptions, msg_paths: tuple[Path, ...], graphs: ServedGraphs, tell: Tell
+    options: GatewayOptions, node: NodeWords, msg_paths: tuple[Path, ...], graphs: ServedGraphs, tell: Tell
 ) -> AsyncIterator[RosbridgeServer]:
     async with (
         gateway_graph(graphs, chosen_ros2(), read_ros2_options(), msg_paths) as graph,
-        gateways(options, graph, tell) as server,
+        gateways(options, graph, tell, node) as server,
     ):
         assert server is not None
         yield server

@@ -124,12 +124,19 @@ class Rosapi:
 
 
 @asynccontextmanager
-async def offering_rosapi(rosapi: Rosapi, join: JoinGraph, graph: Graph) -> AsyncIterator[bool]:
+async def offering_rosapi(
+    rosapi: Rosapi,
+    join: JoinGraph,
+    graph: Graph,
+    is_live: Callable[[str], Awaitable[bool]] | None = None,
+) -> AsyncIterator[bool]:
     """Be the node `/rosapi` as long as the block lasts, unless `graph` shows that there is one already.
 
+    `is_live` tells whether a node that the graph lists is more than a name that a killed one left behind.
     Yields whether it is ours. Raises GraphError.
     """
-    if NODE_NAME in (await graph.snapshot()).nodes:
+    is_listed = NODE_NAME in (await graph.snapshot()).nodes
+    if is_listed and (is_live is None or await is_live(NODE_NAME)):
         yield False
         return
     node = await join(NODE_NAME)
