@@ -25,7 +25,8 @@ class XmlRpcClient:
 
     `peer` names the server in errors (`the ROS master`); `unreachable` is the error raised when nobody
     answers there. Calls may overlap; each has a connection of its own meanwhile. `on_lost` is called when the
-    server closes a connection that was kept for the next call: often it has just ended.
+    server closes a connection that was kept for the next call: often it has just ended. `if_other` ends the
+    error about a server that is something else: what to do next.
     """
 
     def __init__(
@@ -37,9 +38,11 @@ class XmlRpcClient:
         timeout_s: float = DEFAULT_TIMEOUT_S,
         on_lost: Callable[[], None] | None = None,
         max_body_bytes: int = MAX_BODY_BYTES,
+        if_other: str = "",
     ) -> None:
         self.uri = uri
         self.peer = peer
+        self._if_other = if_other
         self._unreachable = unreachable
         self._timeout_s = timeout_s
         self._on_lost = on_lost
@@ -78,7 +81,9 @@ class XmlRpcClient:
             raise GraphError(f"{self.peer} at {self.uri} refused {method}: {error.text}") from error
         except HttpStatusError as error:
             kind = self.peer.replace("the ", "a ", 1)
-            raise GraphError(f"{self.uri} is not {kind}: it answered {method} with {error}") from error
+            raise GraphError(
+                f"{self.uri} is not {kind}: it answered {method} with {error}{self._if_other}"
+            ) from error
         except ProtocolError as error:
             raise GraphError(f"{self.peer} at {self.uri} answered {method} with nonsense: {error}") from error
 

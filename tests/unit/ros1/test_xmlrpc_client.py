@@ -307,3 +307,15 @@ async def test_what_cannot_be_sent_never_leaves(server: XmlRpcServer) -> None:
 def test_a_bad_uri_is_refused_at_once() -> None:
     with pytest.raises(ConfigError, match="not a URI"):
         XmlRpcClient("localhost:11311")
+
+
+async def test_what_to_do_about_somebody_else_there() -> None:
+    async def session(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        await read_request(reader)
+        writer.write(b"HTTP/1.1 501 Unsupported\r\nContent-Length: 0\r\n\r\n")
+
+    async with peer(session) as uri:
+        client = XmlRpcClient(uri, peer="the ROS master", if_other="; see what listens there")
+        with pytest.raises(GraphError, match=r"is not a ROS master: .* status 501; see what listens there$"):
+            await client.call("x")
+        await client.close()

@@ -28,6 +28,7 @@ class MasterClient:
             peer="the ROS master",
             unreachable=MasterUnreachableError,
             max_body_bytes=max_body_bytes,
+            if_other="; see what listens there, and name the master with --master or ROS_MASTER_URI",
         )
 
     async def register_publisher(self, topic: str, type_name: str, node_uri: str) -> list[str]:
