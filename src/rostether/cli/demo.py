@@ -99,6 +99,8 @@ async def _demo(environment: RosEnvironment, seconds: float | None, devices: Dev
         )
         await stack.enter_async_context(_watch(used.environment, store, view, board_name))
         await stack.enter_async_context(_virtual_board(supervisor))
+        # The board is there until the bridge is gone: a board that leaves first is told as a lost one.
+        stack.push_async_callback(supervisor.close)
         show = _show_live(view) if is_live else _show_lines(view)
         with contextlib.suppress(TimeoutError):
             await asyncio.wait_for(show, seconds)

@@ -16,8 +16,9 @@ def test_the_demo_is_interrupted(graph: LiveGraph) -> None:
     with started(graph.uri, "demo") as process:
         read_until(process, "virtual board ready")
         process.send_signal(signal.SIGINT)
-        process.communicate(timeout=60)
+        text, said = process.communicate(timeout=60)
     assert process.returncode == 130
+    assert "connect again" not in f"{text}{said}"
     assert not graph.master.api.registrations.nodes
 
 
