@@ -13,16 +13,16 @@ from unit.cli.shell import LiveGraph, Shell
 
 
 def test_the_demo_is_in_both_ros(graph: LiveGraph, world: ZenohWorld, shell: Shell) -> None:
-    with started(graph.uri, "demo", "--seconds", "20") as process:
+    with started(graph.uri, "demo", "--seconds", "60") as process:
         lines = read_until(process, "virtual board ready")
         assert any("Joining ROS 2 domain 0 over zenoh" in line for line in lines)
         assert any("topic echo --ros2 zenoh /ultrasound" in line for line in lines)
-        text = shell.output("topic", "echo", "--once", "/ultrasound")
+        text = shell("topic", "echo", "--once", "/ultrasound").out
         assert "  frame_id: ultrasound\nradiation_type: 0\n" in text
         assert "/set_led" in shell.output("service", "list").splitlines()
         call = shell.output("service", "call", "/set_led", "std_srvs/srv/SetBool", "{data: true}")
         assert "success=True" in call
-        assert "header" in shell.output("topic", "echo", "--ros1", "-n", "1", "/ultrasound")
+        assert "header" in shell("topic", "echo", "--ros1", "-n", "1", "/ultrasound").out
 
 
 def test_the_demo_stays_in_ros1_when_told_to(graph: LiveGraph, world: ZenohWorld) -> None:
