@@ -88,7 +88,7 @@ while len(bandwidth.sizes) < 5 or len(rate.get_times("/look/joints")) < 3:
     publisher.publish(JointState())
     rospy.sleep(0.02)
 found = rate.get_hz("/look/joints")
-print(5 < found[0] < 51, found[1] <= found[2], found[4] > 3, set(bandwidth.sizes))
+print(found[0] > 0, found[1] <= found[2], found[4] > 3, set(bandwidth.sizes))
 
 print("/lookups" in rosnode.get_node_names(), rosnode.get_node_names("/nowhere"))
 print(rosnode.rosnode_ping("/lookups", max_count=1), rosnode.rosnode_ping("/nobody", max_count=1))

@@ -188,6 +188,8 @@ except rospy.exceptions.ROSTimeMovedBackwardsException as error:
 
             driver = asyncio.create_task(drive())
             assert await line_of(process, "slept") == "slept True"
+            # It sleeps again before time moves back.
+            await asyncio.sleep(1.0)
             driver.cancel()
             await asyncio.wait((driver,))
             clock.publish(clock={"secs": 20, "nsecs": 0})
