@@ -36,13 +36,15 @@ class QemuBoard:
     `last_words`: what qemu found wrong, once it has ended by itself.
     """
 
-    def __init__(self, process: asyncio.subprocess.Process, terminal: str, link_path: Path | None) -> None:
+    def __init__(
+        self, process: asyncio.subprocess.Process, terminal: str, link_path: Path | None, said: bytes = b""
+    ) -> None:
         self._process = process
         self._terminal = terminal
         self._link_path = link_path
         self.last_words = ""
         # What qemu says must be read, or it stops when the pipe is full.
-        self._reading = asyncio.get_running_loop().create_task(self._read())
+        self._reading = asyncio.get_running_loop().create_task(self._read(said))
 
     @classmethod
     async def start(
@@ -73,10 +75,10 @@ class QemuBoard:
         )
         try:
             async with asyncio.timeout(START_LIMIT_S):
-                terminal = await _find_terminal(process)
+                terminal, said = await _find_terminal(process)
             if link_path is not None:
                 place_link(link_path, terminal)
-            return cls(process, terminal, link_path)
+            return cls(process, terminal, link_path, said)
         except BaseException as error:
             await _end(process)
             if isinstance(error, TimeoutError):
@@ -126,16 +128,16 @@ class QemuBoard:
     ) -> None:
         await self.close()
 
-    async def _read(self) -> None:
+    async def _read(self, said: bytes) -> None:
         stdout = self._process.stdout
         assert stdout is not None
-        said = b""
         while chunk := await stdout.read(4096):
             said = (said + chunk)[-MAX_SAID_BYTES:]
         self.last_words = _complaint(said)
 
 
-async def _find_terminal(process: asyncio.subprocess.Process) -> str:
+async def _find_terminal(process: asyncio.subprocess.Process) -> tuple[str, bytes]:
+    """Return the terminal that qemu made, and all it has said until then: why it ends may be among it."""
     stdout = process.stdout
     assert stdout is not None
     said = b""
@@ -143,7 +145,7 @@ async def _find_terminal(process: asyncio.subprocess.Process) -> str:
         said += chunk
         found = _TERMINAL.search(said)
         if found is not None:
-            return found[1].decode()
+            return found[1].decode(), said
     raise BoardError(f"{PROGRAM} does not run this program: {_complaint(said) or 'it said nothing'}")
 
 
