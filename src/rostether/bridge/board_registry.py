@@ -8,8 +8,10 @@ from dataclasses import dataclass
 
 from rostether.bridge.board_node import BoardNode
 from rostether.bridge.identity import numbered
+from rostether.bridge.reporter import reason_of
 from rostether.bridge.session import Session
 from rostether.errors import SessionError
+from rostether.graph.ports import Level
 
 # Leaving the graph must not hang on a master that does not answer.
 NODE_CLOSE_LIMIT_S = 0.8
@@ -148,5 +150,7 @@ class BoardRegistry:
                 await node.close()
         except TimeoutError:
             pass
+        except Exception as error:  # noqa: BLE001 - its name is free again all the same
+            node.notices.say(Level.WARN, f"the node may still be listed: {reason_of(error)}")
         finally:
             self._boards.pop(board.name, None)

@@ -12,7 +12,7 @@ from collections.abc import Callable, Coroutine
 from typing import TypeAlias
 
 from rostether.bridge.publisher_endpoint import PublisherEndpoint
-from rostether.bridge.reporter import Notices
+from rostether.bridge.reporter import Notices, reason_of
 from rostether.bridge.service_client_endpoint import ServiceClientEndpoint
 from rostether.bridge.service_server_endpoint import ServiceServerEndpoint
 from rostether.bridge.subscriber_endpoint import SubscriberEndpoint
@@ -118,6 +118,11 @@ class EndpointOpenings:
                     f"refused {name}", Level.ERROR, f"{name} is not bridged yet: {error}; trying again"
                 )
                 await asyncio.sleep(backoff.next_delay_s())
+            except Exception as error:  # noqa: BLE001 - the other endpoints go on
+                self._notices.episode(
+                    f"refused {name}", Level.ERROR, f"{name} is not bridged: {reason_of(error)}"
+                )
+                return
             else:
                 self._notices.end_episode(f"refused {name}")
                 return
@@ -131,8 +136,10 @@ class EndpointOpenings:
                 await asyncio.wait([opening])
             await self._take_turn()
             await endpoint.close()
-        except GraphError as error:
-            self._notices.episode("withdraw", Level.WARN, f"{name_of(endpoint)} may still be listed: {error}")
+        except Exception as error:  # noqa: BLE001 - what waits for this closing goes on
+            self._notices.episode(
+                "withdraw", Level.WARN, f"{name_of(endpoint)} may still be listed: {reason_of(error)}"
+            )
         finally:
             self._unwanted.discard(endpoint)
             if self._closing.get(slot) is asyncio.current_task():

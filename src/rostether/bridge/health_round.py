@@ -14,8 +14,8 @@ from rostether.bridge.board_node import BoardNode
 from rostether.bridge.board_registry import Board
 from rostether.bridge.diagnostics import view_board
 from rostether.bridge.diagnostics_message import TOPIC, TYPE, StatusWriter
-from rostether.bridge.reporter import Reporter
-from rostether.errors import GraphError, RostetherError
+from rostether.bridge.reporter import Reporter, reason_of
+from rostether.errors import GraphError
 from rostether.graph.ports import Level, Publisher
 from rostether.serde.store import TypeStore
 
@@ -131,5 +131,5 @@ class _Publication:
             self._publisher = await node.graph.advertise(TOPIC, self._store.registry.message_type(TYPE))
         except GraphError as error:
             node.notices.say(Level.WARN, f"{TOPIC} is not published: {error}")
-        except RostetherError as error:
-            node.notices.say(Level.ERROR, f"{TOPIC} is not published: {error}")
+        except Exception as error:  # noqa: BLE001 - what is only for people must not end what works
+            node.notices.say(Level.ERROR, f"{TOPIC} is not published: {reason_of(error)}")

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple, Protocol
 
 from rostether.bridge.access_check import check_parameter
-from rostether.bridge.reporter import Notices
+from rostether.bridge.reporter import Notices, reason_of
 from rostether.bridge.settings import BridgeSettings
 from rostether.devices.settings import ANY_ACCESS, Access
 from rostether.errors import (
@@ -103,15 +103,28 @@ class ParameterRelay:
     async def _work(self) -> None:
         while self._names:
             name = self._names[0]
-            answer = await self._find(name)
-            self._names.popleft()
             try:
-                self._link.answer_parameter(*answer)
-            except LocalProtocolError as error:
-                self._report(name, f"{error}; the board gets an empty answer")
-                self._link.answer_parameter()
+                answer = await self._find(name)
+            except Exception as error:  # noqa: BLE001 - the board waits, and asks again
+                self._report(name, reason_of(error))
+                answer = Answer()
+            self._names.popleft()
+            self._send(name, answer)
             self._on_answered()
         self._working = None
+
+    def _send(self, name: str, answer: Answer) -> None:
+        try:
+            self._link.answer_parameter(*answer)
+        except Exception as error:  # noqa: BLE001 - as above
+            reason, outcome = reason_of(error), "the board gets an empty answer"
+            try:
+                self._link.answer_parameter()
+            except LocalProtocolError:
+                outcome = (
+                    "not even an empty answer fits; enlarge the input buffer of the sketch's NodeHandle_"
+                )
+            self._report(name, f"{reason}; {outcome}")
 
     async def _find(self, name: str) -> Answer:
         timeout_s = self._settings.parameter_timeout_s

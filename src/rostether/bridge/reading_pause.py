@@ -9,10 +9,11 @@ from rostether.transports.transport import Transport
 
 
 class ReadingPause:
-    """Pauses one transport for as long as anybody asked for it."""
+    """Pauses one transport for as long as anybody asked for it; `on_failed` hears of a wait that failed."""
 
-    def __init__(self, transport: Transport) -> None:
+    def __init__(self, transport: Transport, on_failed: Callable[[Exception], None]) -> None:
         self._transport = transport
+        self._on_failed = on_failed
         self._waits: list[Callable[[], Awaitable[object]]] = []
         self._draining: asyncio.Task[None] | None = None
 
@@ -35,7 +36,9 @@ class ReadingPause:
         try:
             while self._waits:
                 waits, self._waits = self._waits, []
-                await asyncio.gather(*(wait() for wait in waits))
+                for outcome in await asyncio.gather(*(wait() for wait in waits), return_exceptions=True):
+                    if isinstance(outcome, Exception):
+                        self._on_failed(outcome)
         finally:
             self._draining = None
             self._transport.resume_reading()

@@ -6,6 +6,7 @@ from collections import OrderedDict
 from collections.abc import Callable
 from typing import Protocol, TypeAlias
 
+from rostether.errors import RostetherError
 from rostether.graph.ports import Level
 
 # A fault that has not shown for this long is over: its next appearance is news again.
@@ -66,6 +67,13 @@ def printable(text: str) -> str:
     if not text.isprintable():
         text = "".join(char if char.isprintable() else repr(char)[1:-1] for char in text[:MAX_LINE_CHARS])
     return text if len(text) <= MAX_LINE_CHARS else f"{text[: MAX_LINE_CHARS - 3]}..."
+
+
+def reason_of(error: Exception) -> str:
+    """Return what to tell people of an error; one that is not ours is a defect, and they can report it."""
+    if isinstance(error, RostetherError):
+        return str(error)
+    return f"{type(error).__name__}: {error}; please report it"
 
 
 def byte_count(number: int) -> str:

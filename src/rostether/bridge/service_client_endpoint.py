@@ -10,9 +10,9 @@ import asyncio
 from collections import deque
 
 from rostether.bridge.board_line import BoardLine
-from rostether.bridge.reporter import Notices
+from rostether.bridge.reporter import Notices, reason_of
 from rostether.bridge.settings import BridgeSettings
-from rostether.errors import LocalProtocolError, RostetherError
+from rostether.errors import LocalProtocolError
 from rostether.graph.ports import Graph, Level, ListsClients, ServiceClient
 from rostether.msgdef.interface import ServiceType
 from rostether.rosserial.events import ServiceAnnounced
@@ -124,9 +124,11 @@ class ServiceClientEndpoint:
                 response = await self._graph.call_service(
                     self.info.name, self._type, request, timeout_s=timeout_s
                 )
-        except (RostetherError, TimeoutError) as error:
-            reason = str(error) or f"no response within {timeout_s:g} s"
-            self._report(f"{reason}; the board gets an empty response")
+        except TimeoutError:
+            self._report(f"no response within {timeout_s:g} s; the board gets an empty response")
+            return self._zero_response
+        except Exception as error:  # noqa: BLE001 - the board waits, and calls again
+            self._report(f"{reason_of(error)}; the board gets an empty response")
             return self._zero_response
         if not self._response_layout.accepts(response):
             self._report(f"{self._response_layout.explain(response)}; the board gets an empty response")

@@ -19,6 +19,7 @@ from rostether.bridge.log_relay import relay_log
 from rostether.bridge.outbox import Outbox
 from rostether.bridge.parameter_relay import ParameterRelay
 from rostether.bridge.reading_pause import ReadingPause
+from rostether.bridge.reporter import reason_of
 from rostether.bridge.second_look import SecondLook
 from rostether.bridge.setup_lines import SetupLines
 from rostether.bridge.stamps import Stamps
@@ -90,7 +91,7 @@ class Session:
         self._no_answer: asyncio.TimerHandle | None = None
         self._timer: asyncio.TimerHandle | None = None
         self._timer_due_s = 0.0
-        self._pause = ReadingPause(transport)
+        self._pause = ReadingPause(transport, self._report_defect)
         self._setup = SetupLines(node.notices)
         self._was_reset = False
         self._second_look = SecondLook(self.link, self._handle)
@@ -307,6 +308,9 @@ class Session:
             f"{lane.topic} brings more than the board takes: its oldest messages are lost",
             count=count,
         )
+
+    def _report_defect(self, error: Exception) -> None:
+        self._notices.episode("defect", Level.ERROR, f"a part of the session failed: {reason_of(error)}")
 
     def _fail(self, error: Exception) -> None:
         self._notices.episode(

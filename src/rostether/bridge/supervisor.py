@@ -19,7 +19,7 @@ from rostether.bridge.health_round import HealthRound
 from rostether.bridge.identity import hardware_id, identify_peer, node_name
 from rostether.bridge.link_keeper import LinkKeeper, identify_address, way_back
 from rostether.bridge.machine_ports import THIS_MACHINE, MachinePorts
-from rostether.bridge.reporter import LimitedReporter, Reporter, SilentReporter
+from rostether.bridge.reporter import LimitedReporter, Reporter, SilentReporter, reason_of
 from rostether.bridge.session import Session
 from rostether.bridge.settings import DEFAULT_SETTINGS, BridgeSettings
 from rostether.devices.board_identity import BoardIdentity
@@ -307,9 +307,7 @@ class Supervisor:
         except RostetherError as error:
             self._door.line(Level.ERROR, str(error))
         except Exception as error:  # noqa: BLE001 - one link's failure stays with that link
-            self._door.line(
-                Level.ERROR, f"a link broke down: {type(error).__name__}: {error}; please report it"
-            )
+            self._door.line(Level.ERROR, f"a link broke down: {reason_of(error)}")
 
 
 def _end_if_speechless(session: Session) -> None:

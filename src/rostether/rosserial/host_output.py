@@ -66,14 +66,14 @@ class HostOutput:
         return data
 
     def parameter(self, response: ParameterResponse) -> None:
-        """Queue the answer to a parameter request; raises LocalProtocolError if it does not fit."""
+        """Queue the answer to a parameter request; raises LocalProtocolError if it does not fit: even an
+        empty one takes 12 bytes."""
         payload = response.encode()
         limit = self._table.input_buffer_bytes
         limit = DEFAULT_INPUT_BUFFER_BYTES if limit is None else limit
         if len(payload) > limit:
             raise LocalProtocolError(
-                f"the parameter takes {len(payload)} bytes, but the device's buffer has {limit};"
-                " answer with empty lists instead, so that the sketch does not hang"
+                f"the answer takes {len(payload)} bytes, and the device's buffer has {limit}"
             )
         self._queue_frame(ids.PARAMETER, payload)
 

@@ -94,6 +94,23 @@ async def test_a_refusal_at_the_end_is_a_line(world: World) -> None:
     assert world.reporter.texts == ["level may still be listed: the master is away"]
 
 
+async def test_a_defect_of_one_endpoint_is_a_line_and_the_next_opens(world: World) -> None:
+    done: list[str] = []
+    openings = EndpointOpenings(world.notices)
+    defective: Any = Endpoint("level", done)
+    defective.errors = [KeyError("open"), KeyError("close")]
+    openings.open(SLOT, defective)
+    await until(lambda: world.reporter.texts, "the line")
+    openings.close(SLOT, defective)
+    following: Any = Endpoint("next", done)
+    openings.open(SLOT, following)
+    await until(lambda: "next in" in done, "the next")
+    assert world.reporter.texts == [
+        "level is not bridged: KeyError: 'open'; please report it",
+        "level may still be listed: KeyError: 'close'; please report it",
+    ]
+
+
 async def test_finishing_waits_for_nobody_for_long(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("rostether.bridge.endpoint_openings.CLOSE_LIMIT_S", 0.02)
     openings = EndpointOpenings(world.notices)

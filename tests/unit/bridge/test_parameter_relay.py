@@ -21,10 +21,13 @@ class Answers:
         self.given: list[Answer] = []
         self.sent = 0
         self.limit = 100
+        self.takes_nothing = False
 
     def answer_parameter(
         self, ints: Sequence[int] = (), floats: Sequence[float] = (), strings: Sequence[str] = ()
     ) -> None:
+        if self.takes_nothing:
+            raise LocalProtocolError("the answer takes 12 bytes, and the device's buffer has 11")
         if len(ints) > self.limit:
             raise LocalProtocolError("412 bytes do not fit the board's buffer of 280")
         self.given.append(Answer(tuple(ints), tuple(floats), tuple(strings)))
@@ -145,6 +148,43 @@ async def test_an_answer_too_large_for_the_board_is_replaced(world: World) -> No
     await until(lambda: answers.given, "the answer")
     assert answers.given == [Answer()]
     assert "buffer of 280" in world.reporter.texts[0]
+
+
+async def test_a_board_that_takes_no_answer_at_all_is_named_and_later_questions_are_answered(
+    world: World,
+) -> None:
+    await world.peer.set_param("/gain", 2)
+    answers = Answers()
+    answers.takes_nothing = True
+    asking = relay(world, answers)
+    asking.ask("gain")
+    await until(lambda: world.reporter.texts, "the line")
+    assert world.reporter.texts == [
+        "parameter gain, which the board asked for: the answer takes 12 bytes, and the device's buffer has "
+        "11; not even an empty answer fits; enlarge the input buffer of the sketch's NodeHandle_"
+    ]
+    answers.takes_nothing = False
+    asking.ask("gain")
+    await until(lambda: answers.given, "the answer")
+    assert answers.given == [Answer(ints=(2,))]
+
+
+async def test_a_defect_costs_one_answer_and_is_one_line(world: World) -> None:
+    class Defective(BrokenGraph):
+        async def get_param(self, name: str) -> ParamValue:
+            if name == "odd":
+                raise KeyError(name)
+            return self.value
+
+    answers = Answers()
+    asking = relay(world, answers, Defective(0))
+    asking.ask("odd")
+    asking.ask("gain")
+    await until(lambda: len(answers.given) == 2, "the answers")
+    assert answers.given == [Answer(), Answer(ints=(7,))]
+    assert world.reporter.texts == [
+        "parameter odd, which the board asked for: KeyError: 'odd'; please report it"
+    ]
 
 
 async def test_a_flood_of_questions_is_bounded(world: World) -> None:

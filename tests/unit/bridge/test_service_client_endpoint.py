@@ -64,6 +64,30 @@ async def test_time_answers_wait_from_the_moment_of_the_request(world: World) ->
     assert line.calls_started == 1
 
 
+async def test_a_defect_costs_one_response_and_is_one_line(
+    world: World, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def answer(request: bytes) -> bytes:
+        return DONE
+
+    async def fail(*_: object, **__: object) -> bytes:
+        raise KeyError("call")
+
+    await world.peer.advertise_service("/switch", TYPE, answer)
+    line, client = FakeLine(), endpoint(world)
+    client.attach(line, client.info)
+    with monkeypatch.context() as defective:
+        defective.setattr(MemoryGraph, "call_service", fail)
+        line.receivers[110]([YES])
+        await until(lambda: line.transport.written, "the empty response")
+    line.receivers[110]([YES])
+    await until(lambda: line.transport.written.endswith(DONE + b";"), "the response")
+    assert line.transport.written == b"111:" + ZERO + b";111:" + DONE + b";"
+    assert (line.calls_started, line.calls_finished) == (2, 2)
+    (said,) = world.reporter.texts
+    assert "KeyError: 'call'; please report it; the board gets an empty response" in said
+
+
 @pytest.mark.parametrize("failure", ["nobody", "refuses", "hangs", "malformed"])
 async def test_a_call_that_fails_still_gets_a_response(world: World, failure: str) -> None:
     async def answer(request: bytes) -> bytes:

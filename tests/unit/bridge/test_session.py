@@ -143,6 +143,26 @@ async def test_parameters_are_answered_missing_ones_too(bridge: Bridge) -> None:
     assert len(bridge.reporter.having("missing")) == 1
 
 
+@pytest.mark.parametrize("buffer_size", [0, 11])
+async def test_a_board_whose_buffer_takes_no_answer_is_served_further(
+    bridge: Bridge, buffer_size: int
+) -> None:
+    await bridge.peer.set_param("/gain", 3)
+    small = (ids.SUBSCRIBER, topic_info("led", topic_id=100, buffer_size=buffer_size))
+    board = await bridge.connect(small)
+    await bridge.settled()
+    board.ask_parameter("gain")
+    await until(lambda: bridge.reporter.having("not even an empty answer fits"), "the line")
+    board.ask_time()
+    answered = len(board.received[ids.TIME])
+    await until(lambda: len(board.received[ids.TIME]) > answered, "the time")
+    assert not board.received[ids.PARAMETER]
+    board.send(ids.SUBSCRIBER, topic_info("led", topic_id=100, buffer_size=280).encode())
+    board.ask_parameter("gain")
+    await until(lambda: board.received[ids.PARAMETER], "the answer")
+    assert ParameterResponse.decode(board.received[ids.PARAMETER][0]) == ParameterResponse(ints=(3,))
+
+
 @pytest.mark.parametrize(
     ("level", "shown"),
     [
