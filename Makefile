@@ -3,11 +3,12 @@ PYTHON ?= $(shell scripts/find-python)
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: help demo test check bench fuzz soak docs clean
+.PHONY: help demo test test-pythons check bench fuzz soak docs clean
 
 help:
 	@echo "make demo   watch a simulated board become a ROS node (no hardware, no ROS, no root)"
 	@echo "make test   install what the tests need and run them all"
+	@echo "make test-pythons  the unit, property and contract tests under every Python here, from 3.11 on"
 	@echo "make check  ruff, mypy and import-linter"
 	@echo "make bench  measure the data path, beside a bare relay"
 	@echo "make fuzz   look for inputs that break a promise, ten minutes a target (SECONDS=600)"
@@ -20,6 +21,9 @@ demo: $(VENV)/.installed
 test: $(VENV)/.dev
 	scripts/install-peers
 	$(BIN)/python -m pytest -n auto --dist worksteal $(ARGS)
+
+test-pythons:
+	scripts/test-pythons $(ARGS)
 
 check: $(VENV)/.dev
 	$(BIN)/ruff check .
@@ -54,4 +58,4 @@ $(VENV)/.dev: $(VENV)/.installed
 	touch $@
 
 clean:
-	rm -rf $(VENV) site build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis
+	rm -rf $(VENV) .venvs site build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis

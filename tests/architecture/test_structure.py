@@ -43,3 +43,8 @@ def test_import_stays_light(module: str) -> None:
     code = f"import sys, {module}; print(*sys.modules)"
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert not HEAVY & set(loaded.stdout.split())
+
+
+def test_no_transport_writes_lines() -> None:
+    # Transport.writelines of Python 3.12.0 to 3.12.8, 3.13.0 and 3.13.1 grows without limit (CVE-2024-12254).
+    assert [path for path in MODULES if ".writelines(" in path.read_text()] == []

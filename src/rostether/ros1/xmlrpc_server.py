@@ -10,7 +10,6 @@ import asyncio
 import errno
 import inspect
 import logging
-import os
 from collections.abc import Awaitable, Callable, Iterable, Mapping, Sequence
 from typing import Any, TypeAlias
 
@@ -19,6 +18,7 @@ from rostether.ros1.admission import EVERYBODY, Admission
 from rostether.ros1.environment import LOOPBACK, connect_host, format_uri, is_loopback
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.ros1.xmlrpc_connection import ServerConnection
+from rostether.transports.sockets import system_bind_errors
 from rostether.xmlrpc.document_reader import STEP_BYTES, DocumentReader, load_call
 from rostether.xmlrpc.values import FaultError, XmlRpcValue, dump_fault, dump_response
 
@@ -96,9 +96,8 @@ class XmlRpcServer:
                         "check ROS_IP, ROS_HOSTNAME and --listen"
                     ) from None
                 if self.port or error.errno != errno.EADDRINUSE or attempt == _BIND_ATTEMPTS - 1:
-                    reason = os.strerror(error.errno) if error.errno else error
                     raise GraphError(
-                        f"cannot listen on port {self.port} of {', '.join(self._hosts)} ({reason}): "
+                        f"cannot listen on port {self.port} of {', '.join(self._hosts)} ({error.strerror}): "
                         "stop who uses it or choose another port"
                     ) from error
             else:
@@ -108,7 +107,8 @@ class XmlRpcServer:
         loop = asyncio.get_running_loop()
         port = self.port
         for host in self._hosts:
-            server = await loop.create_server(self._accept, host, port, backlog=128)
+            async with system_bind_errors(host, port):
+                server = await loop.create_server(self._accept, host, port, backlog=128)
             self._servers.append(server)
             port = server.sockets[0].getsockname()[1]
         self.port = port

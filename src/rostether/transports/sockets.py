@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import errno
+import os
 import socket
+from collections.abc import AsyncIterator
 
 from rostether.errors import TransportOpenError
 from rostether.transports.address import LOOPBACK, show_endpoint
@@ -41,6 +44,34 @@ def tune_stream(sock: socket.socket) -> None:
         if option is not None:
             with contextlib.suppress(OSError):
                 sock.setsockopt(level, option, value)
+
+
+@contextlib.asynccontextmanager
+async def system_bind_errors(host: str | None, port: int) -> AsyncIterator[None]:
+    """Raise the errors of a TCP bind inside the block as the system words them, with errno and strerror.
+
+    asyncio words these errors differently in each Python, and since 3.13 gives a foreign address no errno.
+    Raises OSError, socket.gaierror for a host that has no address.
+    """
+    try:
+        yield
+    except socket.gaierror:
+        raise
+    except OSError as error:
+        if error.errno:
+            raise OSError(error.errno, os.strerror(error.errno)) from error
+        await _try_bind(host, port)
+        raise
+
+
+async def _try_bind(host: str | None, port: int) -> None:
+    """Bind once to each address of the host without asyncio. Raises the system's OSError."""
+    places = await asyncio.get_running_loop().getaddrinfo(
+        host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+    )
+    for family, kind, protocol, _, place in places:
+        with socket.socket(family, kind, protocol) as sock:
+            sock.bind(place)
 
 
 def explain_bind_error(scheme: str, host: str, port: int, error: OSError) -> TransportOpenError:

@@ -16,7 +16,12 @@ from rostether.transports.allow_list import AllowList
 from rostether.transports.board_keys import NO_KEYS, NO_PROOF, BoardKeys
 from rostether.transports.read_turn import MIN_READ_BYTES, ReadTurn
 from rostether.transports.refusals import RefusalLog
-from rostether.transports.sockets import explain_bind_error, explain_connect_error, tune_stream
+from rostether.transports.sockets import (
+    explain_bind_error,
+    explain_connect_error,
+    system_bind_errors,
+    tune_stream,
+)
 from rostether.transports.stream import READ_CHUNK_BYTES, StreamTransport
 from rostether.transports.transport import Transport
 
@@ -142,9 +147,10 @@ class TcpListener:
         listener = cls(on_transport, allow, max_connections, max_connections_per_host, greeting)
         loop = asyncio.get_running_loop()
         try:
-            listener._server = await loop.create_server(
-                listener._make_protocol, address.host, address.port, backlog=_BACKLOG
-            )
+            async with system_bind_errors(address.host, address.port):
+                listener._server = await loop.create_server(
+                    listener._make_protocol, address.host, address.port, backlog=_BACKLOG
+                )
         except OSError as error:
             raise explain_bind_error("tcp", address.host, address.port, error) from error
         host, port = listener._server.sockets[0].getsockname()[:2]

@@ -1,6 +1,8 @@
 from __future__ import annotations
 
+import asyncio
 import errno
+import os
 import socket
 
 import pytest
@@ -9,6 +11,7 @@ from rostether.transports.sockets import (
     explain_bind_error,
     explain_connect_error,
     explain_reason,
+    system_bind_errors,
     tune_stream,
 )
 
@@ -26,6 +29,40 @@ from rostether.transports.sockets import (
 )
 def test_why_a_port_cannot_be_listened_on(host: str, code: int, said: str) -> None:
     assert said in str(explain_bind_error("tcp", host, 80, OSError(code, "too many files")))
+
+
+@pytest.mark.parametrize("host", ["192.0.2.1", "2001:db8::1"])
+async def test_a_foreign_address_is_named_by_the_system(host: str) -> None:
+    with pytest.raises(OSError) as caught:
+        async with system_bind_errors(host, 0):
+            await asyncio.get_running_loop().create_server(asyncio.Protocol, host, 0)
+    assert (caught.value.errno, caught.value.strerror) == (
+        errno.EADDRNOTAVAIL,
+        os.strerror(errno.EADDRNOTAVAIL),
+    )
+
+
+async def test_an_error_without_a_number_is_asked_of_the_system() -> None:
+    with pytest.raises(OSError) as caught:
+        async with system_bind_errors("192.0.2.1", 0):
+            # What Python 3.13 raises.
+            raise OSError("could not bind on any address out of [('192.0.2.1', 0)]")
+    assert caught.value.errno == errno.EADDRNOTAVAIL
+
+
+async def test_a_taken_port_is_reported_in_the_words_of_the_system() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        with pytest.raises(OSError) as caught:
+            async with system_bind_errors("127.0.0.1", port):
+                await asyncio.get_running_loop().create_server(asyncio.Protocol, "127.0.0.1", port)
+    assert (caught.value.errno, caught.value.strerror) == (errno.EADDRINUSE, os.strerror(errno.EADDRINUSE))
+
+
+async def test_a_host_without_an_address_is_a_matter_of_the_name_server() -> None:
+    with pytest.raises(socket.gaierror):
+        async with system_bind_errors("no such host", 0):
+            await asyncio.get_running_loop().create_server(asyncio.Protocol, "no such host", 0)
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,6 @@ screen is drawn: each write costs more than all the rest."""
 
 _GATHERED_BYTES = 256 << 10
 _DRAIN_BYTES = 64 << 10  # written at once of what waited: enough for one system call
-_JOIN_BYTES = 64 << 10  # larger pieces are not copied together first
 
 
 class DataOutlet:
@@ -83,17 +82,15 @@ class DataOutlet:
 
     def flush(self) -> None:
         """Write what was gathered."""
-        pieces, size = self._pieces, self._pieces_bytes
+        pieces = self._pieces
         if not pieces:
             return
         self._pieces, self._pieces_bytes = [], 0
         if self._transport is None or not self.is_open:
             return
         self._flushed_s = self._loop.time()
-        if size <= _JOIN_BYTES:
-            self._transport.write(b"".join(pieces))
-        else:
-            self._transport.writelines(pieces)
+        # Not writelines: that of Python 3.12.0 to 3.12.8, 3.13.0 and 3.13.1 never pauses us (CVE-2024-12254).
+        self._transport.write(b"".join(pieces))
 
     def _flush_due(self) -> None:
         self._is_flush_due = False

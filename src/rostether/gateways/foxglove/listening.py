@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import errno
-import os
 import socket
 from collections.abc import Callable
 
@@ -15,6 +14,7 @@ from rostether.gateways.foxglove.admission import Admission
 from rostether.gateways.foxglove.limits import FoxgloveLimits
 from rostether.gateways.foxglove.line import Line, LineUser
 from rostether.gateways.foxglove.settings import DEFAULT_HOST, FoxgloveSettings
+from rostether.transports.sockets import system_bind_errors
 
 
 class Listening:
@@ -50,7 +50,8 @@ class Listening:
         loop = asyncio.get_running_loop()
         for each in hosts:
             try:
-                server = await loop.create_server(self._connect, each, port, ssl=encryption)
+                async with system_bind_errors(each, port):
+                    server = await loop.create_server(self._connect, each, port, ssl=encryption)
             except OSError as error:
                 if self._servers:
                     # A machine without IPv6.
@@ -58,11 +59,8 @@ class Listening:
                 advice = "give another port, or end what uses it"
                 if isinstance(error, socket.gaierror) or error.errno == errno.EADDRNOTAVAIL:
                     advice = f"that is no address of this machine, 0.0.0.0:{port} listens on all it has"
-                # asyncio's own words name the address a second time; negative numbers are the resolver's.
-                number = error.errno or 0
-                reason = os.strerror(number) if number > 0 else error.strerror or error
                 raise ConfigError(
-                    f"cannot listen on {host}:{port} for Foxglove: {reason}; {advice}"
+                    f"cannot listen on {host}:{port} for Foxglove: {error.strerror}; {advice}"
                 ) from error
             self._servers.append(server)
             port = self.port

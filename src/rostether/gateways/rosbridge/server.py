@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import errno
+import socket
 from functools import partial
 from http import HTTPStatus
 
@@ -40,6 +41,7 @@ from rostether.gateways.rosbridge.values import Style
 from rostether.gateways.shared_subscriptions import SharedSubscriptions
 from rostether.graph.ports import Graph, Level, Publisher
 from rostether.serde.store import TypeStore
+from rostether.transports.sockets import system_bind_errors
 
 CLIENT_COUNT = "client_count"
 """The topic on which rosbridge tells how many clients it has."""
@@ -163,23 +165,24 @@ class RosbridgeServer:
         settings = self._settings
         encryption = server_encryption(settings.certificate, settings.key)
         try:
-            server = await serve(
-                self._serve,
-                host,
-                port,
-                process_request=self._admit,
-                ssl=encryption,
-                compression="deflate" if settings.deflate else None,
-                max_size=settings.max_message_bytes,
-                max_queue=MAX_WAITING_FRAMES,
-                ping_interval=PING_INTERVAL_S,
-                ping_timeout=PING_LIMIT_S,
-                close_timeout=CLOSE_LIMIT_S,
-                server_header=None,
-                backlog=MAX_CLIENTS,
-                # A factory does as well as the class that the signature asks for.
-                create_connection=partial(DoorConnection, self._door),  # type: ignore[arg-type]
-            )
+            async with system_bind_errors(host or None, port):
+                server = await serve(
+                    self._serve,
+                    host,
+                    port,
+                    process_request=self._admit,
+                    ssl=encryption,
+                    compression="deflate" if settings.deflate else None,
+                    max_size=settings.max_message_bytes,
+                    max_queue=MAX_WAITING_FRAMES,
+                    ping_interval=PING_INTERVAL_S,
+                    ping_timeout=PING_LIMIT_S,
+                    close_timeout=CLOSE_LIMIT_S,
+                    server_header=None,
+                    backlog=MAX_CLIENTS,
+                    # A factory does as well as the class that the signature asks for.
+                    create_connection=partial(DoorConnection, self._door),  # type: ignore[arg-type]
+                )
         except OSError as error:
             raise _explain(host, port, error) from error
         self._servers.append(server)
@@ -248,8 +251,8 @@ def _explain(host: str, port: int, error: OSError) -> TransportOpenError:
             f"rosbridge: port {port} is already in use on {host}; stop the program that listens there "
             "(another rosbridge?), or choose another port"
         )
-    if error.errno in (errno.EADDRNOTAVAIL, None) or not error.errno or error.errno < 0:
+    if error.errno == errno.EADDRNOTAVAIL or isinstance(error, socket.gaierror):
         return TransportOpenError(
             f"rosbridge: {host} is no address of this machine; 0.0.0.0:{port} listens on all it has"
         )
-    return TransportOpenError(f"rosbridge: cannot listen on {host}:{port}: {error.strerror or error}")
+    return TransportOpenError(f"rosbridge: cannot listen on {host}:{port}: {error.strerror}")

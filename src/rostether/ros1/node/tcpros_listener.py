@@ -13,6 +13,7 @@ from rostether.ros1.environment import connect_host, is_loopback
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.ros1.tcpros_connection import HandshakeProtocol
 from rostether.tcpros.handshake import Purpose, purpose_of
+from rostether.transports.sockets import system_bind_errors
 
 MAX_HANDSHAKES = 256
 """Connections whose header has not come yet: a burst of a whole graph starting, not a flood of strangers."""
@@ -84,7 +85,8 @@ class TcprosListener:
     async def _bind(self, hosts: Sequence[str]) -> None:
         loop = asyncio.get_running_loop()
         for host in hosts:
-            server = await loop.create_server(self._take, host, self.port, backlog=128)
+            async with system_bind_errors(host, self.port):
+                server = await loop.create_server(self._take, host, self.port, backlog=128)
             self._servers.append(server)
             self.port = server.sockets[0].getsockname()[1]
 
