@@ -9,7 +9,7 @@ import pytest
 
 from interop.ros1_peers import Ros1Peers
 from interop.side_by_side import SideBySide
-from rostether.cli.definitions import format_spec
+from rostether.cli.msg.group import format_spec
 from rostether.msgdef.registry import Registry
 
 # What rosmsg and rossrv show of every type there is, without starting them a thousand times.

@@ -12,7 +12,7 @@ import pytest_asyncio
 from contract.graphs import ADD_DIAGNOSTICS, Inbox, answer, served, snapshot_when, string, until
 from contract.zenoh_graphs import open_session, ros2_types
 from interop.ros1_peers import free_port
-from rostether.cli.relay import finding_types
+from rostether.cli.bridge.relay import finding_types
 from rostether.graph.ports import Graph
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
 from rostether.msgdef.registry import Registry

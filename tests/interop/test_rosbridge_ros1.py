@@ -8,9 +8,9 @@ from typing import Any
 from websockets.asyncio.client import ClientConnection, connect
 
 from interop.ros1_peers import Ros1Peers
-from rostether.cli.gateway_options import GatewayOptions
-from rostether.cli.gateways import gateways, ros1_gateway_graph
-from rostether.cli.serving import joining_ros1
+from rostether.cli.bridge.serving import joining_ros1
+from rostether.cli.gateway.gateways import gateways, ros1_gateway_graph
+from rostether.cli.gateway.options import GatewayOptions
 from rostether.msgdef.registry import Registry
 from rostether.ros1.environment import RosEnvironment
 from rostether.serde.store import TypeStore

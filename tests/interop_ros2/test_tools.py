@@ -11,8 +11,8 @@ import pytest
 
 from interop_ros2.rclpy_peer import PEER_NAME, RclpyPeer
 from ros2_domains import own_domain
-from rostether.cli.ros2.message_text import MessageText
-from rostether.cli.ros2.typed_values import ValueForm
+from rostether.cli.topic.ros2_message_text import MessageText
+from rostether.cli.topic.ros2_typed_values import ValueForm
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.ros2.native_registry import NativeRegistry

@@ -17,7 +17,7 @@ import pytest_asyncio
 from interop.ros1_peers import free_port
 from reference.terminal import Terminals
 from rostether import Device
-from rostether.cli.shims import SHIMS
+from rostether.cli.launch.shims import SHIMS
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "mearm"
 

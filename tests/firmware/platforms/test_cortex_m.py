@@ -9,7 +9,7 @@ import pytest
 
 from firmware.platforms.meeting import meeting
 from rostether.boards.qemu import QemuBoard
-from rostether.cli.simulated_links import simulated
+from rostether.cli.board.simulated_links import simulated
 from rostether.transports.address import parse_address
 from unit.bridge.lateness import lateness
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from unit.cli.shell import LiveGraph, Shell
+from unit.cli.command_shell import LiveGraph, Shell
 
 
 @pytest.fixture(autouse=True)
@@ -23,7 +23,7 @@ def shell(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -
     # What the nodes of the test's own process log is none of the command's output.
     for name in ("rostether", "asyncio"):
         monkeypatch.setattr(logging.getLogger(name), "handlers", [])
-    for name in ("running", "serving"):
+    for name in ("shell.running", "bridge.serving"):
         monkeypatch.setattr(f"rostether.cli.{name}.show_library_logs", lambda *_: None)
     return Shell(capsys, monkeypatch)
 

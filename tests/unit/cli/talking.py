@@ -9,7 +9,7 @@ from typing import Any
 
 from rostether.ros1.node.publication import Publisher
 from rostether.ros1.xmlrpc_client import XmlRpcClient
-from unit.cli.shell import STORE, LiveGraph
+from unit.cli.command_shell import STORE, LiveGraph
 
 
 def call(graph: LiveGraph, action: Callable[[], object]) -> None:

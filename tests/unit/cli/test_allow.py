@@ -6,7 +6,7 @@ import pytest
 
 from interop.ros1_peers import free_port
 from rostether import Device
-from rostether.cli.serving import read_links
+from rostether.cli.bridge.serving import read_links
 from rostether.transports.address import TcpAddress, UdpAddress
 from unit.cli.serving_process import started
 

@@ -11,7 +11,7 @@ from contract.zenoh_graphs import open_session
 from interop.command_line import started
 from interop.ros1_peers import free_port
 from rostether.ros2.zenoh.configuration import is_router_there
-from unit.cli.shell import Shell
+from unit.cli.command_shell import Shell
 
 
 async def test_others_meet_at_it() -> None:

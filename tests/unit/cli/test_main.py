@@ -8,12 +8,12 @@ from importlib.metadata import version
 import click
 import pytest
 
-from rostether.cli import failures
-from rostether.cli.failures import exit_code_of, one_line
 from rostether.cli.main import rostether
-from rostether.cli.verbs import LazyGroup, Verb
+from rostether.cli.shell import failures
+from rostether.cli.shell.failures import exit_code_of, one_line
+from rostether.cli.shell.verbs import LazyGroup, Verb
 from rostether.errors import ConfigError, RostetherError
-from unit.cli.shell import LiveGraph, Shell
+from unit.cli.command_shell import LiveGraph, Shell
 
 
 def all_verbs(group: LazyGroup, path: str = "rostether") -> Iterator[tuple[str, click.Command, str]]:

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
+from unit.cli.command_shell import LiveGraph, Shell
 from unit.cli.processes import started
-from unit.cli.shell import LiveGraph, Shell
 from unit.robot.robots import ARM
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from rosbags.rosbag2 import StoragePlugin
 
-from rostether.cli.recording_graph import native_types
+from rostether.cli.bag.recording_graph import native_types
 from rostether.errors import RecordingError
 from rostether.graph.ports import Publisher
 from rostether.msgdef.registry import Registry
@@ -19,8 +19,8 @@ from rostether.recording.bag_writer import BagWriter
 from rostether.recording.files import open_recording
 from rostether.recording.recorded import Connection
 from rostether.serde.store import TypeStore
+from unit.cli.command_shell import LiveGraph, Shell
 from unit.cli.processes import started
-from unit.cli.shell import LiveGraph, Shell
 from unit.recording.bags import IMU, START_NS, STRING, text
 from unit.recording.test_ros2_bags import JAZZY, foreign_bag
 

@@ -9,8 +9,8 @@ import yaml
 from rostether.graph.ports import Publisher
 from rostether.recording.bag_reader import BagReader
 from rostether.recording.files import open_recording
+from unit.cli.command_shell import LiveGraph, Shell
 from unit.cli.ros2.zenoh_world import STORE, ZenohWorld
-from unit.cli.shell import LiveGraph, Shell
 
 IMU_HASH = "RIHS01_7d9a00ff131080897a5ec7e26e315954b8eae3353c3f995c55faf71574000b5b"
 

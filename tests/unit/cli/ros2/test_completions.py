@@ -5,9 +5,9 @@ from collections.abc import Callable
 import click
 import pytest
 
-from rostether.cli import completions
+from rostether.cli.access import completions
+from unit.cli.command_shell import Shell
 from unit.cli.ros2.zenoh_world import ZenohWorld
-from unit.cli.shell import Shell
 
 Complete = Callable[[click.Context, click.Parameter, str], list[str]]
 

@@ -5,11 +5,11 @@ from contextlib import AsyncExitStack
 
 import pytest
 
-from rostether.cli import demo
-from rostether.cli.demo_view import RecentLines
+from rostether.cli.bridge import demo
+from rostether.cli.bridge.demo_view import RecentLines
+from unit.cli.command_shell import LiveGraph, Shell
 from unit.cli.processes import read_until, started
 from unit.cli.ros2.zenoh_world import ZenohWorld
-from unit.cli.shell import LiveGraph, Shell
 
 
 def test_the_demo_is_in_both_ros(graph: LiveGraph, world: ZenohWorld, shell: Shell) -> None:

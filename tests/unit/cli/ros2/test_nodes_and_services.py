@@ -1,7 +1,7 @@
 from __future__ import annotations
 
+from unit.cli.command_shell import Shell
 from unit.cli.ros2.zenoh_world import ZenohWorld
-from unit.cli.shell import Shell
 
 
 def test_node_list(world: ZenohWorld, shell: Shell) -> None:

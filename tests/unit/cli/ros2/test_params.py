@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from rostether.cli.ros2.param import parse_value
+from rostether.cli.param.ros2_param import parse_value
 from rostether.ros2.parameters.typed_value import ParameterType
+from unit.cli.command_shell import Shell
 from unit.cli.ros2.zenoh_world import ZenohWorld
-from unit.cli.shell import Shell
 
 
 def test_list_and_get(world: ZenohWorld, shell: Shell) -> None:

@@ -3,8 +3,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+from unit.cli.command_shell import Shell
 from unit.cli.ros2.zenoh_world import ZenohWorld
-from unit.cli.shell import Shell
 
 
 def test_graph(world: ZenohWorld, shell: Shell, tmp_path: Path) -> None:

@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import re
 
+from unit.cli.command_shell import Shell
 from unit.cli.ros2.zenoh_world import STORE, ZenohWorld
-from unit.cli.shell import Shell
 
 IMU_HASH = "RIHS01_7d9a00ff131080897a5ec7e26e315954b8eae3353c3f995c55faf71574000b5b"
 

@@ -1,0 +1,173 @@
+"""What a shell can complete: names in the running graph, and types that are known here."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from rostether.cli.access.ros_choice import Middleware, chosen_ros2
+from rostether.errors import RostetherError
+
+if TYPE_CHECKING:
+    from rostether.cli.access.ros2_view import GraphView
+    from rostether.msgdef.registry import Registry
+    from rostether.ros1.node.master_client import MasterClient
+
+TIMEOUT_S = 1.0
+"""Who presses Tab waits no longer; a master on this machine answers in milliseconds."""
+
+ROS2_TIMEOUT_S = 3.0
+"""DDS takes a second or two to find others."""
+
+
+def complete_topics(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
+    """Return the topics that begin with what was typed."""
+
+    async def names(client: MasterClient) -> Iterable[str]:
+        publishers, subscribers, _ = await client.system_state()
+        return publishers.keys() | subscribers.keys()
+
+    return _complete(ctx, names, lambda view: view.topics(), incomplete)
+
+
+def complete_nodes(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
+    """Return the nodes that begin with what was typed."""
+
+    async def names(client: MasterClient) -> Iterable[str]:
+        return {node for part in await client.system_state() for nodes in part.values() for node in nodes}
+
+    return _complete(ctx, names, _nodes, incomplete)
+
+
+def complete_services(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
+    """Return the services that begin with what was typed."""
+
+    async def names(client: MasterClient) -> Iterable[str]:
+        return (await client.system_state())[2]
+
+    return _complete(ctx, names, lambda view: view.services(), incomplete)
+
+
+def complete_params(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
+    """Return the parameters that begin with what was typed."""
+
+    async def names(client: MasterClient) -> Iterable[str]:
+        return await client.param_names()
+
+    # Parameters of ROS 2 are typed behind their node.
+    return _complete(ctx, names, _nodes, incomplete)
+
+
+def complete_message_types(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
+    """Return the message types that begin with what was typed."""
+    return _beginning(_registry(ctx).messages(), incomplete)
+
+
+def complete_service_types(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
+    """Return the service types that begin with what was typed."""
+    return _beginning(_registry(ctx).services(), incomplete)
+
+
+def complete_packages(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
+    """Return the packages that have definitions and begin with what was typed."""
+    from rostether.msgdef.registry import Registry
+
+    return _beginning(Registry.from_environment().packages(), incomplete)
+
+
+def _registry(ctx: click.Context) -> Registry:
+    if _middleware(ctx) is not None:
+        from rostether.ros2.native_registry import NativeRegistry
+
+        return NativeRegistry.from_environment()
+    from rostether.msgdef.registry import Registry
+
+    return Registry.from_environment()
+
+
+def _middleware(ctx: click.Context) -> Middleware | None:
+    """Return the middleware that the command line so far means."""
+    with ctx.scope(cleanup=False):
+        return chosen_ros2()
+
+
+def _nodes(view: GraphView) -> Iterable[str]:
+    return (node for node in view.nodes if not node.rpartition("/")[2].startswith("_"))
+
+
+def complete_package_folders(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
+    """Return the packages on disk, and those whose nodes we serve, that begin with what was typed."""
+    from rostether.cli.launch.served_nodes import served_nodes
+
+    ours = {package for package, _ in served_nodes()}
+    return [name for name in sorted({*_packages_here(), *ours}) if name.startswith(incomplete)]
+
+
+def complete_programs(context: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
+    """Return the programs of the package typed before that begin with what was typed."""
+    from rostether.cli.launch.served_nodes import served_nodes
+    from rostether.packages.executables import programs
+
+    package = context.params.get("package", "")
+    found = {kind for role, kind in served_nodes() if role == package}
+    if folder := _packages_here().get(package):
+        found.update(each.name for each in programs(folder))
+    return [name for name in sorted(found) if name.startswith(incomplete)]
+
+
+def _packages_here() -> dict[str, Path]:
+    import os
+
+    from rostether.packages.locate import package_folders
+
+    return package_folders(os.environ, Path.cwd())
+
+
+def _complete(
+    ctx: click.Context,
+    names: Callable[[MasterClient], Awaitable[Iterable[str]]],
+    ros2_names: Callable[[GraphView], Iterable[str]],
+    incomplete: str,
+) -> list[str]:
+    middleware = _middleware(ctx)
+    if middleware is not None:
+        return _complete_ros2(middleware, ros2_names, incomplete)
+    # Not at import: it takes a quarter of a command's start, and not all commands need it.
+    import asyncio
+
+    from rostether.cli.access.ros1_access import master_client, read_environment
+
+    async def ask() -> Iterable[str]:
+        async with asyncio.timeout(TIMEOUT_S), master_client(read_environment()) as client:
+            return await names(client)
+
+    try:
+        return _beginning(asyncio.run(ask()), incomplete)
+    except (RostetherError, OSError):
+        # A shell has no place for errors: there is nothing to complete.
+        return []
+
+
+def _complete_ros2(
+    middleware: Middleware, names: Callable[[GraphView], Iterable[str]], incomplete: str
+) -> list[str]:
+    import asyncio
+
+    from rostether.cli.access.ros2_tool_node import tool_node
+
+    async def ask() -> Iterable[str]:
+        async with asyncio.timeout(ROS2_TIMEOUT_S), tool_node(middleware, is_quiet=True) as tool:
+            return names(await tool.look_well())
+
+    try:
+        return _beginning(asyncio.run(ask()), incomplete)
+    except (RostetherError, OSError):
+        return []
+
+
+def _beginning(names: Iterable[str], incomplete: str) -> list[str]:
+    # `chatter` stands for `/chatter` in commands, so it completes to it as well.
+    return sorted(name for name in names if name.startswith((incomplete, f"/{incomplete}")))

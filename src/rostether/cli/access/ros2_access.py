@@ -1,0 +1,120 @@
+"""Reaching the ROS 2 graph that a command means: a session over zenoh or rclpy, and what to say of it."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Iterable, Mapping
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rostether.cli.access.ros_choice import Middleware
+from rostether.errors import ConfigError
+from rostether.extras import install_command
+from rostether.graph.ports import Graph, JoinGraph
+from rostether.ros2.environment import Ros2Environment
+
+if TYPE_CHECKING:
+    from rostether.ros2.type_support import Ros2Types
+    from rostether.ros2.zenoh.session import ZenohSession
+
+
+@dataclass(frozen=True, slots=True)
+class ZenohReach:
+    """What the command line says of zenoh: endpoints as `tcp/192.168.1.7:7447`, and a `RouterChoice`."""
+
+    connect: tuple[str, ...] = ()
+    listen: tuple[str, ...] = ()
+    router: str = "auto"
+
+
+@dataclass(frozen=True, slots=True)
+class Ros2Access:
+    """A session on a ROS 2 graph: what makes nodes on it, its types, and a line for people."""
+
+    join: JoinGraph
+    types: Ros2Types
+    line: str
+
+
+@asynccontextmanager
+async def ros2_access(
+    middleware: Middleware,
+    msg_paths: Iterable[Path] = (),
+    *,
+    reach: ZenohReach | None = None,
+    params_files: Iterable[Path] = (),
+    types: Ros2Types | None = None,
+) -> AsyncIterator[Ros2Access]:
+    """Be on the ROS 2 graph as long as the block lasts. Raises ConfigError naming what is not installed.
+
+    `types` are used in place of those that `msg_paths` and the environment give.
+    """
+    from rostether.msgdef.registry import Registry
+    from rostether.msgdef.ros2.definitions import Ros2Definitions
+    from rostether.ros2.type_support import Ros2Types
+
+    paths = tuple(msg_paths)
+    if types is None:
+        types = Ros2Types(Registry.from_environment(paths), Ros2Definitions.from_environment(paths))
+    environment = Ros2Environment.read()
+    if middleware is Middleware.RCLPY:
+        async with _over_rclpy(environment, types, tuple(params_files)) as access:
+            yield access
+    else:
+        async with _over_zenoh(environment, types, reach or ZenohReach(), tuple(params_files)) as access:
+            yield access
+
+
+@asynccontextmanager
+async def _over_rclpy(
+    environment: Ros2Environment, types: Ros2Types, params_files: tuple[Path, ...]
+) -> AsyncIterator[Ros2Access]:
+    from rostether.ros2.rclpy.context import RclpyContext
+
+    arguments = ["--ros-args"] if params_files else []
+    for path in params_files:
+        arguments += ["--params-file", str(path)]
+    context = await RclpyContext.open(types, domain_id=environment.domain_id, arguments=arguments)
+    try:
+        using = environment.middleware or "rclpy's own middleware"
+        yield Ros2Access(context.join, types, f"Joining ROS 2 domain {environment.domain_id} over {using}")
+    finally:
+        await context.close()
+
+
+@asynccontextmanager
+async def _over_zenoh(
+    environment: Ros2Environment, types: Ros2Types, reach: ZenohReach, params_files: tuple[Path, ...]
+) -> AsyncIterator[Ros2Access]:
+    from rostether.ros2.parameters.parameter_file import read_parameter_files
+
+    try:
+        from rostether.ros2.zenoh.configuration import Reach, RouterChoice
+        from rostether.ros2.zenoh.session import ZenohSession
+    except ModuleNotFoundError as error:
+        if error.name != "zenoh":
+            raise
+        raise ConfigError(f"ROS 2 over zenoh is not installed; type: {install_command('zenoh')}") from None
+    rules = read_parameter_files(params_files)
+    session = await ZenohSession.open(
+        environment, types, reach=Reach(RouterChoice(reach.router), reach.connect, reach.listen)
+    )
+
+    async def join(
+        node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
+    ) -> Graph:
+        from rostether.names.graph_name import join as join_names
+
+        initial = rules.for_node(join_names(namespace, node_name))
+        return await session.join(node_name, namespace=namespace, remappings=remappings, parameters=initial)
+
+    try:
+        yield Ros2Access(join, types, _zenoh_line(session, environment))
+    finally:
+        await session.close()
+
+
+def _zenoh_line(session: ZenohSession, environment: Ros2Environment) -> str:
+    domain = f"ROS 2 domain {environment.domain_id} over zenoh (RMW_IMPLEMENTATION=rmw_zenoh_cpp)"
+    return f"Joining {domain}, being its router here" if session.is_router else f"Joining {domain}"

@@ -1,0 +1,35 @@
+"""A ROS 2 graph as the snapshot that pictures are made of, with ROS 2's own names of types."""
+
+from __future__ import annotations
+
+from rostether.cli.access.ros2_view import SERVICE_KINDS, TOPIC_KINDS, GraphView
+from rostether.graph.ports import ServiceInfo, Snapshot, TopicInfo
+from rostether.ros2.endpoint_info import EndpointKind
+
+
+def as_snapshot(view: GraphView) -> Snapshot:
+    """Return all nodes, topics and services of a view, hidden ones too."""
+    return Snapshot(
+        tuple(sorted(set(view.nodes))),
+        {
+            name: TopicInfo(
+                name,
+                ", ".join(view.types(TOPIC_KINDS, name)),
+                _nodes(view, EndpointKind.PUBLISHER, name),
+                _nodes(view, EndpointKind.SUBSCRIPTION, name),
+            )
+            for name in view.names(TOPIC_KINDS, with_hidden=True)
+        },
+        {
+            name: ServiceInfo(
+                name,
+                _nodes(view, EndpointKind.SERVER, name),
+                ", ".join(view.types(SERVICE_KINDS, name)),
+            )
+            for name in view.names([EndpointKind.SERVER], with_hidden=True)
+        },
+    )
+
+
+def _nodes(view: GraphView, kind: EndpointKind, name: str) -> tuple[str, ...]:
+    return tuple(sorted({end.node_name for end in view.of(kind, name)}))

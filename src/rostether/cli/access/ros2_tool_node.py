@@ -1,0 +1,133 @@
+"""The node that a tool is on a ROS 2 graph: hidden from listings, with messages in ROS 2's own words."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterable
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar, cast
+
+from rostether.cli.access.ros1_access import special_arguments
+from rostether.cli.access.ros2_access import ZenohReach, ros2_access
+from rostether.cli.access.ros2_view import GraphView, is_hidden
+from rostether.cli.access.ros_choice import Middleware
+from rostether.cli.shell.output import warn
+from rostether.joining import anonymous_name
+
+if TYPE_CHECKING:
+    from rostether.graph.typed_graph import TypedGraph
+    from rostether.ros2.endpoint_info import Ros2Graph
+    from rostether.ros2.native_registry import NativeRegistry
+    from rostether.ros2.type_support import Ros2Types
+
+T = TypeVar("T")
+
+HIDDEN_NAME = "/_rostether"
+LOOK_INTERVAL_S = 0.05
+PATIENCE_S = {Middleware.ZENOH: 1.0, Middleware.RCLPY: 4.0}
+"""How long something that was named is waited for. DDS tells of it at once, and again after 3 s if that is
+lost; zenoh's router has told before we begin."""
+QUIET_S = {Middleware.ZENOH: 0.1, Middleware.RCLPY: 0.8}
+"""How long nothing new has come when a listing counts as complete."""
+
+
+class ToolNode:
+    """A node of our own on a ROS 2 graph, for one command."""
+
+    def __init__(
+        self, graph: TypedGraph, registry: NativeRegistry, types: Ros2Types, middleware: Middleware
+    ) -> None:
+        self.graph = graph
+        self.registry = registry
+        self.types = types
+        self.middleware = middleware
+
+    async def look(self) -> GraphView:
+        """Return what the graph is now, without this node."""
+        raw = cast("Ros2Graph", self.graph.raw)
+        own = raw.node_name
+        ends = [end for end in await raw.endpoints() if end.node_name != own]
+        return GraphView([node for node in (await raw.snapshot()).nodes if node != own], ends)
+
+    async def look_well(self) -> GraphView:
+        """Return the graph when nothing new has come for a while."""
+        quiet_s, loop = QUIET_S[self.middleware], asyncio.get_running_loop()
+        view = await self.look()
+        begin_s = changed_s = loop.time()
+        while loop.time() - begin_s < PATIENCE_S[self.middleware]:
+            if _looks_complete(view) and loop.time() - changed_s >= quiet_s:
+                break
+            await asyncio.sleep(LOOK_INTERVAL_S)
+            latest = await self.look()
+            if latest != view:
+                view, changed_s = latest, loop.time()
+        return view
+
+    async def look_until(self, condition: Callable[[GraphView], bool]) -> GraphView:
+        """Return the graph as soon as it is as wanted, or as it is when that takes too long."""
+        deadline_s = asyncio.get_running_loop().time() + PATIENCE_S[self.middleware]
+        view = await self.look()
+        while not condition(view) and asyncio.get_running_loop().time() < deadline_s:
+            await asyncio.sleep(LOOK_INTERVAL_S)
+            view = await self.look()
+        return view
+
+
+def _looks_complete(view: GraphView) -> bool:
+    """Tell whether somebody has been found, and what belongs to each node: nodes are told of first."""
+    with_ends = {end.node_name for end in view.ends}
+    return any(not is_hidden(node) for node in view.nodes) and with_ends.issuperset(view.nodes)
+
+
+@asynccontextmanager
+async def tool_node(
+    middleware: Middleware, msg_paths: Iterable[Path] = (), *, is_quiet: bool = False
+) -> AsyncIterator[ToolNode]:
+    """Be a hidden node as long as the block lasts; a quiet one gives no advice.
+
+    Raises ConfigError, GraphError with what to do next.
+    """
+    from rostether.graph.typed_graph import TypedGraph
+    from rostether.ros2.native_registry import NativeRegistry
+    from rostether.ros2.native_types import NativeTypes
+    from rostether.serde.store import TypeStore
+
+    specials = special_arguments()
+    registry = NativeRegistry.from_environment(msg_paths)
+    # A tool comes and goes: it must not be the router that others count on.
+    reach = ZenohReach(router="never")
+    types = NativeTypes(registry)
+    async with ros2_access(middleware, reach=reach, types=types) as access:
+        if middleware is Middleware.ZENOH and not is_quiet:
+            await warn_without_router()
+        graph = await access.join(
+            specials.get("__name") or anonymous_name(HIDDEN_NAME), namespace=specials.get("__ns", "/")
+        )
+        try:
+            yield ToolNode(TypedGraph(graph, TypeStore(registry)), registry, types, middleware)
+        finally:
+            await graph.close()
+
+
+async def warn_without_router() -> None:
+    """Say what to do where no zenoh router answers: nodes are not found without."""
+    from rostether.ros2.environment import Ros2Environment
+    from rostether.ros2.zenoh.configuration import ROUTER_ENDPOINT, is_router_there, names_its_own_place
+
+    if not names_its_own_place(Ros2Environment.read()) and not await is_router_there():
+        warn(
+            f"no zenoh router answers at {ROUTER_ENDPOINT}, so nodes cannot be found; start one with "
+            "`rostether core --ros2 zenoh` or `rostether serve --ros2 zenoh`, or use ROS 2's own"
+        )
+
+
+def asked(middleware: Middleware, question: Callable[[ToolNode], Awaitable[T]]) -> T:
+    """Run a question to the graph as a whole command. Raises what `tool_node` and the question raise."""
+    from rostether.cli.shell.running import run
+
+    async def ask() -> T:
+        async with tool_node(middleware) as tool:
+            return await question(tool)
+
+    return run(ask())

@@ -1,0 +1,44 @@
+"""`rostether bag check`: a recording read whole, and what is wrong with it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from rostether.cli.access.options import msg_path_option
+from rostether.cli.shell.failures import EXIT_FAILED
+from rostether.cli.shell.output import write_line
+from rostether.cli.shell.verbs import Verb
+
+
+@click.command(
+    "check",
+    cls=Verb,
+    examples="""
+    rostether bag check drive.bag
+    rostether bag check drive.bag --msg-path ~/catkin_ws/src
+    """,
+)
+@click.argument("files", nargs=-1, required=True, metavar="FILE...", type=click.Path(path_type=Path))
+@msg_path_option
+def bag_check(files: tuple[Path, ...], msg_paths: tuple[Path, ...]) -> None:
+    """Read every message, and say what is wrong; exit with 1 when something is.
+
+    A recording is right when its index is whole, every message fits the definition that stands in the file,
+    and that definition is the one that is known here.
+    """
+    from rostether.msgdef.registry import Registry
+    from rostether.recording.checking import check
+
+    registry = Registry.from_environment(msg_paths)
+    is_right = True
+    for path in files:
+        checked = check(path, registry)
+        for fault in checked.faults:
+            write_line(f"{path}: {fault}")
+        if not checked.faults:
+            write_line(f"{path}: {checked.message_count} messages, all right")
+        is_right = is_right and not checked.faults
+    if not is_right:
+        raise click.exceptions.Exit(EXIT_FAILED)

@@ -1,0 +1,73 @@
+"""`rostether bag convert`: recordings from one format to another, or compressed anew."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from rostether.cli.access.options import msg_path_option
+from rostether.cli.bag.recording_files import asked_form, format_option, storage_option
+from rostether.cli.bag.recording_graph import native_types
+from rostether.cli.shell.output import warn, write_line
+from rostether.cli.shell.verbs import Verb
+
+
+@click.command(
+    "convert",
+    cls=Verb,
+    examples="""
+    rostether bag convert drive.bag drive.mcap
+    rostether bag convert drive.mcap drive.bag
+    rostether bag convert drive.bag smaller.bag --compression bz2
+    rostether bag convert drive.bag drive             a ROS 2 bag, a folder
+    rostether bag convert rosbag2_2026_11_20 drive.bag
+    """,
+)
+@click.argument("source", type=click.Path(path_type=Path))
+@click.argument("target", type=click.Path(path_type=Path))
+@click.option(
+    "--compression",
+    type=click.Choice(["none", "bz2", "lz4"]),
+    default="none",
+    help="How chunks are packed (none).",
+)
+@format_option
+@storage_option
+@msg_path_option
+def bag_convert(
+    source: Path,
+    target: Path,
+    compression: str,
+    form: str | None,
+    storage: str,
+    msg_paths: tuple[Path, ...],
+) -> None:
+    """Write the messages of SOURCE to TARGET, with their times, topics and types.
+
+    The names say which formats: .bag, .mcap, .db3, or without ending a ROS 2 bag, which is a folder. Between
+    recordings of one ROS messages stay as they are byte for byte; between ROS 1 and ROS 2 they are converted.
+    """
+    from rostether.recording.files import Form, form_for, form_of, open_recording
+    from rostether.recording.reindexing import copy, refuse_same
+
+    refuse_same(source, target)
+    reader = open_recording(source)
+    try:
+        target_form = form_for(target, form_of(reader), asked_form(form))
+        if target_form is Form.ROS2 and form_of(reader) is Form.ROS2:
+            reader.close()
+            reader = open_recording(source, is_native=True)
+        if reader.damage:
+            warn(f"{source}: {reader.damage}; what is whole is taken")
+        # Only what ROS 2 is to get of ROS 1 needs to be known; all else the recordings tell.
+        types = native_types((), msg_paths) if msg_paths and target_form is Form.ROS2 else None
+        count = copy(reader, target, compression=compression, form=target_form, storage=storage, types=types)
+        unfit = sum(reader.counts.values()) - count
+        if unfit and not reader.unreadable:
+            warn(f"{source}: {unfit} messages do not fit their type; `rostether bag check` says which")
+        for topic, why in reader.unreadable.items():
+            warn(f"{source}: {topic} is not taken, or not all of it: {why}")
+    finally:
+        reader.close()
+    write_line(f"{target}: {count} messages")

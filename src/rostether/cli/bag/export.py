@@ -1,0 +1,160 @@
+"""`rostether export`: what a recording holds, as CSV or Parquet."""
+
+from __future__ import annotations
+
+import sys
+from contextlib import closing
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
+from rostether.cli.shell.output import forget, warn, write_line
+from rostether.cli.shell.verbs import Verb
+from rostether.errors import ConfigError
+
+if TYPE_CHECKING:
+    from rostether.recording.export_tables import Table
+    from rostether.recording.exporting import Export, ExportedTable
+
+FORMATS = ("csv", "parquet")
+_STDOUT = "-"
+
+
+@click.command(
+    "export",
+    cls=Verb,
+    examples="""
+    rostether export drive.bag
+    rostether export drive.bag -o tables --format parquet
+    rostether export drive.bag --topic /ultrasound -o ultrasound.csv
+    rostether export drive.mcap --topic /imu_data --field linear_acceleration --field header.stamp -o -
+    rostether export drive.bag --topic "/arm/*" --field "position[0]" --field "*.x"
+    """,
+)
+@click.argument("recording", type=click.Path(path_type=Path))
+@click.option(
+    "-o",
+    "--output",
+    metavar="PATH",
+    help="A folder, a file when there is one topic, or - for stdout (the folder NAME_csv or NAME_parquet).",
+)
+@click.option("--format", "format_name", type=click.Choice(FORMATS), help="By the file's ending, or csv.")
+@click.option("-t", "--topic", "topics", multiple=True, metavar="TOPIC", help="Only this; * matches any.")
+@click.option(
+    "-f",
+    "--field",
+    "fields",
+    multiple=True,
+    metavar="FIELD",
+    help="Only this, as pose.position, ranges[0], ranges[:10], or a pattern such as *.x.",
+)
+def export(
+    recording: Path,
+    output: str | None,
+    format_name: str | None,
+    topics: tuple[str, ...],
+    fields: tuple[str, ...],
+) -> None:
+    """Write the messages of RECORDING as tables, one for each topic, a row for each message.
+
+    The first columns are the time of recording in seconds and in nanoseconds. Arrays whose size varies are
+    lists, bytes are base64 in CSV.
+    """
+    from rostether.recording.exporting import Export
+    from rostether.recording.files import open_recording
+
+    with closing(open_recording(recording)) as reader:
+        if reader.damage:
+            warn(f"{recording}: {reader.damage}; what is whole is taken")
+        chosen = Export(reader, topics=topics, fields=fields, tell=warn)
+        place = _Place(recording, output, format_name, chosen)
+        try:
+            chosen.write(place.create)
+        except BrokenPipeError:
+            forget(sys.stdout)
+            raise click.exceptions.Exit(EXIT_DONE) from None
+        except BaseException:
+            place.remove()
+            raise
+    place.report(chosen.tables)
+
+
+class _Place:
+    """Where tables go to, and in which format."""
+
+    def __init__(self, recording: Path, output: str | None, format_name: str | None, chosen: Export) -> None:
+        self._created: list[Path] = []
+        self._is_stdout = output == _STDOUT
+        self._folder = Path()
+        self._file: Path | None = None
+        if output is not None and not self._is_stdout:
+            path = Path(output)
+            is_folder = path.is_dir() or output.endswith("/")
+            is_file = path.suffix.removeprefix(".") in FORMATS and not is_folder
+            if not is_file and not is_folder and path.suffix[1:2].isalpha():
+                raise ConfigError(
+                    f"-o {output}: a table's file ends with .csv or .parquet; a folder has no ending, "
+                    "or is there already"
+                )
+            self._folder = path
+            self._file = path if is_file else None
+        ending = self._file.suffix.removeprefix(".") if self._file is not None else None
+        self._format = format_name or ending or "csv"
+        if output is None:
+            # Not the name alone: it is that of a ROS 2 bag's folder.
+            whole = recording.resolve()
+            name = whole.parent.name if whole.name == "metadata.yaml" else whole.name.removesuffix(".active")
+            self._folder = Path(f"{Path(name).with_suffix('')}_{self._format}")
+        if (self._is_stdout or self._file is not None) and len(chosen.tables) != 1:
+            names = ", ".join(table.topic for table in chosen.tables)
+            raise ConfigError(f"one file holds one topic; choose one with --topic, or name a folder: {names}")
+        if self._is_stdout and self._format != "csv":
+            raise ConfigError("Parquet needs a file: its end is written last; name one with -o")
+        if self._format == "parquet":
+            from rostether.recording.parquet_table import parquet_package
+
+            parquet_package()
+
+    def create(self, table: ExportedTable) -> Table:
+        """Begin a table's file. Raises RecordingError."""
+        from rostether.recording.export_tables import CsvTable
+
+        if self._is_stdout:
+            return CsvTable(sys.stdout, table.columns)
+        path = self.path_of(table)
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise ConfigError(
+                f"cannot make the folder {path.parent}: {error.strerror or error}; name one of yours"
+            ) from None
+        if self._format == "parquet":
+            from rostether.recording.parquet_table import ParquetTable
+
+            created: Table = ParquetTable(path, table.columns)
+        else:
+            created = CsvTable(path, table.columns)
+        self._created.append(path)
+        return created
+
+    def path_of(self, table: ExportedTable) -> Path:
+        """Return a table's file."""
+        return self._file or self._folder / f"{table.name}.{self._format}"
+
+    def remove(self) -> None:
+        """Take away what was begun: half a table looks like a whole one."""
+        for path in self._created:
+            path.unlink(missing_ok=True)
+
+    def report(self, tables: list[ExportedTable]) -> None:
+        """Say what was written; ends with 1 when messages were left out."""
+        for table in tables:
+            if not self._is_stdout:
+                rows = f"{table.row_count} rows, {len(table.columns) + 2} columns"
+                write_line(f"{self.path_of(table)}: {rows} of {table.topic}")
+            if table.unfit_count:
+                warn(f"{table.topic}: {table.unfit_count} messages do not fit their type: {table.why}")
+        if any(table.unfit_count for table in tables):
+            raise click.exceptions.Exit(EXIT_FAILED)

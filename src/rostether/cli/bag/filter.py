@@ -1,0 +1,87 @@
+"""`rostether bag filter`: the messages of a recording that an expression is true for."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from rostether.cli.shell.output import write_line
+from rostether.cli.shell.verbs import Verb
+from rostether.errors import ConfigError
+from rostether.rostime import Time
+
+if TYPE_CHECKING:
+    from rostether.recording.recorded import RecordedMessage
+
+_NAMES = frozenset(("topic", "m", "t"))
+_MESSAGE = re.compile(r"\bm\b")
+
+
+@click.command(
+    "filter",
+    cls=Verb,
+    examples="""
+    rostether bag filter drive.bag arm.bag "topic.startswith('/arm/')"
+    rostether bag filter drive.bag near.bag "topic == '/ultrasound' and m.range < 0.5"
+    rostether bag filter drive.bag start.bag "t.to_s() < 1700000060"
+    """,
+)
+@click.argument("source", type=click.Path(path_type=Path))
+@click.argument("target", type=click.Path(path_type=Path))
+@click.argument("expression")
+@click.option("-p", "--print", "shown", metavar="EXPRESSION", help="Print this of each message too.")
+def bag_filter(source: Path, target: Path, expression: str, shown: str | None) -> None:
+    """Write the messages of SOURCE for which EXPRESSION is true to TARGET, with their times.
+
+    It is Python over `topic`, the message `m` with its fields, and the time `t` with `secs` and `nsecs`.
+    Messages are decoded only where it names `m`.
+    """
+    from rostether.expression import compile_expression
+    from rostether.recording.decoding import Decoder
+    from rostether.recording.files import Form, create_recording, form_for, form_of, open_recording
+    from rostether.recording.reindexing import refuse_same, remove_recording
+
+    refuse_same(source, target)
+    test = compile_expression(expression, _NAMES, source="EXPRESSION")
+    show = None if shown is None else compile_expression(shown, _NAMES, source="--print")
+    needs_message = _MESSAGE.search(f"{expression} {shown}") is not None
+    decoder = Decoder()
+
+    def is_wanted(message: RecordedMessage) -> bool:
+        value = decoder.decode(message) if needs_message else None
+        topic = message.connection.topic
+        scope = {"topic": topic, "t": Time.from_ns(message.time_ns), "m": value}
+        try:
+            matches = bool(test(scope))
+            line = None if show is None else show(scope)
+        except ConfigError as error:
+            raise ConfigError(f"{topic}: {error}; to ask one topic alone: topic == '/NAME' and ...") from None
+        if show is not None:
+            write_line(f"{'MATCH' if matches else 'NO MATCH'} {line}")
+        return matches
+
+    reader = open_recording(source)
+    try:
+        form = form_for(target, form_of(reader))
+        if form is Form.ROS2 and form_of(reader) is Form.ROS2:
+            # Messages are then values of ROS 2, with its names of fields.
+            reader.close()
+            reader = open_recording(source, is_native=True)
+        writer = create_recording(target, form=form)
+        try:
+            total = 0
+            for message in reader.messages():
+                total += 1
+                if is_wanted(message):
+                    number = writer.add_connection(message.connection)
+                    writer.write(number, message.time_ns, (message.payload,))
+            writer.close()
+        except BaseException:
+            remove_recording(target)
+            raise
+    finally:
+        reader.close()
+    write_line(f"{target}: {writer.message_count} of {total} messages")

@@ -1,0 +1,38 @@
+"""`rostether bag`: topics recorded, played, shown, checked and mended."""
+
+from __future__ import annotations
+
+import click
+
+from rostether.cli.shell.verbs import LazyGroup, VerbEntry
+
+_VERBS = {
+    "record": VerbEntry("rostether.cli.bag.record:bag_record", "Record topics into a file."),
+    "play": VerbEntry("rostether.cli.bag.play:bag_play", "Play recordings into the graph."),
+    "info": VerbEntry("rostether.cli.bag.info:bag_info", "Show what a recording holds."),
+    "check": VerbEntry("rostether.cli.bag.check:bag_check", "Read a recording whole and say what is wrong."),
+    "filter": VerbEntry(
+        "rostether.cli.bag.filter:bag_filter", "Keep the messages an expression is true for."
+    ),
+    "convert": VerbEntry("rostether.cli.bag.convert:bag_convert", "Make one format of another."),
+    "compress": VerbEntry("rostether.cli.bag.repack:bag_compress", "Compress recordings."),
+    "decompress": VerbEntry("rostether.cli.bag.repack:bag_decompress", "Undo the compression of recordings."),
+    "reindex": VerbEntry("rostether.cli.bag.reindex:bag_reindex", "Mend recordings that were not closed."),
+}
+
+
+@click.group(
+    cls=LazyGroup,
+    verbs=_VERBS,
+    examples="""
+    rostether bag record --all -O drive.bag
+    rostether bag info drive.bag
+    rostether bag play drive.bag --rate 2
+    """,
+)
+def bag() -> None:
+    """Record topics and play them again: ROS 1 .bag files, as rosbag has them, MCAP, and ROS 2 bags.
+
+    Files end with .bag, .mcap or .db3; a ROS 2 bag is a folder. LZ4 and Zstandard come with
+    `pip install 'rostether[recording]'`.
+    """

@@ -1,0 +1,190 @@
+"""`rostether bag info`: what recordings hold."""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Mapping
+from itertools import pairwise
+from pathlib import Path
+from statistics import median
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rostether.cli.bag.figures import duration_text, size_text, time_text
+from rostether.cli.bag.yaml_text import yaml_text, yaml_value
+from rostether.cli.shell.output import json_option, one_line, warn, write_json, write_line
+from rostether.cli.shell.verbs import Verb
+from rostether.rostime import NS_PER_S
+
+if TYPE_CHECKING:
+    from rostether.recording.recorded import RecordingReader
+
+
+@click.command(
+    "info",
+    cls=Verb,
+    examples="""
+    rostether bag info drive.bag
+    rostether bag info --freq drive.bag
+    rostether bag info -y -k duration drive.bag
+    rostether bag info --json *.bag
+    """,
+)
+@click.argument("files", nargs=-1, required=True, metavar="FILE...", type=click.Path(path_type=Path))
+@click.option("-y", "--yaml", "as_yaml", is_flag=True, help="Print YAML.")
+@click.option("-k", "--key", metavar="KEY", help="With --yaml: print the value of KEY alone.")
+@click.option("--freq", "with_rates", is_flag=True, help="Tell how often messages came on each topic.")
+@json_option
+def bag_info(
+    files: tuple[Path, ...], as_yaml: bool, key: str | None, with_rates: bool, as_json: bool
+) -> None:
+    """Show how long a recording is, how many messages it holds, of which topics and types."""
+    from rostether.recording.files import open_recording
+
+    if key is not None and not as_yaml:
+        raise click.UsageError("-k needs -y: it prints a value of the YAML")
+    for number, path in enumerate(files):
+        reader = open_recording(path)
+        try:
+            facts = _facts(path, reader)
+            if with_rates:
+                _add_rates(facts, reader)
+            if reader.damage:
+                warn(f"{path}: {reader.damage}; `rostether bag reindex {path}` mends it")
+            if as_json:
+                write_json(facts)
+            elif as_yaml:
+                if number:
+                    write_line("---")
+                text = yaml_text(facts, reader)
+                write_line(text if key is None else yaml_value(text, key))
+            else:
+                if number:
+                    write_line("---")
+                _print(facts, reader)
+        finally:
+            reader.close()
+
+
+def _facts(path: Path, reader: RecordingReader) -> dict[str, Any]:
+    topics: dict[str, dict[str, Any]] = {}
+    for connection, count in reader.counts.items():
+        row = topics.setdefault(
+            connection.topic,
+            {"topic": connection.topic, "type": connection.shown_type, "messages": 0, "connections": 0},
+        )
+        row["messages"] += count
+        row["connections"] += 1
+    types = {
+        each.shown_type: each.type.md5sum if each.origin is None else each.origin.type_hash
+        for each in reader.counts
+    }
+    facts: dict[str, Any] = {"path": str(path), "version": reader.format_version}
+    if (span := reader.span_ns) is not None:
+        facts |= {
+            "duration_s": (span[1] - span[0]) / NS_PER_S,
+            "start_s": span[0] / NS_PER_S,
+            "end_s": span[1] / NS_PER_S,
+        }
+    return facts | {
+        "size_bytes": reader.size_bytes,
+        "messages": sum(row["messages"] for row in topics.values()),
+        "indexed": not reader.damage,
+        "compression": reader.compressions[0].name if reader.compressions else "none",
+        "types": [{"type": name, "md5": types[name]} for name in sorted(types)],
+        "topics": [topics[name] for name in sorted(topics)],
+    }
+
+
+def _add_rates(facts: Mapping[str, Any], reader: RecordingReader) -> None:
+    """Add how often messages came on each topic: one by the usual (median) time between two."""
+    times: dict[str, array[float]] = {}
+    for message in reader.messages():
+        # In floats, so that figures are those of rosbag to the last digit.
+        seconds, nanoseconds = divmod(message.time_ns, NS_PER_S)
+        times.setdefault(message.connection.topic, array("d")).append(seconds + nanoseconds / NS_PER_S)
+    for row in facts["topics"]:
+        stamps = times.get(row["topic"], array("d"))
+        periods = [later - earlier for earlier, later in pairwise(stamps)]
+        if periods and (period_s := median(periods)) > 0:
+            row["frequency_hz"] = 1 / period_s
+
+
+def _print(facts: Mapping[str, Any], reader: RecordingReader) -> None:
+    rows = [("path", str(facts["path"])), ("version", str(facts["version"]))]
+    if (span := reader.span_ns) is not None:
+        rows += [
+            ("duration", duration_text(facts["duration_s"])),
+            ("start", time_text(span[0])),
+            ("end", time_text(span[1])),
+        ]
+    rows += [("size", size_text(reader.size_bytes)), ("messages", str(facts["messages"]))]
+    rows += _compression_rows(reader, facts.get("duration_s", 0.0))
+    if facts["types"]:
+        width = max(len(each["type"]) for each in facts["types"])
+        rows += _block("types", [f"{each['type']:<{width}} [{each['md5']}]" for each in facts["types"]])
+    if facts["topics"]:
+        rows += _block("topics", _topic_lines(facts))
+    width = max(len(label) for label, _ in rows) + 1
+    for label, text in rows:
+        write_line(f"{label + ':' if label else '':<{width}} {one_line(text)}")
+
+
+def _block(label: str, lines: list[str]) -> list[tuple[str, str]]:
+    return [(label if not index else "", line) for index, line in enumerate(lines)]
+
+
+def _topic_lines(facts: Mapping[str, Any]) -> list[str]:
+    topics = facts["topics"]
+    name_width = max(len(row["topic"]) for row in topics)
+    count_width = max(len(str(row["messages"])) for row in topics)
+    rates = {row["topic"]: _rate_text(row["frequency_hz"]) for row in topics if "frequency_hz" in row}
+    rate_width = max(map(len, rates.values()), default=0)
+    lines = []
+    for row in topics:
+        word = "msg " if row["messages"] == 1 else "msgs"
+        line = f"{row['topic']:<{name_width}}   {row['messages']:>{count_width}} {word}"
+        line += (
+            f" @ {rates[row['topic']]:>{rate_width}}" if row["topic"] in rates else f"   {'':{rate_width}}"
+        )
+        line += f" : {row['type']}"
+        if row["connections"] > 1:
+            line += f" ({row['connections']} connections)"
+        lines.append(line)
+    return lines
+
+
+def _compression_rows(reader: RecordingReader, duration_s: float) -> list[tuple[str, str]]:
+    shares = reader.compressions
+    total = sum(share.chunk_count for share in shares)
+    plain = sum(share.size_bytes for share in shares)
+    stored = sum(share.compressed_bytes for share in shares)
+    if not shares:
+        return [("compression", "none [0/0 chunks]")]
+    parts = []
+    for share in shares:
+        ratio = (
+            f"; {share.compressed_bytes / share.size_bytes:.2%}"
+            if share.name != "none" and share.size_bytes
+            else ""
+        )
+        parts.append(f"{share.name} [{share.chunk_count}/{total} chunks{ratio}]")
+    rows = [("compression", ", ".join(parts))]
+    if any(share.name != "none" for share in shares) and duration_s and plain:
+        rows += [
+            ("uncompressed", f"{size_text(plain)} @ {size_text(plain / duration_s)}/s"),
+            (
+                "compressed",
+                f"{size_text(stored)} @ {size_text(stored / duration_s)}/s ({stored / plain:.2%})",
+            ),
+        ]
+    return rows
+
+
+def _rate_text(hz: float) -> str:
+    for unit in ("Hz", "kHz", "MHz"):
+        if hz < 1000:
+            return f"{hz:.1f} {unit}"
+        hz /= 1000
+    return f"{hz:.1f} GHz"

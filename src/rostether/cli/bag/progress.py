@@ -1,0 +1,50 @@
+"""The line on a terminal that tells how far a recording or a playback is, written over and over."""
+
+from __future__ import annotations
+
+import asyncio
+import shutil
+import sys
+from typing import TYPE_CHECKING
+
+from rostether.cli.bag.figures import size_text
+
+if TYPE_CHECKING:
+    from rostether.recording.recorder import Recorder
+
+PROGRESS_PERIOD_S = 1.0
+
+
+def show(line: str) -> None:
+    """Write over the line that stands there, no wider than the terminal: a second line would stay."""
+    columns = shutil.get_terminal_size().columns
+    sys.stderr.write(f"\r\033[K{line[: columns - 1]}")
+    sys.stderr.flush()
+
+
+class ProgressLine:
+    """The line that tells rates and sizes, on a terminal."""
+
+    def __init__(self, *, is_shown: bool) -> None:
+        self._is_shown = is_shown
+
+    async def keep(self, recorder: Recorder) -> None:
+        """Write it every second."""
+        loop = asyncio.get_running_loop()
+        began_s = before_s = loop.time()
+        before = (0, 0)
+        while self._is_shown:
+            await asyncio.sleep(PROGRESS_PERIOD_S)
+            now_s = loop.time()
+            now = (recorder.progress.message_count, recorder.size_bytes)
+            rate, speed = ((new - old) / (now_s - before_s) for new, old in zip(now, before, strict=True))
+            show(
+                f"[{now_s - began_s:.0f} s]  {now[0]} messages, {max(rate, 0):.0f}/s   "
+                f"{size_text(now[1])}, {size_text(max(speed, 0))}/s   {recorder.topic_count} topics"
+            )
+            before, before_s = now, now_s
+
+    def clear(self) -> None:
+        """Take the line away before another is written."""
+        if self._is_shown:
+            show("")

@@ -1,0 +1,297 @@
+"""`rostether bag record`: topics into a file, until Ctrl-C or a limit."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from rostether.cli.access.completions import complete_topics
+from rostether.cli.access.options import master_option, msg_path_option, tool_allow_option
+from rostether.cli.access.ros1_access import read_environment, resolve
+from rostether.cli.access.ros2_options import zenoh_reach_options
+from rostether.cli.access.ros_choice import ros1_option, ros2_option
+from rostether.cli.bag.figures import size_text
+from rostether.cli.bag.progress import ProgressLine
+from rostether.cli.bag.recording_files import NewFiles, Packing, asked_form, format_option, storage_option
+from rostether.cli.bag.recording_graph import is_on_ros2_alone, recording_graph
+from rostether.cli.shell.output import warn, write_line
+from rostether.cli.shell.running import run
+from rostether.cli.shell.verbs import Verb
+from rostether.errors import ConfigError
+
+if TYPE_CHECKING:
+    from rostether.graph.ports import Graph
+    from rostether.recording.recorded import RecordingWriter
+    from rostether.recording.recorder import Recorder, RecordLimits, TopicChoice
+    from rostether.ros1.environment import RosEnvironment
+
+BEGIN_TOPIC = "/begin_write"
+MEGABYTE = 1024 * 1024
+MAX_BUFFER_MB = 4096
+"""What -b 0 is, with which rosbag means no bound at all."""
+
+KILOBYTE = 1024
+_UNITS_S = {"": 1, "s": 1, "m": 60, "h": 3600}
+
+
+class _Duration(click.ParamType[float]):
+    """A duration such as 30, 30s, 5m or 2h."""
+
+    name = "duration"
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        if isinstance(value, float):
+            return value
+        match = re.fullmatch(r"(\d+(?:\.\d+)?)([smh]?)", str(value))
+        if match is None or not float(match[1]):
+            self.fail(f"{value!r} is no duration; write 30, 30s, 5m or 2h", param, ctx)
+        return float(match[1]) * _UNITS_S[match[2]]
+
+
+@click.command(
+    "record",
+    cls=Verb,
+    examples="""
+    rostether bag record --all
+    rostether bag record -O drive.bag /ultrasound /imu_data
+    rostether bag record --all -O drive.mcap
+    rostether bag record -e "/arm/.*" --split --size 500 --max-splits 4
+    rostether bag record --all --exclude "/camera.*" --lz4 --duration 5m
+    rostether bag record --ros2 zenoh --all
+    """,
+)
+@click.argument("topics", nargs=-1, metavar="[TOPIC]...", shell_complete=complete_topics)
+@click.option("-a", "--all", "is_all", is_flag=True, help="Record all topics, also those that come later.")
+@click.option("-e", "--regex", "is_regex", is_flag=True, help="TOPICs are regular expressions.")
+@click.option("-x", "--exclude", metavar="REGEX", help="Leave out the topics that match.")
+@click.option("--node", metavar="NODE", help="Record all topics that a node subscribes to.")
+@click.option("-O", "--output-name", metavar="FILE", help="Write to this .bag, .mcap, .db3, or folder.")
+@click.option("-o", "--output-prefix", metavar="PREFIX", help="Begin the file's name so, before the date.")
+@click.option("--split", is_flag=True, help="Begin a new file at the size or duration, and go on.")
+@click.option(
+    "--max-splits", type=click.IntRange(min=1), metavar="COUNT", help="Keep the newest COUNT files."
+)
+@click.option(
+    "--size", "size_mb", type=click.FloatRange(min=0.001), metavar="MB", help="How large a file may get."
+)
+@click.option("--duration", "duration_s", type=_Duration(), metavar="TIME", help="How long: 30, 30s, 5m, 2h.")
+@click.option("-l", "--limit", type=click.IntRange(min=1), metavar="COUNT", help="Only COUNT of each topic.")
+@click.option("-j", "--bz2", is_flag=True, help="Compress small, and slow: some MB a second.")
+@click.option("--lz4", is_flag=True, help="Compress fast.")
+@click.option(
+    "--chunksize",
+    "chunk_kb",
+    type=click.IntRange(min=1),
+    default=768,
+    metavar="KB",
+    help="Chunks of KB (768).",
+)
+@click.option(
+    "-p", "--publish", "publishes_begin", is_flag=True, help="Publish files' names on /begin_write."
+)
+@click.option("--repeat-latched", is_flag=True, help="Begin each file with the latched messages.")
+@click.option(
+    "-b",
+    "--buffsize",
+    "buffer_mb",
+    type=click.IntRange(min=0),
+    default=256,
+    metavar="MB",
+    help="What may wait to be compressed; then messages are lost (256).",
+)
+@click.option("--tcpnodelay", is_flag=True, hidden=True, help="For habit: it is always so.")
+@click.option("--udp", is_flag=True, hidden=True, help="For habit: TCP loses nothing.")
+@format_option
+@storage_option
+@click.option("-q", "--quiet", is_flag=True, help="Say nothing but what goes wrong.")
+@master_option
+@msg_path_option
+@ros1_option
+@ros2_option
+@zenoh_reach_options
+@tool_allow_option
+def bag_record(
+    topics: tuple[str, ...],
+    is_all: bool,
+    is_regex: bool,
+    exclude: str | None,
+    node: str | None,
+    output_name: str | None,
+    output_prefix: str | None,
+    split: bool,
+    max_splits: int | None,
+    size_mb: float | None,
+    duration_s: float | None,
+    limit: int | None,
+    bz2: bool,
+    lz4: bool,
+    chunk_kb: int,
+    publishes_begin: bool,
+    repeat_latched: bool,
+    buffer_mb: int,
+    tcpnodelay: bool,
+    udp: bool,
+    form: str | None,
+    storage: str,
+    quiet: bool,
+    master: str | None,
+    msg_paths: tuple[Path, ...],
+) -> None:
+    """Record topics, as raw bytes, until Ctrl-C, a limit, or a full disk.
+
+    What came more than half a second ago is in the file even when the command is killed; the file is called
+    NAME.active until it is closed, and `rostether bag reindex` mends what a kill left.
+    """
+    from rostether.recording.recorder import RecordLimits, TopicChoice
+
+    if split and size_mb is None and duration_s is None:
+        raise click.UsageError("--split needs to know when: add --size or --duration")
+    if bz2 and lz4:
+        raise click.UsageError("a file is compressed by --bz2 or by --lz4, not by both")
+    environment = read_environment(master)
+    # roslaunch hands remappings and private parameters over among the topics.
+    remapped = {
+        resolve(old, environment): resolve(new, environment)
+        for old, marker, new in (each.partition(":=") for each in topics)
+        if marker and not old.startswith("_")
+    }
+    topics = tuple(each for each in topics if ":=" not in each)
+    if not topics and not is_all and node is None:
+        raise click.UsageError("name topics to record, or say --all")
+    full_names = [] if is_regex else [resolve(each, environment) for each in topics]
+    choice = TopicChoice(
+        names=tuple(dict.fromkeys(remapped.get(each, each) for each in full_names)),
+        patterns=tuple(_pattern(each) for each in topics) if is_regex else (),
+        exclude=None if exclude is None else _pattern(exclude),
+        is_all=is_all,
+        node="" if node is None else resolve(node, environment),
+        with_hidden=not is_on_ros2_alone(),
+    )
+    limits = RecordLimits(
+        size_bytes=None if size_mb is None else round(size_mb * MEGABYTE),
+        duration_s=duration_s,
+        is_splitting=split,
+        max_splits=max_splits,
+        messages_per_topic=limit,
+    )
+    packing = Packing("bz2" if bz2 else "lz4" if lz4 else "none", chunk_kb * KILOBYTE, storage)
+    files = NewFiles(output_name, output_prefix, packing, asked_form(form), is_splitting=split)
+    settings = _Settings(
+        repeat_latched=repeat_latched,
+        publishes_begin=publishes_begin,
+        # What is not compressed is written at once.
+        buffer_bytes=(buffer_mb or MAX_BUFFER_MB) * MEGABYTE if bz2 or lz4 else None,
+        is_quiet=quiet,
+        msg_paths=msg_paths,
+    )
+    run(_record(environment, choice, limits, files, settings), is_service=True)
+
+
+@dataclass(frozen=True, slots=True)
+class _Settings:
+    repeat_latched: bool
+    publishes_begin: bool
+    buffer_bytes: int | None
+    is_quiet: bool
+    msg_paths: tuple[Path, ...]
+
+
+async def _record(
+    environment: RosEnvironment,
+    choice: TopicChoice,
+    limits: RecordLimits,
+    files: NewFiles,
+    settings: _Settings,
+) -> None:
+    from rostether.recording.recorder import Recorder
+    from rostether.recording.unfit_messages import UnfitMessages
+
+    def tell(text: str) -> None:
+        if not settings.is_quiet:
+            line.clear()
+            write_line(text)
+
+    def tell_wrong(text: str) -> None:
+        line.clear()
+        warn(text)
+
+    unfit = files.unfit = UnfitMessages(tell_wrong)
+    line = ProgressLine(is_shown=not settings.is_quiet and sys.stderr.isatty())
+    async with recording_graph(
+        environment, "record", is_native=files.is_of_ros2, msg_paths=settings.msg_paths
+    ) as graph:
+        files.types = graph.types
+        create: Callable[[Path], RecordingWriter] = files.create
+        if settings.publishes_begin:
+            create = await _telling_begin(graph.raw, files)
+        recorder = Recorder(
+            graph.raw,
+            choice,
+            limits,
+            create=create,
+            name=files.path_of,
+            tell=tell,
+            repeat_latched=settings.repeat_latched,
+            buffer_bytes=settings.buffer_bytes,
+        )
+        showing = asyncio.create_task(line.keep(recorder))
+        try:
+            await _until_ended(graph.raw.wait_closed(), recorder)
+        finally:
+            showing.cancel()
+            line.clear()
+            # Where the first one cannot be made, the error says all there is to say.
+            if written := [str(each) for each in recorder.progress.files if each.exists()]:
+                told = f"{recorder.progress.message_count} messages, {size_text(recorder.size_bytes)}"
+                tell(f"{told} in {', '.join(written)}")
+                for topic, count in unfit.counts.items():
+                    warn(f"WARNING: {topic}: {count} messages that do not fit their type were left out")
+                if not recorder.progress.message_count and not unfit.counts:
+                    warn("WARNING: no message came; `rostether topic list -v` shows who publishes what")
+
+
+async def _telling_begin(graph: Graph, files: NewFiles) -> Callable[[Path], RecordingWriter]:
+    """Return what creates a file and publishes its name on /begin_write."""
+    from rostether.msgdef.registry import Registry
+    from rostether.recording.recorder import ACTIVE_SUFFIX
+
+    publisher = await graph.advertise(BEGIN_TOPIC, Registry().message_type("std_msgs/String"), latch=True)
+
+    def create(path: Path) -> RecordingWriter:
+        writer = files.create(path)
+        name = str(path).removesuffix(ACTIVE_SUFFIX).encode(errors="surrogateescape")
+        publisher.publish_raw([len(name).to_bytes(4, "little") + name])
+        return writer
+
+    return create
+
+
+async def _until_ended(leaving: object, recorder: Recorder) -> None:
+    """Record; being asked to end, by a signal or by `rosnode kill`, is how recordings end well."""
+    recording = asyncio.create_task(recorder.run())
+    left = asyncio.ensure_future(leaving)  # type: ignore[call-overload]
+    try:
+        await asyncio.wait({recording, left}, return_when=asyncio.FIRST_COMPLETED)
+    except asyncio.CancelledError:
+        pass
+    finally:
+        left.cancel()
+        if not recording.done():
+            recording.cancel()
+        await asyncio.wait({recording})
+    if not recording.cancelled():
+        recording.result()
+
+
+def _pattern(text: str) -> re.Pattern[str]:
+    try:
+        return re.compile(text)
+    except re.error as error:
+        raise ConfigError(f"{text!r} is no regular expression: {error}") from None

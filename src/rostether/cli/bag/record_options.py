@@ -1,0 +1,200 @@
+"""`serve --record DIR`: all topics of the graph into bags, beside the bridge and never in its way."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from rostether.cli.bag.figures import size_text
+from rostether.errors import ConfigError, GraphError, RecordingError
+from rostether.graph.ports import Level
+
+if TYPE_CHECKING:
+    from rostether.bridge.reporter import Reporter
+    from rostether.graph.ports import Graph, JoinGraph
+    from rostether.recording.recorded import RecordingWriter
+    from rostether.recording.recorder import Recorder
+    from rostether.ros2.type_support import Ros2Types
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+MEGABYTE = 1024 * 1024
+JOIN_RETRY_S = 1.0  # as often as a board's node is tried
+
+_KEY = "rostether.bag_recording"
+
+
+@dataclass(frozen=True, slots=True)
+class BagRecording:
+    """Where the bags go, how large one gets, and how many are kept; None keeps all."""
+
+    folder: Path
+    size_mb: float
+    keep: int | None
+
+
+def _keep(context: click.Context, parameter: click.Parameter, value: object) -> object:
+    context.meta.setdefault(_KEY, {})[parameter.name] = value
+    return value
+
+
+_OPTIONS = (
+    click.option(
+        "--record",
+        type=click.Path(path_type=Path),
+        metavar="DIR",
+        expose_value=False,
+        callback=_keep,
+        help="Record all topics of the graph into bags in this folder.",
+    ),
+    click.option(
+        "--record-size",
+        type=click.FloatRange(min=0.1),
+        default=1000,
+        metavar="MB",
+        expose_value=False,
+        callback=_keep,
+        help="With --record: how large a bag gets before the next one begins (1000).",
+    ),
+    click.option(
+        "--record-keep",
+        type=click.IntRange(min=1),
+        metavar="COUNT",
+        expose_value=False,
+        callback=_keep,
+        help="With --record: keep the newest COUNT bags of this run (all).",
+    ),
+)
+
+
+def bag_recording_options(function: Function) -> Function:
+    """Add --record and what goes with it; `read_bag_recording` returns what was typed."""
+    for option in reversed(_OPTIONS):
+        function = option(function)
+    return function
+
+
+def read_bag_recording() -> BagRecording | None:
+    """Return what was typed, None without --record. Raises ConfigError for what is no folder."""
+    # `link record` invokes the command without these options.
+    typed = click.get_current_context().meta.get(_KEY, {})
+    folder = typed.get("record")
+    if folder is None:
+        return None
+    if folder.suffix in (".jsonl", ".json", ".bag", ".mcap") or folder.is_file():
+        raise ConfigError(
+            f"--record {folder}: it takes a folder, for bags of all topics; "
+            "--record-line FILE records what goes over the lines"
+        )
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ConfigError(f"--record {folder}: {error.strerror or error}; name a folder of yours") from None
+    return BagRecording(folder, typed["record_size"], typed["record_keep"])
+
+
+@asynccontextmanager
+async def bags_recorded(
+    recording: BagRecording | None, join: JoinGraph, reporter: Reporter, *, types: Ros2Types | None = None
+) -> AsyncIterator[None]:
+    """Record as long as the block lasts; what stops the recording is told, and stops nothing else.
+
+    `types` are those of a graph of ROS 2 alone: what is recorded then is a ROS 2 bag.
+    """
+    if recording is None:
+        yield
+        return
+    working = asyncio.create_task(_record(recording, join, reporter, types))
+    try:
+        yield
+    finally:
+        working.cancel()
+        await asyncio.wait([working])
+
+
+async def _record(
+    recording: BagRecording, join: JoinGraph, reporter: Reporter, types: Ros2Types | None
+) -> None:
+    from rostether.recording.recorder import Recorder, RecordLimits, TopicChoice
+
+    try:
+        create, name = _files(recording.folder, types)
+    except RecordingError as error:
+        reporter.line(Level.ERROR, f"{error}; serving goes on")
+        return
+    graph = await _joined(join, reporter)
+    try:
+        recorder = Recorder(
+            graph,
+            TopicChoice(is_all=True, with_hidden=types is None),
+            RecordLimits(
+                size_bytes=round(recording.size_mb * MEGABYTE), is_splitting=True, max_splits=recording.keep
+            ),
+            create=create,
+            name=name,
+            tell=lambda text: reporter.line(_level_of(text), text),
+            repeat_latched=True,
+        )
+        try:
+            await _until_left(graph, recorder)
+        except RecordingError as error:
+            reporter.line(Level.ERROR, f"{error}; serving goes on")
+        finally:
+            count, size = recorder.progress.message_count, size_text(recorder.size_bytes)
+            reporter.line(Level.INFO, f"Recorded {count} messages, {size}, in {recording.folder}")
+    finally:
+        await graph.close()
+
+
+def _files(
+    folder: Path, types: Ros2Types | None
+) -> tuple[Callable[[Path], RecordingWriter], Callable[[int], Path]]:
+    date = datetime.now().astimezone().strftime("%Y-%m-%d-%H-%M-%S")
+    if types is None:
+        from rostether.recording.files import create_recording
+
+        return create_recording, lambda number: folder / f"{date}_{number}.bag"
+    from rostether.recording.ros2_bag_writer import Ros2Bag
+
+    bag = Ros2Bag(folder / f"rosbag2_{date}", types=types)
+    return bag.create, bag.path_of
+
+
+async def _joined(join: JoinGraph, reporter: Reporter) -> Graph:
+    from rostether.joining import anonymous_name
+
+    name = anonymous_name("record")
+    is_told = False
+    while True:
+        try:
+            return await join(name)
+        except GraphError as error:
+            if not is_told:
+                reporter.line(Level.WARN, f"Recording begins when the graph is there: {error}")
+                is_told = True
+            await asyncio.sleep(JOIN_RETRY_S)
+
+
+async def _until_left(graph: Graph, recorder: Recorder) -> None:
+    recording = asyncio.ensure_future(recorder.run())
+    leaving = asyncio.ensure_future(graph.wait_closed())
+    try:
+        await asyncio.wait([recording, leaving], return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        leaving.cancel()
+        recording.cancel()
+        with contextlib.suppress(asyncio.CancelledError):
+            await recording
+
+
+def _level_of(text: str) -> Level:
+    # Each topic that comes would else be a line among those of the boards.
+    return Level.DEBUG if text.startswith("Subscribing to ") else Level.INFO

@@ -1,0 +1,93 @@
+"""The graph that is recorded, or played into: ROS 1, ROS 2, or both at once."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Iterable
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rostether.cli.access.ros1_access import joined, special_arguments
+from rostether.cli.access.ros2_access import ZenohReach, ros2_access
+from rostether.cli.access.ros2_options import read_ros2_options
+from rostether.cli.access.ros_choice import Middleware, chosen_ros2, typed_ros1
+
+if TYPE_CHECKING:
+    from rostether.graph.ports import Graph
+    from rostether.recording.recorded import Ros2Origin
+    from rostether.ros1.environment import RosEnvironment
+    from rostether.ros2.type_support import Ros2Types
+
+
+@dataclass(frozen=True, slots=True)
+class RecordingGraph:
+    """A node of ours; `types` are those that it knows of ROS 2, None where it is on ROS 1 alone."""
+
+    raw: Graph
+    types: Ros2Types | None
+
+
+def is_on_ros2_alone() -> bool:
+    """Tell whether this command line means the ROS 2 graph and no other."""
+    return chosen_ros2() is not None and not typed_ros1()
+
+
+@asynccontextmanager
+async def recording_graph(
+    environment: RosEnvironment,
+    purpose: str,
+    *,
+    is_native: bool = False,
+    origins: Iterable[Ros2Origin] = (),
+    msg_paths: Iterable[Path] = (),
+) -> AsyncIterator[RecordingGraph]:
+    """Be a node as long as the block lasts. Raises GraphError, ConfigError.
+
+    On ROS 2 alone, messages come and go natively, in ROS 2's own fields, if `is_native`; `origins` are types
+    of recordings, which need not be known here.
+    """
+    from rostether.joining import anonymous_name
+
+    middleware = chosen_ros2()
+    if middleware is None:
+        async with joined(environment, purpose=purpose) as graph:
+            yield RecordingGraph(graph.raw, None)
+        return
+    paths = tuple(msg_paths)
+    types = native_types(origins, paths) if is_native and is_on_ros2_alone() else None
+    specials = special_arguments()
+    typed = read_ros2_options().reach
+    # What records for an hour must not be the router that others count on.
+    reach = ZenohReach(typed.connect, typed.listen, "never")
+    name = specials.get("__name") or anonymous_name(purpose)
+    async with ros2_access(middleware, paths, reach=reach, types=types) as access:
+        if middleware is Middleware.ZENOH and not (typed.connect or typed.listen):
+            from rostether.cli.access.ros2_tool_node import warn_without_router
+
+            await warn_without_router()
+        join = access.join
+        if typed_ros1():
+            from rostether.cli.bridge.serving import joining_ros1
+            from rostether.graph.joint_join import JointJoin
+
+            join = JointJoin([joining_ros1(environment), join])
+        raw = await join(name, namespace=specials.get("__ns", "/"))
+        try:
+            yield RecordingGraph(raw, access.types)
+        finally:
+            await raw.close()
+
+
+def native_types(origins: Iterable[Ros2Origin], msg_paths: tuple[Path, ...] = ()) -> Ros2Types:
+    """Return the types of ROS 2 here and in recordings, in their own fields."""
+    from rostether.msgdef.registry import Registry
+    from rostether.msgdef.ros2.definitions import Ros2Definitions
+    from rostether.recording.ros2_types import RecordedDefinitions
+    from rostether.ros2.native_registry import NativeRegistry
+    from rostether.ros2.native_types import NativeTypes
+
+    definitions = RecordedDefinitions(Ros2Definitions.from_environment(msg_paths))
+    for origin in origins:
+        definitions.learn(origin)
+    return NativeTypes(NativeRegistry(definitions, Registry.from_environment(msg_paths)))

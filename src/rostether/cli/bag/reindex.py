@@ -1,0 +1,38 @@
+"""`rostether bag reindex`: recordings that were not closed, mended."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from rostether.cli.bag.places import new_place, place_options
+from rostether.cli.shell.output import write_line
+from rostether.cli.shell.verbs import Verb
+
+
+@click.command(
+    "reindex",
+    cls=Verb,
+    examples="""
+    rostether bag reindex drive.bag.active
+    rostether bag reindex --output-dir mended *.bag
+    """,
+)
+@click.argument("files", nargs=-1, required=True, metavar="FILE...", type=click.Path(path_type=Path))
+@place_options
+def bag_reindex(files: tuple[Path, ...], output_dir: Path | None, force: bool, quiet: bool) -> None:
+    """Keep all that is whole in recordings that a kill, a full disk or a bad copy left without their end.
+
+    The file as it was stays beside it as NAME.orig.bag. NAME.bag.active becomes NAME.bag. Recordings that are
+    whole are left alone.
+    """
+    from rostether.recording.reindexing import reindex
+
+    for path in files:
+        output, backup = new_place(path, output_dir, force=force)
+        mended = reindex(path, output, keep_original=backup)
+        if not quiet:
+            why = f" ({mended.damage})" if mended.damage else ""
+            what = f"{mended.message_count} messages"
+            write_line(f"{output}: {what} kept{why}" if why else f"{output}: {what}, whole as it was")

@@ -1,0 +1,27 @@
+"""What a simulated board is to run: an ELF or HEX file as it is, or a sketch, built now."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from rostether.cli.shell.output import warn
+from rostether.errors import BoardError, SketchError
+
+_PROGRAM_SUFFIXES = (".elf", ".hex")
+
+
+async def find_program(path: Path, board: str, msg_paths: Sequence[Path] = ()) -> Path:
+    """Return the program for a board. Raises BoardError without such a file, and what a build raises."""
+    if path.suffix.lower() in _PROGRAM_SUFFIXES:
+        return path
+    if not path.exists():  # noqa: ASYNC240 - one look
+        raise BoardError(f"{path} is not there; name a sketch, a folder with one, or an ELF or HEX file")
+    from rostether.firmware.build import BuildOptions, build_sketch, find_board
+
+    try:
+        built = await build_sketch(path, find_board(board), BuildOptions(msg_paths=tuple(msg_paths)))
+    except SketchError as error:
+        warn(error.diagnostics.rstrip())
+        raise
+    return built.elf

@@ -1,0 +1,188 @@
+"""`rostether board run`: a sketch on a simulated board, told by lines of stdin, its events on stdout."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import click
+
+from rostether.cli.access.options import msg_path_option
+from rostether.cli.board.qemu import MACHINES, run_in_qemu
+from rostether.cli.shell.input_lines import input_lines
+from rostether.cli.shell.output import json_option, warn, write_json, write_line
+from rostether.cli.shell.running import run
+from rostether.cli.shell.verbs import Verb
+from rostether.errors import BoardError
+
+if TYPE_CHECKING:
+    from rostether.boards.simavr.board_events import BoardEvent
+    from rostether.boards.simavr.simulated_board import SimulatedBoard
+
+
+@dataclass(frozen=True, slots=True)
+class _Start:
+    board: str
+    link_path: Path | None
+    tcp_port: int | None
+    uart: int | None
+    seed: int
+    is_fast: bool
+    duration: str | None
+    words: tuple[str, ...]
+
+
+@click.command(
+    cls=Verb,
+    examples="""
+    rostether board run blink.ino --watch D13
+    rostether board run Ultrasound.ino --link /tmp/board --range 0.5
+    rostether board run imu.elf --board mega --attitude "10 0 90" --json
+    rostether board run test.elf --fast --for 2s
+    """,
+)
+@click.argument("program", type=click.Path(path_type=Path))
+@click.option(
+    "--board",
+    default="uno",
+    show_default=True,
+    help="uno, nano, promini, mega, leonardo, micro; lm3s6965evb in qemu.",
+)
+@click.option("--link", type=click.Path(path_type=Path), help="Link the board's serial port here.")
+@click.option("--tcp", type=click.IntRange(0, 65535), metavar="PORT", help="Its serial port as a TCP port.")
+@click.option("--uart", type=click.IntRange(0, 3), help="Which UART it is (0; leonardo, micro: 1).")
+@click.option("--adc", multiple=True, metavar="A0=VOLTS", help="A voltage on an analog input.")
+@click.option("--pin", multiple=True, metavar="D7=0|1", help="Drive a digital pin.")
+@click.option(
+    "--range", "distance", metavar="METRES|none", help="Wire an HC-SR04, and put an obstacle there."
+)
+@click.option("--hcsr04", metavar="trig=D6,echo=D5", help="Which pins the HC-SR04 is wired to.")
+@click.option(
+    "--attitude", metavar='"ROLL PITCH YAW"', help="How the board and its MPU-9150 lie, in degrees."
+)
+@click.option("--watch", multiple=True, metavar="PIN|serial", help="Tell changes of a pin, or what is sent.")
+@click.option("--servo", multiple=True, metavar="PIN", help="Tell where a servo on a pin is turned.")
+@click.option("--fault", metavar="flip=0.01,seed=3", help="A bad serial line: flip, drop, delay.")
+@click.option("--network", metavar="HOST:PORT", help="Where all TCP connections of the sketch go.")
+@click.option("--autoreset", is_flag=True, help="Reset it whenever the port is opened, as USB boards do.")
+@click.option("--guard", multiple=True, metavar="SYMBOL", help="Tell writes to a variable of the program.")
+@click.option("--seed", type=click.IntRange(0, 2**32 - 1), default=0, help="Of the noise in RAM at power-up.")
+@click.option("--fast", is_flag=True, help="Run as fast as it goes instead of in real time.")
+@click.option("--for", "duration", metavar="TIME", help="End after 2s, 20ms or 160000 cycles of its time.")
+@msg_path_option
+@json_option
+def board_run(
+    program: Path,
+    board: str,
+    link: Path | None,
+    tcp: int | None,
+    uart: int | None,
+    adc: tuple[str, ...],
+    pin: tuple[str, ...],
+    distance: str | None,
+    hcsr04: str | None,
+    attitude: str | None,
+    watch: tuple[str, ...],
+    servo: tuple[str, ...],
+    fault: str | None,
+    network: str | None,
+    autoreset: bool,
+    guard: tuple[str, ...],
+    seed: int,
+    fast: bool,
+    duration: str | None,
+    msg_paths: tuple[Path, ...],
+    as_json: bool,
+) -> None:
+    """Run a sketch, or an ELF or HEX file, on a simulated Arduino board.
+
+    Its serial port is a pseudo-terminal, whose path is printed: `rostether serve` takes it. While it runs,
+    lines of standard input tell the board the same words as the options do (adc A0=2.5, range 0.5, pin D7=1,
+    fault none) and more (reset, power off, memory SYMBOL); see the reference of words and events.
+    """
+    if link is not None and tcp is not None:
+        raise click.UsageError("--link is for a pseudo-terminal and --tcp is none: give one of them")
+    several = {"adc": adc, "pin": pin, "servo": servo, "watch": watch, "guard": guard}
+    words = [f"{word} {value}" for word, values in several.items() for value in values]
+    single = {"hcsr04": hcsr04, "range": distance, "attitude": attitude, "fault": fault, "network": network}
+    words += [f"{word} {value}" for word, value in single.items() if value is not None]
+    words += ["autoreset on"] if autoreset else []
+    start = _Start(board, link, tcp, uart, seed, fast, duration, tuple(words))
+    run(_run(program, start, msg_paths, as_json), is_service=True)
+
+
+async def _run(program: Path, start: _Start, msg_paths: Sequence[Path], as_json: bool) -> None:
+    from rostether.boards.simavr.kinds import kind_of
+    from rostether.boards.simavr.simulated_board import SimulatedBoard
+    from rostether.cli.board.program import find_program
+    from rostether.cli.shell.slow_notice import told_when_long
+
+    if start.board in MACHINES:
+        others = (start.words, start.duration, start.uart, start.tcp_port, start.is_fast, start.seed)
+        await run_in_qemu(program, start.board, start.link_path, has_words=any(others), as_json=as_json)
+        return
+    kind_of(start.board)
+    link: Literal["pty", "tcp"] = "pty" if start.tcp_port is None else "tcp"
+    preparing = f"preparing a simulated {start.board} for {program}; the first time takes longest"
+    with told_when_long(warn, preparing):
+        found = await find_program(program, start.board, msg_paths)
+        board = await SimulatedBoard.start(
+            found,
+            board=start.board,
+            link=link,
+            tcp_port=start.tcp_port or 0,
+            link_path=start.link_path,
+            uart=start.uart,
+            realtime=not start.is_fast,
+            seed=start.seed,
+            words=[*start.words, *([f"for {start.duration}"] if start.duration else [])],
+        )
+    async with board:
+        if not as_json:
+            write_line(_title(board, program, start.link_path))
+        listening = asyncio.get_running_loop().create_task(_listen(board))
+        try:
+            await _show_all(board, as_json)
+        finally:
+            listening.cancel()
+            await asyncio.gather(listening, return_exceptions=True)
+        if not board.was_to_end:
+            raise BoardError("the simulated board has ended unexpectedly; please report it")
+
+
+def _title(board: SimulatedBoard, program: Path, link_path: Path | None) -> str:
+    linked = f", linked at {link_path}" if link_path else ""
+    note = f" ({board.note})" if board.note else ""
+    return f"{board.kind} ({board.mcu}) runs {program}; serial port {board.address}{linked}{note}"
+
+
+async def _show_all(board: SimulatedBoard, as_json: bool) -> None:
+    first = list(board.recent)
+    for event in first if as_json else first[1:]:
+        _show(event, as_json)
+    async for event in board.events():
+        _show(event, as_json)
+
+
+def _show(event: BoardEvent, as_json: bool) -> None:
+    from rostether.boards.simavr.board_events import show_event
+
+    if as_json:
+        write_json({"event": event.name, "time_s": event.time_s, **event.values})
+    else:
+        write_line(show_event(event))
+
+
+async def _listen(board: SimulatedBoard) -> None:
+    async for line in input_lines():
+        if not line.strip():
+            continue
+        try:
+            await board.tell(line)
+        except BoardError as error:
+            if board.has_ended:
+                return
+            warn(f"rostether: error: {error}")

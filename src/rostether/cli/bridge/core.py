@@ -1,0 +1,104 @@
+"""`rostether core`: the ROS master alone, or the zenoh router of ROS 2."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import click
+
+from rostether.cli.access.master_choice import master_answers
+from rostether.cli.access.options import allow_option, listen_option
+from rostether.cli.access.ros1_access import read_environment
+from rostether.cli.access.ros2_options import read_ros2_options, zenoh_reach_options
+from rostether.cli.access.ros_choice import ANY_MIDDLEWARE, ROS2_OPTION, Middleware
+from rostether.cli.bridge.limit_options import GRAPH_LIMITS, limit_option, read_graph_limits
+from rostether.cli.bridge.zenoh_router import serve_router
+from rostether.cli.shell.output import write_line
+from rostether.cli.shell.running import run
+from rostether.cli.shell.verbs import Verb
+from rostether.errors import GraphError
+from rostether.ros1.environment import RosEnvironment, format_uri
+
+
+def _accepted(*names: str, **options: Any) -> Callable[[Any], Any]:
+    # What scripts give to roscore, and what needs nothing from us.
+    return click.option(*names, expose_value=False, hidden=True, **options)
+
+
+@click.command(
+    cls=Verb,
+    examples="""
+    rostether core                        the master at http://localhost:11311
+    rostether core --port 11312           another port, for a second graph
+    rostether core --listen 0.0.0.0       for nodes on other machines too
+    rostether core --ros2 zenoh --zenoh-listen tcp/0.0.0.0:7447
+    """,
+)
+@click.option(
+    "-p", "--port", type=click.IntRange(0, 65535), help="The master's port (ROS_MASTER_URI's, 11311); 0: any."
+)
+@listen_option
+@allow_option
+@limit_option(GRAPH_LIMITS)
+@click.option(
+    ROS2_OPTION,
+    "ros2",
+    type=click.Choice([*map(str, Middleware), ANY_MIDDLEWARE]),
+    metavar="[zenoh]",
+    help="Run the zenoh router of ROS 2 instead.",
+)
+@zenoh_reach_options
+@_accepted("-v", is_flag=True)
+@_accepted("-w", "--numworkers", type=int)
+@_accepted("-t", "--timeout", type=float)
+@_accepted("--master-logger-level")
+@_accepted("--sigint-timeout", type=float)
+@_accepted("--sigterm-timeout", type=float)
+def core(
+    port: int | None,
+    listen: str | None,
+    allowed: tuple[str, ...],
+    limits: tuple[str, ...],
+    ros2: str | None,
+) -> None:
+    """Run the ROS master, parameter server and log collector, like roscore.
+
+    With --ros2 zenoh, run the router that ROS 2 over zenoh has on each machine, like rmw_zenohd.
+    It listens at localhost:7447, or at --zenoh-listen only, where that is given.
+    """
+    # Without the word it is the master, also where a ROS 2 is sourced, which has none.
+    if ros2 is not None:
+        if ros2 == Middleware.RCLPY:
+            raise click.UsageError("only ROS 2 over zenoh has a core; DDS finds the others by itself")
+        if port is not None or listen is not None or allowed or limits:
+            raise click.UsageError("with --ros2 only --zenoh-connect and --zenoh-listen are for the router")
+        run(serve_router(read_ros2_options().reach), is_service=True)
+        return
+    environment = read_environment()
+    if listen is not None:
+        environment = environment.listening_on(listen)
+    environment = environment.allowing(allowed).limited(read_graph_limits(limits))
+    run(_serve(environment, environment.master.port if port is None else port), is_service=True)
+
+
+async def _serve(environment: RosEnvironment, port: int) -> None:
+    from rostether.ros1.roscore import Roscore
+
+    try:
+        roscore = await Roscore.start(environment, port=port)
+    except GraphError:
+        there = environment.with_master(format_uri("localhost", port))
+        if not await master_answers(there):
+            raise
+        raise GraphError(
+            f"a ROS master already runs at {there.master_uri}; use it, or choose another with --port"
+        ) from None
+    try:
+        write_line(f"ROS_MASTER_URI={roscore.uri}")
+        if environment.listens_on_loopback_only:
+            write_line("Only this machine can reach it; --listen 0.0.0.0 lets others in")
+        write_line("Press Ctrl-C to stop")
+        await roscore.wait_closed()
+    finally:
+        await roscore.close()

@@ -1,0 +1,191 @@
+"""`rostether demo`: an embedded master, the bridge and a simulated board, watched live."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import sys
+from collections.abc import AsyncIterator
+from contextlib import AsyncExitStack, asynccontextmanager
+from functools import partial
+from importlib.util import find_spec
+from pathlib import Path
+
+import click
+
+from rostether.bridge.reporter import Reporter
+from rostether.bridge.supervisor import Supervisor
+from rostether.cli.access.master_choice import used_master
+from rostether.cli.access.ros1_access import read_environment
+from rostether.cli.access.ros_choice import Middleware, ros1_option, typed_ros1
+from rostether.cli.bridge.demo_view import DemoView, RecentLines, our_command
+from rostether.cli.bridge.device_options import config_option, read_devices
+from rostether.cli.bridge.lines import ConsoleReporter
+from rostether.cli.bridge.serving import bridge, joining_ros1
+from rostether.cli.shell.output import write_line
+from rostether.cli.shell.running import run
+from rostether.cli.shell.verbs import Verb
+from rostether.devices.device_book import DeviceBook
+from rostether.errors import GraphError, RostetherError, UnknownNameError
+from rostether.extras import install_command
+from rostether.graph.joint_join import JointJoin
+from rostether.graph.ports import JoinGraph, Level, ParamValue
+from rostether.msgdef.registry import Registry
+from rostether.ros1.environment import RosEnvironment
+from rostether.ros1.node.master_client import MasterClient
+from rostether.serde.store import TypeStore
+from rostether.transports.address import parse_address
+
+BOARD_NAME = "virtual_board"
+# More than a class room's worth on one master is a mistake.
+MAX_DEMOS = 100
+WATCHED_TOPICS = {
+    "/ultrasound": "sensor_msgs/Range",
+    "/led": "std_msgs/Bool",
+    "/count": "std_msgs/UInt32",
+    "/imu_data": "sensor_msgs/Imu",
+    "/tf": "tf/tfMessage",
+}
+BOARD_PARAMETERS: dict[str, ParamValue] = {"blink_hz": 0, "frame_id": "base_link"}
+REFRESH_S = 0.25
+PLAIN_LINE_S = 1.0
+
+
+@click.command(
+    cls=Verb,
+    examples="""
+    rostether demo                 watch it, Ctrl-C ends it
+    rostether demo --seconds 5     end by itself; fails if no message came through
+    """,
+)
+@click.option("--seconds", type=click.FloatRange(min=0.1), help="End after that time (default: Ctrl-C).")
+@config_option
+@ros1_option
+def demo(seconds: float | None, config: Path | None) -> None:
+    """Show a simulated board at work: no hardware, no ROS, nothing to set up.
+
+    The board is a node of a ROS 1 graph, and of a ROS 2 graph where zenoh is installed (without --ros1).
+
+    Only a file of settings that is named with --config is read: here they can be tried, on virtual_board.
+    """
+    # Settings of one's real boards, in the user's own file, must not make a demonstration fail.
+    devices = read_devices(config, ()) if config is not None else None
+    run(_demo(read_environment(), seconds, devices), is_service=True)
+
+
+async def _demo(environment: RosEnvironment, seconds: float | None, devices: DeviceBook | None) -> None:
+    is_live = sys.stdout.isatty() and os.environ.get("TERM") not in ("dumb", "unknown")
+    recent = RecentLines()
+    reporter = recent if is_live else ConsoleReporter()
+    store = TypeStore(Registry())
+    async with AsyncExitStack() as stack:
+        used = await stack.enter_async_context(used_master(environment))
+        reporter.line(Level.INFO, used.line)
+        board_name = await _free_name(used.environment)
+        address = parse_address(f"tcp://127.0.0.1:0?name={board_name}")
+        joins = [joining_ros1(used.environment)]
+        ros2 = None if typed_ros1() else await _joining_ros2(stack, reporter)
+        if ros2 is not None:
+            joins.append(ros2)
+        join = joins[0] if ros2 is None else JointJoin(joins)
+        supervisor = await stack.enter_async_context(bridge(join, [address], reporter, devices=devices))
+        view = DemoView(
+            supervisor.boards,
+            asyncio.get_running_loop().time,
+            recent,
+            used.environment.master_uri,
+            is_in_ros2=ros2 is not None,
+        )
+        await stack.enter_async_context(_watch(used.environment, store, view, board_name))
+        await stack.enter_async_context(_virtual_board(supervisor))
+        # The board is there until the bridge is gone: a board that leaves first is told as a lost one.
+        stack.push_async_callback(supervisor.close)
+        show = _show_live(view) if is_live else _show_lines(view)
+        with contextlib.suppress(TimeoutError):
+            await asyncio.wait_for(show, seconds)
+    if not view.has_flowed:
+        raise GraphError("no message of the simulated board came through the ROS graph; please report it")
+
+
+async def _joining_ros2(stack: AsyncExitStack, reporter: Reporter) -> JoinGraph | None:
+    """Return what makes nodes of ROS 2 over zenoh; None, with a line why, where that cannot be."""
+    if find_spec("zenoh") is None:
+        reporter.line(Level.INFO, f"Not in ROS 2: {install_command('zenoh')} puts the board there as well")
+        return None
+    from rostether.cli.access.ros2_access import ros2_access
+
+    try:
+        access = await stack.enter_async_context(ros2_access(Middleware.ZENOH))
+    except RostetherError as error:
+        reporter.line(Level.WARN, f"Not in ROS 2: {error}")
+        return None
+    reporter.line(Level.INFO, f"{access.line}; watch it: {our_command()} topic echo --ros2 zenoh /ultrasound")
+    return access.join
+
+
+async def _free_name(environment: RosEnvironment) -> str:
+    """Return a name that no other demo's board has: a node that joins under its name would end it."""
+    client = MasterClient(environment.master_uri, "/rostether")
+    try:
+        for number in range(1, MAX_DEMOS):
+            name = BOARD_NAME if number == 1 else f"{BOARD_NAME}_{number}"
+            await client.lookup_node(f"/{name}")
+    except UnknownNameError:
+        return name
+    finally:
+        await client.close()
+    raise GraphError(f"{MAX_DEMOS - 1} demos run already; end one first")
+
+
+async def _show_live(view: DemoView) -> None:
+    from rich.live import Live
+
+    with Live(view.render(), auto_refresh=False) as live:
+        while True:
+            await asyncio.sleep(REFRESH_S)
+            view.look()
+            live.update(view.render(), refresh=True)
+
+
+async def _show_lines(view: DemoView) -> None:
+    while True:
+        for _ in range(round(PLAIN_LINE_S / REFRESH_S)):
+            await asyncio.sleep(REFRESH_S)
+            view.look()
+        write_line(view.line())
+
+
+@asynccontextmanager
+async def _virtual_board(supervisor: Supervisor) -> AsyncIterator[None]:
+    """Plug the simulated board in."""
+    from rostether.boards.virtual_board import VirtualBoard
+    from rostether.device import Device
+
+    async with Device(supervisor.listening_on[0]) as device:
+        playing = asyncio.get_running_loop().create_task(VirtualBoard(device).run())
+        try:
+            yield
+        finally:
+            playing.cancel()
+            await asyncio.gather(playing, return_exceptions=True)
+
+
+@asynccontextmanager
+async def _watch(
+    environment: RosEnvironment, store: TypeStore, view: DemoView, board_name: str
+) -> AsyncIterator[None]:
+    """Subscribe like any other node, so that what is shown went all the way."""
+    from rostether.joining import anonymous_name
+    from rostether.ros1.node.node import join_ros1
+
+    graph = await join_ros1(anonymous_name("demo_view"), environment=environment)
+    try:
+        for name, value in BOARD_PARAMETERS.items():
+            await graph.set_param(f"/{board_name}/{name}", value)
+        for topic, type_name in WATCHED_TOPICS.items():
+            message_type = store.registry.message_type(type_name)
+            await graph.subscribe(topic, message_type, partial(view.saw, topic, store.codec(type_name)))
+        yield
+    finally:
+        await graph.close()

@@ -1,0 +1,116 @@
+"""`rostether doctor`: why a board does not connect, or that all is well."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from rostether.cli.access.options import msg_path_option
+from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
+from rostether.cli.shell.output import json_option, warn, write_json, write_line
+from rostether.cli.shell.running import run
+from rostether.cli.shell.verbs import Verb
+from rostether.transports.address import parse_address
+
+if TYPE_CHECKING:
+    from rostether.bridge.doctor import Diagnosis
+    from rostether.transports.serial_port import SerialPort
+
+
+@click.command(
+    "doctor",
+    cls=Verb,
+    examples="""
+    rostether doctor                              the board that is plugged in
+    rostether doctor /dev/ttyACM0
+    rostether doctor "/dev/ttyUSB0?baud=115200" --seconds 30
+    rostether doctor tcp://0.0.0.0:11411          a board on the network that should connect to us
+    rostether doctor sim:blink.ino                a sketch on a simulated board
+    rostether doctor /dev/ttyACM0 --json
+    """,
+)
+@click.argument("port", required=False, metavar="[PORT]")
+@click.option(
+    "--seconds",
+    type=click.FloatRange(min=1.0, max=3600.0),
+    help="Watch a board that answers for that long (8); loops and drift show better in a minute.",
+)
+@msg_path_option
+@json_option
+def doctor(port: str | None, seconds: float | None, msg_paths: tuple[Path, ...], as_json: bool) -> int:
+    """Say in plain words why a board does not connect, and what to do next.
+
+    PORT is a serial port or any other link address; without it the boards that are plugged in are examined.
+    Nothing else may have the port open meanwhile. Exit code 0 when all is well, 1 when something was found.
+    """
+    return run(_doctor(port, seconds, msg_paths, as_json))
+
+
+async def _doctor(port: str | None, seconds: float | None, msg_paths: Sequence[Path], as_json: bool) -> int:
+    from rostether.bridge.doctor import Doctor
+    from rostether.bridge.reporter import SilentReporter
+    from rostether.bridge.watching import WATCH_S
+    from rostether.cli.board.simulated_links import simulated
+    from rostether.msgdef.registry import Registry
+    from rostether.serde.store import TypeStore
+    from rostether.transports.serial import list_ports
+
+    addresses = [port] if port is not None else _plugged_in(list_ports())
+    if not addresses:
+        return EXIT_FAILED
+    examiner = Doctor(
+        TypeStore(Registry.from_environment(msg_paths)),
+        watch_s=WATCH_S if seconds is None else seconds,
+        say=_say_nothing if as_json else warn,
+        list_ports=list_ports,
+    )
+    is_well = True
+    links = [parse_address(address) for address in addresses]
+    async with simulated(links, SilentReporter(), msg_paths) as opened:
+        for link in opened:
+            diagnosis = await examiner.examine(link)
+            is_well = is_well and diagnosis.is_well
+            _write(diagnosis, as_json)
+    return EXIT_DONE if is_well else EXIT_FAILED
+
+
+def _plugged_in(ports: Sequence[SerialPort]) -> list[str]:
+    """Return the ports to examine when none is named: the only one on USB, or those of known boards."""
+    from rostether.devices.usb_boards import board_of
+
+    on_usb = [port for port in ports if port.usb_vendor_id is not None]
+    if len(on_usb) == 1:
+        return [on_usb[0].path]
+    boards = [port.path for port in on_usb if board_of(port.usb_vendor_id, port.usb_product_id)]
+    if boards:
+        return boards
+    listed = ", ".join(f"{port.path} ({port.description})" for port in on_usb or ports)
+    if on_usb:
+        warn(f"which port? there is {listed}; name the board's: rostether doctor {on_usb[0].path}")
+    else:
+        beside = f"; not on USB there is {listed}" if ports else ""
+        warn(
+            f"no board is plugged in{beside}; use a USB cable that carries data (many only charge), or "
+            "name the "
+            "board's address, for instance tcp://0.0.0.0:11411"
+        )
+    return []
+
+
+def _write(diagnosis: Diagnosis, as_json: bool) -> None:
+    from rostether.cli.bridge.doctor_report import board_record, finding_record, lines_of
+
+    if as_json:
+        for finding in diagnosis.findings:
+            write_json(finding_record(diagnosis, finding))
+        write_json(board_record(diagnosis))
+        return
+    for line in lines_of(diagnosis):
+        write_line(line)
+
+
+def _say_nothing(_text: str) -> None:
+    """Scripts read only the result."""

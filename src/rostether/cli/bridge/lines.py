@@ -1,0 +1,49 @@
+"""The bridge's lines as rospy prints them, so that eyes and scripts used to serial_node.py find their way."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+
+from rostether.cli.shell.output import forget
+from rostether.graph.ports import Level
+
+_NAMES = {
+    Level.DEBUG: "DEBUG",
+    Level.INFO: "INFO",
+    Level.WARN: "WARN",
+    Level.ERROR: "ERROR",
+    Level.FATAL: "FATAL",
+}
+
+
+class ConsoleReporter:
+    """Prints `[INFO] [1700000000.123456]: text`; warnings and worse go to stderr.
+
+    With `show_node` a line about a board begins with its node name: one process serves many.
+    """
+
+    def __init__(
+        self,
+        *,
+        show_node: bool = True,
+        lowest: Level = Level.INFO,
+        clock: Callable[[], float] = time.time,
+    ) -> None:
+        self._show_node = show_node
+        self._lowest = lowest
+        self._clock = clock
+
+    def line(self, level: Level, text: str, *, node: str = "") -> None:
+        """Print one line."""
+        if level < self._lowest:
+            return
+        place = f"{node}: " if node and self._show_node else ""
+        stream = sys.stdout if level < Level.WARN else sys.stderr
+        try:
+            stream.write(f"[{_NAMES[level]}] [{self._clock():.6f}]: {place}{text}\n")
+            stream.flush()
+        except OSError:
+            # Nobody reads the lines any more (`| head`, a closed terminal): boards are served all the same.
+            forget(stream)

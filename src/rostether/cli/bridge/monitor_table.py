@@ -1,0 +1,227 @@
+"""The table of `rostether monitor`: a row a board, below it its topics and what is wrong with it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+from rostether.cli.board.status import BoardStatus, EndpointStatus
+
+Style: TypeAlias = Literal["", "bold", "dim", "green", "yellow", "bold red"]
+
+MIN_WIDTH = 40
+_NAME_MIN = 15
+_NAME_MAX = 40
+# From here there is room for the totals beside the rates.
+_WIDE = 100
+_ARROWS = {"publisher": "->", "subscriber": "<-", "service server": "=>", "service client": "<="}
+_STATE_STYLES: dict[str, Style] = {"connected": "green", "disconnected": "bold red", "gone": "bold red"}
+_WARN = 1
+_ERROR = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """One line of the table: pieces of text, each in a style."""
+
+    pieces: tuple[tuple[str, Style], ...]
+
+    @property
+    def text(self) -> str:
+        """The line without styles."""
+        return "".join(text for text, _ in self.pieces).rstrip()
+
+
+@dataclass(frozen=True, slots=True)
+class _Column:
+    title: str
+    width: int
+
+
+_COLUMNS = (
+    _Column("UP", 7),
+    _Column("IN/s", 5),
+    _Column("OUT/s", 5),
+    _Column("DROPS", 5),
+    _Column("BAD", 5),
+    _Column("RECON", 5),
+    _Column("RTT ms", 6),
+    _Column("CLOCK", 7),
+)
+_TOTALS = (_Column("IN", 5), _Column("OUT", 5))
+_STATE_WIDTH = 11
+
+
+def table(boards: Sequence[BoardStatus], width: int, height: int | None = None) -> list[Line]:
+    """Return the lines of the table, at most `height`: topics give way to boards, boards to a count."""
+    width = max(width, MIN_WIDTH)
+    boards = sorted(boards, key=lambda board: _natural(board.name))
+    columns = _fitting(_COLUMNS + (_TOTALS if width >= _WIDE else ()), width)
+    name_width = _name_width(boards, columns, width)
+    head = _head(columns, name_width, width)
+    blocks = [_block(board, columns, name_width, width) for board in boards]
+    lines = [head, *(line for block in blocks for line in block)]
+    if height is None or len(lines) <= height:
+        return lines
+    # What is wrong is worth more than what is well.
+    briefs = [line for board in boards for line in _brief(board, columns, name_width, width)]
+    rows = [_row(board, columns, name_width, width) for board in boards]
+    room = max(height - 2, 0)
+    if len(briefs) <= room:
+        more = "their topics are not shown"
+    elif len(rows) <= room:
+        briefs, more = rows, "what is wrong and their topics are not shown"
+    else:
+        briefs, more = rows[:room], f"... and {len(rows) - room} more boards"
+    hint = _cut(f"{more}; a taller window or --once shows all", width)
+    return [head, *briefs, Line(((hint, "dim"),))]
+
+
+def duration(seconds: float | None) -> str:
+    """Return `42s`, `5m03s`, `2h07m` or `3d04h`."""
+    if seconds is None:
+        return "-"
+    whole = int(seconds)
+    for size, unit, smaller, small_unit in ((86400, "d", 3600, "h"), (3600, "h", 60, "m"), (60, "m", 1, "s")):
+        if whole >= size:
+            return f"{whole // size}{unit}{whole % size // smaller:02}{small_unit}"
+    return f"{whole}s"
+
+
+def amount(number: float) -> str:
+    """Return a count of bytes or messages in at most five characters: `999`, `1.2k`, `34M`."""
+    for unit in ("", "k", "M", "G"):
+        if number < 9.95 and unit:
+            return f"{number:.1f}{unit}"
+        if number < 999.5:
+            return f"{number:.0f}{unit}"
+        number /= 1000
+    return f"{number:.0f}T"
+
+
+def _fitting(columns: Sequence[_Column], width: int) -> Sequence[_Column]:
+    """Return the columns that fit beside a name and a state, the first ones first."""
+    kept: list[_Column] = []
+    left = width - _NAME_MIN - 1 - _STATE_WIDTH
+    for column in columns:
+        left -= column.width + 1
+        if left < 0:
+            break
+        kept.append(column)
+    return kept
+
+
+def _name_width(boards: Iterable[BoardStatus], columns: Sequence[_Column], width: int) -> int:
+    taken = _STATE_WIDTH + 1 + sum(column.width + 1 for column in columns)
+    longest = max((len(board.name) for board in boards), default=0)
+    return max(_NAME_MIN, min(longest, width - taken, _NAME_MAX))
+
+
+def _head(columns: Sequence[_Column], name_width: int, width: int) -> Line:
+    cells = " ".join(f"{column.title:>{column.width}}" for column in columns)
+    return Line(((_cut(f"{'BOARD':{name_width}} {'STATE':{_STATE_WIDTH}} {cells}", width), "bold"),))
+
+
+def _block(board: BoardStatus, columns: Sequence[_Column], name_width: int, width: int) -> list[Line]:
+    row, *findings = _brief(board, columns, name_width, width)
+    names = max((len(each.name) for each in board.endpoints), default=0)
+    endpoints = sorted(board.endpoints, key=lambda each: (not each.is_topic, each.name, each.role))
+    return [row, *(_endpoint(each, min(names, width // 2 - 8), width) for each in endpoints), *findings]
+
+
+def _brief(board: BoardStatus, columns: Sequence[_Column], name_width: int, width: int) -> list[Line]:
+    """Return a board's row and its findings, each of those in full over as many lines as it takes."""
+    from textwrap import wrap
+
+    style: Style = "bold red" if board.level >= _ERROR else "yellow"
+    findings = [
+        Line(((part, style),))
+        for text in board.findings
+        for part in wrap(text, width, initial_indent="   ! ", subsequent_indent="     ")
+    ]
+    return [_row(board, columns, name_width, width), *findings]
+
+
+def _row(board: BoardStatus, columns: Sequence[_Column], name_width: int, width: int) -> Line:
+    figures = {
+        "UP": duration(board.connected_s),
+        "IN/s": amount(board.received_bytes_s),
+        "OUT/s": amount(board.sent_bytes_s),
+        "IN": amount(board.received_bytes),
+        "OUT": amount(board.sent_bytes),
+        "DROPS": amount(board.dropped_count),
+        "BAD": amount(board.checksum_errors),
+        "RECON": amount(board.reconnects),
+        "RTT ms": _milliseconds(board.round_trip_ms),
+        "CLOCK": _offset(board.clock_offset_ms),
+    }
+    state = "away" if board.state == "disconnected" else board.state
+    pieces: list[tuple[str, Style]] = [
+        (f"{_cut_middle(board.name, name_width):{name_width}} ", "bold"),
+        (f"{_cut(state, _STATE_WIDTH):{_STATE_WIDTH}}", _STATE_STYLES.get(board.state, "yellow")),
+    ]
+    for column in columns:
+        text = figures[column.title]
+        is_bad = column.title in ("DROPS", "BAD") and text != "0"
+        pieces.append((f" {text:>{column.width}}", "yellow" if is_bad else ""))
+    return _fit(pieces, width)
+
+
+def _endpoint(endpoint: EndpointStatus, name_width: int, width: int) -> Line:
+    name = _cut_middle(endpoint.name, name_width)
+    if endpoint.is_topic:
+        rate = f"{endpoint.rate_hz:.1f} Hz"
+    else:
+        rate = f"{amount(endpoint.message_count)} call{'' if endpoint.message_count == 1 else 's'}"
+    lost = f"  {amount(endpoint.dropped_count)} lost" if endpoint.dropped_count else ""
+    type_width = min(28, max(0, width - name_width - 32))
+    return _fit(
+        [
+            (f"   {_ARROWS.get(endpoint.role, '  ')} {name:{name_width}}  ", ""),
+            (f"{_cut(endpoint.type, type_width):{type_width}}", "dim"),
+            (f"  {rate:>10}", ""),
+            (lost, "yellow"),
+        ],
+        width,
+    )
+
+
+def _milliseconds(value: float | None) -> str:
+    return "-" if value is None else f"{value:.1f}" if value < 1000 else f"{value:.0f}"
+
+
+def _offset(value_ms: float | None) -> str:
+    if value_ms is None:
+        return "-"
+    if abs(value_ms) < 1000:
+        return f"{value_ms:+.1f}ms" if abs(value_ms) < 100 else f"{value_ms:+.0f}ms"
+    return f"{value_ms / 1000:+.1f}s" if abs(value_ms) < 1e6 else f"{value_ms / 1000:+.0e}s"
+
+
+def _fit(pieces: Sequence[tuple[str, Style]], width: int) -> Line:
+    kept: list[tuple[str, Style]] = []
+    left = width
+    for text, style in pieces:
+        if text and left > 0:
+            kept.append((text[:left], style))
+            left -= len(text)
+    return Line(tuple(kept))
+
+
+def _cut(text: str, width: int) -> str:
+    return text if len(text) <= width else f"{text[: max(width - 2, 0)]}.."
+
+
+def _cut_middle(name: str, width: int) -> str:
+    """Return a name that fits; the ends of names tell them apart."""
+    if len(name) <= width:
+        return name
+    tail = (width - 2) * 2 // 3
+    return f"{name[: width - 2 - tail]}..{name[len(name) - tail :]}"
+
+
+def _natural(name: str) -> list[tuple[str, int]]:
+    """Return what sorts board_2 before board_10."""
+    return [(text, int(number or 0)) for text, number in re.findall(r"(\D*)(\d{0,9})", name)]

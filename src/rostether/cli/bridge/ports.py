@@ -1,0 +1,72 @@
+"""`rostether ports`: the serial ports of this machine, and what is plugged in there."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING
+
+import click
+
+from rostether.cli.shell.output import json_option, warn, write_json, write_line
+from rostether.cli.shell.verbs import Verb
+
+if TYPE_CHECKING:
+    from rostether.transports.serial import SerialPort
+
+
+@click.command("ports", cls=Verb, examples="rostether ports\nrostether ports --json")
+@json_option
+def ports(as_json: bool) -> None:
+    """List serial ports with what they are, and the name under which `rostether serve` takes them.
+
+    The second line of a USB port is its name by identity, which stays when boards are plugged in elsewhere.
+    """
+    from rostether.devices.usb_boards import board_of
+    from rostether.transports.serial import list_ports
+    from rostether.transports.serial_errors import explain_permission
+
+    found = list_ports()
+    for port in found:
+        board = board_of(port.usb_vendor_id, port.usb_product_id)
+        if as_json:
+            write_json(_record(port, board))
+        else:
+            write_line(_format(port, board))
+    if not found:
+        warn("no serial port found; plug a board in with a USB cable that carries data, not only power")
+    elif not as_json and any(not _is_accessible(port) for port in found):
+        for advice in dict.fromkeys(
+            explain_permission(port.path) for port in found if not _is_accessible(port)
+        ):
+            warn(advice)
+
+
+def _format(port: SerialPort, board: str) -> str:
+    what = f"{board} ({port.description})" if board and board != port.description else port.description
+    usb = f"  [{_usb_id(port)}]" if port.usb_vendor_id is not None else ""
+    denied = "" if _is_accessible(port) else "  no permission"
+    by_id = f"\n  {port.by_id}" if port.by_id else ""
+    return f"{port.path}  {what}{usb}{denied}{by_id}"
+
+
+def _record(port: SerialPort, board: str) -> dict[str, object]:
+    return {
+        "path": port.path,
+        "by_id": port.by_id,
+        "description": port.description,
+        "board": board or None,
+        "manufacturer": port.manufacturer,
+        "usb_id": _usb_id(port) if port.usb_vendor_id is not None else None,
+        "serial_number": port.serial_number,
+        "usb_location": port.usb_location,
+        "is_accessible": _is_accessible(port),
+    }
+
+
+def _usb_id(port: SerialPort) -> str:
+    return f"{port.usb_vendor_id or 0:04x}:{port.usb_product_id or 0:04x}"
+
+
+def _is_accessible(port: SerialPort) -> bool:
+    # Windows has no files for its ports.
+    return os.name == "nt" or os.access(port.path, os.R_OK | os.W_OK)

@@ -1,0 +1,197 @@
+"""`rostether relay`: chosen topics and services of a ROS 1 graph in a ROS 2 graph, and the other way."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Sequence
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from rostether.cli.access.master_choice import used_master
+from rostether.cli.access.options import allow_option, listen_option, msg_path_option
+from rostether.cli.access.ros1_access import master_client, read_environment, special_arguments
+from rostether.cli.access.ros2_access import ros2_access
+from rostether.cli.access.ros2_options import Ros2Options, read_ros2_options, ros2_options
+from rostether.cli.access.ros_choice import Middleware, chosen_ros2
+from rostether.cli.bridge.lines import ConsoleReporter
+from rostether.cli.bridge.serving import joining_ros1
+from rostether.cli.service.probe import probe_type
+from rostether.cli.shell.running import run
+from rostether.cli.shell.verbs import Verb
+from rostether.errors import ConfigError, UnknownTypeError
+from rostether.graph.ports import Level
+from rostether.joining import anonymous_name
+from rostether.msgdef.interface import ANY_TYPE, ServiceType
+from rostether.relay.choice import Choice, Direction, Services, Topics
+from rostether.ros1.environment import RosEnvironment
+
+if TYPE_CHECKING:
+    from rostether.relay.side import FindServiceType
+    from rostether.ros2.type_support import Ros2Types
+
+_ROS1, _ROS2 = "ROS 1", "ROS 2"
+
+
+@click.command(
+    cls=Verb,
+    examples="""
+    rostether relay /chatter /odom                       both ways, over the ROS 2 that is here
+    rostether relay --ros2 zenoh --to-ros2 "/sensors/*" --to-ros1 /cmd_vel
+    rostether relay /tf /tf_static --service /enable --service /plan=nav_msgs/GetPlan
+    rostether relay --to-ros1 /clock                     topics that each ROS has are carried if named
+    """,
+)
+@click.argument("topics", nargs=-1, metavar="[TOPIC...]")
+@click.option(
+    "--to-ros2",
+    "forth",
+    multiple=True,
+    metavar="TOPIC",
+    help="Carry it from ROS 1 to ROS 2 only; may be repeated.",
+)
+@click.option(
+    "--to-ros1",
+    "back",
+    multiple=True,
+    metavar="TOPIC",
+    help="Carry it from ROS 2 to ROS 1 only; may be repeated.",
+)
+@click.option(
+    "--service",
+    "services",
+    multiple=True,
+    metavar="NAME[=TYPE]",
+    help="Offer a service where it is missing; may be repeated.",
+)
+@click.option("--master", metavar="URI", help="The ROS 1 master to join; it is waited for.")
+@click.option(
+    "--master-port",
+    type=click.IntRange(1, 65535),
+    metavar="PORT",
+    help="The port where we are the ROS 1 master when there is none (11311).",
+)
+@ros2_options
+@listen_option
+@allow_option
+@msg_path_option
+def relay(
+    topics: tuple[str, ...],
+    forth: tuple[str, ...],
+    back: tuple[str, ...],
+    services: tuple[str, ...],
+    master: str | None,
+    master_port: int | None,
+    listen: str | None,
+    allowed: tuple[str, ...],
+    msg_paths: tuple[Path, ...],
+) -> None:
+    """Carry topics and services between ROS 1 and ROS 2.
+
+    A TOPIC is carried both ways as long as somebody publishes it; in a name, * stands for anything.
+    Types are converted as for boards; ROS 1 types that ROS 2 does not know exist there under the same name.
+    """
+    if not (topics or forth or back or services):
+        raise click.UsageError("name topics to carry, or services with --service")
+    if master is not None and master_port is not None:
+        raise ConfigError("--master joins a master and --master-port is one: give one of them")
+    choice = read_choice(topics, forth, back, services)
+    environment = read_environment(master)
+    if listen is not None:
+        environment = environment.listening_on(listen)
+    # A relay always means both: without a word about ROS 2 it takes the one that is installed.
+    installed = Middleware.RCLPY if find_spec("rclpy") is not None else Middleware.ZENOH
+    run(
+        relay_between(
+            environment.allowing(allowed),
+            chosen_ros2() or installed,
+            choice,
+            ConsoleReporter(),
+            options=read_ros2_options(),
+            is_chosen=master is not None,
+            master_port=master_port,
+            msg_paths=msg_paths,
+        ),
+        is_service=True,
+    )
+
+
+def read_choice(
+    topics: Sequence[str], forth: Sequence[str], back: Sequence[str], services: Sequence[str]
+) -> Choice:
+    """Return what was typed; names are full names, with or without their first slash."""
+    return Choice(
+        (
+            *(Topics(_full(name)) for name in topics),
+            *(Topics(_full(name), Direction.FORTH) for name in forth),
+            *(Topics(_full(name), Direction.BACK) for name in back),
+        ),
+        tuple(Services(_full(name), kind) for name, _, kind in (each.partition("=") for each in services)),
+    )
+
+
+async def relay_between(
+    environment: RosEnvironment,
+    middleware: Middleware,
+    choice: Choice,
+    reporter: ConsoleReporter,
+    *,
+    options: Ros2Options | None = None,
+    is_chosen: bool = False,
+    master_port: int | None = None,
+    msg_paths: Sequence[Path] = (),
+) -> None:
+    """Relay until cancelled. Raises GraphError, ConfigError."""
+    from rostether.relay.relay import Relay
+    from rostether.relay.side import Side
+
+    options = options or Ros2Options()
+    name = special_arguments().get("__name") or anonymous_name("relay")
+    async with (
+        used_master(environment, is_chosen=is_chosen, port=master_port) as used,
+        ros2_access(middleware, msg_paths, reach=options.reach, params_files=options.params_files) as access,
+    ):
+        for line in (used.line, access.line):
+            reporter.line(Level.INFO, line)
+
+        async def probe(service: str) -> str:
+            async with master_client(used.environment) as client:
+                return await probe_type(client, service)
+
+        ros1 = await joining_ros1(used.environment)(name)
+        try:
+            ros2 = await access.join(name)
+            try:
+                sides = (
+                    Side(_ROS1, ros1, finding_types(access.types, probe)),
+                    Side(_ROS2, ros2, finding_types(access.types)),
+                )
+                await Relay(*sides, choice, lambda level, line: reporter.line(level, line)).run()
+            finally:
+                await ros2.close()
+        finally:
+            await ros1.close()
+
+
+def finding_types(types: Ros2Types, probe: Callable[[str], Awaitable[str]] | None = None) -> FindServiceType:
+    """Return what finds a service's type: by its name in either ROS, or by asking its server."""
+
+    async def find(service: str, name: str) -> ServiceType:
+        if name == ANY_TYPE and probe is not None:
+            name = await probe(service)
+        if name == ANY_TYPE or " " in name:
+            raise UnknownTypeError(f"the type of the service {service} is not known ({name})")
+        package, _, short_name = name.partition("/")
+        if not short_name.startswith("srv/"):
+            try:
+                return types.registry.service_type(name)
+            except UnknownTypeError:
+                pass  # A ROS 2 package may have it.
+        return types.service_by_name(f"{package}/srv/{short_name.removeprefix('srv/')}").ros1_type
+
+    return find
+
+
+def _full(name: str) -> str:
+    return name if name.startswith(("/", "*")) else f"/{name}"

@@ -1,0 +1,207 @@
+"""`rostether serial-node`: what `serial_node.py` accepts, and the lines that people know from it.
+
+    serial-node [PORT | tcp [TCP_PORT]] [_port:=... _baud:=... _tcp_port:=...] [__name:=... __ns:=...] [a:=b]
+
+Private parameters may also stand on the parameter server: ~port, ~baud, ~tcp_port. As with serial_node.py
+the node is in the graph before a board is, and the process ends with its node.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
+
+import click
+
+from rostether.cli.access.master_choice import used_master
+from rostether.cli.access.options import allow_option, listen_option
+from rostether.cli.bridge.device_options import config_option, read_devices
+from rostether.cli.bridge.lines import ConsoleReporter
+from rostether.cli.bridge.serving import bridge, joining_ros1, loopback_lines, read_links
+from rostether.cli.shell.running import run
+from rostether.cli.shell.verbs import Verb
+from rostether.devices.device_book import DeviceBook
+from rostether.errors import ConfigError, GraphError, UnknownNameError
+from rostether.graph.ports import Level
+from rostether.names.graph_name import canonical, join, validate_name
+from rostether.names.remap import Arguments, parse_arguments
+from rostether.ros1.environment import LOOPBACK, RosEnvironment
+from rostether.ros1.node.master_client import MasterClient
+from rostether.transports.address import DEFAULT_PORT, SimAddress, TcpAddress
+from rostether.transports.opening import listen as listen_for_links
+
+if TYPE_CHECKING:
+    from rostether.transports.board_keys import BoardKeys
+
+DEFAULT_SERIAL_PORT = "/dev/ttyUSB0"
+DEFAULT_NODE_NAME = "serial_node"
+# The last two steer how the established host works inside; they are accepted, and nothing is left to steer.
+PRIVATE_PARAMETERS = ("port", "baud", "tcp_port", "fork_server", "fix_pyserial_for_test")
+
+
+class ChooseLink(Protocol):
+    """Makes a link address of a node's plain arguments and private parameters. Raises ConfigError."""
+
+    def __call__(
+        self, rest: list[str], parameters: Mapping[str, object], *, node_name: str, namespace: str
+    ) -> str:
+        """Return the address."""
+
+
+@dataclass(frozen=True, slots=True)
+class HostRole:
+    """Which of rosserial's hosts we are: its node's usual name, its parameters, and the board they mean."""
+
+    node_name: str
+    greeting: str
+    parameters: tuple[str, ...]
+    choose_link: ChooseLink
+
+
+_ENVIRONMENT_OF_SPECIAL = {"__master": "ROS_MASTER_URI", "__ip": "ROS_IP", "__hostname": "ROS_HOSTNAME"}
+
+
+@click.command(
+    cls=Verb,
+    context_settings={"ignore_unknown_options": True},
+    examples="""
+    rostether serial-node /dev/ttyACM0
+    rostether serial-node _port:=/dev/ttyACM0 _baud:=115200 __name:=opencr
+    rostether serial-node tcp 11411
+    rostether serial-node /dev/ttyUSB0 servo_control:=servo_pose_server
+    """,
+)
+@listen_option
+@allow_option
+@config_option
+@click.argument(
+    "arguments", nargs=-1, type=click.UNPROCESSED, metavar="[PORT | tcp [TCP_PORT]] [NAME:=VALUE...]"
+)
+def serial_node(
+    arguments: tuple[str, ...], listen: str | None, allowed: tuple[str, ...], config: Path | None
+) -> None:
+    """Bridge one board, taking the arguments that serial_node.py takes.
+
+    What devices.toml says of the board holds where no argument says otherwise; its name is __name's.
+    """
+    host = HostRole(DEFAULT_NODE_NAME, "ROS Serial Python Node", PRIVATE_PARAMETERS, choose_link)
+    run_host(host, parse_arguments(arguments), listen=listen, allowed=allowed, config=config)
+
+
+def run_host(
+    host: HostRole,
+    parsed: Arguments,
+    *,
+    listen: str | None = None,
+    allowed: tuple[str, ...] = (),
+    config: Path | None = None,
+) -> None:
+    """Bridge one board as that host does until told to end."""
+    reporter = ConsoleReporter(show_node=False)
+    for name in parsed.private_params.keys() - set(host.parameters):
+        reporter.line(Level.WARN, f"_{name} is not known here; known are _{', _'.join(host.parameters)}")
+    variables = {
+        _ENVIRONMENT_OF_SPECIAL[key]: value
+        for key, value in parsed.special.items()
+        if key in _ENVIRONMENT_OF_SPECIAL
+    }
+    environment = RosEnvironment.read(os.environ | variables)
+    if listen is not None:
+        environment = environment.listening_on(listen)
+    environment = environment.allowing(allowed)
+    devices = read_devices(config, ())
+    hosts = environment.listen_hosts if listen is not None else (LOOPBACK,)
+    board_keys = devices.board_keys()
+    run(_serve(host, environment, parsed, reporter, hosts, allowed, devices, board_keys), is_service=True)
+
+
+async def _serve(
+    host: HostRole,
+    environment: RosEnvironment,
+    arguments: Arguments,
+    reporter: ConsoleReporter,
+    hosts: Sequence[str],
+    allowed: tuple[str, ...],
+    devices: DeviceBook,
+    board_keys: BoardKeys,
+) -> None:
+    reporter.line(Level.INFO, host.greeting)
+    namespace = canonical(join("/", arguments.special.get("__ns", environment.namespace)))
+    node_name = validate_name(join(namespace, arguments.special.get("__name", host.node_name)))
+    async with used_master(environment, is_chosen="__master" in arguments.special) as used:
+        parameters = await _server_parameters(used.environment, node_name, host.parameters)
+        parameters |= arguments.private_params
+        link = host.choose_link(arguments.rest, parameters, node_name=node_name, namespace=namespace)
+        links = read_links(link, hosts, allowed)
+        if isinstance(links[0], SimAddress):
+            raise ConfigError(f"serial-node serves no simulated board; type `rostether serve {link}`")
+        for line in loopback_lines(used.environment, links):
+            reporter.line(Level.INFO, line)
+        if isinstance(links[0], TcpAddress):
+            reporter.line(Level.INFO, f"Waiting for socket connections on port {links[0].port}")
+        async with bridge(
+            joining_ros1(used.environment),
+            links,
+            reporter,
+            keeps_node=True,
+            remappings=arguments.remappings,
+            devices=devices,
+            diagnostics=True,
+            listen=partial(listen_for_links, board_keys=board_keys),
+        ) as supervisor:
+            # A node that was killed, or that another one replaced, ends the process: respawn waits for that.
+            await supervisor.wait_done()
+
+
+async def _server_parameters(
+    environment: RosEnvironment, node_name: str, names: Sequence[str]
+) -> dict[str, object]:
+    """Return the private parameters that the parameter server holds; none while no master answers."""
+    client = MasterClient(environment.master_uri, node_name)
+    found: dict[str, object] = {}
+    try:
+        for name in names:
+            try:
+                found[name] = await client.get_param(f"{node_name}/{name}")
+            except UnknownNameError:
+                continue
+    except GraphError:
+        return found
+    finally:
+        await client.close()
+    return found
+
+
+def choose_link(rest: list[str], parameters: Mapping[str, object], *, node_name: str, namespace: str) -> str:
+    """Return the link address that the arguments mean; plain ones win over private parameters.
+
+    Raises ConfigError.
+    """
+    known = [argument for argument in rest if argument]
+    if len(known) > 2:
+        raise ConfigError(f"{known[2]!r} is one argument too many; write PORT, or tcp and its port")
+    place = known[0] if known else str(parameters.get("port", DEFAULT_SERIAL_PORT))
+    base_name = node_name.removeprefix(namespace.rstrip("/") + "/")
+    options = f"name={base_name}" + (f"&ns={namespace}" if namespace != "/" else "")
+    if place == "tcp":
+        port = whole(known[1] if len(known) == 2 else parameters.get("tcp_port", DEFAULT_PORT), "tcp_port")
+        return f"tcp://:{port}?{options}"
+    path, _, given = place.partition("?")
+    baud = known[1] if len(known) == 2 else parameters.get("baud")
+    if baud is not None:
+        number = whole(baud, "baud")
+        given = given or f"baud={number}"
+    # Without a word about it devices.toml may know.
+    return f"{path}?{options}" + (f"&{given}" if given else "")
+
+
+def whole(value: object, name: str) -> int:
+    """Return a parameter that must be a whole number. Raises ConfigError."""
+    text = str(value).strip()
+    if isinstance(value, bool) or not text.isdigit():
+        raise ConfigError(f"{name} must be a whole number, not {value!r}")
+    return int(text)

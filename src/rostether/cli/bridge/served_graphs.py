@@ -1,0 +1,70 @@
+"""The graphs that boards are bridged into: ROS 1, with its master found or made, ROS 2, or both at once."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Sequence
+from contextlib import AsyncExitStack, asynccontextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rostether.cli.access.master_choice import used_master
+from rostether.cli.access.ros2_access import ros2_access
+from rostether.cli.access.ros2_options import Ros2Options
+from rostether.cli.access.ros_choice import Middleware
+from rostether.cli.bridge.serving import joining_ros1
+from rostether.graph.joint_join import JointJoin
+from rostether.graph.ports import JoinGraph
+from rostether.ros1.environment import RosEnvironment
+
+if TYPE_CHECKING:
+    from rostether.ros2.type_support import Ros2Types
+
+
+@dataclass(frozen=True, slots=True)
+class ServedGraphs:
+    """What makes the boards' nodes, the ROS 1 environment (None without ROS 1), and lines for people.
+
+    `types` are those of ROS 2, None without it.
+    """
+
+    join: JoinGraph
+    ros1: RosEnvironment | None
+    lines: tuple[str, ...]
+    types: Ros2Types | None = None
+
+
+@asynccontextmanager
+async def served_graphs(
+    environment: RosEnvironment,
+    *,
+    ros1: bool = True,
+    ros2: Middleware | None = None,
+    options: Ros2Options | None = None,
+    is_chosen: bool = False,
+    master_port: int | None = None,
+    msg_paths: Sequence[Path] = (),
+) -> AsyncIterator[ServedGraphs]:
+    """Be on the graphs as long as the block lasts. Raises GraphError, ConfigError."""
+    options = options or Ros2Options()
+    joins: list[JoinGraph] = []
+    lines: list[str] = []
+    used_environment = None
+    types = None
+    async with AsyncExitStack() as stack:
+        if ros1:
+            used = await stack.enter_async_context(
+                used_master(environment, is_chosen=is_chosen, port=master_port)
+            )
+            used_environment = used.environment
+            joins.append(joining_ros1(used_environment))
+            lines.append(used.line)
+        if ros2 is not None:
+            access = await stack.enter_async_context(
+                ros2_access(ros2, msg_paths, reach=options.reach, params_files=options.params_files)
+            )
+            joins.append(access.join)
+            types = access.types
+            lines.append(access.line)
+        join = joins[0] if len(joins) == 1 else JointJoin(joins)
+        yield ServedGraphs(join, used_environment, tuple(lines), types)

@@ -1,0 +1,120 @@
+"""Serving boards on a ROS graph: what `serve`, `serial-node` and `demo` have in common."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
+from contextlib import asynccontextmanager
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING
+
+from rostether.cli.shell.library_logs import show_library_logs
+from rostether.ros1.environment import LOOPBACK, RosEnvironment, is_loopback
+from rostether.transports.address import Address, TcpAddress, UdpAddress, parse_address
+from rostether.transports.opening import listen
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from rostether.bridge.reporter import Reporter
+    from rostether.bridge.settings import BridgeSettings
+    from rostether.bridge.supervisor import Listen, Supervisor
+    from rostether.devices.device_book import DeviceBook
+    from rostether.graph.ports import JoinGraph
+    from rostether.transports.transport import Transport
+
+
+def read_links(text: str, hosts: Sequence[str] = (LOOPBACK,), allowed: tuple[str, ...] = ()) -> list[Address]:
+    """Read a link address; a listener whose host was left out listens on `hosts`, what --listen gave.
+
+    A listener without an `allow=` of its own takes boards from the networks `allowed`, what --allow gave.
+
+    ROS_IP and ROS_HOSTNAME are no consent to take boards from the network: scripts set them for the graph.
+    Raises ConfigError.
+    """
+    link = parse_address(text)
+    if isinstance(link, TcpAddress | UdpAddress) and link.listens and not link.allow:
+        link = replace(link, allow=allowed)
+    if isinstance(link, TcpAddress | UdpAddress) and link.listens and "://:" in text:
+        return [replace(link, host=host) for host in hosts]
+    return [link]
+
+
+def loopback_lines(environment: RosEnvironment | None, links: Sequence[Address]) -> list[str]:
+    """Return a line for each listener that others would need and that is on loopback only.
+
+    `environment` is that of ROS 1, None where there is none.
+    """
+    listeners = [link for link in links if isinstance(link, TcpAddress | UdpAddress) and link.listens]
+    wide = {(type(link), link.port) for link in listeners if not is_loopback(link.host)}
+    lines = [
+        f"{link} takes boards of this machine only; --listen 0.0.0.0 lets boards on the network in"
+        for link in listeners
+        if (type(link), link.port) not in wide
+    ]
+    if (
+        environment is not None
+        and environment.listens_on_loopback_only
+        and not environment.master.is_loopback
+    ):
+        lines.append(
+            "the master is on another machine, whose nodes cannot reach us; "
+            "--listen 0.0.0.0, or ROS_IP with our address, lets them"
+        )
+    return lines
+
+
+def joining_ros1(environment: RosEnvironment) -> JoinGraph:
+    """Return what makes ROS 1 nodes under an environment."""
+    from rostether.ros1.node.node import join_ros1
+
+    return partial(join_ros1, environment=environment)
+
+
+@asynccontextmanager
+async def bridge(
+    join: JoinGraph,
+    addresses: Sequence[Address],
+    reporter: Reporter,
+    *,
+    msg_paths: Sequence[Path] = (),
+    ns_per_board: bool = False,
+    keeps_node: bool = False,
+    remappings: Mapping[str, str] | None = None,
+    devices: DeviceBook | None = None,
+    diagnostics: bool = False,
+    tap: Callable[[Transport], Transport] | None = None,
+    listen: Listen = listen,
+    settings: BridgeSettings | None = None,
+) -> AsyncIterator[Supervisor]:
+    """Serve boards as nodes that `join` makes; the block's end tells them to stop and leaves the graph.
+
+    With `keeps_node` the one link's node is there from the start, and its end ends `wait_done`. With
+    `diagnostics` each board's node publishes /diagnostics. `tap` may put a recorder around each link;
+    `listen` is how links are listened for; `settings` are the limits.
+    Raises TransportOpenError for an address that cannot be listened on, InvalidNameError.
+    """
+    from rostether.bridge.settings import DEFAULT_SETTINGS
+    from rostether.bridge.supervisor import Supervisor
+    from rostether.msgdef.registry import Registry
+    from rostether.serde.store import TypeStore
+
+    show_library_logs(reporter.line)
+    supervisor = Supervisor(
+        join,
+        TypeStore(Registry.from_environment(msg_paths)),
+        reporter=reporter,
+        ns_per_board=ns_per_board,
+        keeps_node=keeps_node,
+        remappings=remappings,
+        devices=devices,
+        diagnostics=diagnostics,
+        tap=tap,
+        listen=listen,
+        settings=settings or DEFAULT_SETTINGS,
+    )
+    try:
+        await supervisor.start(addresses)
+        yield supervisor
+    finally:
+        await supervisor.close()

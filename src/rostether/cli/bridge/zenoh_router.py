@@ -1,0 +1,26 @@
+"""`rostether core --ros2 zenoh`: the zenoh router of this machine, in the place of rmw_zenohd."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import replace
+
+from rostether.cli.access.ros2_access import ZenohReach, ros2_access
+from rostether.cli.access.ros_choice import Middleware
+from rostether.cli.shell.output import write_line
+
+_USUAL_PLACES = ("/localhost:7447", "/127.0.0.1:7447", "/[::1]:7447", "/0.0.0.0:7447", "/[::]:7447")
+
+
+async def serve_router(reach: ZenohReach) -> None:
+    """Be the router until cancelled. Raises ConfigError, MasterUnreachableError where its place is taken."""
+    async with ros2_access(Middleware.ZENOH, reach=replace(reach, router="always")):
+        write_line("Being the zenoh router of this machine, for RMW_IMPLEMENTATION=rmw_zenoh_cpp")
+        if reach.connect:
+            write_line(f"Connected to other routers as they are there: {', '.join(reach.connect)}")
+        if not reach.listen:
+            write_line("Only this machine can reach it; --zenoh-listen tcp/0.0.0.0:7447 lets others in")
+        elif not any(endpoint.endswith(_USUAL_PLACES) for endpoint in reach.listen):
+            write_line("Nodes of this machine look at tcp/localhost:7447: --zenoh-listen that too for them")
+        write_line("Press Ctrl-C to stop")
+        await asyncio.Event().wait()

@@ -1,0 +1,114 @@
+"""`rostether firmware build`: from a sketch to what a board runs."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from rostether.cli.firmware.options import build, build_options
+from rostether.cli.shell.output import json_option, write_json, write_line
+from rostether.cli.shell.running import run
+from rostether.cli.shell.verbs import Verb
+from rostether.errors import FirmwareError
+
+if TYPE_CHECKING:
+    from rostether.firmware.build import BuildOptions, BuiltFirmware
+    from rostether.firmware.elf import ElfFile
+
+
+@click.command(
+    "build",
+    cls=Verb,
+    examples="""
+    rostether firmware build blink.ino                          for an Uno
+    rostether firmware build Blink --board mega --output out    writes out/Blink.elf and out/Blink.hex
+    rostether firmware build robot --msg-path ~/my_robot --library ~/libs/Encoder
+    rostether firmware build robot --board esp32:esp32:esp32    with arduino-cli
+    """,
+)
+@build_options
+@click.option(
+    "-o",
+    "--output",
+    "folder",
+    metavar="DIR",
+    type=click.Path(path_type=Path),
+    help="Copy the ELF and HEX files there (default: they stay in the cache).",
+)
+@json_option
+def firmware_build(
+    sketch: Path, board_name: str, options: BuildOptions, folder: Path | None, as_json: bool
+) -> None:
+    """Build a sketch: an .ino file, a folder with one, or a .cpp file.
+
+    Libraries are found by what the sketch includes: those given, the ROS library (made for this sketch), the
+    Arduino sketchbook, the core's (Wire, SPI, EEPROM, SoftwareSerial), and our Servo. What does not change is
+    compiled once. Needs Debian's gcc-avr, avr-libc and arduino-core-avr, or arduino-cli.
+    """
+    run(_build(sketch, board_name, options, folder, as_json))
+
+
+async def _build(
+    sketch: Path, board_name: str, options: BuildOptions, folder: Path | None, as_json: bool
+) -> None:
+    from rostether.firmware.build import save_outputs
+    from rostether.firmware.elf import ElfFile
+
+    built = await build(sketch, board_name, options)
+    elf = ElfFile.read(built.elf)
+    await refuse_too_large(built, elf)
+    places = save_outputs(built, folder) if folder is not None else (built.elf, built.image)
+    if as_json:
+        write_json(_record(built, elf, places))
+        return
+    write_line(f"{built.sketch.name} for {built.board.title}: {describe_sizes(built, elf)}")
+    write_line(f"  {_shown(places[1])}")
+
+
+async def refuse_too_large(built: BuiltFirmware, elf: ElfFile) -> None:
+    """Raise FirmwareError for what the board cannot take, naming what is largest in it."""
+    board = built.board
+    fits_flash = not board.flash_bytes or elf.flash_bytes <= board.flash_bytes
+    fits_ram = not board.ram_bytes or elf.ram_bytes <= board.ram_bytes
+    if fits_flash and fits_ram:
+        return
+    from rostether.firmware.footprint import measure_built
+
+    footprint = await measure_built(built)
+    raise FirmwareError(f"{footprint.refusals()[0]}; see rostether firmware size")
+
+
+def describe_sizes(built: BuiltFirmware, elf: ElfFile) -> str:
+    """Return flash and RAM with their limits, where these are known."""
+    board = built.board
+    return f"{_of(elf.flash_bytes, board.flash_bytes)} of flash, {_of(elf.ram_bytes, board.ram_bytes)} of RAM"
+
+
+def _of(used: int, limit: int) -> str:
+    if not limit:
+        return f"{used} bytes"
+    return f"{used} of {limit} bytes ({100 * used // limit} %)"
+
+
+def _shown(path: Path) -> str:
+    relative = os.path.relpath(path)
+    return str(path) if relative.startswith("..") else relative
+
+
+def _record(built: BuiltFirmware, elf: ElfFile, places: tuple[Path, Path]) -> dict[str, object]:
+    return {
+        "sketch": built.sketch.name,
+        "board": built.board.fqbn,
+        "elf": str(places[0]),
+        "image": str(places[1]),
+        "flash_bytes": elf.flash_bytes,
+        "flash_limit_bytes": built.board.flash_bytes or None,
+        "ram_bytes": elf.ram_bytes,
+        "ram_limit_bytes": built.board.ram_bytes or None,
+        "libraries": [{"name": each.name, "folder": str(each.folder)} for each in built.libraries],
+        "duration_s": round(built.duration_s, 3),
+        "is_from_cache": built.is_from_cache,
+    }

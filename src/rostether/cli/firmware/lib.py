@@ -1,0 +1,114 @@
+"""`rostether firmware lib`: the C++ client library with the messages that a sketch needs, or all."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from rostether.cli.access.completions import complete_packages
+from rostether.cli.access.options import msg_path_option
+from rostether.cli.shell.failures import EXIT_FAILED
+from rostether.cli.shell.output import json_option, warn, write_json, write_line
+from rostether.cli.shell.verbs import Verb
+
+if TYPE_CHECKING:
+    from rostether.codegen.arduino_library import WrittenLibrary
+
+
+@click.command(
+    "lib",
+    cls=Verb,
+    examples="""
+    rostether firmware lib ~/Arduino/libraries                   all messages: for the Arduino IDE
+    rostether firmware lib lib --for src/main.cpp                what a PlatformIO project needs
+    rostether firmware lib . --package std_msgs --package tf     two packages and what they are made of
+    rostether firmware lib ~/Arduino/libraries --msg-path ~/my_robot
+    """,
+)
+@click.argument("directory", metavar="DIR", type=click.Path(path_type=Path))
+@click.option(
+    "--for",
+    "sketch",
+    metavar="SKETCH",
+    type=click.Path(path_type=Path),
+    help="Only what this .ino file, folder or C++ file includes, also through its own headers.",
+)
+@click.option(
+    "--package",
+    "packages",
+    metavar="P",
+    multiple=True,
+    shell_complete=complete_packages,
+    help="Only this package and what its messages are made of; may be repeated.",
+)
+@msg_path_option
+@json_option
+def firmware_lib(
+    directory: Path,
+    sketch: Path | None,
+    packages: tuple[str, ...],
+    msg_paths: tuple[Path, ...],
+    as_json: bool,
+) -> None:
+    """Write the C++ client library with the headers of messages and services to DIR/ros_lib.
+
+    An older generated library there is replaced, as a whole; a folder that is none is never touched. It is
+    an Arduino and a PlatformIO library, and for any other build -I DIR/ros_lib/src is enough. Definitions
+    that cannot be read are told and skipped, the others generated; the exit code is then 1.
+    """
+    from rostether.codegen.arduino_library import write_library
+    from rostether.msgdef.registry import Registry
+
+    written = write_library(
+        directory,
+        Registry.from_environment(msg_paths),
+        for_sketch=sketch.expanduser() if sketch is not None else None,
+        packages=packages or None,
+        search=_other_libraries(directory) if sketch is not None else (),
+    )
+    for line in (*written.library.skipped, *written.library.warnings):
+        warn(line)
+    if as_json:
+        write_json(_record(written))
+    else:
+        write_line(_summary(written))
+    if written.library.skipped:
+        raise click.exceptions.Exit(EXIT_FAILED)
+
+
+def _other_libraries(directory: Path) -> Iterator[Path]:
+    """Yield the header folders of the libraries beside ours: a sketch may include messages through them."""
+    from rostether.codegen.arduino_library import LIBRARY_NAME
+
+    directory = directory.expanduser()
+    if not directory.is_dir():
+        return
+    for library in sorted(directory.iterdir()):
+        if library.name == LIBRARY_NAME or library.name.startswith(".") or not library.is_dir():
+            continue
+        sources = library / "src"
+        yield sources if sources.is_dir() else library
+
+
+def _summary(written: WrittenLibrary) -> str:
+    types = written.library.types
+    packages = {name.partition("/")[0] for name in types}
+    verb = "replaced" if written.replaced else "wrote"
+    return f"{verb} {written.path}: {_count(types, 'type')} of {_count(packages, 'package')}"
+
+
+def _count(things: Collection[str], noun: str) -> str:
+    return f"{len(things)} {noun}{'' if len(things) == 1 else 's'}"
+
+
+def _record(written: WrittenLibrary) -> dict[str, object]:
+    return {
+        "path": str(written.path),
+        "replaced": written.replaced,
+        "types": list(written.library.types),
+        "skipped": list(written.library.skipped),
+        "warnings": list(written.library.warnings),
+    }

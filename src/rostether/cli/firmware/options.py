@@ -1,0 +1,130 @@
+"""What `firmware build`, `size`, `upload` and `sim` have in common: their options, and how a build is run."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Callable, Sequence
+from functools import wraps
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from rostether.cli.access.options import msg_path_option
+from rostether.cli.shell.output import warn
+from rostether.errors import SketchError
+
+if TYPE_CHECKING:
+    from rostether.firmware.build import BuildOptions, BuiltFirmware
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+DEFAULT_BOARD = "uno"
+ARDUINO_CLI = "arduino-cli"
+AVR_GCC = "avr-gcc"
+
+
+def complete_boards(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
+    """Return the boards that begin with what was typed."""
+    from rostether.errors import FirmwareError
+    from rostether.firmware.toolchain import find_avr_toolchain
+
+    try:
+        names = find_avr_toolchain().boards.names
+    except FirmwareError:
+        return []
+    return sorted(name for name in names if name.lower().startswith(incomplete.lower()))
+
+
+board_option = click.option(
+    "-b",
+    "--board",
+    "board_name",
+    default=DEFAULT_BOARD,
+    show_default=True,
+    metavar="BOARD",
+    shell_complete=complete_boards,
+    help="uno, mega, leonardo, nano, micro ...; nano:atmega328old for a processor; or an FQBN.",
+)
+
+
+def build_options(function: Function) -> Function:
+    """Give a command the sketch's argument and the options of a build; it gets `sketch` and `options`."""
+
+    @wraps(function)
+    def with_options(
+        libraries: tuple[Path, ...],
+        msg_paths: tuple[Path, ...],
+        defines: tuple[str, ...],
+        warnings: bool,
+        verbose: bool,
+        builder: str,
+        **rest: Any,
+    ) -> Any:
+        from rostether.firmware.build import BuildOptions
+
+        options = BuildOptions(
+            libraries=libraries,
+            msg_paths=tuple(each.expanduser() for each in msg_paths),
+            defines=defines,
+            warnings=warnings,
+            uses_arduino_cli=builder == ARDUINO_CLI,
+            show=_show if verbose else None,
+        )
+        return function(options=options, **rest)
+
+    decorated: Any = with_options
+    for decorate in reversed(_OPTIONS):
+        decorated = decorate(decorated)
+    return decorated  # type: ignore[no-any-return]
+
+
+async def build(sketch: Path, board_name: str, options: BuildOptions) -> BuiltFirmware:
+    """Build a sketch; what the compiler printed goes to stderr as it is."""
+    from rostether.firmware.build import build_sketch, find_board
+
+    try:
+        built = await build_sketch(sketch, find_board(board_name), options)
+    except SketchError as error:
+        warn(error.diagnostics.rstrip("\n"))
+        raise
+    if built.output.strip():
+        warn(built.output.rstrip("\n"))
+    return built
+
+
+def _show(command: Sequence[str]) -> None:
+    warn(shlex.join(command))
+
+
+_OPTIONS: tuple[Callable[[Any], Any], ...] = (
+    click.argument("sketch", metavar="SKETCH", type=click.Path(path_type=Path)),
+    board_option,
+    click.option(
+        "-l",
+        "--library",
+        "libraries",
+        multiple=True,
+        metavar="DIR",
+        type=click.Path(path_type=Path),
+        help="An Arduino library, or a folder of them; may be repeated, before all others.",
+    ),
+    msg_path_option,
+    click.option(
+        "-D",
+        "--define",
+        "defines",
+        multiple=True,
+        metavar="NAME[=VALUE]",
+        help="Define a macro; may be repeated.",
+    ),
+    click.option("--warnings", is_flag=True, help="Show what the compiler warns about in the sketch."),
+    click.option("-v", "--verbose", is_flag=True, help="Show every command before it runs."),
+    click.option(
+        "--with",
+        "builder",
+        type=click.Choice([AVR_GCC, ARDUINO_CLI]),
+        default=AVR_GCC,
+        help="Build with Debian's compiler, or with arduino-cli (as boards that are no AVR ones always are).",
+    ),
+)

@@ -1,0 +1,233 @@
+"""`rostether foxglove`, and the node foxglove_bridge as a role."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import AsyncIterator, Mapping, Sequence
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rostether.cli.access.options import allow_option, msg_path_option
+from rostether.cli.access.ros1_access import read_environment
+from rostether.cli.access.ros2_options import ros2_options
+from rostether.cli.bridge.lines import ConsoleReporter
+from rostether.cli.bridge.served_graphs import ServedGraphs
+from rostether.cli.gateway.gateways import GatewayGraph, Tell, joined_as, ros1_gateway_graph, tell_reach
+from rostether.cli.gateway.node import NodeWords, read_gateway_words
+from rostether.cli.gateway.options import access_options, read_gateway_options, read_place
+from rostether.cli.gateway.parameters import certificate_files, flag, private_parameters, whole_number
+from rostether.cli.gateway.serving import serve_gateway
+from rostether.cli.role.node import NODE_SETTINGS, run_role
+from rostether.cli.shell.verbs import Verb
+from rostether.errors import ConfigError
+from rostether.extras import install_command
+from rostether.graph.ports import Level
+
+if TYPE_CHECKING:
+    from rostether.cli.gateway.options import GatewayOptions
+    from rostether.gateways.foxglove.gateway import FoxgloveGateway
+    from rostether.gateways.foxglove.settings import FoxgloveSettings, NameFilter
+    from rostether.graph.ports import Graph
+    from rostether.graph.typed_graph import TypedGraph
+
+FOXGLOVE_NODE = "foxglove_bridge"
+
+
+@click.command(
+    cls=Verb,
+    examples="""
+    rostether foxglove                                   Foxglove on this machine: ws://localhost:8765
+    rostether foxglove 8766
+    rostether foxglove 0.0.0.0:8765 --allow 192.168.1.0/24
+    rostether foxglove 0.0.0.0 --token 7f3c9a
+    rostether foxglove --ros2 zenoh
+    """,
+)
+@click.argument("words", nargs=-1, metavar="[[HOST:]PORT] [NAME:=OTHER]...")
+@access_options
+@click.option("--master", metavar="URI", help="The ROS master to join; it is waited for.")
+@ros2_options
+@allow_option
+@msg_path_option
+def foxglove(
+    words: tuple[str, ...], master: str | None, allowed: tuple[str, ...], msg_paths: tuple[Path, ...]
+) -> None:
+    """Let Foxglove show the graph, publish on it and call services.
+
+    Foxglove, and viewers that speak its WebSocket protocol, open ws://localhost:8765. `rostether serve
+    --foxglove` does the same beside boards. Other machines need a PLACE such as 0.0.0.0:8765.
+
+    Its node is foxglove_bridge, on other ports foxglove_bridge_PORT; __name:=, __ns:= and from:=to work as
+    for any ROS node.
+    """
+    check_foxglove()
+    place, node = read_gateway_words(words)
+    settings = read_settings(place, read_gateway_options(allowed))
+
+    def open_gateway(graphs: ServedGraphs, tell: Tell) -> AbstractAsyncContextManager[FoxgloveGateway]:
+        on = _in_ros1_words(graphs, msg_paths)
+        return _gateway(settings, node, on, tell, "`rostether foxglove 0.0.0.0:{port}`")
+
+    serve_gateway(master, allowed, msg_paths, open_gateway)
+
+
+@click.command(
+    "foxglove-bridge",
+    cls=Verb,
+    context_settings=NODE_SETTINGS,
+    examples="""
+    rostether role foxglove-bridge
+    rostether role foxglove-bridge _port:=8766 _address:=0.0.0.0
+    """,
+)
+@click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
+def foxglove_bridge(arguments: tuple[str, ...]) -> None:
+    """Serve Foxglove, like foxglove_bridge.
+
+    Parameters: ~port (8765), ~address (loopback; 0.0.0.0 for other machines), ~topic_whitelist,
+    ~service_whitelist, ~param_whitelist, ~client_topic_whitelist, ~capabilities, ~send_buffer_limit, ~tls,
+    ~certfile, ~keyfile. Other parameters of foxglove_bridge change nothing.
+    """
+    check_foxglove()
+    run_role(FOXGLOVE_NODE, arguments, _main)
+
+
+@asynccontextmanager
+async def served_foxglove(
+    options: GatewayOptions, graphs: ServedGraphs, msg_paths: Sequence[Path], tell: Tell
+) -> AsyncIterator[None]:
+    """Serve Foxglove where `serve --foxglove` asks for it. Raises ConfigError."""
+    if options.foxglove is None:
+        yield
+        return
+    check_foxglove()
+    settings = read_settings(options.foxglove, options)
+    on = _in_ros1_words(graphs, msg_paths)
+    async with _gateway(settings, NodeWords(), on, tell, "--foxglove 0.0.0.0:{port}"):
+        yield
+
+
+def read_settings(place: str, options: GatewayOptions) -> FoxgloveSettings:
+    """Return what was typed as settings. Raises ConfigError."""
+    from rostether.gateways.foxglove.settings import DEFAULT_PORT, FoxgloveSettings
+
+    host, port = read_place(place, DEFAULT_PORT)
+    return FoxgloveSettings(host, port, token=options.token, origins=options.origins, allow=options.allow)
+
+
+def check_foxglove() -> None:
+    """Raise ConfigError where the extra is not installed."""
+    if find_spec("websockets") is None:
+        raise ConfigError(f"the gateway for Foxglove is not installed; type: {install_command('foxglove')}")
+
+
+def settings_of_parameters(
+    parameters: Mapping[str, Any], token: str = "", allow: tuple[str, ...] = ()
+) -> FoxgloveSettings:
+    """Return what the parameters of a foxglove_bridge ask for. Raises ConfigError naming the parameter."""
+    from rostether.gateways.foxglove.limits import FoxgloveLimits
+    from rostether.gateways.foxglove.settings import (
+        CAPABILITIES,
+        DEFAULT_HOST,
+        DEFAULT_PORT,
+        FoxgloveSettings,
+    )
+
+    certificate, key = certificate_files(parameters, "tls") if flag(parameters, "tls") else ("", "")
+    wanted = parameters.get("capabilities")
+    if wanted is not None and not isinstance(wanted, list):
+        raise ConfigError(f"~capabilities must be a list, as [{', '.join(CAPABILITIES)}]")
+    waiting_bytes = whole_number(parameters, "send_buffer_limit", 0)
+    return FoxgloveSettings(
+        host=str(parameters.get("address") or DEFAULT_HOST),
+        port=whole_number(parameters, "port", DEFAULT_PORT),
+        token=token,
+        allow=allow,
+        certificate=certificate,
+        key=key,
+        capabilities=tuple(each for each in CAPABILITIES if wanted is None or each in wanted),
+        topics=_filter(parameters, "topic_whitelist"),
+        services=_filter(parameters, "service_whitelist"),
+        parameters=_filter(parameters, "param_whitelist"),
+        client_topics=_filter(parameters, "client_topic_whitelist"),
+        limits=FoxgloveLimits(waiting_bytes=waiting_bytes or FoxgloveLimits().waiting_bytes),
+    )
+
+
+async def _main(graph: TypedGraph, _: list[str]) -> None:
+    settings = settings_of_parameters(await private_parameters(graph), read_gateway_options().token)
+    # Its own node is there already.
+    on = ros1_gateway_graph(_no_join, graph.store, read_environment())
+    async with _gateway_on(graph.raw, on, settings, ConsoleReporter().line, "address 0.0.0.0") as gateway:
+        await gateway.wait_ended()
+
+
+def _in_ros1_words(graphs: ServedGraphs, msg_paths: Sequence[Path]) -> GatewayGraph:
+    """Return the graphs with ROS 1's definitions, on ROS 2 too: Foxglove's panels know times by them."""
+    from rostether.msgdef.registry import Registry
+    from rostether.serde.store import TypeStore
+
+    store = TypeStore(Registry.from_environment(msg_paths))
+    if graphs.ros1 is not None:
+        return ros1_gateway_graph(graphs.join, store, graphs.ros1)
+    return GatewayGraph(graphs.join, store)
+
+
+@asynccontextmanager
+async def _gateway(
+    settings: FoxgloveSettings, node: NodeWords, on: GatewayGraph, tell: Tell, wider: str
+) -> AsyncIterator[FoxgloveGateway]:
+    from rostether.gateways.foxglove.settings import DEFAULT_PORT
+
+    graph = await joined_as(on, node, node.name_for(FOXGLOVE_NODE, settings.port, DEFAULT_PORT), tell)
+    try:
+        async with _gateway_on(graph, on, settings, tell, wider) as gateway:
+            yield gateway
+    finally:
+        await graph.close()
+
+
+@asynccontextmanager
+async def _gateway_on(
+    graph: Graph, on: GatewayGraph, settings: FoxgloveSettings, tell: Tell, wider: str
+) -> AsyncIterator[FoxgloveGateway]:
+    from rostether.gateways.foxglove.gateway import FoxgloveGateway
+    from rostether.msgdef.ros2.definition_files import install_prefixes
+    from rostether.packages.installed import installed_packages
+    from rostether.packages.locate import package_folders
+
+    def find_packages() -> Mapping[str, Path]:
+        # Where a ROS 2 is sourced, robots' meshes are where it was installed.
+        return installed_packages(install_prefixes(os.environ)) | package_folders(os.environ, Path.cwd())
+
+    gateway = FoxgloveGateway(
+        graph,
+        on.store,
+        settings,
+        find_service_type=on.ask_service_type,
+        find_packages=find_packages,
+        tell=tell,
+    )
+    async with gateway:
+        tell(Level.INFO, f"foxglove: open a connection to {gateway.url} in Foxglove")
+        tell_reach("foxglove", settings.host, settings.port, settings.token, wider, tell)
+        yield gateway
+
+
+def _filter(parameters: Mapping[str, Any], name: str) -> NameFilter:
+    from rostether.gateways.foxglove.settings import NameFilter
+
+    given = parameters.get(name)
+    if given is None:
+        return NameFilter()
+    if not isinstance(given, list) or not all(isinstance(each, str) for each in given):
+        raise ConfigError(f"~{name} must be a list of regular expressions, as ['/camera/.*']")
+    return NameFilter() if ".*" in given else NameFilter.of(given, f"~{name}")
+
+
+async def _no_join(*_: object, **__: object) -> Any:
+    raise AssertionError("the node of the role is the gateway's")

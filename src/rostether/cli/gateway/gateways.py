@@ -1,0 +1,242 @@
+"""Running the gateways for web pages and viewers on a graph, each as a node of its own."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
+from contextlib import AsyncExitStack, asynccontextmanager
+from dataclasses import dataclass
+from functools import partial
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeAlias
+
+from rostether.cli.access.ros1_access import master_client
+from rostether.cli.access.ros2_access import ZenohReach, ros2_access
+from rostether.cli.access.ros2_options import Ros2Options
+from rostether.cli.access.ros_choice import Middleware
+from rostether.cli.bridge.served_graphs import ServedGraphs
+from rostether.cli.gateway.node import IsLive, NodeWords, asking_ros1, check_free
+from rostether.cli.gateway.options import GatewayOptions, read_place
+from rostether.cli.service.probe import look_up, probe_type
+from rostether.errors import ConfigError, DefinitionError, GraphError, MasterUnreachableError
+from rostether.extras import install_command
+from rostether.graph.ports import JoinGraph, Level
+from rostether.ros1.environment import RosEnvironment, is_loopback, parse_rpc_uri
+
+if TYPE_CHECKING:
+    from rostether.gateways.rosbridge.server import RosbridgeServer
+    from rostether.gateways.rosbridge.settings import RosbridgeSettings
+    from rostether.graph.ports import Graph
+    from rostether.serde.store import TypeStore
+
+Tell: TypeAlias = Callable[[Level, str], None]
+AskService: TypeAlias = Callable[[str], Awaitable[str]]
+"""Takes a service's name. Raises GraphError."""
+
+ROSBRIDGE_NODE = "rosbridge_websocket"
+_MASTER_RETRY_S = 0.5  # as often as rospy asks for a master that is not there yet
+
+
+@dataclass(frozen=True, slots=True)
+class GatewayGraph:
+    """How gateways are on a graph: what makes their nodes, their types, and how services are asked.
+
+    With `is_ros2` types are in ROS 2's words alone. ROS 1 needs `ask_service_type` and `ask_service_host`,
+    and `is_live`: there a node that joins ends another one of its name.
+    """
+
+    join: JoinGraph
+    store: TypeStore
+    is_ros2: bool = False
+    ask_service_type: AskService | None = None
+    ask_service_host: AskService | None = None
+    is_live: IsLive | None = None
+
+
+@asynccontextmanager
+async def gateway_graph(
+    graphs: ServedGraphs,
+    ros2: Middleware | None,
+    options: Ros2Options,
+    msg_paths: Sequence[Path] = (),
+) -> AsyncIterator[GatewayGraph]:
+    """Give gateways their own view of the graphs that boards are bridged into.
+
+    On ROS 1, or both, messages have ROS 1's words, as boards send them; on ROS 2 alone those of ROS 2.
+    """
+    from rostether.msgdef.registry import Registry
+    from rostether.serde.store import TypeStore
+
+    if graphs.ros1 is not None:
+        store = TypeStore(Registry.from_environment(msg_paths))
+        yield ros1_gateway_graph(graphs.join, store, graphs.ros1)
+        return
+    from rostether.ros2.native_registry import NativeRegistry
+    from rostether.ros2.native_types import NativeTypes
+    from rostether.ros2.native_values import NativeClasses
+
+    assert ros2 is not None
+    registry = NativeRegistry.from_environment(msg_paths)
+    # The router, if it is ours, is the boards' session.
+    reach = ZenohReach(options.reach.connect, (), "never")
+    async with ros2_access(ros2, msg_paths, reach=reach, types=NativeTypes(registry)) as access:
+        yield GatewayGraph(access.join, TypeStore(registry, NativeClasses(registry)), is_ros2=True)
+
+
+def ros1_gateway_graph(join: JoinGraph, store: TypeStore, environment: RosEnvironment) -> GatewayGraph:
+    """Return how gateways are on a ROS 1 graph, alone or beside another."""
+
+    async def ask_type(service: str) -> str:
+        async with master_client(environment) as client:
+            return await probe_type(client, service)
+
+    async def ask_host(service: str) -> str:
+        async with master_client(environment) as client:
+            return parse_rpc_uri(await look_up(client, service), scheme="rosrpc").host
+
+    return GatewayGraph(
+        join, store, ask_service_type=ask_type, ask_service_host=ask_host, is_live=asking_ros1(environment)
+    )
+
+
+@asynccontextmanager
+async def served_gateways(
+    options: GatewayOptions,
+    graphs: ServedGraphs,
+    ros2: Middleware | None,
+    ros2_options: Ros2Options,
+    msg_paths: Sequence[Path],
+    tell: Tell,
+) -> AsyncIterator[None]:
+    """Run the gateways that are wanted, if any, beside a bridge. Raises as `gateways`."""
+    async with AsyncExitStack() as stack:
+        if options.rosbridge is not None:
+            graph = await stack.enter_async_context(gateway_graph(graphs, ros2, ros2_options, msg_paths))
+            await stack.enter_async_context(gateways(options, graph, tell))
+        if options.foxglove is not None:
+            from rostether.cli.gateway.foxglove import served_foxglove
+
+            await stack.enter_async_context(served_foxglove(options, graphs, msg_paths, tell))
+        yield
+
+
+@asynccontextmanager
+async def gateways(
+    options: GatewayOptions, graph: GatewayGraph, tell: Tell, words: NodeWords | None = None
+) -> AsyncIterator[RosbridgeServer | None]:
+    """Run what `options` ask for as long as the block lasts.
+
+    Raises ConfigError naming what is not installed, TransportOpenError where a port cannot be listened on,
+    GraphError where the node's name is that of another.
+    """
+    async with AsyncExitStack() as stack:
+        if options.rosbridge is not None:
+            yield await stack.enter_async_context(
+                _rosbridge(options, options.rosbridge, graph, tell, words or NodeWords())
+            )
+        else:
+            yield None
+
+
+@asynccontextmanager
+async def _rosbridge(
+    options: GatewayOptions, place: str, on: GatewayGraph, tell: Tell, words: NodeWords
+) -> AsyncIterator[RosbridgeServer]:
+    check_rosbridge()
+    from rostether.gateways.rosbridge.settings import DEFAULT_PORT, RosbridgeSettings
+
+    host, port = read_place(place, DEFAULT_PORT)
+    settings = RosbridgeSettings(host, port, options.token, options.origins, options.allow)
+    graph = await joined_as(on, words, words.name_for(ROSBRIDGE_NODE, port, DEFAULT_PORT), tell)
+    try:
+        async with rosbridge_server(graph, on, settings, tell, options.wider) as server:
+            yield server
+    finally:
+        await graph.close()
+
+
+async def joined_as(on: GatewayGraph, words: NodeWords, name: str, tell: Tell) -> Graph:
+    """Join as soon as there is a master. Raises GraphError where another node has the name."""
+
+    async def join(
+        node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
+    ) -> Graph:
+        await check_free(node_name, namespace, on.is_live)
+        return await on.join(node_name, namespace=namespace, remappings=remappings)
+
+    in_its_place = partial(join, namespace=words.namespace, remappings=words.remappings)
+    return await joined_patiently(in_its_place, name, tell)
+
+
+async def joined_patiently(join: JoinGraph, name: str, tell: Tell) -> Graph:
+    """Join as soon as there is a master. Raises GraphError."""
+    has_told = False
+    while True:
+        try:
+            return await join(name)
+        except MasterUnreachableError as error:
+            if not has_told:
+                tell(Level.WARN, f"{name} waits: {error}")
+                has_told = True
+            await asyncio.sleep(_MASTER_RETRY_S)
+
+
+@asynccontextmanager
+async def rosbridge_server(
+    graph: Graph, on: GatewayGraph, settings: RosbridgeSettings, tell: Tell, wider: str
+) -> AsyncIterator[RosbridgeServer]:
+    """Run a rosbridge server on a node, and say where it is. Raises as `gateways`.
+
+    `wider` is what people type, with {port}, to let other machines connect.
+    """
+    from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi, offering_rosapi
+    from rostether.gateways.rosbridge.server import RosbridgeServer
+    from rostether.gateways.rosbridge.values import Style
+
+    style = Style.ROS2 if on.is_ros2 else Style.ROS1
+    rosapi = Rosapi(
+        graph,
+        on.store,
+        style=style,
+        settings=settings,
+        ask_type=on.ask_service_type,
+        ask_host=on.ask_service_host,
+    )
+    server = RosbridgeServer(
+        graph,
+        on.store,
+        settings,
+        style=style,
+        ask_service_type=on.ask_service_type,
+        local_services=rosapi,
+        tell=tell,
+    )
+    async with AsyncExitStack() as stack:
+        stack.push_async_callback(server.close)
+        try:
+            await stack.enter_async_context(offering_rosapi(rosapi, on.join, graph, on.is_live))
+        except (DefinitionError, GraphError) as error:
+            # Clients are answered all the same, without the graph.
+            tell(Level.INFO, f"rosbridge: rosapi's services are there for its clients alone: {error}")
+        await server.start()
+        tell(Level.INFO, f"rosbridge: web pages and programs connect to {server.uri}")
+        tell_reach("rosbridge", settings.host, settings.port, settings.token, wider, tell)
+        yield server
+
+
+def tell_reach(gateway: str, host: str, port: int, token: str, wider: str, tell: Tell) -> None:
+    """Say who reaches a gateway; `wider` is what people type, with {port}, to let other machines connect."""
+    if is_loopback(host):
+        tell(Level.INFO, f"{gateway}: this machine only; {wider.format(port=port)} lets others connect")
+    elif not token:
+        tell(
+            Level.WARN,
+            f"{gateway}: whoever reaches it can publish and call services; --token and --allow limit that",
+        )
+
+
+def check_rosbridge() -> None:
+    """Raise ConfigError where the extra is not installed."""
+    if find_spec("websockets") is None or find_spec("cbor2") is None:
+        raise ConfigError(f"rosbridge is not installed; type: {install_command('rosbridge')}")

@@ -1,0 +1,89 @@
+"""What a gateway's node is called: two gateways of one graph, on two ports, are two nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+import click
+
+from rostether.cli.access.ros1_access import special_arguments
+from rostether.cli.gateway.options import DEFAULT_PLACE
+from rostether.cli.node.calls import ping
+from rostether.errors import GraphError, UnknownNameError
+from rostether.names.graph_name import canonical, join, validate_name
+from rostether.names.remap import parse_arguments
+from rostether.ros1.environment import RosEnvironment
+from rostether.ros1.node.master_client import MasterClient
+
+IsLive: TypeAlias = Callable[[str], Awaitable[bool]]
+"""Takes a node's full name, returns whether a node of that name answers. Raises GraphError."""
+
+
+@dataclass(frozen=True, slots=True)
+class NodeWords:
+    """What a command line says of a gateway's node; without a name it is the gateway's own."""
+
+    name: str = ""
+    namespace: str = "/"
+    remappings: Mapping[str, str] = field(default_factory=dict)
+
+    def name_for(self, own_name: str, port: int, default_port: int) -> str:
+        """Return the name: that of a gateway on a port of its own has the port in it."""
+        if self.name:
+            return self.name
+        # Port 0 is any that is free: nobody knows yet which.
+        return own_name if port in (0, default_port) else f"{own_name}_{port}"
+
+
+def read_gateway_words(words: Sequence[str]) -> tuple[str, NodeWords]:
+    """Return the place to listen on and what the words say of the node.
+
+    Raises click.UsageError, ConfigError, InvalidNameError.
+    """
+    arguments = parse_arguments(words)
+    if arguments.private_params:
+        name = next(iter(arguments.private_params))
+        raise click.UsageError(
+            f"_{name}:= is for the node in launch files; options and the PLACE say it here"
+        )
+    if len(arguments.rest) > 1:
+        raise click.UsageError(f"one place to listen on, not {' and '.join(arguments.rest)}")
+    specials = special_arguments()
+    name = specials.get("__name", "")
+    namespace = canonical("/" + specials.get("__ns", ""))
+    if name:
+        validate_name(name)
+    validate_name(namespace)
+    place = arguments.rest[0] if arguments.rest else DEFAULT_PLACE
+    return place, NodeWords(name, namespace, arguments.remappings)
+
+
+def asking_ros1(environment: RosEnvironment) -> IsLive:
+    """Return what tells whether a node of ROS 1 lives: the master still lists those that were killed."""
+
+    async def is_live(name: str) -> bool:
+        master = MasterClient(environment.master_uri, name)
+        try:
+            uri = await master.lookup_node(name)
+        except UnknownNameError:
+            return False
+        finally:
+            await master.close()
+        try:
+            await ping(name, uri)
+        except GraphError:
+            return False
+        return True
+
+    return is_live
+
+
+async def check_free(name: str, namespace: str, is_live: IsLive | None) -> None:
+    """Raise GraphError for the name of a node that lives: who joins under it would end that one."""
+    full_name = join(namespace, name)
+    if is_live is not None and await is_live(full_name):
+        raise GraphError(
+            f"a node {full_name} runs already; end it, or give this one another port or name (__name:=other)"
+        )

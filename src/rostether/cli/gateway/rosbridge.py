@@ -1,0 +1,174 @@
+"""`rostether rosbridge`, and the node rosbridge_websocket as a role."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Mapping, Sequence
+from contextlib import asynccontextmanager
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rostether.cli.access.options import allow_option, msg_path_option
+from rostether.cli.access.ros1_access import read_environment
+from rostether.cli.access.ros2_options import read_ros2_options, ros2_options
+from rostether.cli.access.ros_choice import chosen_ros2
+from rostether.cli.bridge.lines import ConsoleReporter
+from rostether.cli.bridge.serving import joining_ros1
+from rostether.cli.gateway.gateways import (
+    ROSBRIDGE_NODE,
+    Tell,
+    check_rosbridge,
+    gateway_graph,
+    gateways,
+    ros1_gateway_graph,
+    rosbridge_server,
+)
+from rostether.cli.gateway.node import NodeWords, read_gateway_words
+from rostether.cli.gateway.options import (
+    TOKEN_VARIABLE,
+    GatewayOptions,
+    access_options,
+    read_gateway_options,
+)
+from rostether.cli.gateway.parameters import certificate_files, flag, private_parameters, whole_number
+from rostether.cli.gateway.serving import serve_gateway
+from rostether.cli.role.node import NODE_SETTINGS, run_role
+from rostether.cli.shell.verbs import Verb
+from rostether.errors import ConfigError
+
+if TYPE_CHECKING:
+    from rostether.cli.bridge.served_graphs import ServedGraphs
+    from rostether.gateways.rosbridge.server import RosbridgeServer
+    from rostether.gateways.rosbridge.settings import RosbridgeSettings
+    from rostether.graph.typed_graph import TypedGraph
+
+
+@click.command(
+    cls=Verb,
+    examples="""
+    rostether rosbridge                                   web pages on this machine, port 9090
+    rostether rosbridge 9091
+    rostether rosbridge 0.0.0.0:9090 --allow 192.168.1.0/24
+    rostether rosbridge 0.0.0.0 --token 7f3c9a --origin https://panel.example
+    rostether rosbridge --ros2 zenoh
+    """,
+)
+@click.argument("words", nargs=-1, metavar="[[HOST:]PORT] [NAME:=OTHER]...")
+@access_options
+@click.option("--master", metavar="URI", help="The ROS master to join; it is waited for.")
+@ros2_options
+@allow_option
+@msg_path_option
+def rosbridge(
+    words: tuple[str, ...], master: str | None, allowed: tuple[str, ...], msg_paths: tuple[Path, ...]
+) -> None:
+    """Let web pages with roslibjs, and programs with roslibpy, use the graph.
+
+    It speaks the protocol of rosbridge_suite, with rosapi's services. `rostether serve --rosbridge` does the
+    same beside boards. Pages of other hosts need --origin, other machines a PLACE such as 0.0.0.0:9090.
+
+    Its node is rosbridge_websocket, on other ports rosbridge_websocket_PORT; __name:=, __ns:= and from:=to
+    work as for any ROS node.
+    """
+    check_rosbridge()
+    place, node = read_gateway_words(words)
+    options = replace(
+        read_gateway_options(allowed), rosbridge=place, wider="`rostether rosbridge 0.0.0.0:{port}`"
+    )
+    serve_gateway(master, allowed, msg_paths, partial(_opened, options, node, msg_paths))
+
+
+@asynccontextmanager
+async def _opened(
+    options: GatewayOptions, node: NodeWords, msg_paths: tuple[Path, ...], graphs: ServedGraphs, tell: Tell
+) -> AsyncIterator[RosbridgeServer]:
+    async with (
+        gateway_graph(graphs, chosen_ros2(), read_ros2_options(), msg_paths) as graph,
+        gateways(options, graph, tell, node) as server,
+    ):
+        assert server is not None
+        yield server
+
+
+@click.command(
+    "rosbridge-websocket",
+    cls=Verb,
+    context_settings=NODE_SETTINGS,
+    examples="""
+    rostether role rosbridge-websocket
+    rostether role rosbridge-websocket _port:=9091 _address:=0.0.0.0
+    """,
+)
+@click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
+def rosbridge_websocket(arguments: tuple[str, ...]) -> None:
+    """Serve web pages, like rosbridge_websocket.
+
+    Parameters: ~port (9090), ~address (loopback; 0.0.0.0 for other machines), ~websocket_path,
+    ~max_message_size, ~use_compression, ~ssl, ~certfile, ~keyfile, ~authenticate (with ROSTETHER_TOKEN),
+    ~topics_glob, ~services_glob, ~params_glob. Other parameters of rosbridge_websocket change nothing.
+    """
+    check_rosbridge()
+    run_role(ROSBRIDGE_NODE, arguments, _main)
+
+
+async def _main(graph: TypedGraph, words: list[str]) -> None:
+    parameters = await node_parameters(graph, words)
+    settings = read_settings(parameters, read_gateway_options().token)
+    reporter = ConsoleReporter()
+    environment = read_environment()
+    on = ros1_gateway_graph(joining_ros1(environment), graph.store, environment)
+    async with rosbridge_server(graph.raw, on, settings, reporter.line, "address 0.0.0.0") as server:
+        await graph.raw.set_param("~actual_port", server.port)
+        await graph.raw.wait_closed()
+
+
+async def node_parameters(graph: TypedGraph, words: Sequence[str]) -> dict[str, Any]:
+    """Return the node's private parameters; words such as `--port 9091` win, as with rosbridge_websocket."""
+    parameters = await private_parameters(graph)
+    rest = iter(words)
+    for word in rest:
+        if word.startswith("--"):
+            name, equals, value = word[2:].partition("=")
+            parameters[name] = value if equals else next(rest, "")
+    return parameters
+
+
+def read_settings(parameters: Mapping[str, Any], token: str = "") -> RosbridgeSettings:
+    """Return what a rosbridge_websocket's parameters ask for. Raises ConfigError naming the parameter."""
+    from rostether.gateways.rosbridge.settings import (
+        DEFAULT_HOST,
+        DEFAULT_MAX_MESSAGE_BYTES,
+        DEFAULT_PORT,
+        RosbridgeSettings,
+    )
+
+    if flag(parameters, "authenticate") and not token:
+        raise ConfigError(f"~authenticate needs a token: set {TOKEN_VARIABLE} where the node is started")
+    is_secure = flag(parameters, "ssl") or bool(parameters.get("certfile"))
+    certificate, key = certificate_files(parameters, "ssl") if is_secure else ("", "")
+    fragment_bytes = whole_number(parameters, "fragment_size", 0)
+    return RosbridgeSettings(
+        host=str(parameters.get("address") or DEFAULT_HOST),
+        port=whole_number(parameters, "port", DEFAULT_PORT),
+        token=token,
+        path="" if parameters.get("websocket_path") in (None, "/") else str(parameters["websocket_path"]),
+        max_message_bytes=whole_number(parameters, "max_message_size", 0) or DEFAULT_MAX_MESSAGE_BYTES,
+        deflate=flag(parameters, "use_compression"),
+        certificate=certificate,
+        key=key,
+        fragment_bytes=fragment_bytes or None,
+        topics_glob=_globs(parameters, "topics_glob"),
+        services_glob=_globs(parameters, "services_glob"),
+        params_glob=_globs(parameters, "params_glob"),
+    )
+
+
+def _globs(parameters: Mapping[str, Any], name: str) -> tuple[str, ...] | None:
+    """Return the names in `[/a, '/b*']`; an empty list, or none at all, is everything."""
+    value = parameters.get(name)
+    parts = value if isinstance(value, list) else str(value or "").strip().strip("[]").split(",")
+    globs = tuple(text for part in parts if (text := str(part).strip().strip("'\"")))
+    return globs or None

@@ -1,0 +1,52 @@
+"""A gateway as a command of its own: on the graphs that were chosen, until its node ends."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import AbstractAsyncContextManager
+from pathlib import Path
+from typing import Protocol
+
+from rostether.cli.access.ros1_access import read_environment
+from rostether.cli.access.ros2_options import read_ros2_options
+from rostether.cli.access.ros_choice import chosen_ros1, chosen_ros2
+from rostether.cli.bridge.lines import ConsoleReporter
+from rostether.cli.bridge.served_graphs import ServedGraphs, served_graphs
+from rostether.cli.gateway.gateways import Tell
+from rostether.cli.shell.running import run
+from rostether.graph.ports import Level
+
+
+class Gateway(Protocol):
+    """What serves clients."""
+
+    async def wait_ended(self) -> None:
+        """Wait until its node has left the graph."""
+
+
+def serve_gateway(
+    master: str | None,
+    allowed: Sequence[str],
+    msg_paths: Sequence[Path],
+    open_gateway: Callable[[ServedGraphs, Tell], AbstractAsyncContextManager[Gateway]],
+) -> None:
+    """Run a gateway on the graphs that this command line means. Raises what `served_graphs` does."""
+    environment = read_environment(master).allowing(allowed)
+    ros1, ros2, options = chosen_ros1(), chosen_ros2(), read_ros2_options()
+
+    async def serve() -> None:
+        tell = ConsoleReporter().line
+        async with served_graphs(
+            environment,
+            ros1=ros1,
+            ros2=ros2,
+            options=options,
+            is_chosen=master is not None,
+            msg_paths=msg_paths,
+        ) as graphs:
+            for line in graphs.lines:
+                tell(Level.INFO, line)
+            async with open_gateway(graphs, tell) as gateway:
+                await gateway.wait_ended()
+
+    run(serve(), is_service=True)

@@ -1,0 +1,71 @@
+"""`rostether env`: the shell code that lets ROS 1's commands be typed as ever."""
+
+from __future__ import annotations
+
+import os
+import shlex
+from pathlib import Path
+
+import click
+
+from rostether.cli.launch.shims import real_ros_commands, write_shims
+from rostether.cli.shell.output import warn, write_line
+from rostether.cli.shell.verbs import Verb
+
+SHELLS = ("sh", "bash", "zsh", "fish")
+
+_ROSCD = """\
+command -v roscd >/dev/null 2>&1 || roscd() {
+    _rostether_folder=$(rospack find "${1%%/*}") || return
+    case "$1" in */*) _rostether_folder=$_rostether_folder/${1#*/} ;; esac
+    cd "$_rostether_folder"
+}"""
+_ROSCD_FISH = """\
+type -q roscd; or function roscd
+    set -l parts (string split -m 1 / -- $argv[1])
+    set -l folder (rospack find $parts[1]); or return
+    cd (string join / -- $folder $parts[2])
+end"""
+
+
+@click.command(
+    "env",
+    cls=Verb,
+    examples="""
+    eval "$(rostether env)"                          in this shell
+    echo 'eval "$(rostether env)"' >> ~/.bashrc      for good
+    rostether env --shell fish | source
+    eval "$(rostether env --first)"                  even where a real ROS is installed
+    """,
+)
+@click.option(
+    "--shell", type=click.Choice(SHELLS), help="Which shell the code is for (default: what $SHELL names)."
+)
+@click.option("--first", is_flag=True, help="Put our commands before a real ROS on PATH, not behind it.")
+def env(shell: str | None, first: bool) -> None:
+    """Print the shell code with which roscore, rosrun, roslaunch, rostopic and others are ours.
+
+    A real ROS is never shadowed: where one is installed, its commands stay those that are run, unless --first
+    asks for ours.
+    """
+    folder = write_shims()
+    path = os.environ.get("PATH", "")
+    others = real_ros_commands(path, folder)
+    if others and not first:
+        some = ", ".join(str(each) for each in list(others.values())[:3])
+        more = f" and {len(others) - 3} more" if len(others) > 3 else ""
+        warn(f"a real ROS is installed and keeps its commands ({some}{more}); --first puts ours before it")
+    name = shell or Path(os.environ.get("SHELL", "sh")).name
+    write_line(shell_code(folder, first=first, is_fish=name == "fish"))
+
+
+def shell_code(folder: Path, *, first: bool, is_fish: bool) -> str:
+    """Return the code: our folder on PATH once, and `roscd`, which only a function can be."""
+    quoted = shlex.quote(str(folder))
+    if is_fish:
+        where = f"set -gx PATH {quoted} $PATH" if first else f"set -gx PATH $PATH {quoted}"
+        return f"contains -- {quoted} $PATH; or {where}\n{_ROSCD_FISH}"
+    where = f'PATH={quoted}"${{PATH:+:$PATH}}"' if first else f'PATH="${{PATH:+$PATH:}}"{quoted}'
+    if first:
+        return f"{where}\nexport PATH\n{_ROSCD}"
+    return f'case ":$PATH:" in *:{quoted}:*) ;; *) {where} ;; esac\nexport PATH\n{_ROSCD}'

@@ -1,0 +1,39 @@
+"""The packages that a command sees, with a word on those of which it can take only one."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from rostether.cli.shell.output import warn
+from rostether.packages.locate import package_folders
+from rostether.packages.search_path import OnNamesake
+
+MAX_TOLD = 3
+"""Lines about packages of one name; whoever has more has copied a whole workspace."""
+
+
+def packages_here() -> dict[str, Path]:
+    """Return the folders of all packages that this command sees; warns of two of one name."""
+    with told_namesakes() as on_namesake:
+        return package_folders(os.environ, Path.cwd(), on_namesake=on_namesake)
+
+
+@contextmanager
+def told_namesakes() -> Iterator[OnNamesake]:
+    """Give what hears of packages of one name, and warn of them at the end, a line for each."""
+    lines: list[str] = []
+
+    def note(name: str, used: Path, other: Path) -> None:
+        lines.append(
+            f"rostether: warning: two packages are called {name}: {used} is used, {other} is not; "
+            "rename one, or put a file CATKIN_IGNORE into its folder"
+        )
+
+    yield note
+    for line in lines[:MAX_TOLD]:
+        warn(line)
+    if len(lines) > MAX_TOLD:
+        warn(f"rostether: warning: {len(lines) - MAX_TOLD} more packages have a name that another has")

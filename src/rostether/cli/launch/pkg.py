@@ -1,0 +1,121 @@
+"""`rostether pkg`: the packages of a workspace: create, list, find, and what catkin's commands did."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import click
+
+from rostether.cli.access.completions import complete_package_folders
+from rostether.cli.launch.packages_here import packages_here
+from rostether.cli.shell.output import json_option, write_json, write_line
+from rostether.cli.shell.verbs import LazyGroup, Verb, VerbEntry
+from rostether.errors import ConfigError
+
+_HERE = "rostether.cli.launch.pkg"
+
+VERBS = {
+    "create": VerbEntry(
+        "rostether.cli.launch.pkg_create:create", "Write a new package, like catkin_create_pkg."
+    ),
+    "list": VerbEntry(f"{_HERE}:list_packages", "List packages and their folders."),
+    "find": VerbEntry(f"{_HERE}:find", "Print a package's folder."),
+    "list-names": VerbEntry(f"{_HERE}:list_names", "List the names of packages."),
+    "depends1": VerbEntry(f"{_HERE}:depends1", "List what a package names as its dependencies."),
+    "version": VerbEntry(f"{_HERE}:version", "Print a package's version, like rosversion."),
+    "init-workspace": VerbEntry(
+        "rostether.cli.launch.pkg_make:init",
+        "Mark a folder as a workspace's src, like catkin_init_workspace.",
+    ),
+    "make": VerbEntry(
+        "rostether.cli.launch.pkg_make:make", "Check a workspace and say what it has; builds nothing."
+    ),
+}
+# The distribution whose protocols and definitions ours are.
+_DISTRIBUTION = "noetic"
+
+
+@click.group(
+    cls=LazyGroup,
+    verbs=VERBS,
+    examples="""
+    rostether pkg create my_robot std_msgs rospy
+    rostether pkg list
+    cd "$(rostether pkg find my_robot)"
+    """,
+)
+def pkg() -> None:
+    """Work with ROS packages: folders with a package.xml; none of them needs to be built.
+
+    They are found on ROS_PACKAGE_PATH, in the catkin workspace around this folder, and below it.
+    """
+
+
+def here() -> dict[str, Path]:
+    """Return the folders of all packages that this command sees."""
+    return packages_here()
+
+
+def folder_of(name: str) -> Path:
+    """Return a package's folder. Raises ConfigError with those that are near."""
+    from difflib import get_close_matches
+
+    packages = here()
+    if name not in packages:
+        near = get_close_matches(name, packages)
+        hint = f"did you mean {' or '.join(near)}?" if near else "`rostether pkg list` shows those found"
+        raise ConfigError(
+            f"no package {name} on ROS_PACKAGE_PATH, in the workspace around this folder or below it; {hint}"
+        )
+    return packages[name]
+
+
+@click.command("list", cls=Verb, examples="rostether pkg list\nrostether pkg list --json")
+@json_option
+def list_packages(as_json: bool) -> None:
+    """List all packages that are found from this folder, each with its own."""
+    for name, folder in sorted(here().items()):
+        if as_json:
+            write_json({"package": name, "folder": str(folder)})
+        else:
+            write_line(f"{name} {folder}")
+
+
+@click.command("list-names", cls=Verb, examples="rostether pkg list-names")
+def list_names() -> None:
+    """List the names of all packages that are found from this folder."""
+    for name in sorted(here()):
+        write_line(name)
+
+
+@click.command("find", cls=Verb, examples="rostether pkg find mearm_model")
+@click.argument("name", metavar="PACKAGE", shell_complete=complete_package_folders)
+def find(name: str) -> None:
+    """Print the folder of a package."""
+    write_line(str(folder_of(name)))
+
+
+@click.command("depends1", cls=Verb, examples="rostether pkg depends1 mearm_model")
+@click.argument("name", metavar="PACKAGE")
+def depends1(name: str) -> None:
+    """List the packages that a package names in its package.xml."""
+    from rostether.packages.workspace import read_contents
+
+    for each in sorted(read_contents(folder_of(name)).description.dependencies):
+        write_line(each)
+
+
+@click.command("version", cls=Verb, examples="rostether pkg version mearm_model\nrostether pkg version -d")
+@click.option("-d", "--distro", is_flag=True, help="Print the ROS distribution that we stand in for.")
+@click.argument("name", metavar="PACKAGE", required=False)
+def version(distro: bool, name: str | None) -> None:
+    """Print the version in a package's package.xml."""
+    from rostether.packages.workspace import read_contents
+
+    if distro or name is None:
+        if not distro:
+            raise click.UsageError("which package? Name one, or ask with -d for the distribution")
+        write_line(os.environ.get("ROS_DISTRO") or _DISTRIBUTION)
+        return
+    write_line(read_contents(folder_of(name)).description.version)

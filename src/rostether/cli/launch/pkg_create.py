@@ -1,0 +1,83 @@
+"""`rostether pkg create`: a new package, with the options of catkin_create_pkg."""
+
+from __future__ import annotations
+
+import getpass
+from pathlib import Path
+
+import click
+
+from rostether.cli.shell.output import json_option, warn, write_json, write_line
+from rostether.cli.shell.verbs import Verb
+from rostether.packages.create import NewPackage, create_package
+
+
+@click.command(
+    "create",
+    cls=Verb,
+    examples="""
+    rostether pkg create mearm_model std_msgs rospy roscpp
+    rostether pkg create my_robot rospy -V 0.1.0 -D "My robot" -l Apache-2.0 -m "Ada <ada@example.org>"
+    """,
+)
+@click.argument("name")
+@click.argument("dependencies", nargs=-1, metavar="[DEPENDENCY]...")
+@click.option("--meta", is_flag=True, help="A metapackage: only a name for the packages it depends on.")
+@click.option(
+    "-s", "--sys-deps", "system_dependencies", multiple=True, help="A system's package; may be repeated."
+)
+@click.option("-b", "--boost-comps", "boost", multiple=True, help="A library of Boost; may be repeated.")
+@click.option("-V", "--pkg_version", "version", default="0.0.0", help="The version (0.0.0).")
+@click.option("-D", "--description", default="", help="What it is for.")
+@click.option("-l", "--license", "licenses", multiple=True, help="A licence; may be repeated.")
+@click.option("-a", "--author", "authors", multiple=True, help="An author; may be repeated.")
+@click.option("-m", "--maintainer", "maintainers", multiple=True, help="A maintainer; may be repeated.")
+@click.option("--rosdistro", help="Accepted, and without a meaning here.")
+@json_option
+def create(
+    name: str,
+    dependencies: tuple[str, ...],
+    meta: bool,
+    system_dependencies: tuple[str, ...],
+    boost: tuple[str, ...],
+    version: str,
+    description: str,
+    licenses: tuple[str, ...],
+    authors: tuple[str, ...],
+    maintainers: tuple[str, ...],
+    rosdistro: str | None,
+    as_json: bool,
+) -> None:
+    """Write package.xml and CMakeLists.txt of a new package into a folder of its name."""
+    package = NewPackage(
+        name=name,
+        dependencies=dependencies,
+        system_dependencies=system_dependencies,
+        boost_components=boost,
+        version=version,
+        description=description,
+        licenses=licenses,
+        authors=authors,
+        maintainers=maintainers,
+        is_metapackage=meta,
+        user=_user(),
+    )
+    created = create_package(Path.cwd(), package)
+    for line in created.warnings:
+        warn(line)
+    if as_json:
+        write_json({"folder": str(created.folder), "files": [str(each) for each in created.files]})
+        return
+    for file in created.files:
+        write_line(f"Created file {file.relative_to(Path.cwd())}")
+    for folder in created.folders:
+        write_line(f"Created folder {folder.relative_to(Path.cwd())}")
+    write_line(f"Successfully created files in {created.folder}. Please adjust the values in package.xml.")
+
+
+def _user() -> str:
+    try:
+        return getpass.getuser()
+    except (KeyError, OSError):
+        # A container may run as a user whom nobody has named.
+        return "user"

@@ -1,0 +1,130 @@
+"""`rostether pkg make` and `init-workspace`: what catkin_make and catkin_init_workspace stand for here."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from rostether.cli.shell.failures import EXIT_FAILED
+from rostether.cli.shell.output import json_option, warn, write_json, write_line
+from rostether.cli.shell.verbs import Verb
+from rostether.errors import RostetherError
+
+if TYPE_CHECKING:
+    from rostether.msgdef.registry import Registry
+    from rostether.packages.workspace import PackageContents
+
+
+_OF_CMAKE = ("-D", "-G", "-j", "-l", "-W")
+
+
+@click.command("init-workspace", cls=Verb, examples="cd ~/catkin_ws/src\nrostether pkg init-workspace")
+@click.argument("folder", type=click.Path(path_type=Path), required=False)
+def init(folder: Path | None) -> None:
+    """Mark this folder, or the one given, as the src of a catkin workspace.
+
+    It says so to people and to a real catkin; our own commands find packages without it.
+    """
+    from rostether.packages.workspace import init_workspace
+
+    write_line(f"Created file {init_workspace(folder or Path.cwd())}")
+
+
+class _CatkinVerb(Verb):
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        # Of -DCMAKE_X=h a cluster of short options would be read, and the h in it ask for help.
+        return super().parse_args(ctx, [each for each in args if not each.startswith(_OF_CMAKE)])
+
+
+@click.command(
+    "make",
+    cls=_CatkinVerb,
+    context_settings={"ignore_unknown_options": True},
+    examples="""
+    cd ~/catkin_ws
+    rostether pkg make
+    source devel/setup.bash
+    """,
+)
+@click.option(
+    "-C",
+    "--directory",
+    type=click.Path(path_type=Path),
+    help="The workspace (default: the one around this folder).",
+)
+@click.argument("ignored", nargs=-1, type=click.UNPROCESSED, metavar="[CATKIN OPTION]...")
+@json_option
+def make(directory: Path | None, ignored: tuple[str, ...], as_json: bool) -> None:
+    """Say what the packages of a workspace have, and whether their messages can be read.
+
+    Nothing is built: messages, services and Python nodes are used as they stand. devel/setup.bash, which
+    puts the workspace on ROS_PACKAGE_PATH, is written. Programs in C++ need a real ROS; they are named.
+    """
+    from rostether.msgdef.registry import Registry
+    from rostether.packages.locate import SOURCE_FOLDER, workspace_of
+    from rostether.packages.workspace import broken_packages, read_workspace, write_setup_files
+
+    here = directory or Path.cwd()
+    workspace = (workspace_of(here) or here).absolute()
+    packages = read_workspace(workspace)
+    written = write_setup_files(workspace)
+    registry = Registry.from_environment([workspace / SOURCE_FOLDER])
+    broken = broken_packages(workspace)
+    for line in broken:
+        warn(line)
+    has_problems = bool(broken)
+    for contents in packages:
+        problems = definition_problems(contents, registry)
+        has_problems = has_problems or bool(problems)
+        _show(contents, problems, workspace, as_json=as_json)
+    if not as_json:
+        count = f"{len(packages)} package{'' if len(packages) == 1 else 's'}"
+        write_line(f"{count} in {workspace / SOURCE_FOLDER}; nothing needs to be built")
+        if any(file.name == "setup.bash" for file in written):
+            write_line(f"Other shells see them after `source {workspace / 'devel' / 'setup.bash'}`")
+    if has_problems:
+        raise click.exceptions.Exit(EXIT_FAILED)
+
+
+def definition_problems(contents: PackageContents, registry: Registry) -> list[str]:
+    """Return a line for every message, service or action of a package that cannot be used."""
+    name = contents.description.name
+    problems = []
+    wanted = [(registry.message_type, each) for each in contents.messages]
+    wanted += [(registry.message_type, f"{each}Action") for each in contents.actions]
+    for read, each in wanted:
+        try:
+            read(f"{name}/{each}")
+        except RostetherError as error:
+            problems.append(str(error))
+    for each in contents.services:
+        try:
+            registry.service_type(f"{name}/{each}")
+        except RostetherError as error:
+            problems.append(str(error))
+    return problems
+
+
+def _show(contents: PackageContents, problems: list[str], workspace: Path, *, as_json: bool) -> None:
+    parts = {
+        "messages": contents.messages,
+        "services": contents.services,
+        "actions": contents.actions,
+        "nodes": contents.nodes,
+        "launch files": contents.launch_files,
+    }
+    if as_json:
+        record: dict[str, object] = {key.replace(" ", "_"): value for key, value in parts.items()}
+        head = {"package": contents.description.name, "folder": str(contents.folder)}
+        write_json({**head, **record, "problems": problems})
+        return
+    write_line(f"{contents.description.name} ({contents.folder.relative_to(workspace)})")
+    for what, names in parts.items():
+        if names:
+            write_line(f"  {what}: {', '.join(names)}")
+    if contents.compiled_sources:
+        write_line(f"  not built here, a real ROS does: {', '.join(contents.compiled_sources)}")
+    for line in problems:
+        warn(f"  {line}")

@@ -1,0 +1,69 @@
+"""`rostether run`: one node of a package, like rosrun."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import sys
+from collections.abc import Mapping, Sequence
+
+import click
+
+from rostether.cli.access.completions import complete_package_folders, complete_programs
+from rostether.cli.launch.packages_here import packages_here
+from rostether.cli.launch.served_nodes import replacement_line, served_nodes
+from rostether.cli.node.node_command import node_command
+from rostether.cli.shell.output import warn, write_line
+from rostether.cli.shell.verbs import Verb
+from rostether.errors import ConfigError
+from rostether.rospy_facade.environment import node_environment
+
+
+@click.command(
+    "run",
+    cls=Verb,
+    context_settings={"ignore_unknown_options": True, "allow_interspersed_args": False},
+    examples="""
+    rostether run mearm_model filter.py
+    rostether run mearm_model move.py __name:=mover joint_states:=/arm/joint_states
+    rostether run rosserial_python serial_node.py _port:=/dev/ttyACM0 _baud:=115200
+    rostether run topic_tools relay /chatter /copy
+    rostether run --prefix "nice -n 10" mearm_model filter.py
+    """,
+)
+@click.option(
+    "-p", "--prefix", default="", metavar="COMMAND", help="Put this before the node's command line."
+)
+@click.option("-d", "--debug", is_flag=True, help="Say what is run.")
+@click.argument("package", shell_complete=complete_package_folders)
+@click.argument("program", metavar="NODE", shell_complete=complete_programs)
+@click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[ARGUMENT | NAME:=VALUE]...")
+def run(prefix: str, debug: bool, package: str, program: str, arguments: tuple[str, ...]) -> None:
+    """Run a node of a package; nothing needs to be built, and no ROS to be installed.
+
+    Packages are found on ROS_PACKAGE_PATH, in the catkin workspace around this folder, and below it. Nodes
+    such as serial_node.py, relay and robot_state_publisher are our own. The rest of the line is the node's.
+    """
+    if line := replacement_line(package, os.environ):
+        warn(line)
+        return
+    # To look through a home directory takes its time, and our own nodes are in no folder.
+    is_ours = (package, program) in served_nodes()
+    packages = {} if is_ours else packages_here()
+    found = node_command(package, program, packages=packages, environ=os.environ)
+    words = [*shlex.split(prefix), *found, *arguments]
+    if debug:
+        write_line(shlex.join(words))
+    become(words, node_environment(os.environ, packages))
+
+
+def become(words: Sequence[str], environ: Mapping[str, str]) -> None:
+    """Become another process: signals and the exit code are then the node's own. Raises ConfigError."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    try:
+        os.execvpe(words[0], list(words), environ)  # noqa: S606
+    except OSError as error:
+        raise ConfigError(
+            f"{words[0]} cannot be run: {error.strerror}; its first line may name a missing program"
+        ) from error

@@ -1,0 +1,121 @@
+"""The nodes that launch files and rosrun name, and that are ours by role: (package, type) -> our command.
+
+A row is the words behind `rostether`. Such a command takes what any ROS node takes: `__name:=`, `__ns:=`,
+`_parameter:=value`, `from:=to`. What shows itself in a window of its own stands in `_WINDOWS`: the user's own
+is started when installed, else one line says what takes its place.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+
+from rostether.packages.executables import library_folders
+
+_SERIAL = ("serial-node",)
+
+SERVED_NODES: dict[tuple[str, str], tuple[str, ...]] = {
+    ("rosserial_python", "serial_node.py"): _SERIAL,
+    ("rosserial_python", "serial_node"): _SERIAL,
+    ("rosserial_arduino", "serial_node.py"): _SERIAL,
+    ("rosserial_server", "serial_node"): ("role", "rosserial-server-serial"),
+    ("rosserial_server", "socket_node"): ("role", "rosserial-server-socket"),
+    ("rosserial_server", "udp_socket_node"): ("role", "rosserial-server-udp"),
+    ("rosserial_arduino", "make_libraries.py"): ("role", "make-libraries"),
+    ("rosserial_client", "make_libraries"): ("role", "make-libraries"),
+    ("rosserial_client", "make_libraries.py"): ("role", "make-libraries"),
+    ("rosserial_embeddedlinux", "make_libraries.py"): ("role", "make-libraries"),
+    ("rosserial_mbed", "make_libraries.py"): ("role", "make-libraries"),
+    ("rosserial_windows", "make_libraries.py"): ("role", "make-libraries"),
+    ("rosserial_tivac", "make_libraries_energia"): ("role", "make-libraries"),
+    ("rosserial_tivac", "make_libraries_tiva"): ("role", "make-libraries"),
+    ("robot_state_publisher", "robot_state_publisher"): ("role", "robot-state-publisher"),
+    ("robot_state_publisher", "state_publisher"): ("role", "robot-state-publisher"),
+    ("joint_state_publisher", "joint_state_publisher"): ("role", "joint-state-publisher"),
+    ("joint_state_publisher_gui", "joint_state_publisher_gui"): ("role", "joint-state-publisher-gui"),
+    ("tf", "static_transform_publisher"): ("role", "tf-static-transform-publisher"),
+    ("tf2_ros", "static_transform_publisher"): ("role", "static-transform-publisher"),
+    ("tf", "tf_echo"): ("tf", "echo"),
+    ("tf2_ros", "echo.py"): ("tf", "echo"),
+    ("tf", "tf_monitor"): ("tf", "monitor"),
+    ("tf2_ros", "tf2_monitor"): ("tf", "monitor"),
+    ("tf", "view_frames"): ("tf", "tree"),
+    ("tf2_tools", "view_frames.py"): ("tf", "tree"),
+    ("rqt_tf_tree", "rqt_tf_tree"): ("tf", "tree"),
+    ("xacro", "xacro"): ("xacro",),
+    ("xacro", "xacro.py"): ("xacro",),
+    ("rosbag", "record"): ("bag", "record"),
+    ("rosbag", "play"): ("bag", "play"),
+    ("rosbag", "rosbag"): ("bag",),
+    ("foxglove_bridge", "foxglove_bridge"): ("role", "foxglove-bridge"),
+    ("rosbridge_server", "rosbridge_websocket"): ("role", "rosbridge-websocket"),
+    ("rosbridge_server", "rosbridge_websocket.py"): ("role", "rosbridge-websocket"),
+    ("rosapi", "rosapi_node"): ("role", "rosapi-node"),
+    ("joy", "joy_node"): ("role", "joy-node"),
+    ("topic_tools", "relay"): ("role", "relay"),
+    ("topic_tools", "throttle"): ("role", "throttle"),
+    ("topic_tools", "mux"): ("role", "mux"),
+    ("topic_tools", "mux_select"): ("role", "mux-select"),
+    ("topic_tools", "mux_add"): ("role", "mux-add"),
+    ("topic_tools", "mux_delete"): ("role", "mux-delete"),
+    ("topic_tools", "mux_list"): ("role", "mux-list"),
+}
+
+_WINDOWS = {
+    "rviz": "`rostether tf monitor` and `rostether topic echo` show the robot's frames in the terminal",
+    "rqt_graph": "`rostether graph` shows nodes and topics",
+    "rqt_plot": "`rostether plot TOPIC/field` shows values over time",
+    "rqt_console": "`rostether topic echo /rosout` shows logs",
+    "rqt_topic": "`rostether topic list -v` and `rostether topic echo` show topics",
+    "rqt_gui": "`rostether monitor`, `graph` and `plot` show the graph in the terminal",
+    "rqt_publisher": "`rostether topic pub -r` publishes",
+    "rqt_service_caller": "`rostether service call` calls services",
+    "rqt_reconfigure": "`rostether param set` sets parameters",
+    "rqt_robot_steering": "`rostether topic pub -r 10 /cmd_vel geometry_msgs/Twist` drives",
+}
+
+
+def served_nodes() -> dict[tuple[str, str], list[str]]:
+    """Map (package, type) of the nodes that we serve to whole command lines, without the node's arguments."""
+    return {node: our_command(*words) for node, words in SERVED_NODES.items() if _exists(words)}
+
+
+def our_command(*words: str) -> list[str]:
+    """Return the command line of one of our verbs, run by this very Python."""
+    # Without -P a file of the current folder could stand in for one of our modules.
+    return [sys.executable, "-P", "-m", "rostether", *words]
+
+
+def replacement_line(package: str, environ: Mapping[str, str]) -> str | None:
+    """Return what to tell a user whose rviz or rqt program is not installed; None for every other package."""
+    if package not in _WINDOWS and not package.startswith("rqt_"):
+        return None
+    if window_program(package, package, environ) is not None:
+        return None
+    instead = _WINDOWS.get(package, "`rostether monitor`, `graph` and `plot` show the graph in the terminal")
+    return f"{package} is not installed here; {instead}"
+
+
+def window_program(package: str, name: str, environ: Mapping[str, str]) -> Path | None:
+    """Return the user's own rviz or rqt program, None where it is not installed."""
+    for library in library_folders(package, None, environ):
+        if os.access(library / name, os.X_OK) and (library / name).is_file():
+            return library / name
+    from rostether.cli.launch.shims import is_shim
+
+    for part in environ.get("PATH", os.defpath).split(os.pathsep):
+        found = shutil.which(name, path=part) if part else None
+        # Our own shim would only come back to us.
+        if found is not None and not is_shim(Path(found)):
+            return Path(found)
+    return None
+
+
+def _exists(words: tuple[str, ...]) -> bool:
+    from rostether.cli.main import VERBS
+    from rostether.cli.role.group import ROLES
+
+    return words[1] in ROLES if words[0] == "role" else words[0] in VERBS

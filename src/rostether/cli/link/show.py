@@ -1,0 +1,124 @@
+"""`rostether link show`: the frames of a capture, one a line."""
+
+from __future__ import annotations
+
+import contextlib
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from rostether.cli.shell.output import json_option, write_json, write_line
+from rostether.cli.shell.verbs import Verb
+from rostether.errors import ConfigError
+
+if TYPE_CHECKING:
+    from rostether.rosserial.line_log import LineEntry
+    from rostether.transports.capture import Capture
+
+# Enough to recognise text and the beginning of a frame.
+_SHOWN_BYTES = 16
+# The first frames of a line tell its version; a longer look changes nothing.
+_LOOKED_AT_BYTES = 64 * 1024
+
+
+@click.command(
+    "show",
+    cls=Verb,
+    examples="""
+    rostether link show problem.jsonl
+    rostether link show problem.jsonl --faults
+    rostether link show problem.jsonl --json | head
+    """,
+)
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--faults", is_flag=True, help="List only the bytes that are no valid frame.")
+@json_option
+def link_show(file: Path, faults: bool, as_json: bool) -> None:
+    """List the frames of a capture: time, direction, topic id, payload length, and what it is.
+
+    Bytes that are no valid frame are marked with `!`. A last line counts all.
+    """
+    from rostether.bridge.reporter import printable
+    from rostether.rosserial.line_log import LineLog
+    from rostether.transports.capture import Capture, Chunk, LinkClosed, LinkOpened
+
+    capture = Capture(file)
+    version = capture.version or _version(capture)
+    logs: dict[int, LineLog] = {}
+    counts: Counter[str] = Counter()
+
+    def tell(link: int, entries: list[LineEntry]) -> None:
+        for entry in entries:
+            side = "device" if entry.from_device else "host"
+            counts[f"{side} {'faults' if entry.fault else 'frames'}"] += 1
+            if faults and not entry.fault:
+                continue
+            if as_json:
+                write_json(_record(link, entry))
+            else:
+                write_line(_line(link, entry))
+
+    time_s = 0.0
+    for each in capture.entries():
+        time_s = each.time_s
+        match each:
+            case Chunk():
+                log = logs.setdefault(each.link, LineLog(version))
+                tell(each.link, list(log.feed(each.time_s, each.from_device, each.data)))
+            case LinkOpened() | LinkClosed():
+                ended = logs.pop(each.link, None)
+                tell(each.link, list(ended.finish(time_s)) if ended is not None else [])
+                if not as_json:
+                    what = f"opened: {printable(each.peer)}" if isinstance(each, LinkOpened) else "closed"
+                    write_line(f"{time_s:12.6f}  link {each.link} {what}")
+    for link, log in logs.items():
+        tell(link, list(log.finish(time_s)))
+    if not as_json:
+        write_line(
+            f"protocol version {version}, {time_s:.1f} s; from the board {counts['device frames']} frames, "
+            f"{counts['device faults']} faults; from the host {counts['host frames']} frames, "
+            f"{counts['host faults']} faults"
+        )
+
+
+def _version(capture: Capture) -> int:
+    from rostether.rosserial.line_log import version_of
+    from rostether.transports.capture import Chunk
+
+    seen = bytearray()
+    # A bad line is told when the listing comes to it.
+    with contextlib.suppress(ConfigError):
+        for each in capture.entries():
+            if isinstance(each, Chunk) and each.from_device:
+                seen += each.data
+            if len(seen) >= _LOOKED_AT_BYTES:
+                break
+    return version_of(bytes(seen))
+
+
+def _line(link: int, entry: LineEntry) -> str:
+    of_link = f" link {link}" if link > 1 else ""
+    side = "board ->" if entry.from_device else "<- host "
+    if entry.fault:
+        shown = entry.data[:_SHOWN_BYTES]
+        text = "".join(chr(byte) if 32 <= byte < 127 else "." for byte in shown)
+        more = "..." if len(entry.data) > len(shown) else ""
+        what = f"! {entry.fault}: {shown.hex()}{more}  {text}{more}"
+    else:
+        what = entry.what
+    topic_id = "" if entry.topic_id is None else str(entry.topic_id)
+    return f"{entry.time_s:12.6f}{of_link}  {side} {topic_id:>5} {len(entry.data):>6} B  {what}"
+
+
+def _record(link: int, entry: LineEntry) -> dict[str, object]:
+    return {
+        "t": entry.time_s,
+        "link": link,
+        "from": "device" if entry.from_device else "host",
+        "topic_id": entry.topic_id,
+        "what": entry.what,
+        "fault": entry.fault or None,
+        "hex": entry.data.hex(),
+    }

@@ -1,0 +1,274 @@
+"""`rostether msg` and `rostether srv`: what message and service definitions say, in rosmsg's form."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rostether.cli.access.completions import complete_message_types, complete_service_types
+from rostether.cli.access.options import msg_path_option
+from rostether.cli.access.ros_choice import chosen_ros2, ros1_option, ros2_option
+from rostether.cli.shell.output import json_option, write_json, write_line
+from rostether.cli.shell.verbs import LazyGroup, Verb, VerbEntry
+from rostether.errors import UnknownTypeError
+
+if TYPE_CHECKING:
+    from rostether.msgdef.registry import Registry
+    from rostether.msgdef.spec import MessageSpec
+
+
+@dataclass(frozen=True, slots=True)
+class _Kind:
+    """What differs between the two groups."""
+
+    group: str
+    what: str
+    suffix: str
+    example: str
+    type_command: str
+
+    @property
+    def example_package(self) -> str:
+        return self.example.partition("/")[0]
+
+    @property
+    def short_example(self) -> str:
+        return self.example.partition("/")[2]
+
+    def names(self, registry: Registry, package: str | None = None) -> list[str]:
+        return registry.messages(package) if self.group == "msg" else registry.services(package)
+
+    def parts(self, registry: Registry, name: str) -> tuple[str, list[MessageSpec]]:
+        """Return the source text, and the message or the two halves."""
+        if self.group == "msg":
+            message = registry.message(name)
+            return message.text, [message]
+        service = registry.service(name)
+        return service.text, [service.request, service.response]
+
+    def md5sum(self, registry: Registry, name: str) -> str:
+        """Return the md5sum, or the type hash that stands in its place in ROS 2."""
+        if chosen_ros2() is not None:
+            from rostether.cli.access.ros2_definitions import type_hash
+
+            return type_hash(registry, self.group, name)
+        if self.group == "msg":
+            return registry.message_type(name).md5sum
+        return registry.service_type(name).md5sum
+
+
+_MESSAGES = _Kind("msg", "message", ".msg", "sensor_msgs/Range", "rostether topic type /ultrasound")
+_SERVICES = _Kind("srv", "service", ".srv", "std_srvs/SetBool", "rostether service type /set_led")
+
+
+def _verbs(kind: _Kind) -> dict[str, VerbEntry]:
+    here = f"{__name__}:{kind.group}_"
+    return {
+        "show": VerbEntry(f"{here}show", f"Show the fields of a {kind.what} type."),
+        "info": VerbEntry(f"{here}show", "The same as show."),
+        "list": VerbEntry(f"{here}list", f"List all {kind.what} types."),
+        "md5": VerbEntry(f"{here}md5", f"Print the md5sum of a {kind.what} type."),
+        "package": VerbEntry(f"{here}package", f"List the {kind.what} types of one package."),
+        "packages": VerbEntry(f"{here}packages", f"List the packages that have {kind.what} types."),
+    }
+
+
+@click.group(cls=LazyGroup, verbs=_verbs(_MESSAGES), examples="rostether msg show sensor_msgs/Range")
+def msg() -> None:
+    """Show message definitions: those we bring along, and those of your own packages."""
+
+
+@click.group(cls=LazyGroup, verbs=_verbs(_SERVICES), examples="rostether srv show std_srvs/SetBool")
+def srv() -> None:
+    """Show service definitions: those we bring along, and those of your own packages."""
+
+
+def _registry(msg_paths: tuple[Path, ...]) -> Registry:
+    if chosen_ros2() is not None:
+        from rostether.ros2.native_registry import NativeRegistry
+
+        return NativeRegistry.from_environment(msg_paths)
+    from rostether.msgdef.registry import Registry
+
+    return Registry.from_environment(msg_paths)
+
+
+def format_spec(registry: Registry, spec: MessageSpec, indent: str = "") -> Iterator[str]:
+    """Yield a message's lines: constants, then fields, each message's fields below it, indented."""
+    from rostether.msgdef.primitives import PRIMITIVE_TYPES
+
+    for constant in spec.constants:
+        yield f"{indent}{constant.type} {constant.name}={constant.text}"
+    for field in spec.fields:
+        yield f"{indent}{field.type} {field.name}"
+        if field.type.base not in PRIMITIVE_TYPES:
+            yield from format_spec(registry, registry.message(field.type.base), indent + "  ")
+
+
+def _record(kind: _Kind, registry: Registry, name: str) -> dict[str, Any]:
+    def describe(spec: MessageSpec) -> dict[str, Any]:
+        return {
+            "constants": [{"type": c.type, "name": c.name, "value": c.value} for c in spec.constants],
+            "fields": [{"type": str(field.type), "name": field.name} for field in spec.fields],
+        }
+
+    parts = kind.parts(registry, name)[1]
+    described = dict(zip(("request", "response"), map(describe, parts), strict=False))
+    body = describe(parts[0]) if kind is _MESSAGES else described
+    return {"type": name, "md5sum": kind.md5sum(registry, name), **body}
+
+
+def _type_argument(kind: _Kind, given: str | None) -> str:
+    """Return the type name: an argument, or a line of stdin (`rostether topic type /x | ...`)."""
+    name = given
+    while not name:
+        if sys.stdin.isatty():
+            raise click.UsageError(f"which {kind.what} type? For example {kind.example}")
+        line = sys.stdin.readline()
+        if not line:
+            raise click.UsageError(f"no {kind.what} type came through the pipe")
+        name = line.strip()
+    name = name.removesuffix(kind.suffix)
+    if "::" in name or "." in name:
+        raise click.UsageError(f"{name!r} is no type name; write package/Name, as {kind.example}")
+    return name
+
+
+def _matches(kind: _Kind, registry: Registry, name: str) -> list[str]:
+    """Return the full names that a type name without its package stands for."""
+    names = kind.names(registry)
+    found = [each for each in names if each.rpartition("/")[2] == name]
+    if not found:
+        from difflib import get_close_matches
+
+        near = get_close_matches(name, {each.rpartition("/")[2] for each in names}, n=1)
+        hint = f"did you mean {near[0]}?" if near else f"`rostether {kind.group} list` shows all"
+        raise UnknownTypeError(f"no package has a {kind.what} {name!r}; {hint}")
+    return found
+
+
+def _complete(kind: _Kind) -> Callable[..., list[str]]:
+    return complete_message_types if kind is _MESSAGES else complete_service_types
+
+
+def _show_verb(kind: _Kind) -> click.Command:
+    examples = f"""
+    rostether {kind.group} show {kind.example}
+    rostether {kind.group} show {kind.short_example}
+    {kind.type_command} | rostether {kind.group} show
+    rostether {kind.group} show --ros2 {kind.example_package}/{kind.group}/{kind.short_example}
+    """
+
+    @click.command("show", cls=Verb, examples=examples)
+    @click.argument("name", required=False, metavar="TYPE", shell_complete=_complete(kind))
+    @click.option("-r", "--raw", is_flag=True, help="Show the text as it was written.")
+    @json_option
+    @msg_path_option
+    @ros1_option
+    @ros2_option
+    def show(name: str | None, raw: bool, as_json: bool, msg_paths: tuple[Path, ...]) -> None:
+        registry = _registry(msg_paths)
+        given = _type_argument(kind, name)
+        is_short = "/" not in given
+        for each in _matches(kind, registry, given) if is_short else [given]:
+            if chosen_ros2() is not None:
+                from rostether.cli.access import ros2_definitions as ros2
+
+                if as_json:
+                    write_json(ros2.record(registry, kind.group, each))
+                    continue
+                if is_short:
+                    write_line(f"[{each}]:")
+                write_line(ros2.shown(registry, kind.group, each))
+                continue
+            text, parts = kind.parts(registry, each)
+            if as_json:
+                write_json(_record(kind, registry, each))
+                continue
+            if is_short:
+                write_line(f"[{each}]:")
+            if not raw:
+                halves = ("".join(f"{line}\n" for line in format_spec(registry, part)) for part in parts)
+                text = "---\n".join(halves)
+            write_line(text)
+
+    show.help = f"Show the fields of a {kind.what} type, with everything below them."
+    return show
+
+
+def _md5_verb(kind: _Kind) -> click.Command:
+    @click.command("md5", cls=Verb, examples=f"rostether {kind.group} md5 {kind.example}")
+    @click.argument("name", required=False, metavar="TYPE", shell_complete=_complete(kind))
+    @msg_path_option
+    @ros1_option
+    @ros2_option
+    def md5(name: str | None, msg_paths: tuple[Path, ...]) -> None:
+        registry = _registry(msg_paths)
+        given = _type_argument(kind, name)
+        if "/" in given:
+            write_line(kind.md5sum(registry, given))
+        else:
+            for each in _matches(kind, registry, given):
+                write_line(f"[{each}]: {kind.md5sum(registry, each)}")
+
+    md5.help = f"Print the md5sum of a {kind.what} type, which both ends of a connection must agree on."
+    return md5
+
+
+def _list_verb(kind: _Kind) -> click.Command:
+    @click.command("list", cls=Verb, examples=f"rostether {kind.group} list --msg-path ~/catkin_ws/src")
+    @msg_path_option
+    @ros1_option
+    @ros2_option
+    def list_all(msg_paths: tuple[Path, ...]) -> None:
+        for name in kind.names(_registry(msg_paths)):
+            write_line(name)
+
+    list_all.help = f"List all {kind.what} types."
+    return list_all
+
+
+def _package_verb(kind: _Kind) -> click.Command:
+    @click.command("package", cls=Verb, examples=f"rostether {kind.group} package {kind.example_package}")
+    @click.argument("package")
+    @click.option("-s", "single_line", is_flag=True, help="On one line.")
+    @msg_path_option
+    @ros1_option
+    @ros2_option
+    def package_types(package: str, single_line: bool, msg_paths: tuple[Path, ...]) -> None:
+        registry = _registry(msg_paths)
+        if package not in registry.packages():
+            raise UnknownTypeError(
+                f"there is no package {package!r} with definitions; give its folder with --msg-path, "
+                f"`rostether {kind.group} packages` shows those that are known"
+            )
+        write_line((" " if single_line else "\n").join(kind.names(registry, package)))
+
+    package_types.help = f"List the {kind.what} types of one package."
+    return package_types
+
+
+def _packages_verb(kind: _Kind) -> click.Command:
+    @click.command("packages", cls=Verb, examples=f"rostether {kind.group} packages -s")
+    @click.option("-s", "single_line", is_flag=True, help="On one line.")
+    @msg_path_option
+    @ros1_option
+    @ros2_option
+    def packages(single_line: bool, msg_paths: tuple[Path, ...]) -> None:
+        names = dict.fromkeys(name.partition("/")[0] for name in kind.names(_registry(msg_paths)))
+        write_line((" " if single_line else "\n").join(names))
+
+    packages.help = f"List the packages that have {kind.what} types."
+    return packages
+
+
+msg_show, srv_show = _show_verb(_MESSAGES), _show_verb(_SERVICES)
+msg_md5, srv_md5 = _md5_verb(_MESSAGES), _md5_verb(_SERVICES)
+msg_list, srv_list = _list_verb(_MESSAGES), _list_verb(_SERVICES)
+msg_package, srv_package = _package_verb(_MESSAGES), _package_verb(_SERVICES)
+msg_packages, srv_packages = _packages_verb(_MESSAGES), _packages_verb(_SERVICES)

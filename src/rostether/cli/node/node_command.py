@@ -1,0 +1,48 @@
+"""From (package, program) to the command line to start: our own node, or the user's script or binary."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from difflib import get_close_matches
+from pathlib import Path
+
+from rostether.cli.launch.python_choice import python_for
+from rostether.cli.launch.served_nodes import served_nodes, window_program
+from rostether.errors import ConfigError
+from rostether.packages.executables import find_program, is_python, library_folders
+
+
+def node_command(
+    package: str, program: str, *, packages: Mapping[str, Path], environ: Mapping[str, str]
+) -> list[str]:
+    """Find what `rosrun PACKAGE PROGRAM` means; `packages` are the folders of all packages that are seen.
+
+    The environment to start it in is `rospy_facade.environment.node_environment`'s.
+    Raises ConfigError: no such package or program, with those that are near.
+    """
+    if served := served_nodes().get((package, program)):
+        return served
+    folder = packages.get(package)
+    if folder is None:
+        window = window_program(package, program, environ)
+        if window is not None and package == program:
+            return [str(window)]
+        if not any((each / program).is_file() for each in library_folders(package, None, environ)):
+            raise ConfigError(explain_unknown_package(package, program, packages))
+    found = find_program(package, program, folder, environ)
+    return [*(python_for(found, environ) if is_python(found) else ()), str(found)]
+
+
+def explain_unknown_package(package: str, program: str, packages: Mapping[str, Path]) -> str:
+    """Return the line about a package that nobody has: what is near, or where packages are looked for."""
+    ours = sorted(kind for role, kind in served_nodes() if role == package)
+    if ours:
+        return f"package {package} has no program {program}; of it we serve {', '.join(ours)}"
+    there = {*packages, *(role for role, _ in served_nodes())}
+    near = get_close_matches(package, there)
+    if near:
+        return f"no package {package}; did you mean {' or '.join(near)}?"
+    return (
+        f"no package {package} on ROS_PACKAGE_PATH, in the workspace around this folder or below it; "
+        "`rostether pkg list` shows those found"
+    )

@@ -1,0 +1,108 @@
+"""What `rostether plot` draws: which fields are meant, and their values over time."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Iterator
+from typing import Any
+
+from rostether.cli.shell.output import warn
+from rostether.pictures.plot import Curve
+from rostether.rostime import Duration, Time
+from rostether.serde.values import Message
+
+MAX_CURVES = 28
+"""Four rounds of colors: more cannot be told apart, and a laser scan has hundreds of ranges."""
+
+MAX_POINTS = 200_000
+"""Of all curves: 10 minutes of seven curves at 50 Hz; the oldest are forgotten first."""
+
+_LEFT_OUT = "header"  # a count and a stamp: in a plot of a whole message they hide all else
+
+
+def expand(argument: str) -> list[str]:
+    """Return the fields that an argument names: `/imu/rate/x:y` is /imu/rate/x and /imu/rate/y.
+
+    A colon in brackets selects elements, as everywhere: `/joints/position[0:2]`.
+    """
+    parts, depth = [""], 0
+    for character in argument:
+        depth += (character == "[") - (character == "]")
+        if character == ":" and depth <= 0:
+            parts.append("")
+        else:
+            parts[-1] += character
+    stem = parts[0].partition("[")[0]
+    prefix = stem.rpartition("/")[0]
+    return [parts[0], *(f"{prefix}/{part}" for part in parts[1:] if part)]
+
+
+def numbers(name: str, value: Any) -> Iterator[tuple[str, float]]:
+    """Yield the numbers in a value with their paths: of a message's fields, of an array's elements."""
+    if isinstance(value, bool | int | float):
+        yield name, float(value)
+    elif isinstance(value, Time | Duration):
+        yield name, value.secs + value.nsecs / 1e9
+    elif isinstance(value, bytes | list):
+        for place, each in enumerate(value[: MAX_CURVES + 1]):
+            yield from numbers(f"{name}[{place}]", each)
+    elif isinstance(value, Message):
+        for field, _ in value._fields:
+            if field != _LEFT_OUT:
+                yield from numbers(f"{name}/{field}", getattr(value, field))
+
+
+class Curves:
+    """The values received so far; `curves` shows them, in the order in which their fields were named."""
+
+    def __init__(self) -> None:
+        self._points: dict[str, dict[str, deque[tuple[float, float]]]] = {}
+        self._count = 0
+        self._is_full = False
+
+    @property
+    def names(self) -> list[str]:
+        """The curves there are."""
+        return [name for group in self._points.values() for name in group]
+
+    def expect(self, *names: str) -> None:
+        """Name fields whose values are to come."""
+        for name in names:
+            self._points.setdefault(name, {})
+
+    def add(self, now_s: float, name: str, value: Any) -> bool:
+        """Take a field's value, or the numbers in it; False when there are none."""
+        self.expect(name)
+        group = self._points[name]
+        found = False
+        for path, number in numbers(name, value):
+            found = True
+            if path not in group:
+                if self._count >= MAX_CURVES:
+                    self._say_full()
+                    return True
+                self._count += 1
+                group[path] = deque()
+                self._bound()
+            group[path].append((now_s, number))
+        return found
+
+    def curves(self, since_s: float = -math.inf) -> list[Curve]:
+        """Return the curves with their points from a moment on."""
+        return [
+            Curve(name, [point for point in points if point[0] >= since_s])
+            for group in self._points.values()
+            for name, points in group.items()
+        ]
+
+    def _bound(self) -> None:
+        limit = MAX_POINTS // self._count
+        for group in self._points.values():
+            for name, points in group.items():
+                group[name] = deque(points, maxlen=limit)
+
+    def _say_full(self) -> None:
+        if not self._is_full:
+            self._is_full = True
+            warn(f"WARNING: only the first {MAX_CURVES} values are drawn; name those that matter")

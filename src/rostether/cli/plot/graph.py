@@ -1,0 +1,118 @@
+"""`rostether graph`: nodes and the topics between them, as text or as a picture."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from rostether.cli.access.options import master_option
+from rostether.cli.access.refusals import refuse_ros1_only
+from rostether.cli.access.ros_choice import chosen_ros2, ros1_option, ros2_option
+from rostether.cli.plot.graph_shown import Shown, as_digraph, as_records, as_text, choose
+from rostether.cli.shell.output import json_option, write_json, write_line
+from rostether.cli.shell.picture_files import SUFFIXES, picture_format, save
+from rostether.cli.shell.running import run
+from rostether.cli.shell.verbs import Verb
+
+if TYPE_CHECKING:
+    from rostether.cli.access.ros_choice import Middleware
+    from rostether.graph.ports import Snapshot
+
+
+@click.command(
+    "graph",
+    cls=Verb,
+    examples="""
+    rostether graph
+    rostether graph --save graph.svg
+    rostether graph --nodes-only --save graph.png
+    rostether graph /arm /joint_states --format dot
+    """,
+)
+@click.argument("names", nargs=-1, metavar="[NAME...]")
+@click.option(
+    "--format",
+    "format_name",
+    type=click.Choice(["text", "dot", "svg"]),
+    help="What to print (text); a picture is better saved.",
+)
+@click.option(
+    "-o",
+    "--save",
+    "file",
+    metavar="FILE",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help=f"Write a file instead, by its name: {', '.join(SUFFIXES)}.",
+)
+@click.option("--nodes-only", is_flag=True, help="Show nodes alone, with topics along the arrows.")
+@click.option(
+    "-a", "--all", "with_hidden", is_flag=True, help="Show logging, statistics and hidden names too."
+)
+@json_option
+@master_option
+@ros1_option
+@ros2_option
+def graph(
+    names: tuple[str, ...],
+    format_name: str | None,
+    file: Path | None,
+    nodes_only: bool,
+    with_hidden: bool,
+    as_json: bool,
+    master: str | None,
+) -> None:
+    """Show which nodes publish and subscribe to which topics, as rqt_graph does.
+
+    NAMEs of nodes, topics or namespaces leave out what is neither in them nor connected to them. In text, ->
+    is what a node publishes, <- what it subscribes to, => a service it offers. Pictures show nodes as
+    ellipses and topics as boxes; they are drawn here, no other program is needed.
+    """
+    if sum([format_name is not None, file is not None, as_json]) > 1:
+        raise click.UsageError("give one of --format, --save and --json")
+    kind = "json" if as_json else format_name or "text"
+    if file is not None:
+        kind = picture_format(file)
+    if (middleware := chosen_ros2()) is not None:
+        refuse_ros1_only(master=master)
+        snapshot = _ask_ros2(middleware)
+    else:
+        snapshot = run(_ask_ros1(master))
+    shown = choose(snapshot, names, with_hidden=with_hidden)
+    if as_json:
+        for record in as_records(shown):
+            write_json(record)
+    elif file is not None:
+        save(file, _content(shown, kind, nodes_only=nodes_only))
+        write_line(f"{file}: {len(shown.nodes)} nodes, {len(shown.topics)} topics")
+    else:
+        write_line(str(_content(shown, kind, nodes_only=nodes_only)).rstrip("\n"))
+
+
+def _content(shown: Shown, kind: str, *, nodes_only: bool) -> str | bytes:
+    if kind == "text":
+        return "\n".join(as_text(shown))
+    from rostether.pictures.digraph import dot, draw
+
+    digraph = as_digraph(shown, nodes_only=nodes_only)
+    if kind == "dot":
+        return dot(digraph)
+    from rostether.cli.shell.picture_files import encode
+
+    return encode(draw(digraph), kind)
+
+
+async def _ask_ros1(master: str | None) -> Snapshot:
+    from rostether.cli.access.ros1_access import master_client, read_environment
+    from rostether.ros1.node.graph_view import take_snapshot
+
+    async with master_client(read_environment(master)) as client:
+        return await take_snapshot(client)
+
+
+def _ask_ros2(middleware: Middleware) -> Snapshot:
+    from rostether.cli.access.ros2_snapshot import as_snapshot
+    from rostether.cli.access.ros2_tool_node import asked
+
+    return as_snapshot(asked(middleware, lambda tool: tool.look_well()))

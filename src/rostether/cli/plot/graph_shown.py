@@ -1,0 +1,154 @@
+"""What `rostether graph` shows of a graph, and how: as text, as records, as vertices and edges."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from rostether.cli.access.ros1_access import in_namespace
+from rostether.cli.shell.output import one_line
+from rostether.errors import UnknownNameError
+from rostether.graph.ports import ServiceInfo, Snapshot, TopicInfo
+from rostether.msgdef.interface import ANY_TYPE
+
+if TYPE_CHECKING:
+    from rostether.pictures.digraph import Digraph
+
+# What every node is connected to hides what the others are.
+_HIDDEN_TOPICS = frozenset({"/rosout", "/rosout_agg", "/statistics", "/parameter_events"})
+_HIDDEN_NODES = frozenset({"/rosout"})
+_NODE_SERVICES = frozenset(
+    {"get_loggers", "set_logger_level", "describe_parameters", "get_parameter_types", "get_parameters"}
+    | {"list_parameters", "set_parameters", "set_parameters_atomically", "get_type_description"}
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """The chosen part of a graph, sorted by name."""
+
+    nodes: Sequence[str]
+    topics: Sequence[TopicInfo]
+    services: Sequence[ServiceInfo]
+
+
+def choose(snapshot: Snapshot, names: Iterable[str] = (), *, with_hidden: bool = False) -> Shown:
+    """Choose what is in the namespaces (or is) one of `names`, and what is connected to it.
+
+    Raises UnknownNameError for a name that is nothing of the graph's.
+    """
+    nodes = [each for each in snapshot.nodes if with_hidden or not _is_hidden_node(each)]
+    topics = [each for each in snapshot.topics.values() if with_hidden or not _is_hidden_topic(each.name)]
+    services = [each for each in snapshot.services.values() if with_hidden or not _is_hidden_service(each)]
+    wanted = ["/" + name.strip("/") for name in names]
+    known = [*nodes, *(topic.name for topic in topics)]
+    for name in wanted:
+        if not any(in_namespace(each, name) for each in known):
+            raise UnknownNameError(
+                f"there is no node, topic or namespace {name}; `rostether graph` shows all"
+            )
+    if wanted:
+        chosen = {each for each in nodes if _is_in(each, wanted)}
+        topics = [each for each in topics if _is_in(each.name, wanted) or chosen & _ends(each)]
+        near = chosen.union(*map(_ends, topics))
+        nodes = [each for each in nodes if each in near]
+    left = set(nodes)
+    return Shown(nodes, [_without(each, left) for each in topics], services)
+
+
+def as_text(shown: Shown) -> Iterator[str]:
+    """Yield lines: each node with what it publishes, subscribes to and offers, and the other ends."""
+    for node in shown.nodes:
+        yield one_line(node)
+        for topic in shown.topics:
+            if node in topic.publishers:
+                yield f"  -> {_topic(topic)}{_others(' to', topic.subscribers)}"
+        for topic in shown.topics:
+            if node in topic.subscribers:
+                yield f"  <- {_topic(topic)}{_others(' from', topic.publishers)}"
+        for service in shown.services:
+            if node in service.providers:
+                kind = "" if service.type == ANY_TYPE else f" [{one_line(service.type)}]"
+                yield f"  => {one_line(service.name)}{kind}"
+    if not shown.nodes:
+        yield "no nodes"
+
+
+def as_records(shown: Shown) -> Iterator[Mapping[str, object]]:
+    """Yield an object for each node, then one for each topic."""
+    for node in shown.nodes:
+        yield {
+            "node": node,
+            "publishes": [each.name for each in shown.topics if node in each.publishers],
+            "subscribes": [each.name for each in shown.topics if node in each.subscribers],
+            "services": [each.name for each in shown.services if node in each.providers],
+        }
+    for topic in shown.topics:
+        yield {
+            "topic": topic.name,
+            "type": None if topic.type == ANY_TYPE else topic.type,
+            "publishers": list(topic.publishers),
+            "subscribers": list(topic.subscribers),
+        }
+
+
+def as_digraph(shown: Shown, *, nodes_only: bool = False) -> Digraph:
+    """Return the vertices and edges of a picture; topics are vertices too, unless `nodes_only`."""
+    from rostether.pictures.digraph import Digraph, Edge, Shape, Vertex
+
+    vertices = [Vertex(f"node {each}", one_line(each), Shape.ELLIPSE) for each in shown.nodes]
+    edges = []
+    for topic in shown.topics:
+        name = one_line(topic.name)
+        if nodes_only:
+            edges += [
+                Edge(f"node {source}", f"node {target}", name)
+                for source in topic.publishers
+                for target in topic.subscribers
+            ]
+            continue
+        key = f"topic {topic.name}"
+        vertices.append(Vertex(key, name, Shape.BOX))
+        edges += [Edge(f"node {each}", key) for each in topic.publishers]
+        edges += [Edge(key, f"node {each}") for each in topic.subscribers]
+    return Digraph(vertices, edges)
+
+
+def _is_hidden_node(name: str) -> bool:
+    return name in _HIDDEN_NODES or _has_hidden_part(name)
+
+
+def _is_hidden_topic(name: str) -> bool:
+    return name in _HIDDEN_TOPICS or _has_hidden_part(name)
+
+
+def _is_hidden_service(service: ServiceInfo) -> bool:
+    return service.name.rpartition("/")[2] in _NODE_SERVICES or _has_hidden_part(service.name)
+
+
+def _has_hidden_part(name: str) -> bool:
+    return any(part.startswith("_") for part in name.split("/"))
+
+
+def _is_in(name: str, namespaces: Iterable[str]) -> bool:
+    return any(in_namespace(name, each) for each in namespaces)
+
+
+def _ends(topic: TopicInfo) -> set[str]:
+    return {*topic.publishers, *topic.subscribers}
+
+
+def _without(topic: TopicInfo, nodes: set[str]) -> TopicInfo:
+    publishers = tuple(each for each in dict.fromkeys(topic.publishers) if each in nodes)
+    subscribers = tuple(each for each in dict.fromkeys(topic.subscribers) if each in nodes)
+    return TopicInfo(topic.name, topic.type, publishers, subscribers)
+
+
+def _topic(topic: TopicInfo) -> str:
+    kind = "unknown type" if topic.type == ANY_TYPE else topic.type
+    return f"{one_line(topic.name)} [{one_line(kind)}]"
+
+
+def _others(word: str, nodes: Sequence[str]) -> str:
+    return f"{word} {', '.join(map(one_line, nodes))}" if nodes else f"{word} nobody"

@@ -1,0 +1,86 @@
+"""A plot in the terminal: curves of braille dots, round numbers at the axes, names with their last values."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import groupby
+from typing import TYPE_CHECKING
+
+from rostether.cli.shell.output import one_line
+from rostether.pictures.axis import Axis
+from rostether.pictures.braille import braille
+from rostether.pictures.plot import COLORS, Curve
+
+if TYPE_CHECKING:
+    from rich.text import Text
+
+_LEAST_COLUMNS, _LEAST_ROWS = 20, 4
+_MOST_COLUMNS = 400  # whatever a terminal says of itself
+
+Piece = tuple[str, int | None]
+"""Text, and the number of the curve whose color it has."""
+
+
+def plot_lines(curves: Sequence[Curve], columns: int, rows: int, across: Axis) -> list[list[Piece]]:
+    """Return the lines of a plot in a window of that size, pieces of one color each."""
+    up = Axis.around([value for curve in curves for _, value in curve.points])
+    legend = _legend(curves, columns)
+    height = max(_LEAST_ROWS, rows - len(legend) - 2)
+    marks = {}
+    for value, text in up.ticks(max(2, height // 3)):
+        marks[height - 1 - round(up.part(value) * (height - 1))] = text
+    margin = max(map(len, marks.values()), default=0) + 1
+    width = min(_MOST_COLUMNS, max(_LEAST_COLUMNS, columns - margin - 1))
+    lines: list[list[Piece]] = []
+    for number, cells in enumerate(braille(curves, width, height, across, up)):
+        mark = marks.get(number, "")
+        lines.append([(f"{mark:>{margin}}{'┤' if mark else '│'}", None), *_joined(cells)])
+    lines.append([(" " * margin + "└" + "─" * width, None)])
+    lines.append([(" " * (margin + 1) + _across_marks(across, width), None)])
+    return lines + legend
+
+
+def as_plain(lines: Sequence[Sequence[Piece]]) -> list[str]:
+    """Return the lines without colors."""
+    return ["".join(text for text, _ in line).rstrip() for line in lines]
+
+
+def as_colored(lines: Sequence[Sequence[Piece]], footer: str) -> Text:
+    """Return the lines in the curves' colors."""
+    from rich.text import Text
+
+    text = Text(no_wrap=True, overflow="crop", end="")
+    for line in lines:
+        for piece, number in line:
+            text.append(
+                piece, "" if number is None else "rgb({},{},{})".format(*COLORS[number % len(COLORS)])
+            )
+        text.append("\n")
+    return text.append(footer, "dim")
+
+
+def _joined(cells: Sequence[Piece]) -> Iterator[Piece]:
+    """Yield cells of one curve in one piece: a terminal is told of each color once."""
+    for number, run in groupby(cells, key=lambda cell: cell[1]):
+        yield "".join(text for text, _ in run), number
+
+
+def _legend(curves: Sequence[Curve], columns: int) -> list[list[Piece]]:
+    lines: list[list[Piece]] = []
+    for number, curve in enumerate(curves):
+        last = f"{curve.points[-1][1]:.6g}" if curve.points else "-"
+        lines.append([(f"── {one_line(curve.name)} {last}"[:columns], number)])
+    return lines
+
+
+def _across_marks(across: Axis, width: int) -> str:
+    line = [" "] * width
+    free_from = 0
+    for value, text in across.ticks(max(2, width // 12)):
+        text = f"{text} s"
+        start = round(across.part(value) * (width - 1)) - len(text) // 2
+        start = min(max(start, 0), width - len(text))
+        if start >= free_from:
+            line[start : start + len(text)] = text
+            free_from = start + len(text) + 1
+    return "".join(line).rstrip()

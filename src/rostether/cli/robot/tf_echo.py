@@ -1,0 +1,129 @@
+"""`rostether tf echo`: where one frame stands in another, as tf_echo prints it."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+
+import click
+
+from rostether.cli.access.options import master_option, tool_allow_option
+from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
+from rostether.cli.shell.output import json_option, one_line, warn, write_json, write_line
+from rostether.cli.shell.running import run
+from rostether.cli.shell.verbs import Verb
+
+MAX_RATE_HZ = 1_000.0
+"""Faster than anybody reads; a script that wants every message echoes /tf."""
+
+
+@click.command(
+    "echo",
+    cls=Verb,
+    examples="""
+    rostether tf echo base_link gripper
+    rostether tf echo base_link gripper 10
+    rostether tf echo -n 1 --json base_link gripper
+    """,
+)
+@click.argument("parent")
+@click.argument("child")
+@click.argument("rate", type=click.FloatRange(0, MAX_RATE_HZ, min_open=True), default=1.0)
+@click.option("-n", "count", type=click.IntRange(min=1), metavar="COUNT", help="End after COUNT transforms.")
+@click.option(
+    "--timeout",
+    "timeout_s",
+    type=click.FloatRange(0, min_open=True),
+    metavar="SECONDS",
+    help="Give up when no transform is known by then.",
+)
+@json_option
+@master_option
+@tool_allow_option
+def echo(
+    parent: str,
+    child: str,
+    rate: float,
+    count: int | None,
+    timeout_s: float | None,
+    as_json: bool,
+    master: str | None,
+) -> int:
+    """Print where the frame CHILD stands in the frame PARENT, RATE times a second (once).
+
+    Translations are in metres, rotations a quaternion and roll, pitch and yaw. Frames that nobody has told
+    of yet are waited for.
+    """
+    return run(
+        _echo(parent.removeprefix("/"), child.removeprefix("/"), rate, count, timeout_s, as_json, master)
+    )
+
+
+async def _echo(
+    parent: str,
+    child: str,
+    rate_hz: float,
+    count: int | None,
+    timeout_s: float | None,
+    as_json: bool,
+    master: str | None,
+) -> int:
+    from rostether.cli.access.ros1_access import joined, read_environment
+    from rostether.errors import TransformError
+    from rostether.robot.tf_listener import tf_listener
+
+    async with (
+        joined(read_environment(master), purpose="tf_echo") as graph,
+        tf_listener(graph) as listener,
+    ):
+        loop = asyncio.get_running_loop()
+        began_s = due_s = loop.time()
+        told, shown_count = "", 0
+        left = asyncio.ensure_future(graph.raw.wait_closed())
+        try:
+            while shown_count != count and not left.done():
+                try:
+                    stamped = listener.buffer.lookup(parent, child)
+                except TransformError as error:
+                    problem = str(error).strip().splitlines()[0]
+                    waited_s = loop.time() - began_s
+                    if not shown_count and timeout_s is not None and waited_s >= timeout_s:
+                        warn(one_line(problem))
+                        return EXIT_FAILED
+                    if problem != told and waited_s >= 1.0:
+                        told = problem
+                        warn(f"waiting: {one_line(problem)}")
+                    listener.arrived.clear()
+                    with contextlib.suppress(TimeoutError):
+                        async with asyncio.timeout(0.2):
+                            await listener.arrived.wait()
+                    continue
+                _show(stamped, as_json)
+                shown_count += 1
+                told = ""
+                due_s = max(due_s + 1 / rate_hz, loop.time())
+                if shown_count != count:
+                    await asyncio.wait([left], timeout=due_s - loop.time())
+        finally:
+            left.cancel()
+    return EXIT_DONE
+
+
+def _show(stamped: object, as_json: bool) -> None:
+    from rostether.robot.tf_report import format_transform
+    from rostether.robot.transform import StampedTransform, rpy_from_quaternion
+
+    assert isinstance(stamped, StampedTransform)
+    if not as_json:
+        write_line(format_transform(stamped))
+        return
+    write_json(
+        {
+            "parent": stamped.parent,
+            "child": stamped.child,
+            "stamp_s": stamped.stamp_ns / 1e9,
+            "translation_m": stamped.transform.translation,
+            "rotation_xyzw": stamped.transform.rotation,
+            "rpy_rad": rpy_from_quaternion(stamped.transform.rotation),
+        }
+    )

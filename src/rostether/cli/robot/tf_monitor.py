@@ -1,0 +1,111 @@
+"""`rostether tf monitor`: how late and how often transforms come, as tf_monitor shows it."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import click
+
+from rostether.cli.access.options import master_option, tool_allow_option
+from rostether.cli.shell.output import json_option, one_line, write_json, write_line
+from rostether.cli.shell.running import run
+from rostether.cli.shell.verbs import Verb
+
+if TYPE_CHECKING:
+    from rostether.robot.tf_buffer import TransformBuffer
+    from rostether.robot.tf_statistics import TfStatistics
+
+REPORT_PERIOD_S = 1.0
+
+
+@click.command(
+    "monitor",
+    cls=Verb,
+    examples="""
+    rostether tf monitor
+    rostether tf monitor base_link gripper
+    rostether tf monitor -n 1 --json
+    """,
+)
+@click.argument("frames", nargs=-1, metavar="[PARENT CHILD]")
+@click.option("-n", "count", type=click.IntRange(min=1), metavar="COUNT", help="End after COUNT reports.")
+@json_option
+@master_option
+@tool_allow_option
+def monitor(frames: tuple[str, ...], count: int | None, as_json: bool, master: str | None) -> None:
+    """Report every second for each frame, or for the chain between two, who broadcasts it and how late."""
+    if len(frames) not in (0, 2):
+        raise click.UsageError("give no frame, or PARENT and CHILD")
+    run(_monitor(tuple(each.removeprefix("/") for each in frames), count, as_json, master))
+
+
+async def _monitor(frames: tuple[str, ...], count: int | None, as_json: bool, master: str | None) -> None:
+    from rostether.cli.access.ros1_access import joined, read_environment
+    from rostether.robot.tf_listener import tf_listener
+    from rostether.robot.tf_statistics import TfStatistics
+    from rostether.robot.transform import StampedTransform
+
+    statistics = TfStatistics()
+    async with (
+        joined(read_environment(master), purpose="tf_monitor") as graph,
+        tf_listener(graph) as listener,
+    ):
+
+        def add(transforms: Sequence[StampedTransform], authority: str, is_static: bool) -> None:
+            statistics.add(transforms, authority, is_static, graph.now().to_ns())
+
+        listener.on_transforms = add
+        left = asyncio.ensure_future(graph.raw.wait_closed())
+        made = 0
+        try:
+            while made != count and not left.done():
+                await asyncio.wait([left], timeout=REPORT_PERIOD_S)
+                _report(listener.buffer, statistics, frames, as_json)
+                made += 1
+        finally:
+            left.cancel()
+
+
+def _report(
+    buffer: TransformBuffer, statistics: TfStatistics, frames: tuple[str, ...], as_json: bool
+) -> None:
+    chain: list[str] = []
+    if frames:
+        from rostether.errors import TransformError
+
+        try:
+            chain = buffer.chain(frames[0], frames[1])
+        except TransformError as error:
+            problem = one_line(str(error).strip().splitlines()[0])
+            write_json({"problem": problem}) if as_json else write_line(f"waiting: {problem}")
+            return
+    rows = {name: row for name, row in sorted(statistics.frames.items()) if not frames or name in chain}
+    if as_json:
+        for name, row in rows.items():
+            write_json(
+                {
+                    "frame": name,
+                    "broadcaster": row.broadcaster,
+                    "rate_hz": row.rate_hz,
+                    "average_delay_s": row.average_s,
+                    "max_delay_s": row.max_s,
+                }
+            )
+        return
+    write_line(f"\nRESULTS: for {f'{frames[0]} to {frames[1]}' if frames else 'all Frames'}")
+    if frames:
+        write_line(f"Chain is: {one_line(' -> '.join(chain))}")
+    write_line("Frames:")
+    for name, row in rows.items():
+        write_line(
+            f"Frame: {one_line(name)} published by {one_line(row.broadcaster)} "
+            f"Average Delay: {row.average_s:.6g} Max Delay: {row.max_s:.6g}"
+        )
+    write_line("\nAll Broadcasters:")
+    for name, row in sorted(statistics.nodes.items()):
+        write_line(
+            f"Node: {one_line(name)} {row.rate_hz:.6g} Hz, "
+            f"Average Delay: {row.average_s:.6g} Max Delay: {row.max_s:.6g}"
+        )

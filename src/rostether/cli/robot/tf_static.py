@@ -1,0 +1,70 @@
+"""`rostether tf static`, and the nodes static_transform_publisher of tf and tf2_ros: the same arguments."""
+
+from __future__ import annotations
+
+import os
+
+import click
+
+from rostether.cli.role.node import NODE_SETTINGS, node_arguments, role_node
+from rostether.cli.shell.running import run
+from rostether.cli.shell.verbs import Verb
+from rostether.names.remap import Arguments
+from rostether.robot.static_transforms import (
+    StaticTransform,
+    parse_static_transform,
+    publish_static_transform,
+    static_transform_of,
+)
+
+_WORDS = "X Y Z YAW PITCH ROLL PARENT CHILD | X Y Z QX QY QZ QW PARENT CHILD | PARAMETER"
+_arguments = click.argument("words", nargs=-1, type=click.UNPROCESSED, metavar=_WORDS)
+
+
+@click.command(
+    "static",
+    cls=Verb,
+    context_settings=NODE_SETTINGS,
+    examples="""
+    rostether tf static 0 0 0.1 0 0 0 base_link laser
+    rostether tf static 0 0 0.1 0 0 0 1 base_link laser
+    rostether tf static 0 0 0.1 0 0 0 base_link laser 100     (on /tf, every 100 ms)
+    """,
+)
+@_arguments
+def static(words: tuple[str, ...]) -> None:
+    """Publish where CHILD stands in PARENT on /tf_static, until told to end.
+
+    In metres, and radians or a quaternion. A number of milliseconds behind it publishes on /tf, again and
+    again, as tf's own does; PARAMETER is one that holds a geometry_msgs/TransformStamped.
+    """
+    _run(words, f"static_transform_publisher_{os.getpid()}")
+
+
+@click.command(
+    "static-transform-publisher",
+    cls=Verb,
+    context_settings=NODE_SETTINGS,
+    examples="""
+    rostether role static-transform-publisher 0 0 0.1 0 0 0 base_link laser
+    rostether role tf-static-transform-publisher 0 0 0.1 0 0 0 base_link laser 100
+    """,
+)
+@_arguments
+def static_transform_publisher(words: tuple[str, ...]) -> None:
+    """Publish a transform that stays, like tf2_ros's and tf's static_transform_publisher."""
+    _run(words, f"static_transform_publisher_{os.getpid()}")
+
+
+def _run(words: tuple[str, ...], default_name: str) -> None:
+    arguments = node_arguments(words)
+    transform = None if len(arguments.rest) == 1 else parse_static_transform(arguments.rest)
+    run(_publish(arguments, transform, default_name), is_service=True)
+
+
+async def _publish(arguments: Arguments, transform: StaticTransform | None, default_name: str) -> None:
+    async with role_node(arguments, default_name) as graph:
+        if transform is None:
+            name = arguments.rest[0]
+            transform = static_transform_of(await graph.get_param(name), name)
+        await publish_static_transform(graph, transform)

@@ -1,0 +1,81 @@
+"""`rostether tf tree`: the frames that tf tells of, each below its parent."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import asdict
+
+import click
+
+from rostether.cli.access.options import master_option, tool_allow_option
+from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
+from rostether.cli.shell.output import json_option, one_line, warn, write_json, write_line
+from rostether.cli.shell.running import run
+from rostether.cli.shell.verbs import Verb
+
+DEFAULT_LISTENING_S = 2.0
+"""Long enough for what comes at 1 Hz, and for a rate to be known."""
+
+
+@click.command(
+    "tree",
+    cls=Verb,
+    examples="""
+    rostether tf tree
+    rostether tf tree --time 10
+    rostether tf tree --dot | dot -Tpdf > frames.pdf
+    """,
+)
+@click.option(
+    "--time",
+    "listening_s",
+    type=click.FloatRange(0, min_open=True),
+    default=DEFAULT_LISTENING_S,
+    metavar="SECONDS",
+    help=f"How long to listen ({DEFAULT_LISTENING_S:g}).",
+)
+@click.option("--dot", is_flag=True, help="Print the tree for graphviz.")
+@json_option
+@master_option
+@tool_allow_option
+def tree(listening_s: float, dot: bool, as_json: bool, master: str | None) -> int:
+    """Listen for a while, then show the tree of frames with the nodes that broadcast them."""
+    return run(_tree(listening_s, dot, as_json, master))
+
+
+async def _tree(listening_s: float, dot: bool, as_json: bool, master: str | None) -> int:
+    from rostether.cli.access.ros1_access import joined, read_environment
+    from rostether.robot.tf_listener import tf_listener
+    from rostether.robot.tf_report import frame_facts, frame_tree, frames_as_dot
+
+    refusals: dict[str, None] = {}
+
+    def note(refusal: str) -> None:
+        # What was told already is repeated with every message.
+        word = refusal.split(" for frame ")[0]
+        if len(refusals) < 20:
+            refusals.setdefault(word)
+
+    async with (
+        joined(read_environment(master), purpose="view_frames") as graph,
+        tf_listener(graph, on_refusal=note) as listener,
+    ):
+        await asyncio.sleep(listening_s)
+        buffer = listener.buffer
+    for refusal in refusals:
+        warn(one_line(refusal))
+    if not buffer.frames:
+        warn(
+            f"no transform came within {listening_s:g} s; robot_state_publisher or `rostether tf static` "
+            "publish them"
+        )
+        return EXIT_FAILED
+    if as_json:
+        for facts in frame_facts(buffer):
+            write_json(asdict(facts))
+    elif dot:
+        write_line(frames_as_dot(buffer))
+    else:
+        for line in frame_tree(buffer):
+            write_line(one_line(line))
+    return EXIT_DONE

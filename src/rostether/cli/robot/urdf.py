@@ -1,0 +1,138 @@
+"""`rostether urdf`: read a robot's description, say what is wrong with it, show its links and joints."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from rostether.cli.shell.output import json_option, one_line, warn, write_json, write_line
+from rostether.cli.shell.verbs import LazyGroup, Verb, VerbEntry
+
+if TYPE_CHECKING:
+    from rostether.robot.robot_model import Joint, RobotModel
+
+_HERE = "rostether.cli.robot.urdf:"
+_VERBS = {
+    "check": VerbEntry(f"{_HERE}check", "Say whether a description is right, as check_urdf does."),
+    "tree": VerbEntry(f"{_HERE}tree", "Show links and joints."),
+}
+
+_file = click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+_mappings = click.argument("mappings", nargs=-1, metavar="[ARGUMENT:=VALUE...]")
+
+
+@click.group(
+    cls=LazyGroup,
+    verbs=_VERBS,
+    examples="""
+    rostether urdf check robot.urdf
+    rostether urdf tree robot.urdf.xacro gripper:=true
+    """,
+)
+def urdf() -> None:
+    """Check and show robot descriptions, URDF or xacro."""
+
+
+@click.command(
+    "check",
+    cls=Verb,
+    examples="rostether urdf check robot.urdf\nrostether urdf check robot.urdf.xacro gripper:=true",
+)
+@_file
+@_mappings
+def check(file: Path, mappings: tuple[str, ...]) -> None:
+    """Say what is wrong with FILE, or show its tree of links; a .xacro file is expanded first."""
+    model = _load(file, mappings)
+    write_line(f"robot name is: {one_line(model.name)}")
+    write_line("---------- Successfully Parsed XML ---------------")
+    write_line(f"root Link: {one_line(model.root)} has {len(model.joints_below(model.root))} child(ren)")
+    waiting = [(1, place, joint) for place, joint in _numbered_backward(model, model.root)]
+    while waiting:
+        depth, place, joint = waiting.pop()
+        write_line(f"{'    ' * depth}child({place}):  {one_line(joint.child)}")
+        waiting += [(depth + 1, below, each) for below, each in _numbered_backward(model, joint.child)]
+    for problem in model.problems:
+        warn(f"left out: {one_line(problem)}")
+
+
+@click.command("tree", cls=Verb, examples="rostether urdf tree robot.urdf")
+@_file
+@_mappings
+@json_option
+def tree(file: Path, mappings: tuple[str, ...], as_json: bool) -> None:
+    """Show the links of FILE with the joints that hold them, their types, limits and what they follow."""
+    model = _load(file, mappings)
+    if as_json:
+        for joint in model.joints.values():
+            write_json(_record(joint))
+        return
+    write_line(one_line(model.root))
+    for line in _tree_lines(model):
+        write_line(one_line(line))
+
+
+def _load(file: Path, mappings: tuple[str, ...]) -> RobotModel:
+    import os
+
+    from rostether.packages.locate import package_folders
+    from rostether.robot.urdf import parse_urdf
+    from rostether.robot.xacro import expand_xacro, is_xacro, parse_mappings
+
+    data = file.read_bytes()
+    if is_xacro(data):
+        packages = package_folders(os.environ, Path.cwd())
+        text = expand_xacro(file, parse_mappings(mappings), packages=packages)
+        return parse_urdf(text, file=str(file))
+    return parse_urdf(data, file=str(file))
+
+
+def _numbered_backward(model: RobotModel, link: str) -> list[tuple[int, Joint]]:
+    return list(enumerate(model.joints_below(link), start=1))[::-1]
+
+
+def _tree_lines(model: RobotModel) -> Iterator[str]:
+    waiting: list[tuple[str, str, Joint]] = []
+
+    def push(link: str, lead: str) -> None:
+        joints = model.joints_below(link)
+        for place, joint in reversed(list(enumerate(joints))):
+            last = place == len(joints) - 1
+            waiting.append((lead + ("└─ " if last else "├─ "), lead + ("   " if last else "│  "), joint))
+
+    push(model.root, "")
+    while waiting:
+        lead, below, joint = waiting.pop()
+        yield f"{lead}{joint.child}  ({joint.name}: {_described(joint)})"
+        push(joint.child, below)
+
+
+def _described(joint: Joint) -> str:
+    words = [joint.type.value]
+    limits = joint.limits
+    if limits is not None and joint.type == "revolute":
+        words.append(f"{math.degrees(limits.lower):.4g}° to {math.degrees(limits.upper):.4g}°")
+    elif limits is not None and joint.type == "prismatic":
+        words.append(f"{limits.lower:.4g} m to {limits.upper:.4g} m")
+    if joint.mimic is not None:
+        words.append(f"follows {joint.mimic.joint}")
+    return ", ".join(words)
+
+
+def _record(joint: Joint) -> dict[str, object]:
+    limits = joint.limits
+    return {
+        "joint": joint.name,
+        "type": joint.type.value,
+        "parent": joint.parent,
+        "child": joint.child,
+        "translation_m": joint.origin.translation,
+        "rotation_xyzw": joint.origin.rotation,
+        "axis": joint.axis,
+        "lower": limits.lower if limits is not None else None,
+        "upper": limits.upper if limits is not None else None,
+        "mimics": joint.mimic.joint if joint.mimic is not None else None,
+    }

@@ -1,0 +1,70 @@
+"""`rostether role`: the standard nodes that launch files name, each a verb.
+
+`served_nodes` has the names that ROS has for them.
+"""
+
+from __future__ import annotations
+
+import click
+
+from rostether.cli.shell.verbs import LazyGroup, VerbEntry
+
+_LIBRARIES = "rostether.cli.launch.make_libraries"
+_SERVERS = "rostether.cli.role.rosserial_server"
+_TOPICS = "rostether.cli.topic.tools"
+_JOINTS = "rostether.cli.role.joint_state"
+_STATIC = "rostether.cli.robot.tf_static"
+
+ROLES = {
+    "make-libraries": VerbEntry(
+        f"{_LIBRARIES}:make_libraries", "Write the Arduino library, typed as for make_libraries.py."
+    ),
+    "rosserial-server-serial": VerbEntry(f"{_SERVERS}:serial", "Bridge one board, like rosserial_server's."),
+    "rosserial-server-socket": VerbEntry(
+        f"{_SERVERS}:socket", "Bridge boards over TCP, like rosserial_server's."
+    ),
+    "rosserial-server-udp": VerbEntry(f"{_SERVERS}:udp", "Bridge a board over UDP, like rosserial_server's."),
+    "robot-state-publisher": VerbEntry(
+        "rostether.cli.role.robot_state:robot_state_publisher", "Turn joint states into transforms."
+    ),
+    "joint-state-publisher": VerbEntry(f"{_JOINTS}:joint_state_publisher", "Publish joint states."),
+    "joint-state-publisher-gui": VerbEntry(
+        f"{_JOINTS}:joint_state_publisher_gui", "Publish joint states set by sliders in the terminal."
+    ),
+    "static-transform-publisher": VerbEntry(
+        f"{_STATIC}:static_transform_publisher", "Publish a transform that stays, like tf2_ros's."
+    ),
+    "tf-static-transform-publisher": VerbEntry(
+        f"{_STATIC}:static_transform_publisher", "Publish a transform that stays, like tf's."
+    ),
+    "relay": VerbEntry(f"{_TOPICS}:relay", "Publish a topic again under another name."),
+    "throttle": VerbEntry(f"{_TOPICS}:throttle", "Publish a topic again, at most so often."),
+    "mux": VerbEntry(f"{_TOPICS}:mux", "Publish one of several topics, chosen by a service."),
+    "mux-select": VerbEntry(f"{_TOPICS}:mux_select", "Choose what a mux publishes."),
+    "mux-add": VerbEntry(f"{_TOPICS}:mux_add", "Add an input to a mux."),
+    "mux-delete": VerbEntry(f"{_TOPICS}:mux_delete", "Take an input from a mux."),
+    "mux-list": VerbEntry(f"{_TOPICS}:mux_list", "List the inputs of a mux."),
+    "joy-node": VerbEntry("rostether.cli.role.joy:joy_node", "Publish a joystick's axes and buttons."),
+    "foxglove-bridge": VerbEntry(
+        "rostether.cli.gateway.foxglove:foxglove_bridge", "Serve Foxglove, like foxglove_bridge."
+    ),
+    "rosapi-node": VerbEntry(
+        "rostether.cli.role.rosapi:rosapi_node", "Tell by services what is on the graph, like rosapi_node."
+    ),
+    "rosbridge-websocket": VerbEntry(
+        "rostether.cli.gateway.rosbridge:rosbridge_websocket", "Serve web pages, like rosbridge_websocket."
+    ),
+    "rqt-plot": VerbEntry("rostether.cli.plot.rqt_plot:rqt_plot", "Plot fields, or what there is to plot."),
+}
+
+
+@click.group(
+    cls=LazyGroup,
+    verbs=ROLES,
+    examples="""
+    rostether role make-libraries ~/Arduino/libraries
+    rostether role rosserial-server-serial _port:=/dev/ttyACM0 _baud:=115200
+    """,
+)
+def role() -> None:
+    """Be one of ROS's standard nodes, as `rostether run` and launch files start them."""

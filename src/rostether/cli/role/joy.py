@@ -1,0 +1,67 @@
+"""joy_node as a role."""
+
+from __future__ import annotations
+
+import click
+
+from rostether.cli.role.node import NODE_SETTINGS, run_role
+from rostether.cli.shell.output import warn, write_line
+from rostether.cli.shell.verbs import Verb
+from rostether.errors import ConfigError
+from rostether.graph.ports import Level, ParamValue
+from rostether.graph.typed_graph import TypedGraph
+
+
+@click.command(
+    "joy-node",
+    cls=Verb,
+    context_settings=NODE_SETTINGS,
+    examples="""
+    rostether role joy-node
+    rostether role joy-node _dev:=/dev/input/js1 _deadzone:=0.1 _autorepeat_rate:=20
+    """,
+)
+@click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
+def joy_node(arguments: tuple[str, ...]) -> None:
+    """Publish a joystick as sensor_msgs/Joy on `joy`, like joy_node.
+
+    Parameters: ~dev (/dev/input/js0), ~dev_name, ~deadzone (0.05), ~autorepeat_rate (0), ~coalesce_interval
+    (0.001), ~sticky_buttons, ~default_trig_val.
+    """
+    run_role("joy_node", arguments, _main)
+
+
+async def _main(graph: TypedGraph, _: list[str]) -> None:
+    from rostether.nodes.joy import DEFAULT_DEVICE, JoySettings, device_named, publish_joystick
+
+    device = str(await _get(graph, "dev", DEFAULT_DEVICE))
+
+    def report(level: Level, text: str) -> None:
+        graph.log(level, text)
+        (warn if level > Level.INFO else write_line)(text)
+
+    if name := str(await _get(graph, "dev_name", "")):
+        found = device_named(name)
+        if found is None:
+            report(Level.ERROR, f"no joystick calls itself {name!r}; {device} is used")
+        device = found or device
+    settings = JoySettings(
+        device=device,
+        deadzone=await _number(graph, "deadzone", 0.05),
+        autorepeat_rate_hz=await _number(graph, "autorepeat_rate", 0.0),
+        coalesce_interval_s=await _number(graph, "coalesce_interval", 0.001),
+        sticky_buttons=bool(await _get(graph, "sticky_buttons", False)),
+        default_trig_val=bool(await _get(graph, "default_trig_val", False)),
+    )
+    await publish_joystick(graph, settings, report)
+
+
+async def _get(graph: TypedGraph, name: str, default: ParamValue) -> ParamValue:
+    return await graph.raw.get_param(f"~{name}") if await graph.raw.has_param(f"~{name}") else default
+
+
+async def _number(graph: TypedGraph, name: str, default: float) -> float:
+    value = await _get(graph, name, default)
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ConfigError(f"~{name} must be a number, not {value!r}")
+    return float(value)

@@ -1,0 +1,90 @@
+"""Being a node by role: one of ROS's standard nodes, with the arguments that any ROS node takes."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING
+
+from rostether.cli.access.ros1_access import read_environment, special_arguments
+from rostether.cli.shell.output import warn
+from rostether.errors import MasterUnreachableError
+from rostether.names.remap import Arguments, parse_arguments
+
+if TYPE_CHECKING:
+    from rostether.graph.typed_graph import TypedGraph
+
+NODE_SETTINGS = {"ignore_unknown_options": True}
+"""For commands with a node's arguments: `-0.1` is a number there, no option."""
+
+
+_MASTER_RETRY_S = 0.5  # a launch starts the master beside its nodes; rospy asks as often
+
+
+def node_arguments(words: Sequence[str]) -> Arguments:
+    """Sort a node's words: remappings, private parameters, and the rest. Raises ConfigError."""
+    return parse_arguments(words)
+
+
+@asynccontextmanager
+async def role_node(arguments: Arguments, default_name: str) -> AsyncIterator[TypedGraph]:
+    """Be the node, `default_name` unless `__name:=` says otherwise; its private parameters are set first.
+
+    As rospy's nodes do, it waits for the master. Raises InvalidNameError, ConfigError.
+    """
+    from rostether.graph.typed_graph import TypedGraph
+    from rostether.msgdef.registry import Registry
+    from rostether.ros1.node.node import join_ros1
+    from rostether.serde.store import TypeStore
+
+    environment = read_environment()
+    name = special_arguments().get("__name", default_name)
+    has_warned = False
+    while True:
+        try:
+            graph = await join_ros1(
+                name,
+                environment=environment,
+                namespace=environment.namespace,
+                remappings=arguments.remappings,
+            )
+            break
+        except MasterUnreachableError:
+            if not has_warned:
+                warn(f"waiting for a ROS master at {environment.master_uri}")
+                has_warned = True
+            await asyncio.sleep(_MASTER_RETRY_S)
+    try:
+        for parameter, value in arguments.private_params.items():
+            await graph.set_param(f"~{parameter}", value)
+        yield TypedGraph(graph, TypeStore(Registry.from_environment()))
+    finally:
+        await graph.close()
+
+
+def run_role(
+    default_name: str, words: Sequence[str], main: Callable[[TypedGraph, list[str]], Awaitable[None]]
+) -> None:
+    """Be a node until `main` is done, the node is told to leave, or the process is.
+
+    `main` gets the graph and the words that are no remappings or parameters.
+    """
+    from rostether.cli.shell.running import run
+
+    arguments = node_arguments(words)
+
+    async def until_told() -> None:
+        async with role_node(arguments, default_name) as graph:
+            working = asyncio.ensure_future(main(graph, arguments.rest))
+            leaving = asyncio.ensure_future(graph.raw.wait_closed())
+            try:
+                await asyncio.wait([working, leaving], return_when=asyncio.FIRST_COMPLETED)
+                if working.done():
+                    await working
+            finally:
+                working.cancel()
+                leaving.cancel()
+                await asyncio.wait([working, leaving])
+
+    run(until_told(), is_service=True)

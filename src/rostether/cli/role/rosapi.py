@@ -1,0 +1,40 @@
+"""rosapi_node as a role, for launch files that start it beside rosbridge_websocket."""
+
+from __future__ import annotations
+
+import click
+
+from rostether.cli.access.ros1_access import read_environment
+from rostether.cli.bridge.serving import joining_ros1
+from rostether.cli.gateway.gateways import check_rosbridge, ros1_gateway_graph
+from rostether.cli.gateway.rosbridge import node_parameters, read_settings
+from rostether.cli.role.node import NODE_SETTINGS, run_role
+from rostether.cli.shell.verbs import Verb
+from rostether.graph.typed_graph import TypedGraph
+
+
+@click.command("rosapi-node", cls=Verb, context_settings=NODE_SETTINGS, examples="rostether role rosapi-node")
+@click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
+def rosapi_node(arguments: tuple[str, ...]) -> None:
+    """Tell what is on the graph, and let parameters be reached, by services: like rosapi_node.
+
+    Parameters: ~topics_glob, ~services_glob, ~params_glob. `rostether rosbridge` offers the same by itself.
+    """
+    check_rosbridge()
+    run_role("rosapi", arguments, _main)
+
+
+async def _main(graph: TypedGraph, words: list[str]) -> None:
+    from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi
+
+    environment = read_environment()
+    on = ros1_gateway_graph(joining_ros1(environment), graph.store, environment)
+    rosapi = Rosapi(
+        graph.raw,
+        on.store,
+        settings=read_settings(await node_parameters(graph, words)),
+        ask_type=on.ask_service_type,
+        ask_host=on.ask_service_host,
+    )
+    await rosapi.offer(graph.raw)
+    await graph.raw.wait_closed()

@@ -1,0 +1,87 @@
+"""The nodes of rosserial_server as roles: their names and parameters, our bridge.
+
+serial_node        ~port /dev/ttyACM0, ~baud 57600
+socket_node        ~port 11411
+udp_socket_node    ~server_port 11411; where boards send from is learned, not set by ~client_*
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import click
+
+from rostether.cli.access.ros1_access import special_arguments
+from rostether.cli.bridge.serial_node import HostRole, run_host, whole
+from rostether.cli.shell.verbs import Verb
+from rostether.names.remap import parse_arguments
+from rostether.transports.address import DEFAULT_PORT
+
+_DEFAULT_SERIAL_PORT = "/dev/ttyACM0"
+_arguments = click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
+_SETTINGS = {"ignore_unknown_options": True}
+
+
+@click.command(
+    "rosserial-server-serial",
+    cls=Verb,
+    context_settings=_SETTINGS,
+    examples="rostether role rosserial-server-serial _port:=/dev/ttyACM0 _baud:=115200",
+)
+@_arguments
+def serial(arguments: tuple[str, ...]) -> None:
+    """Bridge the board at ~port with ~baud."""
+    _run(
+        HostRole("rosserial_server_serial_node", "rosserial server", ("port", "baud"), _serial_link),
+        arguments,
+    )
+
+
+@click.command(
+    "rosserial-server-socket",
+    cls=Verb,
+    context_settings=_SETTINGS,
+    examples="rostether role rosserial-server-socket _port:=11411",
+)
+@_arguments
+def socket(arguments: tuple[str, ...]) -> None:
+    """Bridge the boards that connect to the TCP port ~port."""
+    _run(HostRole("rosserial_server_socket_node", "rosserial server", ("port",), _socket_link), arguments)
+
+
+@click.command(
+    "rosserial-server-udp",
+    cls=Verb,
+    context_settings=_SETTINGS,
+    examples="rostether role rosserial-server-udp _server_port:=11411",
+)
+@_arguments
+def udp(arguments: tuple[str, ...]) -> None:
+    """Bridge the boards that send to the UDP port ~server_port."""
+    known = ("server_port", "client_port", "client_addr")
+    _run(HostRole("rosserial_server_udp_socket_node", "rosserial server", known, _udp_link), arguments)
+
+
+def _run(host: HostRole, arguments: tuple[str, ...]) -> None:
+    run_host(host, replace(parse_arguments(arguments), special=dict(special_arguments())))
+
+
+def _serial_link(rest: list[str], parameters: Mapping[str, object], *, node_name: str, namespace: str) -> str:
+    baud = parameters.get("baud")
+    speed = "" if baud is None else f"&baud={whole(baud, 'baud')}"
+    return f"{parameters.get('port', _DEFAULT_SERIAL_PORT)}?{_options(node_name, namespace)}{speed}"
+
+
+def _socket_link(rest: list[str], parameters: Mapping[str, object], *, node_name: str, namespace: str) -> str:
+    return f"tcp://:{whole(parameters.get('port', DEFAULT_PORT), 'port')}?{_options(node_name, namespace)}"
+
+
+def _udp_link(rest: list[str], parameters: Mapping[str, object], *, node_name: str, namespace: str) -> str:
+    port = whole(parameters.get("server_port", DEFAULT_PORT), "server_port")
+    return f"udp://:{port}?{_options(node_name, namespace)}"
+
+
+def _options(node_name: str, namespace: str) -> str:
+    name = node_name.removeprefix(namespace.rstrip("/") + "/")
+    return f"name={name}" + (f"&ns={namespace}" if namespace != "/" else "")

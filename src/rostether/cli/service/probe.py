@@ -1,0 +1,75 @@
+"""Asking a service's server for its type: the master does not know it."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from rostether.cli.access.ros1_access import OUR_NAME
+from rostether.errors import (
+    RostetherError,
+    ServiceUnavailableError,
+    UnknownNameError,
+)
+from rostether.ros1.environment import parse_rpc_uri
+from rostether.ros1.tcpros_connection import connect
+from rostether.tcpros.handshake import probe_fields
+
+if TYPE_CHECKING:
+    from rostether.ros1.node.master_client import MasterClient
+
+
+async def look_up(client: MasterClient, service: str) -> str:
+    """Return a service's URI. Raises UnknownNameError with the nearest name there is."""
+    try:
+        return await client.lookup_service(service)
+    except UnknownNameError:
+        raise unknown_service(service, (await client.system_state())[2]) from None
+
+
+async def provider(client: MasterClient, service: str) -> str:
+    """Return the node that offers a service. Raises UnknownNameError."""
+    services = (await client.system_state())[2]
+    if not services.get(service):
+        raise unknown_service(service, services)
+    return services[service][0]
+
+
+def unknown_service(service: str, known: Iterable[str]) -> UnknownNameError:
+    """Return the error for a service that nobody offers."""
+    from difflib import get_close_matches
+
+    near = get_close_matches(service, list(known), n=1)
+    hint = f"did you mean {near[0]}?" if near else "`rostether service list` shows those there are"
+    return UnknownNameError(f"nobody offers the service {service}; {hint}")
+
+
+async def probe_type(client: MasterClient, service: str) -> str:
+    """Return a service's type. Raises UnknownNameError, ServiceUnavailableError."""
+    return await probe_uri(service, await look_up(client, service))
+
+
+async def probe_uri(service: str, uri: str) -> str:
+    """Return the type of the service at a URI. Raises ServiceUnavailableError."""
+    found: dict[str, str] = {}
+
+    def accept(fields: dict[str, str], transport: asyncio.Transport) -> asyncio.Protocol:
+        found.update(fields)
+        transport.close()
+        return asyncio.Protocol()
+
+    try:
+        address = parse_rpc_uri(uri, scheme="rosrpc")
+        await connect(address.host, address.port, probe_fields(service, caller_id=OUR_NAME), accept)
+    except RostetherError as error:
+        raise ServiceUnavailableError(
+            f"service {service} is registered at {uri} but does not answer ({error}); "
+            "if its node is gone, `rostether node cleanup` forgets it"
+        ) from error
+    if "error" in found or not found.get("type"):
+        raise ServiceUnavailableError(
+            f"the server of {service} does not tell its type ({found.get('error', 'no type in its header')})"
+        )
+    # Old roscpp servers name the request's type.
+    return found["type"].removesuffix("Request")

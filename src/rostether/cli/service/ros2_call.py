@@ -1,0 +1,102 @@
+"""`service call` on a ROS 2 graph, as `ros2 service call` does it; the type may be left out."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rostether.cli.access.ros2_tool_node import tool_node
+from rostether.cli.access.ros_choice import Middleware
+from rostether.cli.shell.output import write_json, write_line
+from rostether.cli.shell.running import run
+from rostether.cli.topic.ros2_message_text import MessageText, TextStyle
+from rostether.cli.topic.ros2_typed_values import ValueForm
+from rostether.errors import ServiceUnavailableError
+from rostether.ros2.endpoint_info import EndpointKind
+from rostether.ros2.native_registry import short_name
+from rostether.rostime import Time
+
+if TYPE_CHECKING:
+    from rostether.cli.access.ros2_tool_node import ToolNode
+
+_TYPE_NAME = re.compile(r"[A-Za-z]\w*(/srv)?/[A-Za-z]\w*")
+POLL_S = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class CallOptions:
+    """What the command line asks for; without a time limit a server is waited for as long as it takes."""
+
+    timeout_s: float | None = None
+    rate_hz: float | None = None
+    as_json: bool = False
+
+
+def call(
+    middleware: Middleware,
+    service: str,
+    arguments: tuple[str, ...],
+    options: CallOptions,
+    msg_paths: tuple[Path, ...],
+) -> None:
+    """Call and print. Raises GraphError, UnknownTypeError, SerializationError naming the field."""
+    run(_call(middleware, service, arguments, options, msg_paths))
+
+
+async def _call(
+    middleware: Middleware,
+    service: str,
+    arguments: tuple[str, ...],
+    options: CallOptions,
+    msg_paths: tuple[Path, ...],
+) -> None:
+    from rostether.serde.plain_form import to_plain
+    from rostether.serde.yaml_form import load_arguments
+
+    type_name = arguments[0] if arguments and _TYPE_NAME.fullmatch(arguments[0]) else None
+    # An empty argument is the empty text, which YAML would take for nothing.
+    values = load_arguments([each or "''" for each in arguments[1 if type_name else 0 :]])
+    async with tool_node(middleware, msg_paths) as tool:
+        name = tool.graph.resolve(service)
+        found = await _wait_for_type(tool, name, options)
+        chosen = short_name(type_name or found)
+        definition = tool.registry.ros2_service(chosen)
+        codec = tool.graph.store.codec(tool.registry.service_type(chosen).request.name)
+        form = ValueForm(tool.registry.ros2_message, lambda: Time.from_ns(time.time_ns()))
+        text = MessageText(tool.registry.ros2_message, TextStyle(truncate_length=None))
+        request = form.fill(codec, definition.request, values)
+        while True:
+            begin_s = time.monotonic()
+            if not options.as_json:
+                write_line(f"requester: making request: {text.python(request, definition.request)}\n")
+            response = await tool.graph.call(name, chosen, request, timeout_s=options.timeout_s)
+            if options.as_json:
+                write_json(to_plain(response))
+            else:
+                write_line(f"response:\n{text.python(response, definition.response)}\n")
+            if options.rate_hz is None:
+                return
+            await asyncio.sleep(max(begin_s + 1 / options.rate_hz - time.monotonic(), 0.0))
+
+
+async def _wait_for_type(tool: ToolNode, service: str, options: CallOptions) -> str:
+    """Return the type of a service as soon as it is offered. Raises ServiceUnavailableError."""
+    begin_s = time.monotonic()
+    has_told = options.as_json
+    while True:
+        types = (await tool.look()).types([EndpointKind.SERVER], service)
+        if types:
+            return types[0]
+        waited_s = time.monotonic() - begin_s
+        if options.timeout_s is not None and waited_s > options.timeout_s:
+            raise ServiceUnavailableError(
+                f"nobody offered the service {service} within {options.timeout_s:g} s"
+            )
+        if not has_told and waited_s > POLL_S:
+            has_told = True
+            write_line("waiting for service to become available...")
+        await asyncio.sleep(POLL_S)

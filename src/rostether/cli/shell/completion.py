@@ -1,0 +1,43 @@
+"""`rostether completion`: the code that teaches a shell to complete our commands."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import click
+from click.shell_completion import get_completion_class
+
+from rostether.cli.shell.output import write_line
+from rostether.cli.shell.verbs import Verb
+
+SHELLS = ("bash", "zsh", "fish")
+
+_PROGRAM = "rostether"
+_VARIABLE = "_ROSTETHER_COMPLETE"
+
+
+@click.command(
+    "completion",
+    cls=Verb,
+    examples="""
+    eval "$(rostether completion bash)"                   in this shell
+    rostether completion bash >> ~/.bashrc                for good
+    rostether completion zsh >> ~/.zshrc
+    rostether completion fish > ~/.config/fish/completions/rostether.fish
+    """,
+)
+@click.argument("shell", required=False, type=click.Choice(SHELLS))
+def completion(shell: str | None) -> None:
+    """Print the code with which a shell completes commands, options, topics, nodes and types.
+
+    Without a name, it is for the shell that $SHELL names.
+    """
+    name = shell or Path(os.environ.get("SHELL", "")).name
+    if name not in SHELLS:
+        raise click.UsageError(f"which shell? One of {', '.join(SHELLS)}")
+    found = get_completion_class(name)
+    assert found is not None
+    writer = found(click.Command(_PROGRAM), {}, _PROGRAM, _VARIABLE)
+    # `source` first looks for an old bash, which takes as long as starting one.
+    write_line((writer.source_template % writer.source_vars()).strip())

@@ -1,0 +1,71 @@
+"""What our own rooms, and asyncio, tell Python's logging: shown as one line each, never as a traceback."""
+
+from __future__ import annotations
+
+import logging
+import os
+from collections.abc import Callable
+
+from rostether.cli.shell.failures import TRACEBACK_VARIABLE
+from rostether.cli.shell.output import warn
+from rostether.graph.ports import Level
+
+_LEVELS = {
+    logging.DEBUG: Level.DEBUG,
+    logging.INFO: Level.INFO,
+    logging.WARNING: Level.WARN,
+    logging.ERROR: Level.ERROR,
+    logging.CRITICAL: Level.FATAL,
+}
+_ROOMS = logging.getLogger("rostether")
+_ASYNCIO = logging.getLogger("asyncio")
+REPEAT_S = 10.0
+"""asyncio says the same of each connection that it cannot take."""
+# What tells messages apart: asyncio's have their particulars at the end.
+_KIND_CHARACTERS = 40
+_MAX_KINDS = 64
+
+
+class _Lines(logging.Handler):
+    def __init__(self, show: Callable[[Level, str], None]) -> None:
+        super().__init__()
+        self.show = show
+        self._said_s: dict[str, float] = {}
+
+    def _is_repeated(self, record: logging.LogRecord) -> bool:
+        """Tell whether a line of this kind was shown just now: some come thousands of times a second."""
+        kind = str(record.msg)[:_KIND_CHARACTERS]
+        if record.created - self._said_s.get(kind, float("-inf")) < REPEAT_S:
+            return True
+        if len(self._said_s) >= _MAX_KINDS:
+            self._said_s.clear()
+        self._said_s[kind] = record.created
+        return False
+
+    def emit(self, record: logging.LogRecord) -> None:
+        if record.name == _ASYNCIO.name and self._is_repeated(record):
+            return
+        text = " ".join(record.getMessage().split())
+        if not text.isprintable():
+            # A peer's words may stand in it, and must not steer the terminal.
+            text = "".join(char if char.isprintable() else repr(char)[1:-1] for char in text)
+        error = record.exc_info[1] if record.exc_info else None
+        if error is not None and not os.environ.get(TRACEBACK_VARIABLE):
+            text = f"{text} ({type(error).__name__}: {error}); please report it"
+        elif error is not None:
+            text = self.format(record)
+        self.show(_LEVELS.get(record.levelno, Level.ERROR), text)
+
+
+def show_library_logs(show: Callable[[Level, str], None] | None = None) -> None:
+    """Send warnings and worse to `show`, to stderr as `WARNING: text` without one. The last call counts."""
+    handler = _Lines(show or (lambda level, text: warn(f"{logging.getLevelName(_python(level))}: {text}")))
+    handler.setLevel(logging.WARNING)
+    for logger in (_ROOMS, _ASYNCIO):
+        for earlier in [each for each in logger.handlers if isinstance(each, _Lines)]:
+            logger.removeHandler(earlier)
+        logger.addHandler(handler)
+
+
+def _python(level: Level) -> int:
+    return next(number for number, ours in _LEVELS.items() if ours is level)

@@ -1,0 +1,76 @@
+"""Writing results: lines for people, and one JSON object a line for scripts."""
+
+from __future__ import annotations
+
+import base64
+import json
+import os
+import re
+import sys
+from collections.abc import Callable, Mapping
+from typing import Any, TextIO
+
+import click
+
+from rostether.cli.shell.failures import EXIT_DONE
+
+# Controls but line ends and tabs, and what turns the direction of a text around or hides in it.
+_STEERING = re.compile(
+    "[\\x00-\\x08\\x0b-\\x1f\\x7f-\\x9f\\u200b-\\u200f\\u2028-\\u202e\\u2060-\\u206f\\ufeff]"
+)
+
+json_option: Callable[[Any], Any] = click.option(
+    "--json", "as_json", is_flag=True, help="Print one JSON object a line."
+)
+
+
+def write_line(text: str = "") -> None:
+    """Write a line to stdout and flush it: a pipe's reader wants it now.
+
+    What cannot be printed is escaped: names, values and errors of peers must not steer the terminal. When the
+    reader has had enough (`| head`), the command is done: it ends here, with exit code 0.
+    """
+    try:
+        sys.stdout.write(printable(text) + "\n")
+        sys.stdout.flush()
+    except BrokenPipeError:
+        forget(sys.stdout)
+        raise click.exceptions.Exit(EXIT_DONE) from None
+
+
+def printable(text: str) -> str:
+    """Return a text whose lines and tabs stay, while what could steer a terminal is escaped as in JSON."""
+    return _STEERING.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
+
+
+def one_line(text: str) -> str:
+    """Return a peer's word as one line, with escapes for what cannot be printed."""
+    return printable(text).replace("\n", "\\n").replace("\t", "\\t")
+
+
+def forget(stream: TextIO) -> None:
+    """Let what is still written to a stream go nowhere; the interpreter flushes it once more at its end."""
+    devnull = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(devnull, stream.fileno())
+    os.close(devnull)
+
+
+def warn(text: str) -> None:
+    """Write a line to stderr."""
+    sys.stdout.flush()
+    sys.stderr.write(printable(text) + "\n")
+    sys.stderr.flush()
+
+
+def write_json(record: Mapping[str, object]) -> None:
+    """Write one object as one line of JSON; messages come as `serde.plain_form` makes them.
+
+    Bytes, which only parameters still hold, become base64 text.
+    """
+    write_line(json.dumps(record, ensure_ascii=False, allow_nan=False, default=_encode_bytes))
+
+
+def _encode_bytes(value: object) -> str:
+    if isinstance(value, bytes):
+        return base64.b64encode(value).decode()
+    raise TypeError(f"{type(value).__name__} has no form in JSON")

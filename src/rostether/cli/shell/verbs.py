@@ -1,0 +1,129 @@
+"""How our click commands look: verbs imported only when they are typed, and help that shows examples."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import import_module
+from textwrap import dedent
+from typing import Any
+
+import click
+from click.shell_completion import CompletionItem
+
+from rostether.cli.access.ros_choice import with_middleware
+from rostether.cli.gateway.options import with_places
+
+HELP_WIDTH = 100
+"""Columns of help text at most: longer lines are hard to read on wide terminals."""
+
+_LONG_DASHES = ("\u2013", "\u2014", "\u2212")
+
+
+@dataclass(frozen=True, slots=True)
+class VerbEntry:
+    """Where a verb lives (`module:attribute`) and the line that help shows for it without importing it."""
+
+    target: str
+    summary: str
+
+
+class Verb(click.Command):
+    """A command whose help ends with examples that can be typed as they stand."""
+
+    def __init__(self, *args: Any, examples: str = "", **kwargs: Any) -> None:
+        super().__init__(*args, **_with_our_settings(kwargs))
+        self.examples = dedent(examples).strip("\n")
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Read the arguments; `–once`, as printed books and PDFs have it, is `--once`.
+
+        `--ros2` may stand alone or before the name of a middleware, `--rosbridge` alone or before a place.
+        """
+        known = {option for parameter in self.get_params(ctx) for option in parameter.opts}
+        plain = with_places([_plain_dashes(each, known) for each in args], known)
+        return super().parse_args(ctx, with_middleware(plain) if "--ros2" in known else plain)
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the examples below the options, line by line as given."""
+        super().format_epilog(ctx, formatter)
+        _write_examples(self.examples, formatter)
+
+
+class LazyGroup(click.Group):
+    """A group of verbs, each imported when it is typed: process start must stay short."""
+
+    def __init__(self, *args: Any, verbs: Mapping[str, VerbEntry], examples: str = "", **kwargs: Any) -> None:
+        super().__init__(*args, **_with_our_settings(kwargs))
+        self.verbs = dict(verbs)
+        self.examples = dedent(examples).strip("\n")
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Return the verbs in the order of their table, which is the order a newcomer needs them in."""
+        return list(self.verbs)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Import and return a verb; None when there is none of that name."""
+        entry = self.verbs.get(cmd_name)
+        if entry is None:
+            return None
+        module_name, _, attribute = entry.target.partition(":")
+        command: click.Command = getattr(import_module(module_name), attribute)
+        return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Find the verb that was typed, or fail naming the nearest ones."""
+        name = args[0]
+        if name not in self.verbs and not name.startswith("-") and not ctx.resilient_parsing:
+            from difflib import get_close_matches
+
+            near = get_close_matches(name, self.verbs)
+            hint = f"did you mean {' or '.join(near)}?" if near else f"see `{ctx.command_path} --help`"
+            ctx.fail(f"no such command {name!r}; {hint}")
+        return super().resolve_command(ctx, args)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the verbs with their one-line summaries."""
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, entry.summary) for name, entry in self.verbs.items()])
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the examples below the commands, line by line as given."""
+        super().format_epilog(ctx, formatter)
+        _write_examples(self.examples, formatter)
+
+    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
+        """Complete verbs from the table, without importing them, and the group's own options."""
+        verbs = [
+            CompletionItem(name, help=entry.summary)
+            for name, entry in self.verbs.items()
+            if name.startswith(incomplete)
+        ]
+        return verbs + click.Command.shell_complete(self, ctx, incomplete)
+
+
+def _plain_dashes(argument: str, known: set[str]) -> str:
+    if argument[:1] in _LONG_DASHES:
+        for dashes in ("--", "-"):
+            if dashes + argument[1:] in known:
+                return dashes + argument[1:]
+    return argument
+
+
+def _with_our_settings(kwargs: dict[str, Any]) -> dict[str, Any]:
+    settings = {
+        "help_option_names": ["-h", "--help"],
+        "max_content_width": HELP_WIDTH,
+        **(kwargs.get("context_settings") or {}),
+    }
+    return {**kwargs, "context_settings": settings}
+
+
+def _write_examples(examples: str, formatter: click.HelpFormatter) -> None:
+    if not examples:
+        return
+    formatter.write("\nExamples:\n")
+    for line in examples.splitlines():
+        formatter.write(f"  {line}\n" if line else "\n")

@@ -1,0 +1,83 @@
+"""Which topic is meant, and which field in it: `/scan/ranges[3]` may be a topic or an element of `/scan`."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from rostether.cli.access.ros1_access import resolve
+from rostether.cli.shell.output import warn
+from rostether.cli.topic.listing import ANY_TYPE, UNKNOWN_TYPE, TopicView, fetch_topics
+from rostether.errors import ConfigError, DefinitionError
+from rostether.ros1.environment import RosEnvironment
+from rostether.serde.field_path import FieldPath
+
+if TYPE_CHECKING:
+    from rostether.serde.store import TypeStore
+
+POLL_S = 0.1
+"""How often the master is asked for a topic that is not there yet, as rostopic does."""
+
+
+@dataclass(frozen=True, slots=True)
+class ChosenTopic:
+    """A topic that exists, its type, and the path to a field in it, empty for the whole message."""
+
+    topic: str
+    type: str
+    field: str
+
+
+def resolve_with_field(text: str, environment: RosEnvironment) -> str:
+    """Return the full form of a topic with a field behind it. Raises InvalidNameError."""
+    name, bracket, indices = text.partition("[")
+    return resolve(name, environment) + bracket + indices
+
+
+def choose_topic(name: str, topics: Sequence[TopicView], store: TypeStore) -> ChosenTopic | None:
+    """Return the topic that a full name means: itself, else the longest topic that has such a field."""
+    known = {topic.name: topic.type for topic in topics if topic.type not in (UNKNOWN_TYPE, ANY_TYPE)}
+    name = name.rstrip("/") or "/"
+    if name in known:
+        return ChosenTopic(name, known[name], "")
+    prefixes = [topic for topic in known if name.startswith(f"{topic}/")]
+    for topic in sorted(prefixes, key=len, reverse=True):
+        field = name[len(topic) + 1 :]
+        try:
+            FieldPath(store.codec(known[topic]), field)
+        except ConfigError:
+            continue
+        except DefinitionError:
+            # A type that is not known here may well have the field: its publisher will tell.
+            pass
+        return ChosenTopic(topic, known[topic], field)
+    return None
+
+
+async def wait_for_topic(name: str, store: TypeStore, master: str | None) -> ChosenTopic:
+    """Return the topic that a full name means, as soon as somebody has told its type."""
+    warned = False
+    while True:
+        topics = await fetch_topics(master)
+        chosen = choose_topic(name, topics, store)
+        if chosen is not None:
+            return chosen
+        if not warned:
+            warned = True
+            warn(f"WARNING: topic [{name}] does not appear to be published yet")
+            _explain_wrong_field(name, topics, store)
+        await asyncio.sleep(POLL_S)
+
+
+def _explain_wrong_field(name: str, topics: Sequence[TopicView], store: TypeStore) -> None:
+    for topic in topics:
+        if topic.type in (UNKNOWN_TYPE, ANY_TYPE) or not name.startswith(f"{topic.name}/"):
+            continue
+        try:
+            FieldPath(store.codec(topic.type), name[len(topic.name) + 1 :])
+        except ConfigError as error:
+            warn(f"WARNING: in {topic.name}, {error}")
+        except DefinitionError:
+            continue

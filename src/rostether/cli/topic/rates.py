@@ -1,0 +1,233 @@
+"""`rostether topic hz|bw|delay`: how often messages come, how large and how old they are."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import click
+
+from rostether.cli.access.completions import complete_topics
+from rostether.cli.access.options import master_option, msg_path_option, tool_allow_option, window_option
+from rostether.cli.access.refusals import refuse_ros1_only
+from rostether.cli.access.ros2_daemon_options import daemon_habits
+from rostether.cli.access.ros_choice import chosen_ros2, ros1_option, ros2_option
+from rostether.cli.shell.output import json_option, write_json, write_line
+from rostether.cli.shell.running import run
+from rostether.cli.shell.verbs import Verb
+from rostether.cli.topic.windows import (
+    DEFAULT_BANDWIDTH_WINDOW,
+    DelayWindow,
+    IntervalWindow,
+    SizeWindow,
+    format_bandwidth,
+    format_delay,
+    format_rate,
+    format_rate_table,
+    format_ros2_bandwidth,
+    rate_record,
+)
+from rostether.errors import ConfigError
+
+NOTHING_NEW = "no new messages"
+
+_count_option = click.option(
+    "-n", "count", type=click.IntRange(min=1), metavar="COUNT", help="End after COUNT reports."
+)
+_nodelay_option = click.option("--tcpnodelay", is_flag=True, help="For habit: it is always so.")
+
+
+@click.command(
+    "hz",
+    cls=Verb,
+    examples="""
+    rostether topic hz /ultrasound
+    rostether topic hz -w 100 /ultrasound /imu_data
+    rostether topic hz --filter "m.range < 0.5" /ultrasound
+    """,
+)
+@click.argument("topics", metavar="TOPIC...", nargs=-1, required=True, shell_complete=complete_topics)
+@window_option(None)
+@click.option("--filter", "expression", metavar="EXPRESSION", help="Count only messages m it is true for.")
+@click.option("--wall-time", is_flag=True, help="Measure by this machine's clock, in a simulation too.")
+@_nodelay_option
+@_count_option
+@json_option
+@msg_path_option
+@master_option
+@tool_allow_option
+@ros1_option
+@ros2_option
+@daemon_habits
+def hz(
+    topics: tuple[str, ...],
+    window: int | None,
+    expression: str | None,
+    wall_time: bool,
+    tcpnodelay: bool,
+    count: int | None,
+    as_json: bool,
+    msg_paths: tuple[Path, ...],
+    master: str | None,
+) -> None:
+    """Measure how often messages come, and print it every second."""
+    from rostether.cli.topic.meter import meter
+
+    if chosen_ros2() is not None:
+        refuse_ros1_only(master=master)
+
+    test: Callable[[object, str], bool] | None = None
+    if expression is not None:
+        from rostether.expression import compile_filter
+
+        test = compile_filter(expression)
+
+    async def measure() -> None:
+        async with meter(topics, msg_paths, master, quiet=as_json) as measuring:
+            windows = {name: IntervalWindow(-1 if window is None else window) for name in measuring.names}
+
+            def now_s() -> float:
+                return time.time() if wall_time else measuring.graph.now().to_s()
+
+            for name in windows:
+                if test is None:
+                    await measuring.take_raw(name, _interval_counter(windows[name], now_s))
+                else:
+                    measuring.take(name, _filtered_counter(windows[name], now_s, test, name))
+            async for _ in measuring.reports(count):
+                _report_rates(windows, as_json)
+
+    run(measure())
+
+
+def _interval_counter(
+    window: IntervalWindow, now_s: Callable[[], float]
+) -> Callable[[Sequence[bytes]], None]:
+    def add(payloads: Sequence[bytes]) -> None:
+        # Simulated time is zero until its first message.
+        if stamp_s := now_s():
+            for _ in payloads:
+                window.add(stamp_s)
+
+    return add
+
+
+def _filtered_counter(
+    window: IntervalWindow, now_s: Callable[[], float], test: Callable[[object, str], bool], topic: str
+) -> Callable[[object], None]:
+    def add(message: object) -> None:
+        if test(message, topic) and (stamp_s := now_s()):
+            window.add(stamp_s)
+
+    return add
+
+
+def _report_rates(windows: dict[str, IntervalWindow], as_json: bool) -> None:
+    spreads = {name: found for name, window in windows.items() if (found := window.report()) is not None}
+    if as_json:
+        for name, spread in spreads.items():
+            write_json(rate_record(name, spread))
+    elif not spreads:
+        write_line(NOTHING_NEW)
+    elif len(windows) == 1:
+        write_line(format_rate(*spreads.values()))
+    else:
+        write_line(format_rate_table(spreads))
+
+
+@click.command("bw", cls=Verb, examples="rostether topic bw /imu_data")
+@click.argument("topic", shell_complete=complete_topics)
+@window_option(DEFAULT_BANDWIDTH_WINDOW)
+@_count_option
+@json_option
+@master_option
+@tool_allow_option
+@ros1_option
+@ros2_option
+@daemon_habits
+def bw(topic: str, window: int, count: int | None, as_json: bool, master: str | None) -> None:
+    """Measure how many bytes a second a topic takes, and print it every second."""
+    from rostether.cli.topic.meter import meter
+
+    if chosen_ros2() is not None:
+        refuse_ros1_only(master=master)
+
+    sizes = SizeWindow(window)
+
+    async def measure() -> None:
+        async with meter([topic], (), master, quiet=as_json) as measuring:
+            name = measuring.names[0]
+
+            def add(payloads: Sequence[bytes]) -> None:
+                now_s = time.monotonic()
+                for payload in payloads:
+                    sizes.add(now_s, measuring.size_bytes(name, payload))
+
+            await measuring.take_raw(name, add)
+            async for _ in measuring.reports(count):
+                found = sizes.report(time.monotonic())
+                if found is not None and as_json:
+                    write_json({"topic": name, **asdict(found)})
+                elif found is not None:
+                    write_line(
+                        format_bandwidth(found) if chosen_ros2() is None else format_ros2_bandwidth(found)
+                    )
+
+    run(measure())
+
+
+@click.command("delay", cls=Verb, examples="rostether topic delay /imu_data")
+@click.argument("topic", shell_complete=complete_topics)
+@window_option(None)
+@_nodelay_option
+@_count_option
+@json_option
+@msg_path_option
+@master_option
+@tool_allow_option
+@ros1_option
+@ros2_option
+@daemon_habits
+def delay(
+    topic: str,
+    window: int | None,
+    tcpnodelay: bool,
+    count: int | None,
+    as_json: bool,
+    msg_paths: tuple[Path, ...],
+    master: str | None,
+) -> None:
+    """Measure how old messages are when they come, by the stamp in their header."""
+    from rostether.cli.topic.meter import meter
+
+    if chosen_ros2() is not None:
+        refuse_ros1_only(master=master)
+
+    delays = DelayWindow(-1 if window is None else window)
+
+    async def measure() -> None:
+        async with meter([topic], msg_paths, master, quiet=as_json) as measuring:
+            name = measuring.names[0]
+
+            def add(message: Any) -> None:
+                if "header" not in type(message).__slots__:
+                    raise ConfigError(f"{name} has no header: its messages do not tell when they were made")
+                # Simulated time is zero until its first message.
+                if now_s := measuring.graph.now().to_s():
+                    stamp = message.header.stamp
+                    is_ros2 = chosen_ros2() is not None
+                    delays.add(now_s, stamp.sec + stamp.nanosec * 1e-9 if is_ros2 else stamp.to_s())
+
+            measuring.take(name, add)
+            async for _ in measuring.reports(count):
+                spread = delays.report()
+                if spread is not None and as_json:
+                    record = asdict(spread)
+                    write_json({"topic": name, "mean_s": record.pop("mean_s"), **record})
+                elif not as_json:
+                    write_line(NOTHING_NEW if spread is None else format_delay(spread))
+
+    run(measure())

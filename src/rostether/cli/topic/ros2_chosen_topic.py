@@ -1,0 +1,107 @@
+"""Which topic of a ROS 2 graph is meant, of which type, and which field in it."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from rostether.cli.access.ros2_view import GraphView
+from rostether.cli.shell.output import warn
+from rostether.errors import ConfigError, DefinitionError, TypeMismatchError
+from rostether.msgdef.ros2.primitives import PRIMITIVE_TYPES
+from rostether.msgdef.ros2.spec import Ros2Message, Ros2Type
+from rostether.ros2.endpoint_info import EndpointKind
+from rostether.ros2.native_registry import short_name
+
+if TYPE_CHECKING:
+    from rostether.cli.access.ros2_tool_node import ToolNode
+    from rostether.ros2.native_registry import NativeRegistry
+    from rostether.serde.field_path import FieldPath
+
+POLL_S = 0.1
+"""How often the graph is asked for a topic that is not there yet."""
+
+
+@dataclass(frozen=True, slots=True)
+class ChosenField:
+    """A field of a topic's messages, and its type."""
+
+    path: FieldPath
+    type: Ros2Type
+
+
+@dataclass(frozen=True, slots=True)
+class ChosenTopic:
+    """A topic, the short name of its type, and the field of it that is meant, None for the whole message."""
+
+    topic: str
+    type: str
+    field: ChosenField | None = None
+
+
+async def choose_topic(
+    tool: ToolNode, text: str, type_name: str | None = None, field: str = ""
+) -> ChosenTopic:
+    """Return the topic that was typed, waiting for its first publisher unless its type was typed too.
+
+    `/imu/angular_velocity` is a field where there is no topic of that name. Raises UnknownTypeError,
+    ConfigError for a field that the type lacks, TypeMismatchError for a topic of several types.
+    """
+    name, _, _ = text.partition("[")
+    name = tool.graph.resolve(name.rstrip("/") or "/")
+    if type_name is not None:
+        return _with_field(tool, name, short_name(type_name), field)
+    wanted = name + text[len(text.partition("[")[0]) :]
+    view = await tool.look_until(lambda seen: _published(seen, wanted) is not None)
+    found = _published(view, wanted)
+    if found is None:
+        warn(f"WARNING: topic [{wanted}] does not appear to be published yet")
+    while found is None:
+        await asyncio.sleep(POLL_S)
+        view = await tool.look()
+        found = _published(view, wanted)
+    types = view.types([EndpointKind.PUBLISHER], found)
+    if len(types) > 1:
+        raise TypeMismatchError(
+            f"topic {found} has more than one type ({', '.join(types)}): name the one that is meant behind it"
+        )
+    return _with_field(tool, found, short_name(types[0]), field or wanted[len(found) + 1 :])
+
+
+def _published(view: GraphView, name: str) -> str | None:
+    """Return the topic of that name, else the longest one that it may be a field of."""
+    topics = view.names([EndpointKind.PUBLISHER], with_hidden=True)
+    if name in topics:
+        return name
+    return max((topic for topic in topics if name.startswith(f"{topic}/")), key=len, default=None)
+
+
+def _with_field(tool: ToolNode, topic: str, type_name: str, field: str) -> ChosenTopic:
+    from rostether.serde.field_path import FieldPath
+
+    codec = tool.graph.store.codec(type_name)
+    if not field:
+        return ChosenTopic(topic, type_name)
+    path = FieldPath(codec, field.replace(".", "/"))
+    return ChosenTopic(topic, type_name, ChosenField(path, field_type(tool.registry, type_name, path.text)))
+
+
+def field_type(registry: NativeRegistry, type_name: str, path: str) -> Ros2Type:
+    """Return the ROS 2 type of the field at a path, of one element where elements are selected."""
+    definition: Ros2Message | None = registry.ros2_message(type_name)
+    found: Ros2Type | None = None
+    for part in path.split("/"):
+        name, bracket, _ = part.partition("[")
+        fields = {field.name: field.type for field in definition.fields} if definition is not None else {}
+        if name not in fields:
+            raise ConfigError(f"{type_name} has no field {path!r}")
+        found = fields[name]
+        if bracket and ":" not in part:
+            found = Ros2Type(found.base)
+        try:
+            definition = None if found.base in PRIMITIVE_TYPES else registry.ros2_message(found.base)
+        except DefinitionError:
+            definition = None
+    assert found is not None
+    return found

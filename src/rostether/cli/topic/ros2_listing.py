@@ -1,0 +1,175 @@
+"""`topic list|info|type|find` on a ROS 2 graph, in `ros2 topic`'s words."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from rostether.cli.access.ros2_tool_node import asked
+from rostether.cli.access.ros2_view import TOPIC_KINDS, GraphView
+from rostether.cli.access.ros_choice import Middleware
+from rostether.cli.shell.output import one_line, write_json, write_line
+from rostether.errors import UnknownNameError
+from rostether.names.graph_name import namespace_of
+from rostether.ros2.endpoint_info import EndpointInfo, EndpointKind
+from rostether.ros2.native_registry import short_name
+
+
+@dataclass(frozen=True, slots=True)
+class Listing:
+    """What `topic list` was asked for; `wanted` leaves the other kind of ends out."""
+
+    namespace: str | None = None
+    verbose: bool = False
+    show_types: bool = False
+    count_only: bool = False
+    with_hidden: bool = False
+    as_json: bool = False
+    wanted: EndpointKind | None = None
+
+
+def list_topics(middleware: Middleware, listing: Listing) -> None:
+    """Print the topics."""
+    view = asked(middleware, lambda tool: tool.look_well())
+    kinds = TOPIC_KINDS if listing.wanted is None else (listing.wanted,)
+    names = view.names(kinds, with_hidden=listing.with_hidden)
+    if listing.namespace is not None:
+        prefix = "/" + listing.namespace.strip("/")
+        names = [name for name in names if prefix == "/" or name == prefix or name.startswith(f"{prefix}/")]
+    if listing.as_json:
+        for name in names:
+            write_json(_record(view, name))
+    elif listing.count_only:
+        write_line(str(len(names)))
+    elif listing.verbose:
+        if listing.wanted is not EndpointKind.SUBSCRIPTION:
+            _write_counts(view, names, EndpointKind.PUBLISHER, "Published topics:", "publisher")
+        if listing.wanted is not EndpointKind.PUBLISHER:
+            _write_counts(view, names, EndpointKind.SUBSCRIPTION, "Subscribed topics:", "subscriber")
+    else:
+        for name in names:
+            shown = f" [{', '.join(view.types(TOPIC_KINDS, name))}]" if listing.show_types else ""
+            write_line(one_line(name + shown))
+
+
+def _write_counts(view: GraphView, names: list[str], kind: EndpointKind, title: str, what: str) -> None:
+    write_line(title)
+    for name in names:
+        count = len(view.of(kind, name))
+        if count:
+            types = ", ".join(view.types(TOPIC_KINDS, name))
+            write_line(one_line(f" * {name} [{types}] {count} {what}{'s' if count > 1 else ''}"))
+    write_line()
+
+
+def _record(view: GraphView, name: str) -> dict[str, Any]:
+    types = view.types(TOPIC_KINDS, name)
+    return {
+        "topic": name,
+        "type": types[0] if len(types) == 1 else types,
+        "publishers": [end.node_name for end in view.of(EndpointKind.PUBLISHER, name)],
+        "subscribers": [end.node_name for end in view.of(EndpointKind.SUBSCRIPTION, name)],
+    }
+
+
+def _view_of(middleware: Middleware, topic: str) -> tuple[str, GraphView]:
+    """Return a topic's full name and the graph it is in. Raises UnknownNameError."""
+    resolved, view = "", GraphView((), ())
+
+    async def ask(tool: Any) -> None:
+        nonlocal resolved, view
+        resolved = tool.graph.resolve(topic)
+        await tool.look_until(lambda seen: resolved in seen.topics(with_hidden=True))
+        view = await tool.look_well()
+
+    asked(middleware, ask)
+    if resolved not in view.topics(with_hidden=True):
+        raise unknown_topic(resolved)
+    return resolved, view
+
+
+def unknown_topic(name: str) -> UnknownNameError:
+    """Return the error for a topic that nobody publishes or subscribes to."""
+    return UnknownNameError(
+        f"Unknown topic '{name}': nobody publishes or subscribes to it; "
+        "`rostether topic list` shows what there is"
+    )
+
+
+def info(middleware: Middleware, topic: str, *, verbose: bool, as_json: bool) -> None:
+    """Print a topic's type and how many publish and subscribe; each of them with `verbose`."""
+    name, view = _view_of(middleware, topic)
+    types = view.types(TOPIC_KINDS, name)
+    publishers, subscribers = (view.of(kind, name) for kind in TOPIC_KINDS)
+    if as_json:
+        write_json(
+            {
+                **_record(view, name),
+                "publishers": [end_record(end) for end in publishers],
+                "subscribers": [end_record(end) for end in subscribers],
+            }
+        )
+        return
+    gap = "\n" if verbose else ""
+    write_line(f"Type: {types[0] if len(types) == 1 else types}{gap}")
+    for title, ends in (("Publisher", publishers), ("Subscription", subscribers)):
+        write_line(f"{title} count: {len(ends)}{gap}")
+        if verbose:
+            for end in ends:
+                write_line(f"{format_end(end)}\n")
+
+
+def format_end(end: EndpointInfo) -> str:
+    """Return one end as `ros2 topic info -v` prints it."""
+    node = end.node_name.rpartition("/")[2]
+    lines = [
+        f"Node name: {node}",
+        f"Node namespace: {namespace_of(end.node_name)}",
+        f"Topic type: {end.type}",
+        f"Topic type hash: {end.type_hash or 'INVALID'}",
+        f"Endpoint type: {end.kind.value}",
+        f"GID: {'.'.join(f'{byte:02x}' for byte in end.gid)}",
+    ]
+    qos = end.qos
+    if qos is not None:
+        depth = f" ({qos.depth})" if qos.history == "KEEP_LAST" else ""
+        lines += [
+            "QoS profile:",
+            f"  Reliability: {qos.reliability}",
+            f"  History (Depth): {qos.history}{depth}",
+            f"  Durability: {qos.durability}",
+            f"  Lifespan: {qos.lifespan}",
+            f"  Deadline: {qos.deadline}",
+            f"  Liveliness: {qos.liveliness}",
+            f"  Liveliness lease duration: {qos.lease}",
+        ]
+    return "\n".join(map(one_line, lines))
+
+
+def end_record(end: EndpointInfo) -> dict[str, Any]:
+    """Return one end for `--json`."""
+    return {
+        "node": end.node_name,
+        "type": end.type,
+        "type_hash": end.type_hash or None,
+        "gid": end.gid.hex() or None,
+        "qos": asdict(end.qos) if end.qos is not None else None,
+    }
+
+
+def type_of(middleware: Middleware, topic: str) -> None:
+    """Print the type of a topic, or each of them."""
+    name, view = _view_of(middleware, topic)
+    for each in view.types(TOPIC_KINDS, name):
+        write_line(one_line(each))
+
+
+def find(middleware: Middleware, type_name: str, *, as_json: bool, with_hidden: bool = False) -> None:
+    """Print the topics of a type."""
+    view = asked(middleware, lambda tool: tool.look_well())
+    for name in view.topics(with_hidden=with_hidden):
+        if short_name(type_name) in map(short_name, view.types(TOPIC_KINDS, name)):
+            if as_json:
+                write_json({"topic": name})
+            else:
+                write_line(one_line(name))

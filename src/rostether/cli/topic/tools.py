@@ -1,0 +1,176 @@
+"""The nodes of topic_tools as roles: relay, throttle, mux and what steers a mux."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from functools import partial
+
+import click
+
+from rostether.cli.role.node import NODE_SETTINGS, run_role
+from rostether.cli.shell.output import write_line
+from rostether.cli.shell.verbs import Verb
+from rostether.errors import ConfigError
+from rostether.graph.typed_graph import TypedGraph
+from rostether.joining import anonymous_name
+from rostether.names.remap import parse_arguments
+
+_CALL_LIMIT_S = 10.0  # a mux answers at once; a person waits no longer
+_arguments = click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="ARGUMENT...")
+
+
+@click.command(
+    "relay", cls=Verb, context_settings=NODE_SETTINGS, examples="rostether role relay /chatter /copy"
+)
+@_arguments
+def relay(arguments: tuple[str, ...]) -> None:
+    """Publish IN again as OUT (IN_relay): relay IN [OUT] [_lazy:=true]."""
+    rest = _plain(arguments, 1, 2, "relay IN [OUT]")
+    source, target = rest[0], rest[1] if len(rest) == 2 else f"{rest[0]}_relay"
+
+    async def main(graph: TypedGraph, _: list[str]) -> None:
+        from rostether.nodes.forwarding import forward
+
+        await forward(graph.raw, source, target, lazy=await _flag(graph, "lazy"))
+
+    run_role(anonymous_name(f"{_last(source)}_relay"), arguments, main)
+
+
+@click.command(
+    "throttle",
+    cls=Verb,
+    context_settings=NODE_SETTINGS,
+    examples="""
+    rostether role throttle messages /scan 5 /scan_slow
+    rostether role throttle bytes /image 100000 1.0
+    """,
+)
+@_arguments
+def throttle(arguments: tuple[str, ...]) -> None:
+    """Publish IN again as OUT (IN_throttle), at most so many messages or bytes a second.
+
+    throttle messages IN HZ [OUT], or throttle bytes IN BYTES_PER_SECOND WINDOW_SECONDS [OUT];
+
+    with _lazy:=true, only while somebody listens; with _wall_clock:=true, not by ROS time.
+    """
+    usage = "throttle messages IN HZ [OUT], or throttle bytes IN BYTES_PER_SECOND WINDOW [OUT]"
+    rest = _plain(arguments, 3, 5, usage)
+    count = {"messages": 3, "bytes": 4}.get(rest[0])
+    if count is None or len(rest) not in (count, count + 1):
+        raise ConfigError(f"write {usage}")
+    source, target = rest[1], rest[count] if len(rest) > count else f"{rest[1]}_throttle"
+    limits = [_number(each) for each in rest[2:count]]
+
+    async def main(graph: TypedGraph, _: list[str]) -> None:
+        from rostether.nodes.forwarding import ByteRate, MessageRate, forward
+
+        ros_time = partial(_ros_time_s, graph)
+        now_s: Callable[[], float] = time.time if await _flag(graph, "wall_clock") else ros_time
+        select = MessageRate(limits[0], now_s) if count == 3 else ByteRate(int(limits[0]), limits[1], now_s)
+        await forward(graph.raw, source, target, select, lazy=await _flag(graph, "lazy"))
+
+    run_role(anonymous_name(f"{_last(source)}_throttle"), arguments, main)
+
+
+@click.command(
+    "mux", cls=Verb, context_settings=NODE_SETTINGS, examples="rostether role mux /cmd_vel /joy_vel /plan_vel"
+)
+@_arguments
+def mux(arguments: tuple[str, ...]) -> None:
+    """Publish one of the topics IN as OUT: mux OUT IN...
+
+    Services mux/select, mux/add, mux/delete and mux/list; _lazy:=true, _latch:=true, _initial_topic:=IN.
+    """
+    rest = _plain(arguments, 2, 1_000, "mux OUT IN...")
+
+    async def main(graph: TypedGraph, _: list[str]) -> None:
+        from rostether.nodes.mux import Mux
+
+        initial = await graph.get_param("~initial_topic", "")
+        await Mux(
+            graph,
+            rest[0],
+            rest[1:],
+            initial=str(initial),
+            lazy=await _flag(graph, "lazy"),
+            latch=await _flag(graph, "latch"),
+        ).run()
+
+    run_role(anonymous_name(f"{_last(rest[0])}_mux"), arguments, main)
+
+
+@click.command(
+    "mux-select", cls=Verb, context_settings=NODE_SETTINGS, examples="rostether role mux-select mux /joy_vel"
+)
+@_arguments
+def mux_select(arguments: tuple[str, ...]) -> None:
+    """Choose what a mux publishes: mux-select MUX TOPIC; `__none` for nothing."""
+    name, topic = _plain(arguments, 2, 2, "mux_select MUX TOPIC")
+    _call(arguments, f"{name}/select", "MuxSelect", topic)
+
+
+@click.command(
+    "mux-add", cls=Verb, context_settings=NODE_SETTINGS, examples="rostether role mux-add mux /joy_vel"
+)
+@_arguments
+def mux_add(arguments: tuple[str, ...]) -> None:
+    """Add an input to a mux: mux-add MUX TOPIC."""
+    name, topic = _plain(arguments, 2, 2, "mux_add MUX TOPIC")
+    _call(arguments, f"{name}/add", "MuxAdd", topic)
+
+
+@click.command(
+    "mux-delete", cls=Verb, context_settings=NODE_SETTINGS, examples="rostether role mux-delete mux /joy_vel"
+)
+@_arguments
+def mux_delete(arguments: tuple[str, ...]) -> None:
+    """Take an input from a mux: mux-delete MUX TOPIC."""
+    name, topic = _plain(arguments, 2, 2, "mux_delete MUX TOPIC")
+    _call(arguments, f"{name}/delete", "MuxDelete", topic)
+
+
+@click.command("mux-list", cls=Verb, context_settings=NODE_SETTINGS, examples="rostether role mux-list mux")
+@_arguments
+def mux_list(arguments: tuple[str, ...]) -> None:
+    """List the inputs of a mux: mux-list MUX."""
+    (name,) = _plain(arguments, 1, 1, "mux_list MUX")
+    _call(arguments, f"{name}/list", "MuxList")
+
+
+def _call(arguments: tuple[str, ...], service: str, kind: str, topic: str | None = None) -> None:
+    async def main(graph: TypedGraph, _: list[str]) -> None:
+        request = {} if topic is None else {"topic": topic}
+        answer = await graph.call(
+            graph.resolve(service), f"topic_tools/{kind}", request, timeout_s=_CALL_LIMIT_S
+        )
+        for each in getattr(answer, "topics", ()):
+            write_line(each)
+
+    run_role(anonymous_name(kind), arguments, main)
+
+
+def _plain(arguments: tuple[str, ...], least: int, most: int, usage: str) -> list[str]:
+    rest = parse_arguments(arguments).rest
+    if not least <= len(rest) <= most:
+        raise ConfigError(f"write {usage}; {len(rest)} arguments were given")
+    return rest
+
+
+def _last(topic: str) -> str:
+    return topic.strip("~/").rpartition("/")[2] or "topic"
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise ConfigError(f"{text!r} is not a number") from None
+
+
+async def _flag(graph: TypedGraph, name: str) -> bool:
+    return await graph.raw.has_param(f"~{name}") and bool(await graph.raw.get_param(f"~{name}"))
+
+
+def _ros_time_s(graph: TypedGraph) -> float:
+    return graph.now().to_s()

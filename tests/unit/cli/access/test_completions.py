@@ -1,0 +1,80 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import click
+import pytest
+
+from rostether.cli.access import completions
+from unit.cli.command_shell import STORE, LiveGraph, Shell
+
+Complete = Callable[[click.Context, click.Parameter, str], list[str]]
+
+CONTEXT = click.Context(click.Command("any"))
+PARAMETER = click.Argument(["any"])
+
+
+@pytest.fixture
+def board(graph: LiveGraph) -> None:
+    async def answer(_request: bytes) -> bytes:
+        return b""
+
+    node = graph.node("board")
+    graph.do(node.advertise("/chatter", STORE.registry.message_type("std_msgs/String")))
+    graph.do(node.subscribe("/led", STORE.registry.message_type("std_msgs/Bool"), lambda _: None))
+    graph.do(node.advertise_service("/reset", STORE.registry.service_type("std_srvs/Empty"), answer))
+    graph.do(node.set_param("/blink_hz", 2.5))
+
+
+@pytest.mark.parametrize(
+    ("complete", "typed", "found"),
+    [
+        (completions.complete_topics, "", ["/chatter", "/led", "/rosout"]),
+        (completions.complete_topics, "/ch", ["/chatter"]),
+        (completions.complete_topics, "ch", ["/chatter"]),
+        (completions.complete_nodes, "b", ["/board"]),
+        (completions.complete_services, "", ["/reset"]),
+        (completions.complete_params, "/bl", ["/blink_hz"]),
+        (completions.complete_params, "x", []),
+        (completions.complete_message_types, "std_msgs/Str", ["std_msgs/String"]),
+        (completions.complete_service_types, "std_srvs/S", ["std_srvs/SetBool"]),
+    ],
+)
+@pytest.mark.usefixtures("board")
+def test_names_that_begin_with_what_was_typed(complete: Complete, typed: str, found: list[str]) -> None:
+    assert complete(CONTEXT, PARAMETER, typed) == found
+
+
+@pytest.mark.usefixtures("shell")
+def test_without_a_master_there_is_nothing_to_complete(capsys: pytest.CaptureFixture[str]) -> None:
+    for complete in (completions.complete_topics, completions.complete_nodes, completions.complete_params):
+        assert complete(CONTEXT, PARAMETER, "") == []
+    assert capsys.readouterr() == ("", "")
+
+
+def test_a_master_that_hangs_costs_a_moment(shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
+    import socket
+
+    monkeypatch.setattr(completions, "TIMEOUT_S", 0.05)
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        monkeypatch.setenv("ROS_MASTER_URI", f"http://127.0.0.1:{silent.getsockname()[1]}")
+        assert completions.complete_services(CONTEXT, PARAMETER, "") == []
+
+
+def test_packages_and_their_programs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("ROS_PACKAGE_PATH", raising=False)
+    folder = tmp_path / "rosy_arm"
+    folder.mkdir()
+    (folder / "package.xml").write_text("<package><name>rosy_arm</name></package>")
+    (folder / "move.py").write_text("#!/usr/bin/env python3\n")
+    monkeypatch.chdir(tmp_path)
+    assert completions.complete_package_folders(CONTEXT, PARAMETER, "rosy") == ["rosy_arm"]
+    assert "rosserial_python" in completions.complete_package_folders(CONTEXT, PARAMETER, "ros")
+    context = click.Context(click.Command("run"))
+    context.params["package"] = "rosy_arm"
+    assert completions.complete_programs(context, PARAMETER, "m") == ["move.py"]
+    context.params["package"] = "topic_tools"
+    assert completions.complete_programs(context, PARAMETER, "re") == ["relay"]
+    context.params["package"] = "nothing"
+    assert completions.complete_programs(context, PARAMETER, "") == []

@@ -1,0 +1,126 @@
+"""`serve sim:`: a simulated board with the real client library, in a graph in one step."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+
+import pytest
+
+from interop.ros1_peers import Peer, free_port
+from rostether.cli.board.simulated_links import simulated
+from rostether.errors import BoardError, ConfigError
+from rostether.graph.ports import Level
+from rostether.joining import join
+from rostether.transports.address import PtyAddress, SerialAddress, parse_address
+from unit.boards.simavr.programs import build
+from unit.cli.serving_process import started
+
+pytestmark = pytest.mark.simavr
+
+SKETCH = """
+#include <ros.h>
+#include <std_msgs/Float32.h>
+#include <std_msgs/Empty.h>
+
+ros::NodeHandle nh;
+std_msgs::Float32 volts;
+ros::Publisher volts_publisher("volts", &volts);
+void toggle(const std_msgs::Empty&) { digitalWrite(13, !digitalRead(13)); }
+ros::Subscriber<std_msgs::Empty> toggler("toggle", &toggle);
+
+void setup() {
+  pinMode(13, OUTPUT);
+  nh.initNode();
+  nh.advertise(volts_publisher);
+  nh.subscribe(toggler);
+}
+
+void loop() {
+  static unsigned long due;
+  if (millis() - due >= 100) {
+    due = millis();
+    volts.data = analogRead(0) * 5.0 / 1024;
+    volts_publisher.publish(&volts);
+  }
+  nh.spinOnce();
+}
+"""
+
+
+class Lines:
+    def __init__(self) -> None:
+        self.lines: list[tuple[Level, str]] = []
+
+    def line(self, level: Level, text: str, *, node: str = "") -> None:
+        self.lines.append((level, text))
+
+    async def wait_for(self, part: str) -> None:
+        async with asyncio.timeout(60):
+            while not any(part in text for _, text in self.lines):
+                await asyncio.sleep(0.01)
+
+
+async def test_a_sketch_joins_the_graph_in_one_step(tmp_path: Path) -> None:
+    sketch = tmp_path / "volt_meter" / "volt_meter.ino"
+    sketch.parent.mkdir()
+    sketch.write_text(SKETCH)
+    uri = f"http://localhost:{free_port()}"
+    address = f"sim:{sketch}?adc=A0:2.5&watch=D13"
+    async with started("serve", address, ROS_MASTER_URI=uri) as serve:
+        await serve.wait_for("Setup publisher on volts")
+        await _use(uri, serve)
+
+
+async def _use(uri: str, serve: Peer) -> None:
+    async with join("tester", environ={"ROS_MASTER_URI": uri}) as graph:
+        async with asyncio.timeout(60):
+            async for message in graph.messages("/volts"):
+                assert message.data == pytest.approx(2.5, abs=0.01)
+                break
+        assert "/volt_meter" in (await graph.snapshot()).nodes
+        publisher = await graph.publisher("/toggle", "std_msgs/Empty")
+        await serve.wait_for("pin D13 level=0")
+        async with asyncio.timeout(60):
+            while "pin D13 level=1" not in serve.text:
+                publisher.publish()
+                await asyncio.sleep(0.1)
+
+
+async def test_links_are_opened_at_their_ports_with_names() -> None:
+    program = build("tick")
+    links = [
+        parse_address(f"sim:{program}"),
+        parse_address("pty:/tmp/x"),
+        parse_address(f"sim:{program}"),
+        parse_address(f"sim:{program}?name=arm&ns=lab&board=nano"),
+    ]
+    lines = Lines()
+    async with simulated(links, lines) as opened:
+        stem = program.stem.replace("-", "_")
+        assert [link.name for link in opened] == [stem, None, f"{stem}_2", "arm"]
+        assert [type(link) for link in opened] == [SerialAddress, PtyAddress, SerialAddress, SerialAddress]
+        assert opened[3].ns == "lab"
+        assert len({str(link) for link in opened}) == 4
+        assert f"simulated nano runs {program} at {opened[3]}" in [text for _, text in lines.lines]
+    assert not any("has ended" in text for _, text in lines.lines)
+
+
+async def test_what_the_board_reports_is_told() -> None:
+    lines = Lines()
+    async with simulated([parse_address(f"sim:{build('tick')}?watch=serial")], lines):
+        await lines.wait_for("serial data=")
+    levels = {level for level, text in lines.lines if "serial data=" in text}
+    assert levels == {Level.INFO}
+
+
+async def test_mistakes_are_said_before_anything_is_served() -> None:
+    with pytest.raises(ConfigError, match="no simulated board 'due'"):
+        async with simulated([parse_address("sim:x.elf?board=due")], Lines()):
+            pass
+    with pytest.raises(BoardError, match="watch D99"):
+        async with simulated([parse_address(f"sim:{build('tick')}?watch=D99")], Lines()):
+            pass
+    with pytest.raises(BoardError, match="is not there"):
+        async with simulated([parse_address("sim:nowhere.ino")], Lines()):
+            pass

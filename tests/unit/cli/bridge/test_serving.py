@@ -1,0 +1,60 @@
+from __future__ import annotations
+
+import pytest
+
+from rostether.cli.bridge.serving import loopback_lines, read_links
+from rostether.ros1.environment import RosEnvironment
+from rostether.transports.address import TcpAddress, UdpAddress, parse_address
+from unit.cli.command_shell import LiveGraph, Shell
+
+LOOPBACK = RosEnvironment.read({})
+WIDE = RosEnvironment.read({"ROS_IP": "192.0.2.5"})
+
+
+def test_a_listener_without_a_host_listens_where_it_is_told() -> None:
+    hosts = WIDE.listen_hosts
+    assert read_links("tcp://:11411") == [TcpAddress("127.0.0.1", 11411)]
+    udp_links = read_links("udp://:11411?name=a", hosts)
+    assert [link.host for link in udp_links if isinstance(link, UdpAddress)] == ["192.0.2.5", "127.0.0.1"]
+    assert read_links("tcp://127.0.0.1:11411", hosts) == [TcpAddress("127.0.0.1", 11411)]
+    assert read_links("/dev/ttyACM0", hosts) == [parse_address("/dev/ttyACM0")]
+
+
+@pytest.mark.parametrize(
+    ("environment", "addresses", "count"),
+    [
+        (LOOPBACK, ["/dev/ttyACM0"], 0),
+        (LOOPBACK, ["tcp://:11411", "udp://:11411"], 2),
+        (LOOPBACK, ["tcp://0.0.0.0:11411"], 0),
+        (WIDE, ["tcp://:11411"], 0),
+        (RosEnvironment.read({"ROS_MASTER_URI": "http://192.0.2.1:11311"}), ["/dev/ttyACM0"], 1),
+    ],
+)
+def test_one_line_says_what_is_on_loopback_only(
+    environment: RosEnvironment, addresses: list[str], count: int
+) -> None:
+    links = [link for address in addresses for link in read_links(address, environment.listen_hosts)]
+    lines = loopback_lines(environment, links)
+    assert len(lines) == count
+    assert all("--listen 0.0.0.0" in line for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "text"),
+    [
+        (["--probe", "ttyUSB0"], 1, "a USB id such as 1a86:7523"),
+        (["--config", "/no/such/file"], 1, "/no/such/file: no such file"),
+        (["/dev/ttyACM0?bad=1"], 1, "bad"),
+        (["usb:/dev/ttyACM0"], 1, "unknown kind of link 'usb'"),
+        (["/dev/ttyACM0", "--master", "nonsense"], 1, "nonsense"),
+        (["/dev/ttyACM0", "--master", "http://a:1", "--master-port", "5"], 1, "give one of them"),
+        (["/dev/ttyACM0", "--msg-path", "/no/such/folder"], 1, "no such folder"),
+    ],
+)
+def test_mistakes(graph: LiveGraph, shell: Shell, arguments: list[str], code: int, text: str) -> None:
+    assert text in shell.failure("serve", *arguments, code=code)
+
+
+def test_mistakes_of_a_command_line_that_scripts_write(shell: Shell) -> None:
+    assert "__nmae" in shell.failure("serial-node", "__nmae:=x")
+    assert "is not a ROS name" in shell.failure("serial-node", "__name:=a b")

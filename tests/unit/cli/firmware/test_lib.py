@@ -1,0 +1,70 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+from unit.cli.command_shell import Shell
+
+
+def test_all(shell: Shell, tmp_path: Path) -> None:
+    said = shell.output("firmware", "lib", str(tmp_path))
+    assert said.startswith(f"wrote {tmp_path}/ros_lib: ")
+    assert said.endswith(" packages\n")
+    assert (tmp_path / "ros_lib/src/ros.h").is_file()
+    assert (tmp_path / "ros_lib/src/visualization_msgs/Marker.h").is_file()
+    assert shell.output("firmware", "lib", str(tmp_path)).startswith(f"replaced {tmp_path}/ros_lib: ")
+
+
+def test_for_a_sketch_with_own_messages(shell: Shell, tmp_path: Path) -> None:
+    (tmp_path / "my_robot").mkdir()
+    (tmp_path / "my_robot/Wheels.msg").write_text("float32 left\n")
+    sketch = tmp_path / "drive.ino"
+    sketch.write_text("#include <ros.h>\n#include <my_robot/Wheels.h>\n")
+    shell.output(
+        "firmware", "lib", str(tmp_path), "--for", str(sketch), "--msg-path", str(tmp_path / "my_robot")
+    )
+    assert (tmp_path / "ros_lib/src/my_robot/Wheels.h").is_file()
+    assert not (tmp_path / "ros_lib/src/visualization_msgs").exists()
+
+
+def test_messages_that_other_libraries_include(shell: Shell, tmp_path: Path) -> None:
+    (tmp_path / "Robot/src").mkdir(parents=True)
+    (tmp_path / "Robot/src/Robot.h").write_text("#include <sensor_msgs/Imu.h>\n")
+    (tmp_path / "x.ino").write_text("#include <Robot.h>\n")
+    shell.output("firmware", "lib", str(tmp_path), "--for", str(tmp_path / "x.ino"))
+    assert (tmp_path / "ros_lib/src/sensor_msgs/Imu.h").is_file()
+
+
+def test_what_was_skipped_is_said_and_the_rest_is_there(shell: Shell, tmp_path: Path) -> None:
+    (tmp_path / "bad/msg").mkdir(parents=True)
+    (tmp_path / "bad/msg/A.msg").write_text("uint8 x\nfloat 32 y\n")
+    result = shell("firmware", "lib", str(tmp_path), "--msg-path", str(tmp_path / "bad"))
+    assert result.code == 1
+    assert result.err.startswith(f"skipped bad/A: {tmp_path}/bad/msg/A.msg:2:1: ")
+    assert result.err.count("\n") == 1
+    assert (tmp_path / "ros_lib/src/std_msgs/String.h").is_file()
+
+
+def test_an_unknown_message_of_a_sketch_is_told_with_its_line(shell: Shell, tmp_path: Path) -> None:
+    (tmp_path / "x.ino").write_text("#include <ros.h>\n#include <sensor_msgs/Rang.h>\n")
+    result = shell("firmware", "lib", str(tmp_path), "--for", str(tmp_path / "x.ino"))
+    assert result.code == 1
+    assert result.err.startswith(
+        f"{tmp_path}/x.ino:2: package 'sensor_msgs' has no message 'Rang'; did you mean"
+    )
+    assert (tmp_path / "ros_lib/src/ros.h").is_file()
+
+
+def test_json(shell: Shell, tmp_path: Path) -> None:
+    (record,) = shell("firmware", "lib", str(tmp_path), "--package", "std_srvs", "--json").records
+    assert {"std_srvs/Empty", "std_srvs/SetBool", "std_srvs/Trigger"} <= set(record.pop("types"))
+    assert record == {"path": f"{tmp_path}/ros_lib", "replaced": False, "skipped": [], "warnings": []}
+
+
+def test_failures(shell: Shell, tmp_path: Path) -> None:
+    (tmp_path / "ros_lib").mkdir()
+    (tmp_path / "ros_lib/mine.txt").write_text("mine")
+    assert "is no generated library and stays" in shell.failure("firmware", "lib", str(tmp_path))
+    assert "no sketch at" in shell.failure("firmware", "lib", str(tmp_path), "--for", "nothing.ino")
+    assert "no package 'std'" in shell.failure("firmware", "lib", str(tmp_path), "--package", "std")
+    assert "no such folder" in shell.failure("firmware", "lib", str(tmp_path), "--msg-path", "/nowhere")
+    assert "Missing argument" in shell.failure("firmware", "lib", code=2)

@@ -1,0 +1,91 @@
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+
+import pytest
+from websockets.asyncio.client import connect
+
+from rostether.cli.gateway.gateways import GatewayGraph, gateways, joined_patiently
+from rostether.cli.gateway.options import GatewayOptions
+from rostether.errors import GraphError, MasterUnreachableError, UnknownTypeError
+from rostether.graph.memory_graph import MemoryGraph
+from rostether.graph.memory_network import MemoryNetwork
+from rostether.graph.ports import Graph, Level
+from rostether.msgdef.registry import Registry
+from rostether.serde.store import TypeStore
+
+
+class Refusing:
+    """Joins in memory, but for the node /rosapi; raises what it is told to, so often."""
+
+    def __init__(self, *faults: Exception, name: str = "/rosapi") -> None:
+        self.network = MemoryNetwork()
+        self._faults = list(faults)
+        self._name = name
+
+    async def __call__(
+        self, node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
+    ) -> MemoryGraph:
+        if node_name == self._name and self._faults:
+            raise self._faults.pop(0)
+        return await self.network.join(node_name, namespace=namespace, remappings=remappings)
+
+
+@pytest.mark.parametrize("fault", [UnknownTypeError("no such type here"), GraphError("not today")])
+async def test_pages_are_answered_where_the_graph_carries_no_rosapi(fault: Exception) -> None:
+    log: list[tuple[Level, str]] = []
+    on = GatewayGraph(Refusing(fault), TypeStore(Registry()))
+    options = GatewayOptions(rosbridge="127.0.0.1:0")
+    async with gateways(options, on, lambda level, text: log.append((level, text))) as server:
+        assert server is not None
+        async with connect(server.uri) as client:
+            await client.send('{"op": "call_service", "service": "/rosapi/nodes"}')
+            assert json.loads(await client.recv())["values"] == {"nodes": ["/rosbridge_websocket"]}
+    reason = f"rosbridge: rosapi's services are there for its clients alone: {fault}"
+    assert (Level.INFO, reason) in log
+
+
+@pytest.mark.parametrize(
+    ("place", "token", "line"),
+    [
+        (
+            "localhost:0",
+            "",
+            (Level.INFO, "rosbridge: this machine only; --rosbridge 0.0.0.0:0 lets others connect"),
+        ),
+        (
+            "0.0.0.0:0",
+            "",
+            (
+                Level.WARN,
+                "rosbridge: whoever reaches it can publish and call services; --token and --allow limit that",
+            ),
+        ),
+        ("0.0.0.0:0", "abc", None),
+    ],
+)
+async def test_it_is_told_who_can_connect(place: str, token: str, line: tuple[Level, str] | None) -> None:
+    log: list[tuple[Level, str]] = []
+    on = GatewayGraph(MemoryNetwork().join, TypeStore(Registry()))
+    options = GatewayOptions(rosbridge=place, token=token)
+    async with gateways(options, on, lambda level, text: log.append((level, text))) as server:
+        assert server is not None
+        assert log[0] == (Level.INFO, f"rosbridge: web pages and programs connect to {server.uri}")
+        assert log[1:] == ([line] if line is not None else [])
+
+
+async def test_without_gateways_there_is_nothing() -> None:
+    on = GatewayGraph(MemoryNetwork().join, TypeStore(Registry()))
+    async with gateways(GatewayOptions(), on, lambda level, text: None) as server:
+        assert server is None
+
+
+async def test_a_master_that_is_away_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rostether.cli.gateway.gateways._MASTER_RETRY_S", 0.001)
+    log: list[tuple[Level, str]] = []
+    away = MasterUnreachableError("the ROS master cannot be reached")
+    join = Refusing(away, away, name="page")
+    graph: Graph = await joined_patiently(join, "page", lambda level, text: log.append((level, text)))
+    assert log == [(Level.WARN, "page waits: the ROS master cannot be reached")]
+    await graph.close()

@@ -1,0 +1,60 @@
+from __future__ import annotations
+
+import click
+import pytest
+
+import rostether
+from interop.ros1_peers import free_port
+from rostether.cli.gateway.node import NodeWords, read_gateway_words
+from rostether.errors import ConfigError
+from rostether.ros1.master.server import MasterServer
+from unit.cli.serving_process import started
+
+
+def test_a_port_of_its_own_is_in_the_name() -> None:
+    assert NodeWords().name_for("bridge", 9090, 9090) == "bridge"
+    assert NodeWords().name_for("bridge", 0, 9090) == "bridge"
+    assert NodeWords().name_for("bridge", 9091, 9090) == "bridge_9091"
+    assert NodeWords(name="mine").name_for("bridge", 9091, 9090) == "mine"
+
+
+def test_words_of_a_gateway() -> None:
+    assert read_gateway_words([]) == ("localhost", NodeWords())
+    place, words = read_gateway_words(["/a:=/b", "0.0.0.0:9091"])
+    assert place == "0.0.0.0:9091"
+    assert words.remappings == {"/a": "/b"}
+    with pytest.raises(click.UsageError, match="one place to listen on, not 9091 and 9092"):
+        read_gateway_words(["9091", "9092"])
+    with pytest.raises(click.UsageError, match="_port:= is for the node in launch files"):
+        read_gateway_words(["_port:=9091"])
+    with pytest.raises(ConfigError):
+        read_gateway_words(["a:=b c"])
+
+
+async def test_a_second_gateway_ends_no_other_and_a_killed_one_is_no_obstacle() -> None:
+    port = str(free_port())
+    master = await MasterServer.start(host="127.0.0.1", port=0)
+    to_master = ("--master", master.uri)
+    try:
+        async with started("rosbridge", port, *to_master) as first:
+            await first.wait_for("lets others connect")
+            named = ("__name:=web", "__ns:=lab", *to_master)
+            async with started("rosbridge", "0", *named) as second:
+                await second.wait_for("lets others connect")
+                async with started(
+                    "foxglove", "0", f"__name:=rosbridge_websocket_{port}", *to_master
+                ) as third:
+                    await third.wait_for(f"a node /rosbridge_websocket_{port} runs already; end it, or")
+                    assert await third.process.wait() == 1
+                async with rostether.join("/asking", master=master.uri) as graph:
+                    gateways = {"/rosapi", f"/rosbridge_websocket_{port}", "/lab/web"}
+                    assert gateways <= set((await graph.call("/rosapi/nodes", "rosapi/Nodes")).nodes)
+            first.process.kill()
+            await first.process.wait()
+        async with started("rosbridge", port, *to_master) as again:
+            await again.wait_for("lets others connect")
+            async with rostether.join("/asking", master=master.uri) as graph:
+                answer = await graph.call("/rosapi/nodes", "rosapi/Nodes")
+                assert f"/rosbridge_websocket_{port}" in answer.nodes
+    finally:
+        await master.close()

@@ -1,0 +1,62 @@
+from __future__ import annotations
+
+import pytest
+
+from rostether.cli.gateway.options import read_place, with_places
+from rostether.errors import ConfigError
+from unit.cli.command_shell import Shell
+
+KNOWN = {"--rosbridge"}
+
+
+@pytest.mark.parametrize(
+    ("typed", "read"),
+    [
+        (["--rosbridge"], ["--rosbridge=localhost"]),
+        (["--rosbridge", "9091"], ["--rosbridge", "9091"]),
+        (["--rosbridge", "0.0.0.0:9090", "/dev/ttyACM0"], ["--rosbridge", "0.0.0.0:9090", "/dev/ttyACM0"]),
+        (["--rosbridge", "[::1]:9090"], ["--rosbridge", "[::1]:9090"]),
+        (["--rosbridge", "robot.local:9090"], ["--rosbridge", "robot.local:9090"]),
+        (["--rosbridge", "/dev/ttyACM0"], ["--rosbridge=localhost", "/dev/ttyACM0"]),
+        (["--rosbridge", "tcp://:11411"], ["--rosbridge=localhost", "tcp://:11411"]),
+        (["--rosbridge", "COM3"], ["--rosbridge=localhost", "COM3"]),
+        (["--rosbridge", "--ros1"], ["--rosbridge=localhost", "--ros1"]),
+        (["--rosbridge=9091", "x"], ["--rosbridge=9091", "x"]),
+        (["--", "--rosbridge"], ["--", "--rosbridge"]),
+    ],
+)
+def test_a_place_behind_the_option_is_taken_and_nothing_else(typed: list[str], read: list[str]) -> None:
+    assert with_places(typed, KNOWN) == read
+
+
+def test_commands_without_the_option_are_left_alone() -> None:
+    assert with_places(["--rosbridge"], set()) == ["--rosbridge"]
+
+
+@pytest.mark.parametrize(
+    ("text", "place"),
+    [
+        ("localhost", ("localhost", 9090)),
+        ("9091", ("localhost", 9091)),
+        ("0.0.0.0", ("0.0.0.0", 9090)),
+        ("0.0.0.0:9091", ("0.0.0.0", 9091)),
+        ("[::1]:9091", ("::1", 9091)),
+        ("[::1]", ("::1", 9090)),
+        ("::1", ("::1", 9090)),
+        ("robot.local:80", ("robot.local", 80)),
+    ],
+)
+def test_places(text: str, place: tuple[str, int]) -> None:
+    assert read_place(text, 9090) == place
+
+
+@pytest.mark.parametrize("text", ["localhost:many", "99999", "host:99999", "host:"])
+def test_what_is_no_place(text: str) -> None:
+    with pytest.raises(ConfigError, match=r"is no place to listen on: write HOST:PORT, as 0\.0\.0\.0:9090"):
+        read_place(text, 9090)
+
+
+@pytest.mark.parametrize("command", ["rosbridge", "foxglove"])
+@pytest.mark.parametrize("origin", ["panel.example", "https:panel.example", "https://panel.example/page"])
+def test_what_is_no_origin(command: str, origin: str, shell: Shell) -> None:
+    assert "such as https://panel.example or" in shell.failure(command, "--origin", origin)

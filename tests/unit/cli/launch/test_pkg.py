@@ -1,0 +1,133 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from unit.cli.command_shell import Shell
+
+
+@pytest.fixture
+def workspace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    (tmp_path / "src").mkdir()
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def arm(workspace: Path, shell: Shell, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(workspace / "src")
+    shell.output("pkg", "create", "arm", "std_msgs", "rospy")
+    monkeypatch.chdir(workspace)
+    return workspace / "src" / "arm"
+
+
+def test_create_says_what_catkin_create_pkg_says(
+    workspace: Path, shell: Shell, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(workspace / "src")
+    assert shell.output(
+        "pkg", "create", "arm", "std_msgs", "rospy", "-V", "0.1.0", "-l", "MIT"
+    ).splitlines() == [
+        "Created file arm/package.xml",
+        "Created file arm/CMakeLists.txt",
+        "Created folder arm/src",
+        f"Successfully created files in {workspace}/src/arm. Please adjust the values in package.xml.",
+    ]
+    assert "<version>0.1.0</version>" in (workspace / "src" / "arm" / "package.xml").read_text()
+    assert "is there already" in shell.failure("pkg", "create", "arm")
+    assert shell("pkg", "create", "Arm").err.startswith("Arm: names of packages begin with")
+    assert shell("pkg", "create", "leg", "--json").code == 0
+
+
+def test_find_and_list(arm: Path, shell: Shell) -> None:
+    assert shell.output("pkg", "find", "arm") == f"{arm}\n"
+    assert shell.output("pkg", "list") == f"arm {arm}\n"
+    assert shell.output("pkg", "list-names") == "arm\n"
+    assert shell("pkg", "list", "--json").records == [{"package": "arm", "folder": str(arm)}]
+    assert shell.output("pkg", "depends1", "arm") == "catkin\nrospy\nstd_msgs\n"
+    assert shell.output("pkg", "version", "arm") == "0.0.0\n"
+    assert "did you mean arm?" in shell.failure("pkg", "find", "arn")
+    assert "`rostether pkg list` shows those found" in shell.failure("pkg", "find", "xyz")
+
+
+def test_two_packages_of_one_name(arm: Path, shell: Shell) -> None:
+    for number in range(5):
+        other = arm.parent / "old" / f"copy{number}"
+        other.mkdir(parents=True)
+        (other / "package.xml").write_text((arm / "package.xml").read_text())
+    found = shell("pkg", "find", "arm")
+    assert found.out == f"{arm}\n"
+    lines = found.err.splitlines()
+    assert len(lines) == 4
+    assert lines[0] == (
+        f"rostether: warning: two packages are called arm: {arm} is used, {arm.parent}/old/copy0 is not; "
+        "rename one, or put a file CATKIN_IGNORE into its folder"
+    )
+    assert lines[3] == "rostether: warning: 2 more packages have a name that another has"
+
+
+def test_version_of_the_distribution(shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("ROS_DISTRO", raising=False)
+    assert shell.output("pkg", "version", "-d") == "noetic\n"
+    assert "which package?" in shell.failure("pkg", "version", code=2)
+
+
+def test_make_says_what_there_is_and_writes_the_setup_file(arm: Path, shell: Shell) -> None:
+    (arm / "msg").mkdir()
+    (arm / "msg" / "Angles.msg").write_text("int16 a\n")
+    workspace = arm.parents[1]
+    # As typed for catkin_make.
+    text = shell.output("pkg", "make", "-j4", "-DCMAKE_BUILD_TYPE=Release", "--pkg", "arm", "install")
+    assert text.splitlines() == [
+        "arm (src/arm)",
+        "  messages: Angles",
+        f"1 package in {workspace / 'src'}; nothing needs to be built",
+        f"Other shells see them after `source {workspace / 'devel' / 'setup.bash'}`",
+    ]
+    assert (workspace / "devel" / "setup.bash").is_file()
+    assert shell("pkg", "make", "-C", str(workspace), "--json").records == [
+        {
+            "package": "arm",
+            "folder": str(arm),
+            "messages": ["Angles"],
+            "services": [],
+            "actions": [],
+            "nodes": [],
+            "launch_files": [],
+            "problems": [],
+        }
+    ]
+
+
+def test_make_fails_for_messages_that_cannot_be_read(arm: Path, shell: Shell) -> None:
+    for kind, text in {
+        "msg/Bad.msg": "oops",
+        "msg/Far.msg": "nowhere_msgs/X x",
+        "srv/Bad.srv": "oops\n---",
+    }.items():
+        (arm / kind).parent.mkdir(exist_ok=True)
+        (arm / kind).write_text(text)
+    (arm.parent / "broken").mkdir()
+    (arm.parent / "broken" / "package.xml").write_text("<package>")
+    result = shell("pkg", "make")
+    assert result.code == 1
+    assert "messages: Bad, Far" in result.out
+    for place in ("Bad.msg:1", "nowhere_msgs", "Bad.srv:1", "broken/package.xml:1"):
+        assert place in result.err
+
+
+def test_make_names_what_it_cannot_build(arm: Path, shell: Shell) -> None:
+    (arm / "src" / "driver.cpp").touch()
+    assert "not built here, a real ROS does: driver.cpp" in shell.output("pkg", "make")
+
+
+def test_init_workspace(workspace: Path, shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(workspace / "src")
+    assert shell.output("pkg", "init-workspace") == f"Created file {workspace / 'src' / 'CMakeLists.txt'}\n"
+    assert "is there already" in shell.failure("pkg", "init-workspace")
+
+
+def test_a_folder_that_is_no_workspace(tmp_path: Path, shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert "has no folder src" in shell.failure("pkg", "make")

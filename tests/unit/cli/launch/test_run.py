@@ -1,0 +1,157 @@
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from rostether.cli.launch.python_choice import PYTHON_VARIABLE, python_for
+from rostether.cli.launch.served_nodes import SERVED_NODES, replacement_line, served_nodes
+from rostether.cli.launch.shims import SHIM_MARK
+from rostether.cli.node.node_command import node_command
+from rostether.errors import ConfigError
+from unit.cli.command_shell import Shell
+from unit.cli.processes import read_until
+
+SAY = "import json, os, sys\nprint(json.dumps([sys.argv[1:], os.environ.get('PYTHONPATH')]), flush=True)\n"
+
+
+@pytest.fixture
+def arm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    folder = tmp_path / "src" / "arm"
+    (folder / "scripts").mkdir(parents=True)
+    (folder / "package.xml").write_text("<package><name>arm</name></package>")
+    monkeypatch.chdir(tmp_path)
+    return folder
+
+
+def write(file: Path, text: str) -> Path:
+    file.write_text(text)
+    file.chmod(0o755)
+    return file
+
+
+def run(*arguments: str, cwd: Path, **environ: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "rostether", "run", *arguments],
+        cwd=cwd,
+        env={**os.environ, **environ},
+        capture_output=True,
+        text=True,
+        timeout=30,
+        check=False,
+    )
+
+
+def test_a_script_gets_every_argument_and_our_rospy(arm: Path) -> None:
+    write(arm / "scripts" / "say.py", f"#!/usr/bin/env python3\n{SAY}")
+    done = run("arm", "say.py", "__name:=x", "a:=b", "_p:=1", "-h", "--debug", "", cwd=arm)
+    assert done.returncode == 0, done.stderr
+    arguments, python_path = json.loads(done.stdout)
+    assert arguments == ["__name:=x", "a:=b", "_p:=1", "-h", "--debug", ""]
+    assert Path(python_path.split(os.pathsep)[0]).parts[-2:] == ("rospy_facade", "path")
+
+
+def test_a_programs_exit_code_and_death_are_ours(arm: Path) -> None:
+    write(arm / "scripts" / "fail.sh", "#!/bin/sh\nexit 7\n")
+    assert run("arm", "fail.sh", cwd=arm).returncode == 7
+    write(arm / "scripts" / "wait.sh", "#!/bin/sh\necho ready\nexec sleep 60\n")
+    process = subprocess.Popen(
+        [sys.executable, "-m", "rostether", "run", "arm", "wait.sh"],
+        cwd=arm,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        read_until(process, "ready")
+        process.send_signal(signal.SIGTERM)
+        assert process.wait(20) == -signal.SIGTERM
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def test_prefix_and_debug(arm: Path) -> None:
+    write(arm / "scripts" / "say.sh", '#!/bin/sh\necho "$FLAG $1"\n')
+    done = run("--prefix", "env FLAG='a b'", "-d", "arm", "say.sh", "x", cwd=arm)
+    assert done.stdout.splitlines() == [f"env 'FLAG=a b' {arm / 'scripts' / 'say.sh'} x", "a b x"]
+
+
+def test_a_program_that_cannot_start(arm: Path) -> None:
+    write(arm / "scripts" / "odd.sh", "#!/no/such/shell\n")
+    done = run("arm", "odd.sh", cwd=arm)
+    assert done.returncode == 1
+    assert done.stderr.startswith("rostether: error: ")
+    assert (
+        "cannot be run: No such file or directory; its first line may name a missing program" in done.stderr
+    )
+
+
+def test_what_is_not_there_is_told_with_what_is_near(arm: Path, shell: Shell) -> None:
+    write(arm / "scripts" / "move.py", "#!/usr/bin/env python3\n")
+    assert "did you mean move.py?" in shell.failure("run", "arm", "mov.py")
+    assert "no package arn; did you mean arm?" in shell.failure("run", "arn", "move.py")
+    assert "did you mean rosserial_python" in shell.failure("run", "rosserial_pyton", "serial_node.py")
+    assert "of it we serve serial_node, serial_node.py" in shell.failure("run", "rosserial_python", "x")
+    assert "`rostether pkg list`" in shell.failure("run", "xyzzyx", "x")
+
+
+def test_nodes_that_are_ours_by_role(arm: Path) -> None:
+    found = node_command("rosserial_python", "serial_node.py", packages={}, environ={})
+    assert found == [sys.executable, "-P", "-m", "rostether", "serial-node"]
+    # Also where the package itself was checked out.
+    assert (
+        node_command("rosserial_python", "serial_node.py", packages={"rosserial_python": arm}, environ={})
+        == found
+    )
+    assert served_nodes().keys() <= SERVED_NODES.keys()
+
+
+@pytest.mark.parametrize("node", sorted(served_nodes()))
+def test_every_served_node_is_a_command_of_ours(node: tuple[str, str], shell: Shell) -> None:
+    words = served_nodes()[node][4:]
+    assert shell.output(*words, "--help").startswith(f"Usage: rostether {' '.join(words)}")
+
+
+def test_windows_that_are_not_installed_have_a_line(
+    tmp_path: Path, shell: Shell, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    result = shell("run", "rviz", "rviz", "-d", "x.rviz")
+    assert (result.code, result.out) == (0, "")
+    assert result.err.startswith("rviz is not installed here; ")
+    assert replacement_line("rqt_unheard_of", {}) is not None
+    assert replacement_line("arm", {}) is None
+    shims = tmp_path / "shims"
+    shims.mkdir()
+    write(shims / "rviz", f"#!/bin/sh\n# {SHIM_MARK}\n")
+    assert replacement_line("rviz", {"PATH": str(shims)}) is not None
+    write(tmp_path / "rviz", "#!/bin/sh\n")
+    assert replacement_line("rviz", {"PATH": f"{shims}:{tmp_path}"}) is None
+    assert node_command("rviz", "rviz", packages={}, environ={"PATH": str(tmp_path)}) == [
+        str(tmp_path / "rviz")
+    ]
+
+
+def test_a_missing_package_is_an_error(arm: Path) -> None:
+    with pytest.raises(ConfigError, match="no package leg"):
+        node_command("leg", "x", packages={"arm": arm}, environ={})
+
+
+def test_which_python_runs_a_script(tmp_path: Path) -> None:
+    named = tmp_path / "python3"
+    named.symlink_to(sys.executable)
+    path = {"PATH": str(tmp_path)}
+    script = write(tmp_path / "a.py", "#!/usr/bin/env python3\n")
+    assert python_for(script, path) == [str(named)]
+    assert python_for(write(tmp_path / "b.py", f"#!{named} -u\r\n"), path) == [str(named), "-u"]
+    # None is named, the one named is not there, or it is too old.
+    assert python_for(write(tmp_path / "c.py", "import rospy\n"), path) == [sys.executable]
+    assert python_for(write(tmp_path / "d.py", "#!/usr/bin/env python\n"), path) == [sys.executable]
+    write(tmp_path / "python2", "#!/bin/sh\necho False\n")
+    assert python_for(write(tmp_path / "e.py", "#!/usr/bin/env python2\n"), path) == [sys.executable]
+    assert python_for(script, {**path, PYTHON_VARIABLE: "/opt/python"}) == ["/opt/python"]

@@ -1,0 +1,199 @@
+"""`link record`, `show` and `replay` as processes, with a board at a pseudo-terminal."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import signal
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import pytest
+
+from interop.ros1_peers import free_port
+from rostether.joining import join
+from rostether.ros1.master.server import MasterServer
+from rostether.transports.capture import Capture, Chunk
+from rostether.transports.opening import open_transport
+from unit.bridge.sketch_board import SketchBoard, every, hello, publish
+from unit.cli.command_shell import Shell
+from unit.cli.serving_process import started
+
+VECTORS = Path(__file__).parents[3] / "vectors"
+
+
+@asynccontextmanager
+async def board_at(path: Path, period_s: float = 0.1) -> AsyncIterator[None]:
+    """A board that says hello, ten times a second if nothing else is said."""
+    wire = await open_transport(f"pty:{path}")
+    board = SketchBoard(wire, turn=every(period_s, publish("chatter", hello))).publisher("chatter").plug_in()
+    try:
+        yield
+    finally:
+        await board.unplug()
+        await wire.wait_closed()
+
+
+@asynccontextmanager
+async def master() -> AsyncIterator[dict[str, str]]:
+    server = await MasterServer.start(port=0)
+    try:
+        yield {"ROS_MASTER_URI": server.uri}
+    finally:
+        await server.close()
+
+
+async def hear(environ: dict[str, str], topic: str, count: int) -> None:
+    async with asyncio.timeout(60), join("listener", environ=environ) as graph:
+        async for _ in graph.messages(topic):
+            count -= 1
+            if not count:
+                return
+
+
+async def test_recorded_killed_and_played_again(tmp_path: Path) -> None:
+    file = tmp_path / "problem.jsonl"
+    async with (
+        board_at(tmp_path / "arm"),
+        master() as environ,
+        started("link", "record", f"{tmp_path}/arm", str(file), **environ) as record,
+    ):
+        await record.wait_for(f"Recording the lines to {file}")
+        await hear(environ, "/chatter", 5)
+        await record.stop(signal.SIGKILL)
+    chunks = [each for each in Capture(file).entries() if isinstance(each, Chunk)]
+    assert {each.from_device for each in chunks} == {True, False}
+    assert b"".join(each.data for each in chunks if each.from_device).count(b"\5\0\0\0hello") >= 4
+    async with (
+        master() as environ,
+        started("link", "replay", str(file), "--name", "ghost", **environ) as play,
+    ):
+        await hear(environ, "/chatter", 3)
+        text = await play.finish()
+        assert play.process.returncode == 0
+        assert "/ghost: Setup publisher on chatter [std_msgs/String]" in text
+        assert text.splitlines()[-1].startswith("played ")
+
+
+async def test_serve_records_and_says_so_at_its_end(tmp_path: Path) -> None:
+    file = tmp_path / "problem.jsonl"
+    async with (
+        board_at(tmp_path / "arm"),
+        master() as environ,
+        started("serve", f"{tmp_path}/arm", "--record-line", str(file), **environ) as serve,
+    ):
+        await hear(environ, "/chatter", 2)
+        await serve.stop(signal.SIGINT)
+        assert f"{file} holds" in serve.text
+    last = json.loads(file.read_text().splitlines()[-1])
+    assert last["event"] == "closed"
+
+
+async def test_the_limit_is_told_and_the_board_served_on(tmp_path: Path) -> None:
+    file = tmp_path / "problem.jsonl"
+    async with (
+        board_at(tmp_path / "arm", 0.01),
+        master() as environ,
+        started(
+            "link", "record", f"{tmp_path}/arm", str(file), "--record-limit", "0.01", **environ
+        ) as record,
+    ):
+        await hear(environ, "/chatter", 3)
+        await record.wait_for("has reached 0.01 MB: nothing more is recorded", timeout_s=60)
+        await hear(environ, "/chatter", 3)
+    assert file.stat().st_size <= 10_000
+
+
+async def test_no_file_is_overwritten(tmp_path: Path) -> None:
+    file = tmp_path / "problem.jsonl"
+    file.write_text("precious")
+    async with master() as environ, started("link", "record", "tcp://:0", str(file), **environ) as record:
+        text = await record.finish()
+    assert record.process.returncode == 1
+    assert "exists, and no capture is written over another" in text.splitlines()[-1]
+    assert file.read_text() == "precious"
+
+
+async def test_a_recorded_session_without_pauses() -> None:
+    """A subscriber that waits gets every message; the capture's own count of them is 1,429."""
+    file = VECTORS / "adc.jsonl"
+    async with master() as environ:
+        heard = 0
+
+        async def count() -> None:
+            nonlocal heard
+            async with join("listener", environ=environ) as graph:
+                async for _ in graph.messages("/adc", "rosserial_arduino/Adc", queue_size=5000):
+                    heard += 1
+
+        counting = asyncio.create_task(count())
+        async with started("link", "replay", str(file), "--fast", **environ) as play:
+            text = await play.finish()
+        counting.cancel()
+        await asyncio.gather(counting, return_exceptions=True)
+    assert "1 topics and services, 1429 messages" in text
+    # The first of them come in one chunk with the announcement, before a subscriber can have connected.
+    assert 1400 <= heard <= 1429
+
+
+async def test_replay_is_the_master_where_none_is() -> None:
+    uri = f"http://127.0.0.1:{free_port()}"
+    async with started(
+        "link", "replay", str(VECTORS / "helloworld.jsonl"), "--speed", "20", ROS_MASTER_URI=uri
+    ) as play:
+        text = await play.finish()
+    assert play.process.returncode == 0
+    assert "Being the ROS master" in text
+    assert "/helloworld: Setup publisher on chatter" in text
+
+
+def test_show(shell: Shell) -> None:
+    lines = shell.output("link", "show", str(VECTORS / "pubsub.jsonl")).splitlines()
+    assert lines[0] == "    2.626472  <- host      0      0 B  asks for topics"
+    assert lines[3].endswith(
+        "publisher 'chatter' [std_msgs/String] id 125, 280 bytes, md5 992ce8a1687cec8c8bd883ec73ca41d1"
+    )
+    assert lines[5] == "    3.504007  board ->   125     16 B  chatter"
+    assert lines[-1] == (
+        "protocol version 2, 12.0 s; from the board 23 frames, 1 faults; from the host 10 frames, 0 faults"
+    )
+
+
+def test_show_only_faults(shell: Shell) -> None:
+    lines = shell.output("link", "show", "--faults", str(VECTORS / "boot_text.jsonl")).splitlines()
+    assert len(lines) > 2
+    assert all(" ! " in line for line in lines[:-1])
+
+
+def test_show_json(shell: Shell) -> None:
+    records = shell("link", "show", "--json", str(VECTORS / "protocol1.jsonl")).records
+    logged = next(each for each in records if each["topic_id"] == 7)
+    assert logged["what"] == "logs INFO 'led on'"
+    assert (logged["from"], logged["fault"]) == ("device", None)
+
+
+@pytest.mark.parametrize("verb", ["show", "replay"])
+def test_bad_files(shell: Shell, tmp_path: Path, verb: str) -> None:
+    file = tmp_path / "problem.jsonl"
+    assert "No such file" in shell.failure("link", verb, str(file))
+    file.write_text("text\n")
+    assert f"{file}, line 1: no JSON object" in shell.failure("link", verb, str(file))
+
+
+def test_a_damaged_line_is_named_after_those_before_it(shell: Shell, tmp_path: Path) -> None:
+    file = tmp_path / "problem.jsonl"
+    file.write_text('{"capture": "x"}\n{"t": 1, "from": "host", "hex": "fffe0000ff0000ff"}\n{"t": 2}\n')
+    result = shell("link", "show", str(file))
+    assert result.code == 1
+    assert "asks for topics" in result.out
+    assert f"{file}, line 3: 'from' is None" in result.err
+
+
+async def test_a_capture_without_a_board(tmp_path: Path) -> None:
+    file = tmp_path / "problem.jsonl"
+    file.write_text('{"capture": "x"}\n{"t": 0.1, "from": "host", "hex": "fffe0000ff0000ff"}\n')
+    async with master() as environ, started("link", "replay", str(file), **environ) as play:
+        text = await play.finish()
+    assert play.process.returncode == 1
+    assert "holds no byte of a board" in text.splitlines()[-1]

@@ -1,0 +1,141 @@
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ET
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rostether.cli.plot.curves import MAX_CURVES, MAX_POINTS, Curves, expand, numbers
+from rostether.cli.plot.view import as_colored, as_plain, plot_lines
+from rostether.pictures.axis import Axis
+from rostether.pictures.plot import Curve
+from rostether.rostime import Duration, Time
+from unit.cli.command_shell import STORE, LiveGraph, Shell
+from unit.cli.talking import publish
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+@pytest.mark.parametrize(
+    ("argument", "fields"),
+    [
+        ("/scan", ["/scan"]),
+        ("/pose/position/x", ["/pose/position/x"]),
+        ("/pose/position/x:y:z", ["/pose/position/x", "/pose/position/y", "/pose/position/z"]),
+        ("/joints/position[0:4]", ["/joints/position[0:4]"]),
+        ("/joints/position[0]:velocity[:2]", ["/joints/position[0]", "/joints/velocity[:2]"]),
+        ("imu/x:", ["imu/x"]),
+    ],
+)
+def test_colons_name_more_fields(argument: str, fields: list[str]) -> None:
+    assert expand(argument) == fields
+
+
+def message(type_name: str, **fields: Any) -> Any:
+    codec = STORE.codec(type_name)
+    return codec.decode(codec.encode(fields))
+
+
+def test_numbers_in_values() -> None:
+    joints = message("sensor_msgs/JointState", name=["a", "b"], position=[0.5, -0.5])
+    assert list(numbers("/joints", joints)) == [("/joints/position[0]", 0.5), ("/joints/position[1]", -0.5)]
+    assert list(numbers("x", True)) == [("x", 1.0)]
+    assert list(numbers("x", Time(2, 500_000_000))) == [("x", 2.5)]
+    assert list(numbers("x", Duration(-1, 0))) == [("x", -1.0)]
+    assert list(numbers("x", b"\x07")) == [("x[0]", 7.0)]
+    assert list(numbers("x", "text")) == []
+    assert list(numbers("x", message("std_msgs/String", data="1"))) == []
+
+
+def test_curves_are_bounded(capsys: pytest.CaptureFixture[str]) -> None:
+    curves = Curves()
+    assert curves.add(0.0, "a", [0.0] * (MAX_CURVES + 10))
+    assert len(curves.names) == MAX_CURVES
+    assert "only the first" in capsys.readouterr().err
+    for step in range(MAX_POINTS // MAX_CURVES + 100):
+        curves.add(step, "a", [1.0])
+    (first, *_) = curves.curves()
+    assert len(first.points) == MAX_POINTS // MAX_CURVES
+
+
+def test_curves_stand_as_they_were_named() -> None:
+    curves = Curves()
+    curves.expect("/b", "/a")
+    curves.add(0.0, "/a", 1.0)
+    curves.add(1.0, "/b", [2.0, 3.0])
+    assert curves.names == ["/b[0]", "/b[1]", "/a"]
+    assert [curve.points for curve in curves.curves(since_s=0.5)] == [[(1.0, 2.0)], [(1.0, 3.0)], []]
+
+
+def test_lines_of_a_plot() -> None:
+    curve = Curve("/a", [(0.0, 0.0), (5.0, 10.0), (10.0, 0.0)])
+    lines = as_plain(plot_lines([curve], 40, 12, Axis(0.0, 10.0)))
+    assert len(lines) == 12
+    assert max(map(len, lines)) <= 40
+    assert any(re.match(r" +10┤ +⡠?[⠁-⣿]+$", line) for line in lines[:3]), lines
+    assert lines[-1] == "── /a 0"
+    assert re.fullmatch(r" +0 s +5 s +10 s", lines[-2])
+
+
+def test_curves_have_colors_of_their_own() -> None:
+    curves = [Curve("/a", [(0.0, 0.0)]), Curve("/b", [(1.0, 1.0)])]
+    text = as_colored(plot_lines(curves, 40, 10, Axis(0.0, 1.0)), "end")
+    styles = {str(span.style) for span in text.spans}
+    assert {"rgb(0,114,178)", "rgb(213,94,0)"} <= styles
+
+
+def test_a_window_without_room_does_no_harm() -> None:
+    assert plot_lines([Curve("/a", [(0.0, 0.0)])], 1, 1, Axis(0.0, 1.0))
+
+
+@pytest.fixture
+def ranging(graph: LiveGraph) -> LiveGraph:
+    publish(graph, "/scan", "sensor_msgs/Range", *({"range": value} for value in (1.0, 3.0, 2.0)))
+    return graph
+
+
+@pytest.mark.usefixtures("ranging")
+def test_without_a_terminal_the_plot_is_printed(shell: Shell) -> None:
+    printed = shell.output("plot", "/scan/range", "--for", "0.5")
+    assert printed.splitlines()[-1] == "── /scan/range 2"
+    assert re.search("[⠁-⣿]", printed)
+
+
+@pytest.mark.usefixtures("ranging")
+def test_pictures_are_saved(shell: Shell, tmp_path: Path) -> None:
+    file = tmp_path / "scan.svg"
+    printed = shell.output("plot", "/scan/range:max_range", "--for", "0.5", "--save", str(file))
+    assert printed == f"{file}: 2 curves, 6 values\n"
+    texts = {each.text for each in ET.parse(file).getroot().iter(f"{SVG}text")}
+    assert {"/scan/range", "/scan/max_range", "seconds"} <= texts
+
+
+@pytest.mark.usefixtures("ranging")
+def test_png(shell: Shell, tmp_path: Path) -> None:
+    file = tmp_path / "scan.png"
+    shell.output("plot", "/scan", "--for", "0.5", "--save", str(file))
+    assert file.read_bytes().startswith(b"\x89PNG\r\n\x1a\n")
+
+
+def test_what_cannot_be_drawn_is_said(shell: Shell, graph: LiveGraph, tmp_path: Path) -> None:
+    publish(graph, "/words", "std_msgs/String", {"data": "x"})
+    assert "/words/data holds no number" in shell.failure("plot", "/words/data", "--for", "5")
+    silent = STORE.registry.message_type("std_msgs/Int8")
+    graph.do(graph.node("/silent").advertise("/nothing", silent))
+    assert "no value came of /nothing" in shell.failure("plot", "/nothing", "--for", "0.2")
+    assert "end it with .png, .svg" in shell.failure("plot", "/a", "--save", str(tmp_path / "a.dot"), code=2)
+    assert "at most" in shell.failure("plot", *(f"/t{number}" for number in range(40)), code=2)
+
+
+def test_colons_may_name_topics(shell: Shell, graph: LiveGraph, tmp_path: Path) -> None:
+    publish(graph, "/wheel/left", "std_msgs/Float32", {"data": 1.0})
+    publish(graph, "/wheel/right", "std_msgs/Float32", {"data": 2.0})
+    printed = shell.output("plot", "/wheel/left:right", "--for", "1").splitlines()
+    assert printed[-2:] == ["── /wheel/left/data 1", "── /wheel/right/data 2"]
+
+
+@pytest.mark.usefixtures("ranging")
+def test_a_field_that_is_not_there_is_named(shell: Shell) -> None:
+    assert "has no field 'rnge'" in shell.failure("plot", "/scan/range:rnge", "--for", "5")

@@ -1,0 +1,104 @@
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from rostether.graph.typed_graph import TypedGraph
+from rostether.robot.static_transforms import StaticTransform, publish_static_transform
+from rostether.robot.transform import Transform, quaternion_from_rpy
+from unit.cli.command_shell import STORE, LiveGraph, Shell
+from unit.cli.processes import started
+
+
+@pytest.fixture
+def laser(graph: LiveGraph) -> None:
+    """A node that says where the laser stands on the base, and one that moves the base."""
+    stands = StaticTransform("base", "laser", Transform((0.5, 0.0, 0.25), quaternion_from_rpy(0, 0, 1)))
+    moves = StaticTransform("world", "base", Transform((1.0, 2.0, 0.0)), period_s=0.02)
+    for name, static in (("stands", stands), ("moves", moves)):
+        graph.begin(publish_static_transform(TypedGraph(graph.node(name), STORE), static))
+
+
+def test_echo_prints_what_tf_echo_prints(laser: None, shell: Shell) -> None:
+    lines = shell.output("tf", "echo", "-n", "1", "world", "/laser").splitlines()
+    assert lines[0].startswith("At time ")
+    assert lines[1:] == [
+        "- Translation: [1.500, 2.000, 0.250]",
+        "- Rotation: in Quaternion [0.000, 0.000, 0.479, 0.878]",
+        "            in RPY (radian) [0.000, -0.000, 1.000]",
+        "            in RPY (degree) [0.000, -0.000, 57.296]",
+    ]
+
+
+def test_echo_as_json(laser: None, shell: Shell) -> None:
+    records = shell("tf", "echo", "--json", "-n", "2", "base", "laser", "50").records
+    assert len(records) == 2
+    assert records[0]["translation_m"] == [0.5, 0.0, 0.25]
+    assert records[0]["rpy_rad"][2] == pytest.approx(1.0)
+    assert (records[0]["parent"], records[0]["child"]) == ("base", "laser")
+
+
+def test_echo_gives_up_when_told_to(laser: None, shell: Shell) -> None:
+    result = shell("tf", "echo", "--timeout", "0.2", "world", "nowhere")
+    assert result.code == 1
+    assert '"nowhere" passed to lookupTransform argument source_frame does not exist.' in result.err
+
+
+def test_tree(laser: None, shell: Shell) -> None:
+    lines = shell.output("tf", "tree", "--time", "0.5").splitlines()
+    assert lines[0] == "world"
+    assert lines[1].startswith("└─ base  (")
+    assert lines[1].endswith(" Hz, /moves)")
+    assert lines[2] == "   └─ laser  (static, /stands)"
+
+
+def test_tree_for_programs(laser: None, shell: Shell) -> None:
+    records = {each["frame"]: each for each in shell("tf", "tree", "--json", "--time", "0.5").records}
+    assert records["laser"]["is_static"]
+    assert records["laser"]["broadcaster"] == "/stands"
+    assert records["base"]["rate_hz"] > 5
+    dot = shell.output("tf", "tree", "--dot", "--time", "0.5")
+    assert dot.startswith("digraph G {")
+    assert '"base" -> "laser"' in dot
+
+
+def test_tree_of_nothing_says_who_publishes(graph: LiveGraph, shell: Shell) -> None:
+    result = shell("tf", "tree", "--time", "0.1")
+    assert result.code == 1
+    assert "robot_state_publisher or `rostether tf static` publish them" in result.err
+
+
+def test_monitor(laser: None, shell: Shell) -> None:
+    text = shell.output("tf", "monitor", "-n", "1")
+    assert "RESULTS: for all Frames" in text
+    assert "Frame: laser published by /stands Average Delay: 0 Max Delay: 0" in text
+    assert "Node: /moves " in text
+
+
+def test_monitor_a_chain(laser: None, shell: Shell) -> None:
+    text = shell.output("tf", "monitor", "-n", "1", "world", "laser")
+    assert "Chain is: laser -> base -> world" in text
+    records = shell("tf", "monitor", "-n", "1", "--json").records
+    assert {each["frame"] for each in records} == {"base", "laser"}
+    assert "give no frame, or PARENT and CHILD" in shell.failure("tf", "monitor", "world", code=2)
+
+
+@pytest.mark.parametrize("verb", [("tf", "static"), ("role", "static-transform-publisher")])
+def test_static_publishes_until_told_to_end(
+    verb: tuple[str, str], graph: LiveGraph, shell: Shell, tmp_path: Path
+) -> None:
+    words = ["1", "-2", "-0.5", str(math.pi / 2), "0", "0", "world", "laser", "__name:=here"]
+    with started(graph.uri, *verb, *words) as process:
+        # Where the process is slow to start, echo says on stderr that it waits.
+        result = shell("tf", "echo", "-n", "1", "world", "laser")
+        assert result.code == 0
+        assert "[1.000, -2.000, -0.500]" in result.out
+        assert "/here" in shell.output("node", "list")
+        process.terminate()
+        assert process.wait(10) == 0
+
+
+def test_static_without_a_transform_says_how(graph: LiveGraph, shell: Shell) -> None:
+    assert "write X Y Z YAW PITCH ROLL PARENT CHILD" in shell.failure("tf", "static", "1", "2")

@@ -1,0 +1,75 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from unit.cli.command_shell import Shell
+from unit.robot.robots import ARM, GRIPPER
+
+
+@pytest.fixture
+def arm(tmp_path: Path) -> str:
+    file = tmp_path / "arm.urdf"
+    file.write_text(ARM)
+    return str(file)
+
+
+@pytest.fixture
+def wheels(tmp_path: Path) -> str:
+    file = tmp_path / "wheels.xacro"
+    file.write_text(
+        '<robot name="w" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="n" default="a"/>'
+        '<link name="$(arg n)"/></robot>'
+    )
+    return str(file)
+
+
+def test_check_shows_the_tree_of_links(arm: str, shell: Shell) -> None:
+    assert shell.output("urdf", "check", arm).splitlines() == [
+        "robot name is: arm",
+        "---------- Successfully Parsed XML ---------------",
+        "root Link: base has 1 child(ren)",
+        "    child(1):  turret",
+        "        child(1):  upper",
+        "            child(1):  fore",
+        "                child(1):  hand",
+    ]
+
+
+def test_check_says_what_is_wrong(tmp_path: Path, shell: Shell) -> None:
+    file = tmp_path / "wrong.urdf"
+    file.write_text('<robot name="x">\n<link name="a"/>\n<link name="b"/></robot>')
+    assert shell.failure("urdf", "check", str(file)) == (
+        f"{file}:1: two root links, 'a' and 'b'; join them by a joint"
+    )
+    file.write_text('<robot name="x"><link name="a"><visual/></link></robot>')
+    assert "left out: line 1: visual of link 'a' has no geometry" in shell("urdf", "check", str(file)).err
+
+
+def test_tree_names_joints(tmp_path: Path, arm: str, shell: Shell) -> None:
+    assert shell.output("urdf", "tree", arm).splitlines()[:2] == [
+        "base",
+        "└─ turret  (j0: revolute, -85.94° to 143.2°)",
+    ]
+    file = tmp_path / "gripper.urdf"
+    file.write_text(GRIPPER)
+    text = shell.output("urdf", "tree", str(file))
+    assert "slide  (lift: prismatic, 0.02 m to 0.2 m)" in text
+    assert "tip  (tip: continuous, follows right)" in text
+    records = {each["joint"]: each for each in shell("urdf", "tree", "--json", str(file)).records}
+    assert records["right"]["mimics"] == "left"
+
+
+def test_xacro_is_expanded_first(wheels: str, shell: Shell) -> None:
+    assert shell.output("urdf", "tree", wheels) == "a\n"
+    assert shell.output("urdf", "tree", wheels, "n:=b") == "b\n"
+
+
+def test_xacro_as_typed_for_xacro(wheels: str, tmp_path: Path, shell: Shell) -> None:
+    assert '<link name="c"/>' in shell.output("xacro", "--inorder", wheels, "n:=c")
+    output = tmp_path / "made" / "w.urdf"
+    assert shell.output("xacro", wheels, "-o", str(output)) == ""
+    assert '<link name="a"/>' in output.read_text()
+    assert shell.output("xacro", "--deps", wheels) == "\n"
+    assert "name a file that can be written" in shell.failure("xacro", wheels, "-o", str(tmp_path))

@@ -1,0 +1,166 @@
+"""Standard nodes as `rostether role` and `rostether run` start them."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import struct
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+import pytest
+import pytest_asyncio
+
+from interop.ros1_peers import free_port
+from rostether import Device
+from rostether.cli.role.rosserial_server import _serial_link, _socket_link, _udp_link
+from rostether.graph.typed_graph import TypedGraph
+from rostether.joining import join
+from rostether.ros1.master.server import MasterServer
+from unit.cli.command_shell import Shell
+from unit.cli.serving_process import started
+
+
+@pytest_asyncio.fixture
+async def master() -> AsyncIterator[MasterServer]:
+    master = await MasterServer.start(port=0)
+    try:
+        yield master
+    finally:
+        await master.close()
+
+
+@pytest_asyncio.fixture
+async def graph(master: MasterServer) -> AsyncIterator[TypedGraph]:
+    async with join("test", environ={"ROS_MASTER_URI": master.uri}) as graph:
+        yield graph
+
+
+async def appear(graph: TypedGraph, *nodes: str) -> None:
+    async with asyncio.timeout(60):
+        async for snapshot in graph.changes():
+            if set(nodes) <= set(snapshot.nodes):
+                return
+
+
+async def test_a_relay_from_its_name_in_ros(master: MasterServer, graph: TypedGraph) -> None:
+    talker = await graph.publisher("/lab/a", "std_msgs/String", latch=True)
+    talker.publish(data="x")
+    arguments = ("run", "topic_tools", "relay", "from", "to", "__name:=copier", "__ns:=/lab", "from:=a")
+    async with started(*arguments, ROS_MASTER_URI=master.uri) as node:
+        await appear(graph, "/lab/copier")
+        assert (await graph.wait_for_message("/lab/to", timeout_s=60)).data == "x"
+        # Another node takes its name: the process ends, so that a launch can start it again.
+        async with join("/lab/copier", environ={"ROS_MASTER_URI": master.uri}):
+            assert await asyncio.wait_for(node.process.wait(), 60) == 0
+
+
+async def test_a_throttle_of_bytes(master: MasterServer, graph: TypedGraph) -> None:
+    talker = await graph.publisher("/a", "std_msgs/String", latch=True)
+    talker.publish(data="x")
+    arguments = ("role", "throttle", "bytes", "/a", "100", "1.0", "__name:=slow", "_wall_clock:=true")
+    async with started(*arguments, ROS_MASTER_URI=master.uri):
+        assert (await graph.wait_for_message("/a_throttle", timeout_s=60)).data == "x"
+        assert await graph.get_param("/slow/wall_clock") is True
+
+
+async def test_a_mux_and_what_steers_it(master: MasterServer, graph: TypedGraph) -> None:
+    for name in ("/a", "/b"):
+        (await graph.publisher(name, "std_msgs/String", latch=True)).publish(data=name)
+    environ = {"ROS_MASTER_URI": master.uri}
+    async with started("role", "mux", "/out", "/a", "_latch:=true", "__name:=chooser", **environ):
+        assert (await graph.wait_for_message("/out", timeout_s=60)).data == "/a"
+        for words in (("mux-add", "mux", "/b"), ("mux-select", "mux", "/b"), ("mux-delete", "mux", "/a")):
+            async with started("role", *words, **environ) as command:
+                assert await asyncio.wait_for(command.process.wait(), 60) == 0, command.lines
+        async with started("role", "mux-list", "mux", **environ) as command:
+            assert await asyncio.wait_for(command.process.wait(), 60) == 0
+            await command.wait_for("/b")
+            assert command.lines == ["/b"]
+        async with started("role", "mux-select", "mux", "/c", **environ) as command:
+            assert await asyncio.wait_for(command.process.wait(), 60) == 1
+            await command.wait_for("/c is no input; there are /b")
+
+
+async def test_a_joystick(master: MasterServer, graph: TypedGraph, tmp_path: Path) -> None:
+    device = tmp_path / "js0"
+    os.mkfifo(device)
+    writer = os.open(device, os.O_RDWR)
+    try:
+        arguments = ("run", "joy", "joy_node", f"_dev:={device}", "_autorepeat_rate:=20")
+        async with started(*arguments, ROS_MASTER_URI=master.uri) as node:
+            await node.wait_for("Opened joystick")
+            os.write(writer, struct.pack("<IhBB", 0, 1, 1, 3))
+            async with asyncio.timeout(60):
+                async for message in graph.messages("/joy"):
+                    if list(message.buttons) == [0, 0, 0, 1]:
+                        break
+    finally:
+        os.close(writer)
+
+
+async def test_it_waits_for_the_master() -> None:
+    port = free_port()
+    uri = f"http://127.0.0.1:{port}"
+    async with started("role", "relay", "/a", "__name:=copier", ROS_MASTER_URI=uri) as node:
+        await node.wait_for("waiting for a ROS master at ")
+        master = await MasterServer.start(port=port)
+        try:
+            async with join("test", environ={"ROS_MASTER_URI": uri}) as graph:
+                await appear(graph, "/copier")
+        finally:
+            await master.close()
+
+
+async def test_a_board_at_rosserial_server(master: MasterServer, graph: TypedGraph, tmp_path: Path) -> None:
+    port = tmp_path / "ttyACM0"
+    async with Device(f"pty:{port}") as device:
+        device.publisher("chatter", "std_msgs/String")
+        arguments = ("run", "rosserial_server", "serial_node", f"_port:={port}", "__name:=board")
+        async with started(*arguments, ROS_MASTER_URI=master.uri) as node:
+            await node.wait_for("Setup publisher on chatter")
+            assert "/board" in (await graph.snapshot()).topics["/chatter"].publishers
+
+
+def test_the_links_of_rosserial_server() -> None:
+    names = {"node_name": "/lab/board", "namespace": "/lab"}
+    assert _serial_link([], {}, **names) == "/dev/ttyACM0?name=board&ns=/lab"
+    assert (
+        _serial_link([], {"port": "/dev/x", "baud": 9600}, **names) == "/dev/x?name=board&ns=/lab&baud=9600"
+    )
+    assert _socket_link([], {}, node_name="/b", namespace="/") == "tcp://:11411?name=b"
+    assert _udp_link([], {"server_port": 5}, node_name="/b", namespace="/") == "udp://:5?name=b"
+
+
+@pytest.mark.parametrize(
+    ("words", "reason"),
+    [
+        (("relay",), "write relay IN [OUT]; 0 arguments were given"),
+        (("relay", "/a", "/a"), "/a would feed itself"),
+        (("throttle", "messages", "/a", "fast"), "'fast' is not a number"),
+        (("throttle", "words", "/a", "1"), "write throttle messages IN HZ"),
+        (("throttle", "bytes", "/a", "1"), "write throttle messages IN HZ"),
+        (("mux", "/out"), "write mux OUT IN..."),
+        (("mux-list",), "write mux_list MUX"),
+    ],
+)
+async def test_what_is_typed_wrong(master: MasterServer, words: tuple[str, ...], reason: str) -> None:
+    async with started("role", *words, ROS_MASTER_URI=master.uri) as command:
+        assert await asyncio.wait_for(command.process.wait(), 60) == 1
+        await command.wait_for(reason)
+
+
+def test_make_libraries(tmp_path: Path, shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert "ros_lib" in shell.output("role", "make-libraries", ".", "std_msgs")
+    assert (tmp_path / "ros_lib" / "src" / "std_msgs" / "String.h").is_file()
+    assert not (tmp_path / "ros_lib" / "src" / "sensor_msgs").exists()
+
+
+async def test_nodes_are_gone_when_they_are_told_to_end(master: MasterServer, graph: TypedGraph) -> None:
+    async with started("role", "relay", "/a", "__name:=copier", ROS_MASTER_URI=master.uri) as node:
+        await appear(graph, "/copier")
+        node.process.terminate()
+        assert await asyncio.wait_for(node.process.wait(), 60) == 0
+    names: set[str] = set((await graph.snapshot()).nodes)
+    assert "/copier" not in names

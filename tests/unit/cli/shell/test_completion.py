@@ -1,0 +1,67 @@
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+from unit.cli.command_shell import LiveGraph, Shell
+
+
+@pytest.mark.parametrize(
+    ("shell_name", "words"),
+    [
+        ("bash", "complete -o nosort -F _rostether_completion rostether"),
+        ("zsh", "compdef _rostether_completion rostether"),
+        ("fish", "complete --no-files --command rostether"),
+    ],
+)
+def test_code_for_each_shell(
+    shell: Shell, shell_name: str, words: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    code = shell.output("completion", shell_name)
+    assert words in code
+    monkeypatch.setenv("SHELL", f"/usr/bin/{shell_name}")
+    assert shell.output("completion") == code
+
+
+def test_an_unknown_shell_names_the_known_ones(shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SHELL", "/bin/tcsh")
+    assert "One of bash, zsh, fish" in shell.failure("completion", code=2)
+    assert "'bash', 'zsh', 'fish'" in shell.failure("completion", "tcsh", code=2)
+
+
+def completed(words: str, environment: dict[str, str]) -> list[str]:
+    """Return what bash offers for the last of the words."""
+    bash = shutil.which("bash")
+    if bash is None:
+        pytest.skip("bash is not installed")
+    code = subprocess.run(
+        [sys.executable, "-m", "rostether", "completion", "bash"], capture_output=True, text=True, check=True
+    ).stdout
+    # The code calls `rostether`, as it is on the user's PATH.
+    program = f'env() {{ command env "${{@:1:$#-1}}" {sys.executable} -m rostether; }}'
+    script = (
+        f"{code}\n{program}\nCOMP_WORDS=({words}); COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1))\n"
+        '_rostether_completion rostether; printf "%s\\n" "${COMPREPLY[@]}"'
+    )
+    ended = subprocess.run(
+        [bash, "--norc", "-c", script],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={**os.environ, **environment},
+    )
+    assert ended.stderr == ""
+    return ended.stdout.split()
+
+
+def test_bash_completes_verbs_and_names(graph: LiveGraph) -> None:
+    graph.node("talker")
+    environment = {"ROS_MASTER_URI": graph.uri}
+    assert completed("rostether no", environment) == ["node"]
+    assert completed('rostether node ""', environment)[:2] == ["list", "info"]
+    assert completed("rostether node info ta", environment) == ["/talker"]
+    assert completed("rostether srv show std_srvs/Set", environment) == ["std_srvs/SetBool"]

@@ -1,0 +1,86 @@
+"""Log records reach people as one line, and never as a traceback."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator
+
+import pytest
+
+from rostether.cli.shell import library_logs as module
+from rostether.cli.shell.library_logs import show_library_logs
+from rostether.graph.ports import Level
+
+ROOM = logging.getLogger("rostether.ros1")
+ASYNCIO = logging.getLogger("asyncio")
+
+
+@pytest.fixture(autouse=True)
+def _handlers_as_before() -> Iterator[None]:
+    loggers = (logging.getLogger("rostether"), ASYNCIO)
+    before = [list(logger.handlers) for logger in loggers]
+    yield
+    for logger, handlers in zip(loggers, before, strict=True):
+        logger.handlers = handlers
+
+
+def test_warning_goes_to_the_reporter() -> None:
+    shown: list[tuple[Level, str]] = []
+    show_library_logs(lambda level, text: shown.append((level, text)))
+    ROOM.warning("the master\nis %s", "away")
+    ROOM.info("nobody asked for this")
+    assert shown == [(Level.WARN, "the master is away")]
+
+
+def test_a_peers_words_do_not_steer_the_terminal() -> None:
+    shown: list[str] = []
+    show_library_logs(lambda _level, text: shown.append(text))
+    ROOM.warning("%s is gone", "\x1b]0;x\x07/node")
+    assert shown == ["\\x1b]0;x\\x07/node is gone"]
+
+
+def test_last_call_counts() -> None:
+    first: list[str] = []
+    second: list[str] = []
+    show_library_logs(lambda _level, text: first.append(text))
+    show_library_logs(lambda _level, text: second.append(text))
+    ROOM.error("gone")
+    assert (first, second) == ([], ["gone"])
+
+
+def test_stderr_without_a_reporter(capsys: pytest.CaptureFixture[str]) -> None:
+    show_library_logs()
+    ROOM.warning("slow")
+    assert capsys.readouterr().err == "WARNING: slow\n"
+
+
+def test_forgotten_exception_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("ROSTETHER_TRACEBACK", raising=False)
+    shown: list[str] = []
+    show_library_logs(lambda _level, text: shown.append(text))
+    ASYNCIO.error("Task exception was never retrieved", exc_info=ValueError("odd"))
+    assert shown == ["Task exception was never retrieved (ValueError: odd); please report it"]
+
+
+def test_traceback_on_request(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROSTETHER_TRACEBACK", "1")
+    shown: list[str] = []
+    show_library_logs(lambda _level, text: shown.append(text))
+    try:
+        raise ValueError("odd")
+    except ValueError:
+        ASYNCIO.exception("failed")
+    assert "Traceback" in shown[0]
+
+
+def test_asyncio_does_not_fill_the_log(monkeypatch: pytest.MonkeyPatch) -> None:
+    shown: list[str] = []
+    show_library_logs(lambda _level, text: shown.append(text))
+    for number in range(1000):
+        ASYNCIO.error("socket.accept() out of system resource\nsocket: %s", number)
+        ROOM.warning("node %s is gone", number)
+    assert len([text for text in shown if "accept" in text]) == 1
+    assert len(shown) == 1001
+    monkeypatch.setattr(module, "REPEAT_S", 0.0)
+    ASYNCIO.error("socket.accept() out of system resource\nsocket: %s", 1000)
+    assert shown[-1] == "socket.accept() out of system resource socket: 1000"

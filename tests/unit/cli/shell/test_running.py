@@ -1,0 +1,95 @@
+from __future__ import annotations
+
+import asyncio
+import os
+import signal
+import sys
+
+import pytest
+
+from rostether.cli.main import main
+from rostether.cli.shell.running import run
+from rostether.errors import ConfigError
+from unit.cli.command_shell import LiveGraph
+from unit.cli.processes import started
+from unit.cli.talking import command_node
+
+ECHO = ("topic", "echo", "/ultrasound/range")
+
+
+@pytest.mark.parametrize(
+    ("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 143)]
+)
+@pytest.mark.parametrize("ignores_sigint", [False, True])
+def test_a_signal_ends_a_command_that_then_leaves_the_graph(
+    graph: LiveGraph, number: signal.Signals, code: int, ignores_sigint: bool
+) -> None:
+    with started(graph.uri, *ECHO, ignores_sigint=ignores_sigint) as process:
+        graph.wait_until(lambda: command_node(graph) is not None)
+        process.send_signal(number)
+        _, errors = process.communicate(timeout=60)
+    assert process.returncode == code
+    assert errors in ("", "WARNING: topic [/ultrasound/range] does not appear to be published yet\n")
+    assert command_node(graph) is None
+
+
+def test_a_service_that_is_told_to_end_has_done_its_work(graph: LiveGraph) -> None:
+    with started(graph.uri, "core", "--port", "0") as process:
+        assert process.stdout is not None
+        assert process.stdout.readline().startswith("ROS_MASTER_URI=http://")
+        process.send_signal(signal.SIGTERM)
+        process.communicate(timeout=60)
+    assert process.returncode == 0
+
+
+@pytest.mark.parametrize("command", [["msg", "list"], ["msg", "show", "--help"], ["topic", "list"]])
+def test_a_reader_that_has_had_enough_is_no_error(graph: LiveGraph, command: list[str]) -> None:
+    with started(graph.uri, *command) as process:
+        assert process.stdout is not None
+        process.stdout.close()
+        process.stdout = None
+        _, errors = process.communicate(timeout=60)
+    assert (process.returncode, errors) == (0, "")
+
+
+def test_what_went_wrong_inside_comes_out() -> None:
+    async def fail() -> None:
+        raise ConfigError("wrong")
+
+    with pytest.raises(ConfigError, match="wrong"):
+        run(fail())
+
+
+def test_the_result_comes_back() -> None:
+    async def answer() -> int:
+        await asyncio.sleep(0)
+        return 42
+
+    assert run(answer()) == 42
+
+
+@pytest.mark.parametrize("is_demanded", [True, None])
+def test_uvloop(is_demanded: bool | None, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("uvloop")
+
+    async def kind() -> str:
+        return type(asyncio.get_running_loop()).__module__
+
+    assert run(kind(), uvloop=is_demanded) == "uvloop"
+    monkeypatch.setitem(sys.modules, "uvloop", None)
+    if is_demanded:
+        with pytest.raises(ConfigError, match="pip install"):
+            run(kind(), uvloop=True)
+    else:
+        assert "uvloop" not in run(kind(), uvloop=None)
+
+
+def test_a_signal_in_this_process(graph: LiveGraph, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_MASTER_URI", graph.uri)
+
+    async def interrupt() -> None:
+        os.kill(os.getpid(), signal.SIGINT)
+        await asyncio.sleep(20)
+
+    monkeypatch.setattr("rostether.cli.topic.echo._echo", lambda *_: interrupt())
+    assert main(ECHO) == 130

@@ -1,0 +1,25 @@
+"""Long waits are told, short ones are not."""
+
+from __future__ import annotations
+
+import asyncio
+
+import pytest
+
+from rostether.cli.shell.slow_notice import told_when_long
+
+
+async def test_a_long_wait_is_told_once() -> None:
+    told = asyncio.Queue[str]()
+    with told_when_long(told.put_nowait, "building", after_s=0):
+        async with asyncio.timeout(60):
+            assert await told.get() == "building"
+    assert told.empty()
+
+
+async def test_a_short_wait_is_not_told() -> None:
+    told: list[str] = []
+    with pytest.raises(KeyError), told_when_long(told.append, "building", after_s=0.01):
+        raise KeyError
+    await asyncio.sleep(0.03)
+    assert not told

@@ -1,0 +1,156 @@
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rostether.cli.topic import pub as topic_pub
+from rostether.serde.values import Message
+from unit.cli.command_shell import STORE, LiveGraph, Shell
+from unit.cli.talking import command_node, in_background, shut_down
+
+STAMPED = ("topic", "pub", "-r", "50", "/point", "geometry_msgs/PointStamped", "{header: auto}")
+
+
+class Listener:
+    """Collects a topic's messages; ends the command after as many as wanted."""
+
+    def __init__(self, graph: LiveGraph, topic: str, type_name: str, enough: int | None = None) -> None:
+        self.messages: list[Message] = []
+        self._codec = STORE.codec(type_name)
+        message_type = STORE.registry.message_type(type_name)
+        graph.do(graph.node("listener").subscribe(topic, message_type, self._take))
+        if enough is not None:
+            in_background(lambda: self._end(graph, enough))
+
+    @property
+    def values(self) -> list[Any]:
+        return [message.data for message in self.messages]
+
+    def _take(self, payloads: Sequence[bytes]) -> None:
+        self.messages.extend(map(self._codec.decode, payloads))
+
+    def _end(self, graph: LiveGraph, enough: int) -> None:
+        graph.wait_until(lambda: len(self.messages) >= enough)
+        name = command_node(graph)
+        assert name is not None
+        shut_down(graph, name)
+
+
+@pytest.fixture
+def brief(monkeypatch: pytest.MonkeyPatch) -> None:
+    """`-1` stays no longer than a subscriber of the same machine needs."""
+    monkeypatch.setattr(topic_pub, "ONCE_S", 0.5)
+
+
+@pytest.mark.usefixtures("brief")
+def test_once(graph: LiveGraph, shell: Shell) -> None:
+    listener = Listener(graph, "/servo", "std_msgs/UInt16")
+    printed = shell.output("topic", "pub", "-1", "servo", "std_msgs/UInt16", "90")
+    assert printed == "publishing and latching message for 0.5 seconds\n"
+    assert listener.values == [90]
+
+
+@pytest.mark.usefixtures("brief")
+def test_once_as_a_printed_book_spells_it(graph: LiveGraph, shell: Shell) -> None:
+    listener = Listener(graph, "/toggle_led", "std_msgs/Empty")
+    shell.output("topic", "pub", "toggle_led", "std_msgs/Empty", "\N{EN DASH}once")
+    assert len(listener.messages) == 1
+
+
+def test_latched_until_told_to_end(graph: LiveGraph, shell: Shell) -> None:
+    listener = Listener(graph, "/name", "std_msgs/String", enough=1)
+    printed = shell.output("topic", "pub", "-v", "/name", "std_msgs/String", "data: hi")
+    assert printed == 'publishing and latching message [data: "hi"]. Press ctrl-C to terminate\n'
+    assert listener.values == ["hi"]
+
+
+def test_at_a_rate(graph: LiveGraph, shell: Shell) -> None:
+    listener = Listener(graph, "/cmd_vel", "geometry_msgs/Twist", enough=3)
+    assert (
+        shell.output("topic", "pub", "-r", "50", "/cmd_vel", "geometry_msgs/Twist", "{linear: {x: 0.2}}")
+        == ""
+    )
+    assert [message.linear.x for message in listener.messages[:3]] == [0.2] * 3
+
+
+@pytest.mark.parametrize("arguments", [["-s"], ["-s", "--use-rostime"]])
+def test_stamps_are_filled_in_each_time(graph: LiveGraph, shell: Shell, arguments: list[str]) -> None:
+    listener = Listener(graph, "/point", "geometry_msgs/PointStamped", enough=3)
+    shell.output(
+        "topic",
+        "pub",
+        "-r",
+        "50",
+        *arguments,
+        "/point",
+        "geometry_msgs/PointStamped",
+        "{header: auto}",
+    )
+    stamps = [message.header.stamp for message in listener.messages]
+    assert stamps == sorted(set(stamps))
+
+
+def test_without_substitution_the_first_stamp_stays(graph: LiveGraph, shell: Shell) -> None:
+    listener = Listener(graph, "/point", "geometry_msgs/PointStamped", enough=3)
+    shell.output(*STAMPED)
+    assert len({message.header.stamp for message in listener.messages}) == 1
+
+
+def test_from_a_pipe(graph: LiveGraph, shell: Shell) -> None:
+    listener = Listener(graph, "/name", "std_msgs/String")
+    shell.output(
+        "topic", "pub", "-r", "100", "/name", "std_msgs/String", stdin="data: a\n---\ndata: b\n---\ndata: c\n"
+    )
+    assert listener.values == ["a", "b", "c"]
+
+
+@pytest.mark.usefixtures("brief")
+def test_only_the_first_from_a_pipe(graph: LiveGraph, shell: Shell) -> None:
+    listener = Listener(graph, "/name", "std_msgs/String")
+    shell.output("topic", "pub", "-1", "/name", "std_msgs/String", stdin="data: a\n---\ndata: b\n")
+    assert listener.values == ["a"]
+
+
+def test_from_a_file(graph: LiveGraph, shell: Shell, tmp_path: Path) -> None:
+    file = tmp_path / "names.yaml"
+    file.write_text("data: a\n---\n[b]\n")
+    listener = Listener(graph, "/name", "std_msgs/String")
+    shell.output("topic", "pub", "-r", "100", "-f", str(file), "/name", "std_msgs/String")
+    assert listener.values == ["a", "b"]
+
+
+def test_one_message_in_a_file_is_repeated(graph: LiveGraph, shell: Shell, tmp_path: Path) -> None:
+    file = tmp_path / "name.yaml"
+    file.write_text("data: a\n")
+    listener = Listener(graph, "/name", "std_msgs/String", enough=3)
+    printed = shell.output("topic", "pub", "-r", "50", "-f", str(file), "/name", "std_msgs/String")
+    assert printed == "Got one message and a rate, publishing repeatedly\n"
+    assert listener.values[:3] == ["a"] * 3
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "text"),
+    [
+        (["/a", "std_msgs/Int8", "300"], 1, "wants an int8 (-128 to 127), got 300"),
+        (["/a", "std_msgs/Strin", "x"], 1, "std_msgs/Strin"),
+        (["/a", "std_msgs/Int8", "{data: 1"], 1, "is not YAML"),
+        (["/a b", "std_msgs/Int8", "1"], 1, "' '"),
+        (["-1", "-r", "1", "/a", "std_msgs/Int8", "1"], 2, "not both"),
+        (["-f", "x", "/a", "std_msgs/Int8", "1"], 2, "not both"),
+        (["-f", "no_such_file", "/a", "std_msgs/Int8"], 1, "no_such_file"),
+        (["-r", "0", "/a", "std_msgs/Int8", "1"], 2, "range"),
+        (["/a"], 2, "TYPE"),
+    ],
+)
+def test_mistakes_are_told_before_a_master_is_asked(
+    shell: Shell, arguments: list[str], code: int, text: str
+) -> None:
+    assert text in shell.failure("topic", "pub", *arguments, code=code)
+
+
+def test_an_empty_pipe_is_a_mistake(graph: LiveGraph, shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(topic_pub, "SUBSCRIBER_TIMEOUT_S", 0.01)
+    assert "no message to publish" in shell.failure("topic", "pub", "/a", "std_msgs/Int8", stdin="")
