@@ -5,26 +5,31 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, TypeVar
 
 import yaml
 
+from rostether.bounded_yaml import YamlError, load, load_all, safe_loader
 from rostether.errors import ConfigError
 from rostether.expression import compile_expression
 from rostether.graph.ports import ParamValue
 from rostether.names.graph_name import is_private, join
-from rostether.serde.yaml_nesting import refuse_deep_nesting
 from rostether.xmlrpc.values import MAX_INT, MIN_INT
+
+T = TypeVar("T")
 
 MAX_NESTING = 100
 """XML-RPC documents end there; YAML's anchors can nest without end."""
+
+MAX_FILE_CHARS = 16 << 20
+"""Of all documents in one text. A robot description has 100 KB; a master holds what is loaded in memory."""
 
 DOCUMENT_END = "...\n"
 NAMESPACE_KEY = "_ns"
 """A key of a document that says into which namespace it is loaded."""
 
 
-_Safe: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_Safe: Any = safe_loader()
 
 
 class _Loader(_Safe):  # type: ignore[misc]
@@ -66,13 +71,14 @@ for _tag, _construct, _prefix in (("!radians", _radians, "rad"), ("!degrees", _d
 
 def parse_value(text: str, source: str) -> Any:
     """Return one value; an empty text is the empty string. Raises ConfigError."""
-    return _guarded(lambda: yaml.load(text, Loader=_Loader), text, source) if text else ""  # noqa: S506
+    return parse_single_document(text, source) if text else ""
 
 
 def parse_documents(text: str, namespace: str, source: str) -> Iterator[tuple[str, Any]]:
     """Yield each document with the namespace it goes into. Raises ConfigError naming `source`."""
-    documents = _guarded(lambda: list(yaml.load_all(text, Loader=_Loader)), text, source)
-    for document in documents:
+    if len(text) > MAX_FILE_CHARS:
+        raise ConfigError(f"{source}: longer than {MAX_FILE_CHARS} characters; split the file")
+    for document in _guarded(lambda: list(load_all(text, _Loader)), source):
         if isinstance(document, dict) and NAMESPACE_KEY in document:
             below = document.pop(NAMESPACE_KEY)
             yield join(namespace, str(below)) if below else namespace, document
@@ -82,7 +88,7 @@ def parse_documents(text: str, namespace: str, source: str) -> Iterator[tuple[st
 
 def parse_single_document(text: str, source: str) -> Any:
     """Return what one document holds; None for an empty one. Raises ConfigError naming `source`."""
-    return _guarded(lambda: yaml.load(text, Loader=_Loader), text, source)  # noqa: S506
+    return _guarded(lambda: load(text, _Loader), source)
 
 
 def leaves(name: str, value: Any, nesting: int = 0) -> Iterator[tuple[str, ParamValue]]:
@@ -153,12 +159,9 @@ def pretty_lines(tree: dict[str, Any], indent: str = "") -> Iterator[str]:
             yield f"{indent}{key}: {dump(value).removesuffix(DOCUMENT_END).rstrip()}"
 
 
-def _guarded(load: Callable[[], Any], text: str, source: str) -> Any:
+def _guarded(read: Callable[[], T], source: str) -> T:
     try:
-        refuse_deep_nesting(text)
-        return load()
-    except (yaml.YAMLError, RecursionError) as error:
-        problem = " ".join(str(getattr(error, "problem", None) or error).split())
-        mark = getattr(error, "problem_mark", None)
-        place = f":{mark.line + 1}:{mark.column + 1}" if mark is not None else ""
-        raise ConfigError(f"{source}{place}: this is not YAML: {problem}") from None
+        return read()
+    except YamlError as error:
+        place = f":{error.line}:{error.column}" if error.line else ""
+        raise ConfigError(f"{source}{place}: this is {error.problem}") from None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shlex
 import shutil
 import subprocess
@@ -159,11 +158,13 @@ def _split(text: str) -> list[str]:
 
 def _read_bytes(file: str) -> bytes:
     try:
-        if os.path.getsize(file) > MAX_FILE_BYTES:  # noqa: PTH202 - an empty name is no Path
-            raise LaunchError(f"{file} is larger than {MAX_FILE_BYTES} bytes, no parameter is")
-        return Path(file).read_bytes()
+        with open(file, "rb") as opened:  # noqa: PTH123 - an empty name is no Path
+            data = opened.read(MAX_FILE_BYTES + 1)
     except OSError as error:
         raise explain_unreadable(file, error) from None
+    if len(data) > MAX_FILE_BYTES:
+        raise LaunchError(f"{file} is larger than {MAX_FILE_BYTES} bytes, no parameter is")
+    return data
 
 
 def _read_text(file: str) -> str:

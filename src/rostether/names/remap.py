@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
+from rostether.bounded_yaml import YamlError, load
 from rostether.errors import ConfigError
 from rostether.names.graph_name import is_legal_name
 
@@ -60,10 +61,7 @@ def parse_arguments(argv: Iterable[str]) -> Arguments:
 
 
 def _yaml_value(argument: str, text: str) -> Any:
-    import yaml
-
     try:
-        return yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        reason = str(error).splitlines()[0]
-        raise ConfigError(f"{argument!r}: the value is not YAML ({reason}); quote a text") from error
+        return load(text)
+    except YamlError as error:
+        raise ConfigError(f"{argument!r}: the value is {error}; quote a text") from None

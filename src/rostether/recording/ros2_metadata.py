@@ -12,10 +12,11 @@ from typing import Any
 
 import yaml
 
+from rostether.bounded_yaml import load
 from rostether.errors import RecordingError
 from rostether.recording.recorded import Ros2Origin
 from rostether.recording.regular_file import require_regular_file
-from rostether.recording.ros2_qos import load_yaml, read_profiles
+from rostether.recording.ros2_qos import read_profiles
 
 FILE_NAME = "metadata.yaml"
 VERSION = 9
@@ -130,7 +131,7 @@ def read_metadata(folder: Path) -> Metadata:
     if len(data) > MAX_BYTES:
         raise RecordingError(f"{path} has more than {MAX_BYTES} bytes")
     try:
-        loaded = load_yaml(data.decode("utf-8", "replace"))
+        loaded = load(data.decode("utf-8", "replace"))
         content = loaded[_KEY]
         topics = {}
         for row in content["topics_with_message_count"]:
@@ -147,7 +148,7 @@ def read_metadata(folder: Path) -> Metadata:
             _text(content.get("compression_mode") or "").lower().replace("none", ""),
             topics,
         )
-    except (yaml.YAMLError, LookupError, TypeError, ValueError, AttributeError, RecursionError) as error:
+    except (LookupError, TypeError, ValueError, AttributeError) as error:
         raise RecordingError(
             f"{path} is no description of a ROS 2 bag ({type(error).__name__}: {_first_line(error)})"
         ) from None

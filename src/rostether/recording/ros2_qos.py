@@ -9,7 +9,7 @@ from typing import Any
 
 import yaml
 
-from rostether.serde.yaml_nesting import refuse_deep_nesting
+from rostether.bounded_yaml import YamlError, load
 
 _WORDS = {
     "history": ("system_default", "keep_last", "keep_all", "unknown"),
@@ -45,18 +45,12 @@ def offered(*, is_latching: bool, is_best_effort: bool = False) -> str:
     )
 
 
-def load_yaml(text: str) -> Any:
-    """Return what a recording's YAML says. Raises yaml.YAMLError, ValueError, RecursionError."""
-    refuse_deep_nesting(text)
-    return yaml.load(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))  # noqa: S506 - a safe one
-
-
 def read_profiles(stored: object) -> list[dict[str, Any]]:
     """Return what a recording says, text or list, with policies as words; what is no such thing is empty."""
     if isinstance(stored, str):
         try:
-            stored = load_yaml(stored[:MAX_CHARACTERS])
-        except (yaml.YAMLError, ValueError, RecursionError):
+            stored = load(stored[:MAX_CHARACTERS])
+        except YamlError:
             return []
     if not isinstance(stored, list):
         return []

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from rostether.bounded_yaml import YamlError, load
 from rostether.errors import ConfigError
 from rostether.param_yaml import parse_documents
 from rostether.rospy_facade import parameters
@@ -109,9 +110,10 @@ def upload_params(ns: str, values: Any, verbose: bool = False) -> None:
 
 def set_param(param: str, value: str, verbose: bool = False) -> None:
     """Set a parameter to what a YAML text says. Raises RosParamException."""
-    import yaml
-
-    set_param_raw(param, yaml.safe_load(value))
+    try:
+        set_param_raw(param, load(value))
+    except YamlError as error:
+        raise RosParamException(f"{param}: the value is {error}") from None
 
 
 def set_param_raw(param: str, value: Any, verbose: bool = False) -> None:

@@ -8,6 +8,7 @@ import sys
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from rostether.bounded_yaml import YamlError, load
 from rostether.names.graph_name import canonical, is_global, is_private
 from rostether.names.resolve import resolve_name as _resolve
 from rostether.rospy_facade.exceptions import ROSInitException
@@ -109,12 +110,10 @@ def _namespace(text: str) -> str:
 
 
 def _yaml(argument: str, text: str) -> Any:
-    import yaml
-
     try:
-        return yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        raise ROSInitException(f"invalid command-line parameter {argument!r}: {error}") from None
+        return load(text)
+    except YamlError as error:
+        raise ROSInitException(f"invalid command-line parameter {argument!r}: this is {error}") from None
 
 
 names = NodeNames(sys.argv, os.environ)

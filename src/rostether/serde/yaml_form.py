@@ -16,12 +16,12 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, Final
 
+from rostether.bounded_yaml import YamlError, load, load_all
 from rostether.errors import SerializationError
 from rostether.rostime import Duration, Time
 from rostether.serde.codec import Codec
 from rostether.serde.type_tree import Array, Node, Number, Stamp, Struct, Text
 from rostether.serde.values import Message, does_not_fit
-from rostether.serde.yaml_nesting import refuse_deep_nesting
 
 _FLOAT_TEXT: Final = re.compile(r"[-+]?(nan|inf|infinity|\d+(\.\d*)?e[-+]?\d+|\.\d+e[-+]?\d+)", re.IGNORECASE)
 _HEADER: Final = "std_msgs/Header"
@@ -34,15 +34,24 @@ def parse_values(codec: Codec, arguments: str | Sequence[str], *, now: Callable[
 
 def parse_documents(codec: Codec, text: str, *, now: Callable[[], Time]) -> Iterator[Message]:
     """Yield the message of each YAML document (`---` between them), empty ones left out."""
-    for document in _load(text, many=True):
-        if document is not None:
-            yield fill_message(codec, document if isinstance(document, list) else [document], now=now)
+    for document in load_documents(text):
+        yield fill_message(codec, document, now=now)
 
 
 def load_arguments(arguments: str | Sequence[str]) -> list[Any]:
     """Return the YAML value of each argument. Raises SerializationError with the place of a mistake."""
     texts = [arguments] if isinstance(arguments, str) else arguments
     return [_load_one(text) for text in texts]
+
+
+def load_documents(text: str) -> Iterator[list[Any]]:
+    """Yield the YAML values of each document, empty ones left out. Raises SerializationError."""
+    try:
+        for document in load_all(text):
+            if document is not None:
+                yield document if isinstance(document, list) else [document]
+    except YamlError as error:
+        raise _mistake(text, error) from None
 
 
 def fill_message(codec: Codec, values: list[Any], *, now: Callable[[], Time]) -> Message:
@@ -143,36 +152,17 @@ class _Form:
 
 def _load_one(text: str) -> Any:
     try:
-        return next(_load(text, many=False))
-    except SerializationError:
+        return load(text)
+    except YamlError as error:
         # YAML contains JSON, but for its escapes of characters beyond U+FFFF, which are two surrogates.
         import json
 
         try:
             return json.loads(text)
         except (ValueError, RecursionError):
-            pass
-        raise
+            raise _mistake(text, error) from None
 
 
-def _load(text: str, *, many: bool) -> Iterator[Any]:
-    # Not at import: most commands never read YAML, and it takes 10 ms.
-    import yaml
-
-    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-    try:
-        refuse_deep_nesting(text)
-        if many:
-            yield from yaml.load_all(text, Loader=loader)
-        else:
-            yield yaml.load(text, Loader=loader)  # noqa: S506
-    except (yaml.YAMLError, ValueError, RecursionError) as error:
-        raise SerializationError(_mistake(text, error)) from None
-
-
-def _mistake(text: str, error: Exception) -> str:
+def _mistake(text: str, error: YamlError) -> SerializationError:
     shown = repr(text if len(text) <= 60 else f"{text[:57]}...")
-    problem = " ".join(str(getattr(error, "problem", None) or error).split())
-    mark = getattr(error, "problem_mark", None)
-    place = f" at line {mark.line + 1}, column {mark.column + 1}" if mark is not None else ""
-    return f'{shown} is not YAML: {problem}{place}; write, for example, "{{data: 1}}"'
+    return SerializationError(f'{shown} is {error}; write, for example, "{{data: 1}}"')

@@ -94,7 +94,7 @@ class Shell:
         self._monkeypatch = monkeypatch
 
     def __call__(self, *arguments: str, stdin: str = "") -> Result:
-        self._monkeypatch.setattr("sys.stdin", io.StringIO(stdin))
+        self._monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(stdin.encode()), "utf-8"))
         self._capsys.readouterr()
         code = main(arguments)
         captured = self._capsys.readouterr()

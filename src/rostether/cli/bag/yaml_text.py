@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import yaml
 
+from rostether.bounded_yaml import YamlError, load
 from rostether.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ def yaml_text(facts: Mapping[str, Any], reader: RecordingReader) -> str:
 
 def yaml_value(text: str, key: str) -> str:
     """Return what stands at a key such as `duration` or `topics[0].messages`. Raises ConfigError."""
-    value = whole = yaml.safe_load(text)
+    value = whole = load(text)
     position = 0
     while position < len(key):
         step = _STEP.match(key, position)
@@ -69,8 +70,8 @@ def _shown(value: Any, indent: int = 0) -> str:
 def _word(text: str) -> str:
     """Return a word as YAML takes it, plain where that can be."""
     try:
-        is_plain = yaml.safe_load(f"a: {text}") == {"a": text}
-    except yaml.YAMLError:
+        is_plain = load(f"a: {text}") == {"a": text}
+    except YamlError:
         is_plain = False
     return (
         text

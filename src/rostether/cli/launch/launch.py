@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import os
-import sys
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rostether.cli.access.options import master_option
+from rostether.cli.shell.input_files import STDIN, read_bytes
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import MasterUnreachableError
@@ -199,7 +199,7 @@ def _load(sources: LaunchSources, packages: Mapping[str, Path], environ: Mapping
         {**sources.arguments, **special_arguments()},
         environ,
         packages,
-        text=sys.stdin.buffer.read() if sources.reads_stdin else None,
+        text=read_bytes(STDIN) if sources.reads_stdin else None,
         programs=served_programs(),
         served_packages={package for package, _ in served_nodes()},
     )

@@ -191,16 +191,16 @@ def set_params(middleware: Middleware, words: tuple[str, ...]) -> None:
 
 def parse_value(name: str, text: str) -> TypedValue:
     """Return what a text means as `ros2 param set` takes it: what is no other value in YAML is a text."""
-    import yaml
+    from rostether.bounded_yaml import YamlError, load
 
     try:
-        value = yaml.safe_load(text)
+        value = load(text)
         # YAML 1.1 takes 1e-3 for a text.
         if isinstance(value, str) and _EXPONENT.fullmatch(value):
             value = float(value)
         if isinstance(value, bool | int | float | list):
             return typed_value(name, value)
-    except (yaml.YAMLError, RecursionError, SerializationError):
+    except (YamlError, SerializationError):
         pass
     return typed_value(name, text)
 

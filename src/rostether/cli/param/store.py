@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +13,7 @@ from rostether.cli.access.refusals import refuse_ros1_only, refuse_ros2_only
 from rostether.cli.access.ros2_daemon_options import daemon_habits
 from rostether.cli.access.ros_choice import chosen_ros2, ros1_option, ros2_option
 from rostether.cli.param.group import verbose_option
+from rostether.cli.shell.input_files import read_bytes, read_text
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -76,9 +76,9 @@ def set_param(
         raise click.UsageError("give a value, or a file with -t or -b")
     content: Any
     if textfile is not None:
-        content = _read_text(textfile)
+        content = read_text(textfile)
     elif binfile is not None:
-        content = binfile.read_bytes()
+        content = read_bytes(binfile)
     else:
         assert value is not None
         content = parse_value(value, "value")
@@ -118,17 +118,8 @@ def load(file: Path, namespace: str, verbose: bool, master: str | None) -> None:
         return
     from rostether.param_yaml import parse_documents
 
-    text = sys.stdin.read() if str(file) == "-" else _read_text(file)
+    text = read_text(file)
     run(_store(list(parse_documents(text, namespace, str(file))), verbose, master))
-
-
-def _read_text(file: Path) -> str:
-    if not file.is_file():
-        raise ConfigError(f"there is no file {file}")
-    try:
-        return file.read_text("utf-8")
-    except UnicodeDecodeError as error:
-        raise ConfigError(f"{file}: not UTF-8 text ({error.reason} at byte {error.start})") from None
 
 
 async def _store(values: list[tuple[str, Any]], verbose: bool, master: str | None) -> None:

@@ -17,6 +17,7 @@ from rostether.cli.access.options import master_option, msg_path_option, tool_al
 from rostether.cli.access.refusals import refuse_ros1_only, refuse_ros2_only
 from rostether.cli.access.ros2_daemon_options import qos_habits
 from rostether.cli.access.ros_choice import chosen_ros2, ros1_option, ros2_option
+from rostether.cli.shell.input_files import read_text
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -180,9 +181,7 @@ def pub(
 def _read(file: Path | None, arguments: tuple[str, ...]) -> str | None:
     if arguments and file is not None:
         raise click.UsageError("give values or a file, not both")
-    if file is not None and not file.is_file():
-        raise ConfigError(f"there is no file {file}")
-    return file.read_text() if file is not None else None
+    return read_text(file) if file is not None else None
 
 
 async def _pub(

@@ -62,15 +62,12 @@ async def _pub(
     options: PubOptions,
     msg_paths: tuple[Path, ...],
 ) -> None:
-    from rostether.serde.yaml_form import load_arguments
+    from rostether.serde.yaml_form import load_arguments, load_documents
 
     # Mistakes are told before anybody is asked to subscribe.
     values = [load_arguments(arguments)]
     if options.documents is not None:
-        import yaml
-
-        loaded = yaml.load_all(options.documents, Loader=yaml.SafeLoader)
-        values = [each if isinstance(each, list) else [each] for each in loaded if each is not None]
+        values = list(load_documents(options.documents))
     name = short_name(type_name)
     async with tool_node(middleware, msg_paths) as tool:
         form = ValueForm(tool.registry.ros2_message, lambda: Time.from_ns(time.time_ns()))

@@ -20,10 +20,10 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from rostether.bounded_yaml import YamlError, has_alias, load, safe_loader
 from rostether.errors import ConfigError, SerializationError
 from rostether.graph.ports import ParamValue
 from rostether.ros2.parameters.typed_value import NOT_SET, TypedValue, flatten
-from rostether.serde.yaml_nesting import refuse_deep_nesting
 
 PARAMETERS_KEY = "ros__parameters"
 
@@ -73,20 +73,15 @@ def read_parameter_files(paths: Iterable[Path]) -> ParameterRules:
 
 def parse_parameters(text: str, source: str) -> ParameterRules:
     """Read the text of a file. Raises ConfigError naming `source` and what is wrong with it."""
-    import yaml
-
     entries: list[_Entry] = []
     try:
-        refuse_deep_nesting(text)
-        loader = _loader()
-        if any(isinstance(event, yaml.AliasEvent) for event in yaml.parse(text, Loader=loader)):
+        if has_alias(text):
             raise ConfigError(f"parameter file {source} has an alias (*name), which ROS 2 does not read")
-        document = yaml.load(text, Loader=loader)  # noqa: S506 - a SafeLoader
+        document = load(text, _loader())
         if document is not None:
             _collect("", document, entries)
-    except yaml.YAMLError as error:
-        reason = " ".join(str(error).split())
-        raise ConfigError(f"parameter file {source} is not YAML: {reason}") from None
+    except YamlError as error:
+        raise ConfigError(f"parameter file {source} is {error}") from None
     except RecursionError:
         raise ConfigError(f"parameter file {source} is nested too deeply") from None
     except ValueError as error:
@@ -125,14 +120,13 @@ def _pattern(node: str) -> re.Pattern[str]:
 
 @cache
 def _loader() -> Any:
-    import yaml
-
-    class Loader(yaml.SafeLoader):
-        """YAML as rcl reads it: 1e-3 is a number, a date is a text."""
-
-    Loader.yaml_implicit_resolvers = {
+    base = safe_loader()
+    loader: Any = type(
+        "Loader", (base,), {"__doc__": "YAML as rcl reads it: 1e-3 is a number, a date is a text."}
+    )
+    loader.yaml_implicit_resolvers = {
         first: [(tag, pattern) for tag, pattern in resolvers if tag != _TIMESTAMP_TAG]
-        for first, resolvers in yaml.SafeLoader.yaml_implicit_resolvers.items()
+        for first, resolvers in base.yaml_implicit_resolvers.items()
     }
-    Loader.add_implicit_resolver("tag:yaml.org,2002:float", _FLOAT, list("-+0123456789."))
-    return Loader
+    loader.add_implicit_resolver("tag:yaml.org,2002:float", _FLOAT, list("-+0123456789."))
+    return loader

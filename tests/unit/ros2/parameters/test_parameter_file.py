@@ -93,7 +93,7 @@ def test_values(text: str, value: object) -> None:
         ("a: !!python/object:os.system {}", "is not YAML"),
         ("{a: &a {b: *a}}", "has an alias"),
         ("{a: " * 900 + "}" * 900, "nested too deeply|holds"),
-        ("[" * 20000, "is not YAML"),
+        ("[" * 20000, "is too large as YAML"),
     ],
 )
 def test_what_is_refused(text: str, fault: str) -> None:
