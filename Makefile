@@ -3,12 +3,13 @@ PYTHON ?= $(shell scripts/find-python)
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: help demo test test-pythons check bench fuzz soak docs clean
+.PHONY: help demo test test-pythons test-fresh check bench fuzz soak docs clean
 
 help:
 	@echo "make demo   watch a simulated board become a ROS node (no hardware, no ROS, no root)"
 	@echo "make test   install what the tests need and run them all"
 	@echo "make test-pythons  the unit, property and contract tests under every Python here, from 3.11 on"
+	@echo "make test-fresh  what CI does, in a new Debian 12 made by mmdebstrap (root, 20 minutes)"
 	@echo "make check  ruff, mypy and import-linter"
 	@echo "make bench  measure the data path, beside a bare relay"
 	@echo "make fuzz   look for inputs that break a promise, ten minutes a target (SECONDS=600)"
@@ -24,6 +25,9 @@ test: $(VENV)/.dev
 
 test-pythons:
 	scripts/test-pythons $(ARGS)
+
+test-fresh:
+	scripts/test-fresh $(ARGS)
 
 check: $(VENV)/.dev
 	$(BIN)/ruff check .

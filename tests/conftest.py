@@ -6,7 +6,10 @@ import functools
 import importlib.util
 import os
 import shutil
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Generator
+from pathlib import Path
+from typing import TypeVar
 
 import pytest
 
@@ -26,6 +29,7 @@ def missing_module(module: str, package: str) -> str:
     return "" if importlib.util.find_spec(module) else f'no module {module} (pip install "{package}")'
 
 
+Report = TypeVar("Report", pytest.TestReport, pytest.CollectReport)
 PEERS: dict[str, Callable[[], str]] = {
     "ros1": functools.cache(missing_ros1),
     "roscpp": functools.cache(missing_roscpp),
@@ -42,12 +46,18 @@ PEERS: dict[str, Callable[[], str]] = {
 }
 
 
+# In CI a test may be skipped for no other reason.
+SKIPPED_IN_CI = ("this graph has not:",)
+
+
 @pytest.fixture(autouse=True, scope="session")
 def _nobodys_settings(tmp_path_factory: pytest.TempPathFactory) -> None:
     """Keep what is set and remembered on the developer's machine out of the tests, and theirs out of it."""
     home = tmp_path_factory.mktemp("home")
     os.environ["XDG_CONFIG_HOME"] = str(home / "config")
     os.environ["XDG_STATE_HOME"] = str(home / "state")
+    # `#!/usr/bin/env python3` is the Python of the tests, on every machine; Debian's may have a real rospy.
+    os.environ["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
 
 
 def pytest_xdist_auto_num_workers() -> int:
@@ -60,8 +70,27 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
     for name, missing in PEERS.items():
         if item.get_closest_marker(name) is None:
             continue
-        reason = missing()
-        if reason and os.environ.get("CI") == "true":
-            pytest.fail(f"CI needs every peer: {reason}", pytrace=False)
-        elif reason:
+        if reason := missing():
             pytest.skip(reason)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Let a skipped test fail in CI, where every peer is installed."""
+    return _fail_when_skipped((yield))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report() -> Generator[None, pytest.CollectReport, pytest.CollectReport]:
+    """Let a skipped module fail in CI."""
+    return _fail_when_skipped((yield))
+
+
+def _fail_when_skipped(report: Report) -> Report:
+    if os.environ.get("CI") != "true" or not report.skipped or hasattr(report, "wasxfail"):
+        return report
+    reason = report.longrepr[2] if isinstance(report.longrepr, tuple) else str(report.longrepr)
+    if not reason.removeprefix("Skipped: ").startswith(SKIPPED_IN_CI):
+        report.outcome = "failed"
+        report.longrepr = f"CI needs every peer: {reason}"
+    return report

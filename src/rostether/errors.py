@@ -38,6 +38,13 @@ RostetherError
 from __future__ import annotations
 
 
+def first_error(error: BaseException) -> BaseException:
+    """Return the first error of a group, such as a task group raises, or the error itself."""
+    while isinstance(error, BaseExceptionGroup):
+        error = error.exceptions[0]
+    return error
+
+
 class RostetherError(Exception):
     """Root of all errors that rostether raises on purpose; its text is one line for a person."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import subprocess
 import sys
 from pathlib import Path
@@ -30,6 +31,12 @@ HEAVY = {
 @pytest.mark.parametrize("module", MODULES, ids=lambda path: str(path.relative_to(PACKAGE)))
 def test_one_concept_a_file(module: Path) -> None:
     assert len(module.read_text().splitlines()) <= LONGEST_FILE_LINES
+
+
+@pytest.mark.parametrize("module", MODULES, ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_no_error_passes_through_except_star(module: Path) -> None:
+    """Python 3.11.2, which Debian 12 has, wraps what is raised in `except*` into a group of its own."""
+    assert not any(isinstance(node, ast.TryStar) for node in ast.walk(ast.parse(module.read_text())))
 
 
 def test_names_say_what_is_inside() -> None:

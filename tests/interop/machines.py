@@ -20,7 +20,8 @@ _ENTER = ("nsenter", *(() if _IS_ROOT else ("--user", "--preserve-credentials"))
 @functools.cache
 def missing_namespaces() -> str:
     """Return why there can be no machines here, or an empty string."""
-    for program, package in (("ip", "iproute2"), ("unshare", "util-linux"), ("nsenter", "util-linux")):
+    needed = {"ip": "iproute2", "mount": "mount", "unshare": "util-linux", "nsenter": "util-linux"}
+    for program, package in needed.items():
         if shutil.which(program) is None:
             return f"no {program} (apt install {package})"
     script = """mount -t tmpfs none /run

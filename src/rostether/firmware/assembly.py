@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rostether.errors import SketchError
+from rostether.errors import SketchError, first_error
 from rostether.firmware.boards import Board
 from rostether.firmware.cache import BuildCache, digest
 from rostether.firmware.compiler import Compiled, Compiler
@@ -69,7 +69,7 @@ class Assembly:
                 core = tasks.create_task(self._build_core())
                 sketch = tasks.create_task(self._build_sketch(shelf, "all" if warnings else "none"))
         except BaseExceptionGroup as failures:
-            raise _first(failures) from None
+            raise first_error(failures) from None
         objects, (archive, core_objects) = sketch.result(), core.result()
         elf, image = await self._compiler.link([each.object for each in objects], archive, self._sketch.name)
         files = {file for each in [*objects, *core_objects] for file in each.files}
@@ -137,10 +137,3 @@ async def _all(compiling: Iterable[Coroutine[Any, Any, Compiled]]) -> list[Compi
         if isinstance(each, BaseException):
             raise each
     return [each for each in results if isinstance(each, Compiled)]
-
-
-def _first(failures: BaseExceptionGroup[BaseException]) -> BaseException:
-    """Return one error out of what a group of tasks raised."""
-    for each in failures.exceptions:
-        return _first(each) if isinstance(each, BaseExceptionGroup) else each
-    raise AssertionError("an empty group")

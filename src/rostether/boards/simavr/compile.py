@@ -12,7 +12,7 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from rostether.errors import BoardError
+from rostether.errors import BoardError, first_error
 
 SOURCES = Path(__file__).parent / "runner"
 PACKAGES = "gcc libsimavr-dev libelf-dev"
@@ -58,8 +58,8 @@ async def build_runner() -> Path:
                     headers = ("-isystem", str(HEADERS))
                     command = (compiler, *FLAGS, *headers, "-c", str(source), "-o", made)
                     tasks.create_task(_run(command, limit))
-        except* BoardError as failures:
-            raise failures.exceptions[0] from None
+        except BaseExceptionGroup as failures:
+            raise first_error(failures) from None
         await _run((compiler, *objects, "-o", f"{fresh}/{_NAME}", *LIBRARIES), limit)
         # At once, so that nobody starts half a program.
         os.replace(f"{fresh}/{_NAME}", program)  # noqa: PTH105

@@ -24,7 +24,7 @@ from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.picture_files import encode, picture_format, save
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
-from rostether.errors import ConfigError, GraphError, SerializationError
+from rostether.errors import ConfigError, GraphError, SerializationError, first_error
 
 if TYPE_CHECKING:
     from rostether.cli.access.ros_choice import Middleware
@@ -282,7 +282,4 @@ async def _first_problem(work: Coroutine[Any, Any, None]) -> None:
     try:
         await work
     except BaseExceptionGroup as problems:
-        problem: BaseException = problems
-        while isinstance(problem, BaseExceptionGroup):
-            problem = problem.exceptions[0]
-        raise problem from None
+        raise first_error(problems) from None

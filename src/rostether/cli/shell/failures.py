@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import click
 
-from rostether.errors import RostetherError
+from rostether.errors import RostetherError, first_error
 
 EXIT_DONE = 0
 EXIT_FAILED = 1
@@ -46,8 +46,7 @@ def exit_code_of(command: Callable[[], object]) -> int:
 
 def one_line(error: BaseException) -> str:
     """Return what an error says in one line, without the name of its class where the text can stand alone."""
-    while isinstance(error, BaseExceptionGroup):
-        error = error.exceptions[0]
+    error = first_error(error)
     text = " ".join(str(error).split())
     if isinstance(error, RostetherError) and text:
         return text
