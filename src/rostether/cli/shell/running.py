@@ -1,6 +1,7 @@
 """Running a command's coroutine to a clean end, however it is asked to stop.
 
 Ctrl-C and SIGTERM cancel the command, which then leaves the graph; a second Ctrl-C does not wait for that.
+A command that computes without an `await` is interrupted where it is, and leaves the graph too.
 Like rospy's nodes, and unlike most programs, a command takes SIGINT also where a shell has started it in the
 background and told it to ignore that: `command & ... kill -INT $!` is how scripts end ROS programs.
 """
@@ -24,6 +25,9 @@ from rostether.transports.descriptors import allow_many_descriptors
 
 T = TypeVar("T")
 
+BUSY_S = 2.0
+"""After a signal, a loop that is busy for this long is interrupted; 50 ms is a defect."""
+
 EXIT_TERMINATED = 143
 """What a shell reports for a program that SIGTERM ended."""
 
@@ -36,38 +40,77 @@ def run(main: Coroutine[Any, Any, T], *, is_service: bool = False, uvloop: bool 
     show_library_logs()
     if is_service:
         allow_many_descriptors()
+    ending = _Ending(EXIT_DONE if is_service else EXIT_TERMINATED)
     try:
         with asyncio.Runner(loop_factory=_loop_factory(uvloop)) as runner:
-            return runner.run(_until_terminated(main, EXIT_DONE if is_service else EXIT_TERMINATED))
-    except KeyboardInterrupt:
-        raise click.exceptions.Exit(EXIT_INTERRUPTED) from None
-
-
-async def _until_terminated(main: Coroutine[Any, Any, T], terminated_code: int) -> T:
-    task = asyncio.current_task()
-    assert task is not None
-    exit_code: int | None = None
-
-    def end(code: int) -> None:
-        nonlocal exit_code
-        if exit_code is not None:
-            os._exit(code)
-        exit_code = code
-        task.cancel()
-
-    loop = asyncio.get_running_loop()
-    with contextlib.suppress(NotImplementedError):
-        loop.add_signal_handler(signal.SIGINT, end, EXIT_INTERRUPTED)
-        loop.add_signal_handler(signal.SIGTERM, end, terminated_code)
-        # A closed terminal ends a command as SIGTERM does, unless nohup asked otherwise.
-        if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:
-            loop.add_signal_handler(signal.SIGHUP, end, terminated_code)
-    try:
-        return await main
-    except asyncio.CancelledError:
-        if exit_code is None:
+            return runner.run(ending.run(main))
+    except (KeyboardInterrupt, asyncio.CancelledError) as error:
+        if ending.exit_code is None and isinstance(error, asyncio.CancelledError):
             raise
-        raise click.exceptions.Exit(exit_code) from None
+        raise click.exceptions.Exit(
+            EXIT_INTERRUPTED if ending.exit_code is None else ending.exit_code
+        ) from None
+    finally:
+        ending.stop_alarm()
+
+
+class _Ending:
+    """Ends a command at a signal: cancels it, or interrupts it while it computes without an `await`."""
+
+    def __init__(self, terminated_code: int) -> None:
+        self.exit_code: int | None = None
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._loop_answered = False
+        self._codes = {signal.SIGINT: EXIT_INTERRUPTED, signal.SIGTERM: terminated_code}
+        # Windows has no SIGHUP. A closed terminal ends a command as SIGTERM does, unless it runs under nohup.
+        if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:
+            self._codes[signal.SIGHUP] = terminated_code
+
+    async def run(self, main: Coroutine[Any, Any, T]) -> T:
+        """Return the command's result. Raises CancelledError after a signal."""
+        task, loop = asyncio.current_task(), asyncio.get_running_loop()
+        self._loop = loop
+        assert task is not None
+
+        def cancel() -> None:
+            self._loop_answered = True
+            task.cancel()
+
+        with contextlib.suppress(NotImplementedError):
+            for number in self._codes:
+                loop.add_signal_handler(number, cancel)
+                # Python calls this one between two steps of whatever computes, before the loop calls its own.
+                signal.signal(number, self._arrived)
+        return await main
+
+    def _arrived(self, number: int, _frame: object) -> None:
+        code = self._codes[signal.Signals(number)]
+        if self.exit_code is not None:
+            os._exit(code)
+        self.exit_code = code
+        signal.signal(signal.SIGALRM, self._look)
+        signal.setitimer(signal.ITIMER_REAL, BUSY_S, BUSY_S)
+
+    def _look(self, _number: int, _frame: object) -> None:
+        loop = self._loop
+        if loop is None or loop.is_closed():
+            return
+        if self._loop_answered:
+            self._loop_answered = False
+            loop.call_soon_threadsafe(self._answer)
+            return
+        self._loop_answered = True
+        # Tasks that are cut short here have nothing to report.
+        loop.set_exception_handler(lambda loop, context: None)
+        raise KeyboardInterrupt
+
+    def _answer(self) -> None:
+        self._loop_answered = True
+
+    def stop_alarm(self) -> None:
+        """Stop looking whether the loop is busy."""
+        if self.exit_code is not None and hasattr(signal, "setitimer"):
+            signal.setitimer(signal.ITIMER_REAL, 0)
 
 
 def _loop_factory(uvloop: bool | None) -> Callable[[], asyncio.AbstractEventLoop] | None:

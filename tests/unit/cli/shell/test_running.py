@@ -3,6 +3,7 @@ from __future__ import annotations
 import asyncio
 import os
 import signal
+import subprocess
 import sys
 
 import pytest
@@ -93,3 +94,51 @@ def test_a_signal_in_this_process(graph: LiveGraph, monkeypatch: pytest.MonkeyPa
 
     monkeypatch.setattr("rostether.cli.topic.echo._echo", lambda *_: interrupt())
     assert main(ECHO) == 130
+
+
+COMPUTES = """
+import asyncio, sys, time
+from rostether.cli.shell.failures import exit_code_of
+from rostether.cli.shell.running import run
+
+async def compute():
+    elsewhere = asyncio.create_task(asyncio.sleep(1000))
+    try:
+        print("computing", flush=True)
+        await asyncio.sleep(0)
+        {work}
+    finally:
+        print("left", flush=True)
+
+sys.exit(exit_code_of(lambda: run(compute(), is_service={is_service}, uvloop={uvloop})))
+"""
+
+
+@pytest.mark.parametrize(
+    ("number", "is_service", "code"),
+    [(signal.SIGINT, False, 130), (signal.SIGTERM, False, 143), (signal.SIGTERM, True, 0)],
+)
+@pytest.mark.parametrize(
+    "work",
+    [
+        "while True: pass",
+        "time.sleep(1000)",
+        "asyncio.get_running_loop().call_soon(time.sleep, 1000); await elsewhere",
+    ],
+)
+@pytest.mark.parametrize("uvloop", [False, None])
+def test_a_signal_interrupts_what_computes(
+    number: signal.Signals, is_service: bool, code: int, work: str, uvloop: bool | None
+) -> None:
+    program = COMPUTES.format(work=work, is_service=is_service, uvloop=uvloop)
+    process = subprocess.Popen(
+        [sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    try:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "computing\n"
+        process.send_signal(number)
+        output, errors = process.communicate(timeout=60)
+    finally:
+        process.kill()
+    assert (process.returncode, output, errors) == (code, "left\n", "")
