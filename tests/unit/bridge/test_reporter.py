@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import logging
+
 import pytest
 
 from rostether.bridge.reporter import (
@@ -113,5 +115,8 @@ def test_strangers_bring_about_few_lines(reporter: RecordingReporter, clock: Clo
     assert reporter.texts[3:] == ["97 lines like the next one were left out", "connection 100"]
 
 
-def test_silence() -> None:
-    SilentReporter().line(Level.FATAL, "nothing shows")
+def test_silence(capfd: pytest.CaptureFixture[str], caplog: pytest.LogCaptureFixture) -> None:
+    with caplog.at_level(logging.DEBUG):
+        SilentReporter().line(Level.FATAL, "nothing shows", node="/arm")
+    assert capfd.readouterr() == ("", "")
+    assert not caplog.records

@@ -52,4 +52,4 @@ def test_a_lock_file_that_makes_no_sense_locks_nothing(
 ) -> None:
     monkeypatch.setattr(port_locks, "LOCK_FOLDERS", (str(tmp_path),))
     (tmp_path / "LCK..ttyACM0").write_bytes(content)
-    find_user("/dev/ttyACM0")
+    assert find_user("/dev/ttyACM0") is None

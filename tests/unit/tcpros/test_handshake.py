@@ -50,6 +50,7 @@ def test_both_ends_agree(wanted: MessageType) -> None:
     handshake.check_subscriber(asked, "/a", STRING)
     answer = handshake.publisher_fields("/a", STRING, caller_id="/you", latch=False)
     handshake.check_publisher(answer, "/a", wanted)
+    assert answer["type"] == STRING.name
 
 
 def test_types_that_differ_are_named() -> None:

@@ -21,19 +21,16 @@ def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.simavr
-async def test_it_is_compiled_once_also_by_several_at_once(cache: Path) -> None:
+async def test_it_is_compiled_without_a_warning_and_once_also_by_several_at_once(
+    cache: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(compiling, "FLAGS", (*compiling.FLAGS, "-Werror"))
     programs = await asyncio.gather(build_runner(), build_runner())
     assert programs[0] == programs[1]
     assert [path.name for path in cache.iterdir()] == [programs[0].name]
     assert os.access(programs[0], os.X_OK)
     made = programs[0].stat().st_mtime_ns
     assert (await build_runner()).stat().st_mtime_ns == made
-
-
-@pytest.mark.simavr
-async def test_it_compiles_without_a_warning(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(compiling, "FLAGS", (*compiling.FLAGS, "-Werror"))
-    await build_runner()
 
 
 async def test_what_is_missing_is_said_with_its_packages(
