@@ -6,7 +6,7 @@ import contextlib
 
 from rostether.errors import RostetherError, SerializationError
 from rostether.xmlrpc.document_reader import load_call, load_response
-from rostether.xmlrpc.values import dump_call, dump_fault, dump_response
+from rostether.xmlrpc.document_writer import dump_call, dump_fault, dump_response
 
 
 def seeds() -> list[bytes]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from copy import deepcopy
 from typing import Any
 
 from hypothesis import settings
@@ -79,7 +80,7 @@ class MasterUnderChanges(RuleBasedStateMachine):
 
     @rule(name=NAMES, value=VALUES)
     def set(self, name: str, value: Any) -> None:
-        before = self.tree.get("/")
+        before = deepcopy(self.tree.get("/"))
         code, _, _ = self.methods["setParam"]("/setter", name, copy.deepcopy(value))
         if code == 1:
             assert self.tree.get(name) == value
@@ -128,7 +129,7 @@ class MasterUnderChanges(RuleBasedStateMachine):
 
     @invariant()
     def names_are_the_leaves(self) -> None:
-        names = self.tree.names()
+        names = [name for name in self.tree.names() if name]
         assert len(set(names)) == len(names)
         for name in names:
             assert not isinstance(self.tree.get(name), dict)

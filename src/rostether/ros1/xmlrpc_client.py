@@ -8,9 +8,11 @@ from typing import TypeAlias, cast
 
 from rostether.errors import GraphError, ProtocolError, RemoteProtocolError
 from rostether.ros1.environment import connect_host, parse_rpc_uri
-from rostether.xmlrpc.document_reader import STEP_BYTES, DocumentReader
+from rostether.ros1.long_work import run_in_slices
+from rostether.xmlrpc.document_reader import DocumentReader
+from rostether.xmlrpc.document_writer import DocumentWriter, call_steps
 from rostether.xmlrpc.http_message import MAX_BODY_BYTES, HttpClientSide, HttpStatusError
-from rostether.xmlrpc.values import FaultError, XmlRpcValue, dump_call
+from rostether.xmlrpc.values import FaultError, XmlRpcValue
 
 StatusTriplet: TypeAlias = tuple[int, str, XmlRpcValue]
 
@@ -58,15 +60,13 @@ class XmlRpcClient:
         Raises GraphError (or `unreachable`) when the server is not there, is too slow, answers a fault or
         nonsense; SerializationError when an argument cannot be sent. `__cause__` is the OSError, if any.
         """
-        body = dump_call(method, args)
         limit_s = self._timeout_s if timeout_s is None else timeout_s
         try:
             async with asyncio.timeout(limit_s):
-                answer = await self._exchange(body)
-                reader = DocumentReader(answer)
-                for _ in reader.steps():
-                    if len(answer) > STEP_BYTES:
-                        await asyncio.sleep(0)
+                writer = DocumentWriter()
+                await run_in_slices(call_steps(writer, method, args))
+                reader = DocumentReader(await self._exchange(writer.document()))
+                await run_in_slices(reader.steps())
             return reader.response()
         except TimeoutError:
             raise self._unreachable(

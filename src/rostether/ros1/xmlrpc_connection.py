@@ -15,7 +15,9 @@ _LARGE_BODY_BYTES = 256 * 1024
 class ServerConnection(asyncio.Protocol):
     """Reads requests, hands each body to `answer`, writes what comes back; `on_lost` is called at the end.
 
-    A large body goes on only while `has_room` says so. Who is not to be served is ended by `admit`.
+    A large body goes on only while `has_room` says so; a large answer calls `make_room`. Who is not to be
+    served is ended by `admit`. What comes after one request, or after much of one, waits for its turn:
+    `take_turn` calls `go_on` soon.
 
     While an answer is computed, or the client does not take what was written, at most one more chunk is read
     (to notice that the client has gone): what a client can make us hold is bounded.
@@ -26,12 +28,17 @@ class ServerConnection(asyncio.Protocol):
         answer: Callable[[bytes], bytes | Awaitable[bytes]],
         on_lost: Callable[[ServerConnection], None],
         has_room: Callable[[], bool],
+        make_room: Callable[[], None],
+        take_turn: Callable[[ServerConnection], None],
         admit: Callable[[ServerConnection, asyncio.Transport], bool] = lambda _connection, _transport: True,
         *,
         max_body_bytes: int = MAX_BODY_BYTES,
     ) -> None:
         self._answer = answer
         self._has_room = has_room
+        self._make_room = make_room
+        self._take_turn = take_turn
+        self._waits_for_turn = False
         self._admit = admit
         self._on_lost = on_lost
         self._http = HttpServerSide(max_body_bytes=max_body_bytes)
@@ -59,6 +66,11 @@ class ServerConnection(asyncio.Protocol):
     def body_bytes(self) -> int:
         """How much of a request's body it holds."""
         return self._http.body_bytes
+
+    @property
+    def unsent_bytes(self) -> int:
+        """How much of its answers the client has not taken yet."""
+        return self._transport.get_write_buffer_size() if self._transport is not None else 0
 
     @property
     def is_answering(self) -> bool:
@@ -101,7 +113,7 @@ class ServerConnection(asyncio.Protocol):
         if self._http.is_idle:
             self.waiting_since_s = self.last_active_s
         self._http.receive_data(data)
-        if self._task is None and not self._is_congested:
+        if self._task is None and not self._is_congested and not self._waits_for_turn:
             self._serve()
         else:
             self._pause()
@@ -122,13 +134,18 @@ class ServerConnection(asyncio.Protocol):
         if self._transport is not None and not self._transport.is_closing():
             self._transport.pause_reading()
 
+    def go_on(self) -> None:
+        """Read the next request, or more of it."""
+        self._waits_for_turn = False
+        self._serve()
+
     def _serve(self) -> None:
-        while self._transport is not None and self._task is None and not self._is_congested:
-            body = self._http.next_request()
-            if data := self._http.data_to_send():
-                self._transport.write(data)
-            if body is None:
-                break
+        if self._transport is None or self._task is not None or self._is_congested or self._waits_for_turn:
+            return
+        body = self._http.next_request()
+        if data := self._http.data_to_send():
+            self._transport.write(data)
+        if body is not None:
             self.has_spoken = True
             self.waiting_since_s = self._loop.time()
             answer = self._answer(body)
@@ -138,11 +155,12 @@ class ServerConnection(asyncio.Protocol):
                 self._task = asyncio.ensure_future(answer)
                 self._task.add_done_callback(self._answered)
                 return
-        if self._transport is None or self._transport.is_closing() or self._is_congested:
-            return
-        if self._http.ended:
+        if body is not None or self._http.is_behind:
+            self._waits_for_turn = True
+            self._take_turn(self)
+        elif self._http.ended:
             self._transport.close()
-        else:
+        elif not self._transport.is_closing() and not self._is_congested:
             self._transport.resume_reading()
 
     def _answered(self, task: asyncio.Future[bytes]) -> None:
@@ -157,3 +175,5 @@ class ServerConnection(asyncio.Protocol):
         assert self._transport is not None
         self._http.send_response(answer)
         self._transport.write(self._http.data_to_send())
+        if len(answer) > _LARGE_BODY_BYTES:
+            self._make_room()

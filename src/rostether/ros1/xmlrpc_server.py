@@ -1,45 +1,32 @@
-"""The XML-RPC server of a ROS graph's master or node: a table of methods behind bounded connections.
-
-A method is any callable of XML-RPC values, plain or async. What it raises becomes an answer: a RostetherError
-its text, anything else a fault that names the error, and a line in the log; never a traceback to the peer.
-"""
+"""The XML-RPC server of a ROS graph's master or node: a table of methods behind bounded connections."""
 
 from __future__ import annotations
 
 import asyncio
 import errno
-import inspect
-import logging
-from collections.abc import Awaitable, Callable, Iterable, Mapping, Sequence
-from typing import Any, TypeAlias
+from collections import deque
+from collections.abc import Iterable, Sequence
+from time import monotonic
 
-from rostether.errors import ConfigError, GraphError, RemoteProtocolError, RostetherError, SerializationError
+from rostether.errors import ConfigError, GraphError
 from rostether.ros1.admission import EVERYBODY, Admission
 from rostether.ros1.environment import LOOPBACK, connect_host, format_uri, is_loopback
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
+from rostether.ros1.long_work import SLICE_S
 from rostether.ros1.xmlrpc_connection import ServerConnection
+from rostether.ros1.xmlrpc_methods import Dispatch, MethodTable
 from rostether.transports.sockets import system_bind_errors
-from rostether.xmlrpc.document_reader import STEP_BYTES, DocumentReader, load_call
-from rostether.xmlrpc.values import FaultError, XmlRpcValue, dump_fault, dump_response
-
-Method: TypeAlias = Callable[..., Any]
-Dispatch: TypeAlias = Mapping[str, Method]
 
 # A client that reuses its connection does so within seconds; roscpp drops its own after 30 s.
 IDLE_TIMEOUT_S = 90.0
 # Who connects has a request; a connection that says nothing only holds a descriptor.
 FIRST_BYTE_LIMIT_S = 15.0
-# A multicall sets the parameters of one launch file; a larger one would hold up everybody else.
-MAX_MULTICALL = 10_000
 # A client that reads has its answer within milliseconds; one that does not read is not waited for.
 _CLOSE_GRACE_S = 1.0
-# How many of the largest requests may be received at once.
+# How many of the largest requests may be received, and of the largest answers wait to be read, at once.
 _LARGEST_AT_ONCE = 4
 # Trying to get one free port on several addresses: a clash is rare, two in a row are no accident.
 _BIND_ATTEMPTS = 5
-_FAULT = 1
-
-_log = logging.getLogger("rostether.ros1.xmlrpc")
 
 
 class XmlRpcServer:
@@ -61,17 +48,14 @@ class XmlRpcServer:
         first_byte_limit_s: float = FIRST_BYTE_LIMIT_S,
         limits: GraphLimits = DEFAULT_GRAPH_LIMITS,
     ) -> None:
-        self._methods: dict[str, Method] = {
-            **dispatch,
-            "system.multicall": self._multicall,
-            "system.listMethods": lambda: sorted(self._methods),
-        }
+        self._methods = MethodTable(dispatch, limits.body_bytes)
         self._hosts = [connect_host(host) for host in hosts]
         self._advertised_host = advertised_host
         self._idle_timeout_s = idle_timeout_s
         self._admission = admission
         self._first_byte_limit_s = first_byte_limit_s
         self._limits = limits
+        self._turns: deque[ServerConnection] = deque()
         self._connections: dict[ServerConnection, None] = {}
         self._servers: list[asyncio.Server] = []
         self._sweep: asyncio.TimerHandle | None = None
@@ -136,9 +120,11 @@ class XmlRpcServer:
 
     def _accept(self) -> ServerConnection:
         return ServerConnection(
-            self._answer,
+            self._methods.answer,
             self._forget,
             self._has_room,
+            self._make_room,
+            self._take_turn,
             self._admit,
             max_body_bytes=self._limits.body_bytes,
         )
@@ -160,6 +146,33 @@ class XmlRpcServer:
     def _has_room(self) -> bool:
         held_bytes = sum(connection.body_bytes for connection in self._connections)
         return held_bytes <= _LARGEST_AT_ONCE * self._limits.body_bytes
+
+    def _take_turn(self, connection: ServerConnection) -> None:
+        self._turns.append(connection)
+        if len(self._turns) == 1:
+            asyncio.get_running_loop().call_soon(self._give_turn)
+
+    def _give_turn(self) -> None:
+        due_s = monotonic() + SLICE_S
+        while self._turns:
+            try:
+                self._turns[0].go_on()
+            finally:
+                self._turns.popleft()
+            if monotonic() >= due_s:
+                break
+        if self._turns:
+            asyncio.get_running_loop().call_soon(self._give_turn)
+
+    def _make_room(self) -> None:
+        """End the connections that have left their answers unread for longest, while all hold too much."""
+        unsent_bytes = sum(connection.unsent_bytes for connection in self._connections)
+        for connection in sorted(self._connections, key=lambda each: each.last_active_s):
+            if unsent_bytes <= _LARGEST_AT_ONCE * self._limits.body_bytes:
+                return
+            if connection.unsent_bytes:
+                unsent_bytes -= connection.unsent_bytes
+                connection.abort()
 
     def _forget(self, connection: ServerConnection) -> None:
         self._connections.pop(connection, None)
@@ -187,93 +200,6 @@ class XmlRpcServer:
             return waited_s > self._limits.xmlrpc_request_s
         return not connection.has_spoken and waited_s > self._first_byte_limit_s
 
-    def _answer(self, document: bytes) -> bytes | Awaitable[bytes]:
-        """Return the response document, at once when the method is plain and the document small."""
-        if len(document) > STEP_BYTES:
-            return self._answer_large(document)
-        try:
-            method, params = load_call(document)
-        except RemoteProtocolError as error:
-            return dump_fault(_FAULT, str(error))
-        return self._respond(method, params)
-
-    async def _answer_large(self, document: bytes) -> bytes:
-        reader = DocumentReader(document)
-        try:
-            for _ in reader.steps():
-                await asyncio.sleep(0)
-            method, params = reader.call()
-        except RemoteProtocolError as error:
-            return dump_fault(_FAULT, str(error))
-        answer = self._respond(method, params)
-        return answer if isinstance(answer, bytes) else await answer
-
-    def _respond(self, method: str, params: Sequence[XmlRpcValue]) -> bytes | Awaitable[bytes]:
-        try:
-            value = self._call(method, params)
-        except Exception as error:  # noqa: BLE001 - whatever a peer provokes must not stop the server
-            return _dump_error(method, error)
-        if inspect.isawaitable(value):
-            return self._answer_later(method, value)
-        return _dump(method, value)
-
-    async def _answer_later(self, method: str, value: Awaitable[object]) -> bytes:
-        try:
-            return _dump(method, await value)
-        except Exception as error:  # noqa: BLE001
-            return _dump_error(method, error)
-
-    def _call(self, method: str, params: Sequence[XmlRpcValue]) -> Any:
-        function = self._methods.get(method)
-        if function is None:
-            raise FaultError(_FAULT, f'method "{method:.200}" is not supported')
-        return function(*params)
-
-    async def _multicall(self, calls: XmlRpcValue) -> XmlRpcValue:
-        if not isinstance(calls, list) or len(calls) > MAX_MULTICALL:
-            raise FaultError(_FAULT, f"system.multicall takes an array of at most {MAX_MULTICALL} calls")
-        answers: list[XmlRpcValue] = []
-        for call in calls:
-            try:
-                answers.append([await self._call_one(call)])
-            except Exception as error:  # noqa: BLE001
-                answers.append({"faultCode": _FAULT, "faultString": _explain(str(call)[:80], error)})
-        return answers
-
-    async def _call_one(self, call: XmlRpcValue) -> XmlRpcValue:
-        method = call.get("methodName") if isinstance(call, dict) else None
-        params = call.get("params", []) if isinstance(call, dict) else None
-        if not isinstance(method, str) or not isinstance(params, list):
-            raise FaultError(_FAULT, "system.multicall takes structs of methodName and params")
-        if method == "system.multicall":
-            raise FaultError(_FAULT, "system.multicall inside system.multicall is forbidden")
-        value = self._call(method, params)
-        result: XmlRpcValue = await value if inspect.isawaitable(value) else value
-        return result
-
 
 def _idlest(connections: Iterable[ServerConnection]) -> ServerConnection:
     return min(connections, key=lambda each: (not each.is_idle, each.last_active_s))
-
-
-def _dump(method: str, value: object) -> bytes:
-    try:
-        return dump_response(value)
-    except SerializationError as error:
-        return _dump_error(method, error)
-
-
-def _dump_error(method: str, error: Exception) -> bytes:
-    if isinstance(error, RostetherError) and not isinstance(error, (FaultError, SerializationError)):
-        return dump_response([-1, _explain(method, error), 0])
-    return dump_fault(_FAULT, _explain(method, error))
-
-
-def _explain(method: str, error: Exception) -> str:
-    if isinstance(error, RostetherError):
-        return str(error)
-    if isinstance(error, TypeError):
-        # Nearly always the wrong number of arguments.
-        return f"{method}: bad arguments: {error}"
-    _log.error("%s failed: %s: %s", method, type(error).__name__, error)
-    return f"{method} failed: {type(error).__name__}: {error}"

@@ -14,7 +14,14 @@ from rostether.errors import LocalProtocolError, RemoteProtocolError
 # The largest documents in the field are robot descriptions and whole parameter dumps, of a few MB.
 MAX_BODY_BYTES = 16 * 1024 * 1024
 
+# Chunks are read one by one. A sender fills them; these leave room for a few small ones.
+MIN_CHUNK_BYTES = 64
+SMALL_CHUNKS = 1024
+# What is read of a request in one go: a head, some chunks, an end. Below a millisecond.
+EVENTS_AT_ONCE = 64
+
 _TEXT_XML = (b"Content-Type", b"text/xml")
+_TINY_CHUNKS = f"the document comes in chunks of less than {MIN_CHUNK_BYTES} bytes: send larger ones"
 _REASONS = {
     400: b"Bad Request",
     403: b"Forbidden",
@@ -35,7 +42,10 @@ class HttpServerSide:
         self._connection = h11.Connection(h11.SERVER)
         self._max_body_bytes = max_body_bytes
         self._body = bytearray()
+        self._chunk_count = 0
         self._out = bytearray()
+        self.is_behind = False
+        """Whether `next_request` stopped before it had read all it was given: call it again soon."""
 
     @property
     def ended(self) -> bool:
@@ -74,10 +84,14 @@ class HttpServerSide:
         return None
 
     def _next_request(self) -> bytes | None:
-        while not self.ended:
+        self.is_behind = False
+        for _ in range(EVENTS_AT_ONCE):
+            if self.ended:
+                return None
             if self._connection.our_state is h11.DONE and self._connection.their_state is h11.DONE:
                 self._connection.start_next_cycle()
                 self._body.clear()
+                self._chunk_count = 0
             event = self._connection.next_event()
             if event is h11.NEED_DATA:
                 if self._connection.they_are_waiting_for_100_continue:
@@ -89,10 +103,14 @@ class HttpServerSide:
                 self._judge(event)
             elif isinstance(event, h11.Data):
                 self._body += event.data
+                self._chunk_count += event.chunk_start
                 if len(self._body) > self._max_body_bytes:
                     self._refuse(413, f"the request is larger than {self._max_body_bytes} bytes")
+                elif _has_tiny_chunks(self._chunk_count, len(self._body)):
+                    self._refuse(400, _TINY_CHUNKS)
             elif isinstance(event, h11.EndOfMessage):
                 return bytes(self._body)
+        self.is_behind = True
         return None
 
     def _judge(self, request: h11.Request) -> None:
@@ -142,6 +160,7 @@ class HttpClientSide:
         self._headers = [(b"Host", host.encode("ascii", "replace")), (b"User-Agent", b"rostether"), _TEXT_XML]
         self._max_body_bytes = max_body_bytes
         self._body = bytearray()
+        self._chunk_count = 0
         self._status = 0
         self.answer_began = False
 
@@ -153,6 +172,7 @@ class HttpClientSide:
     def send_request(self, body: bytes) -> bytes:
         """Return the bytes of a POST. Raises LocalProtocolError while another exchange is under way."""
         self._body.clear()
+        self._chunk_count = 0
         self.answer_began = False
         length = (b"Content-Length", b"%d" % len(body))
         request = h11.Request(method=b"POST", target=self._target, headers=[*self._headers, length])
@@ -186,6 +206,9 @@ class HttpClientSide:
                 self._body += event.data
                 if len(self._body) > self._max_body_bytes:
                     raise RemoteProtocolError(f"the answer is larger than {self._max_body_bytes} bytes")
+                self._chunk_count += event.chunk_start
+                if _has_tiny_chunks(self._chunk_count, len(self._body)):
+                    raise RemoteProtocolError(_TINY_CHUNKS)
             elif isinstance(event, h11.EndOfMessage):
                 return self._finish()
             elif isinstance(event, h11.ConnectionClosed):
@@ -202,3 +225,7 @@ class HttpClientSide:
         if is_done and not self._connection.trailing_data[0]:
             self._connection.start_next_cycle()
         return bytes(self._body)
+
+
+def _has_tiny_chunks(count: int, body_bytes: int) -> bool:
+    return count > SMALL_CHUNKS + body_bytes // MIN_CHUNK_BYTES

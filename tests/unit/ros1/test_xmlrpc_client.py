@@ -11,8 +11,8 @@ import pytest
 from rostether.errors import ConfigError, GraphError, MasterUnreachableError, SerializationError
 from rostether.ros1.xmlrpc_client import MAX_IDLE_CONNECTIONS, XmlRpcClient
 from rostether.ros1.xmlrpc_server import XmlRpcServer
+from rostether.xmlrpc.document_writer import dump_response
 from rostether.xmlrpc.http_message import HttpServerSide
-from rostether.xmlrpc.values import dump_response
 
 Session = Callable[[asyncio.StreamReader, asyncio.StreamWriter], Awaitable[None]]
 

@@ -10,8 +10,8 @@ from typing import Any
 from rostether.ros1.xmlrpc_client import XmlRpcClient
 from rostether.ros1.xmlrpc_server import XmlRpcServer
 from rostether.xmlrpc.document_reader import load_response
+from rostether.xmlrpc.document_writer import dump_call
 from rostether.xmlrpc.http_message import HttpClientSide
-from rostether.xmlrpc.values import dump_call
 
 
 @contextlib.asynccontextmanager

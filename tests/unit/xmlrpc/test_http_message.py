@@ -287,3 +287,38 @@ def test_a_damaged_response_raises_only_our_error(pieces: list[bytes]) -> None:
                 break
     except RemoteProtocolError as error:
         assert "\n" not in str(error)
+
+
+def test_chunks_may_be_small_but_not_tiny() -> None:
+    head = b"POST / HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n"
+    server = HttpServerSide()
+    server.receive_data(head + b"40\r\n" + b"x" * 64 + b"\r\n0\r\n\r\n")
+    assert server.next_request() == b"x" * 64
+    server = HttpServerSide()
+    server.receive_data(head + b"1\r\nx\r\n" * 2000)
+    while server.next_request() is None and server.is_behind:
+        pass
+    assert b"400 Bad Request" in server.data_to_send()
+
+
+def test_an_answer_in_tiny_chunks_is_refused() -> None:
+    client = HttpClientSide("x")
+    client.send_request(b"")
+    with pytest.raises(RemoteProtocolError, match="chunks of less than 64 bytes"):
+        client.receive_data(b"HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n" + b"1\r\nx\r\n" * 2000)
+
+
+def test_much_at_once_is_read_in_parts() -> None:
+    server = HttpServerSide()
+    server.receive_data(
+        b"POST / HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n"
+        + b"1\r\nx\r\n" * 500
+        + b"0\r\n\r\n"
+    )
+    assert server.next_request() is None
+    assert server.is_behind
+    for _ in range(20):
+        body = server.next_request()
+        if body is not None:
+            break
+    assert body == b"x" * 500

@@ -12,7 +12,7 @@ from rostether.xmlrpc.document_reader import (
     DocumentReader,
     load_call,
 )
-from rostether.xmlrpc.values import dump_call
+from rostether.xmlrpc.document_writer import dump_call
 
 
 def call(params: bytes) -> bytes:

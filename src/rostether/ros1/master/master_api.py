@@ -280,12 +280,12 @@ class MasterApi:
     def _get_published_topics(self, _caller_id: str, space: str) -> Answer:
         prefix = space if not space or space.endswith("/") else f"{space}/"
         types = self.registrations.topic_types
-        topics = [topic for topic in self.registrations.keys(Kind.PUBLISHER) if topic.startswith(prefix)]
-        return 1, "current topics", [[topic, types[topic]] for topic in topics]
+        topics = self.registrations.keys(Kind.PUBLISHER)
+        return 1, "current topics", [(each, types[each]) for each in topics if each.startswith(prefix)]
 
     def _get_topic_types(self, _caller_id: str) -> Answer:
         types = self.registrations.topic_types
-        return 1, "current system state", [[topic, name] for topic, name in types.items()]
+        return 1, "current system state", list(types.items())
 
     def _get_system_state(self, _caller_id: str) -> Answer:
         kinds = (Kind.PUBLISHER, Kind.SUBSCRIBER, Kind.SERVICE)

@@ -29,6 +29,10 @@ _REFUSALS_UNTIL_GONE = 2
 PING_INTERVAL_S = 30.0
 # One entry for each topic or parameter a node watches; a node that hangs and watches more loses the oldest.
 _MAX_PENDING = 4096
+# Each holds a document of up to some MB until the node takes it; small ones do not wait for a place.
+_LARGE_CALLS_AT_ONCE = 16
+# A list of so many URIs has some 4 KB.
+_LARGE_LENGTH = 64
 # Descriptors are commonly limited to 1024 a process, and most are for who calls the master.
 _MAX_KEPT_CONNECTIONS = 256
 
@@ -61,11 +65,12 @@ class NodeCallQueue:
         self._first_retry_s = first_retry_s
         self._call_timeout_s = call_timeout_s
         self._outboxes: dict[str, _Outbox] = {}
+        self._large_calls = asyncio.Semaphore(_LARGE_CALLS_AT_ONCE)
         self._is_closed = False
 
     def publisher_update(self, api: str, topic: str, publishers: list[str]) -> None:
         """Queue a topic's publishers for a subscriber."""
-        self._queue(api, ("publisherUpdate", topic), (topic, list(publishers)))
+        self._queue(api, ("publisherUpdate", topic), (topic, publishers))  # type: ignore[arg-type]
 
     def param_update(self, api: str, key: str, value: XmlRpcValue) -> None:
         """Queue a parameter's value for a watcher."""
@@ -155,7 +160,11 @@ class NodeCallQueue:
     ) -> None:
         method, key = what
         try:
-            await outbox.client.call(method, _CALLER, *arguments)
+            if any(_is_large(each) for each in arguments):
+                async with self._large_calls:
+                    await outbox.client.call(method, _CALLER, *arguments)
+            else:
+                await outbox.client.call(method, _CALLER, *arguments)
         except SerializationError as error:
             _log.warning("%s cannot be sent to %s: %s", key, api, error)
             return
@@ -166,6 +175,12 @@ class NodeCallQueue:
                 raise _NotDeliveredError(is_refused=isinstance(cause, ConnectionRefusedError)) from error
             # It is there, and answered a fault or nonsense: trying again would not help.
             _log.debug("%s", error)
+
+
+def _is_large(value: XmlRpcValue) -> bool:
+    if isinstance(value, (str, bytes)):
+        return len(value) > _LARGE_LENGTH * _LARGE_LENGTH
+    return isinstance(value, dict) or (isinstance(value, list) and len(value) > _LARGE_LENGTH)
 
 
 class _NotDeliveredError(Exception):

@@ -15,6 +15,8 @@ from rostether.xmlrpc.values import MAX_NESTING, XmlRpcValue
 
 # Answers and notices wrap a value once or twice more; XML-RPC documents end at MAX_NESTING.
 MAX_DEPTH = MAX_NESTING - 10
+# Far more than any node has; the names of one namespace are copied before they are sent.
+MAX_ENTRIES = 262_144
 # What a value takes in memory beside its text, roughly.
 _BYTES_PER_VALUE = 64
 
@@ -47,8 +49,8 @@ class ParameterTree:
         self._bytes = _BYTES_PER_VALUE
 
     def get(self, name: str) -> XmlRpcValue:
-        """Return a copy of a value or of a whole namespace. Raises UnknownNameError."""
-        return _copy(self._find(name))
+        """Return a value or a whole namespace; do not change it. Raises UnknownNameError."""
+        return self._find(name)
 
     def has(self, name: str) -> bool:
         """Tell whether a parameter or namespace is set."""
@@ -58,9 +60,19 @@ class ParameterTree:
             return False
         return True
 
-    def names(self) -> list[str]:
-        """Return the full names of all parameters."""
-        return [name for name, value in _walk("/", self._root) if not isinstance(value, dict)]
+    def names(self) -> Iterator[str | None]:
+        """Yield the full names of all parameters, None for each namespace; the tree may change meanwhile."""
+        spaces: list[tuple[str, Iterator[tuple[str, XmlRpcValue]]]] = [("/", _items(self._root))]
+        while spaces:
+            prefix, items = spaces[-1]
+            for key, value in items:
+                if isinstance(value, dict):
+                    spaces.append((f"{prefix}{key}/", _items(value)))
+                    yield None
+                    break
+                yield f"{prefix}{key}"
+            else:
+                spaces.pop()
 
     def set(self, name: str, value: XmlRpcValue) -> None:
         """Set a parameter; values on the way become namespaces. Raises GraphError for what cannot be set."""
@@ -91,6 +103,8 @@ class ParameterTree:
         self._put(space, parts[-1], value, added)
 
     def _put(self, space: dict[str, XmlRpcValue], key: str, value: XmlRpcValue, weight: int) -> None:
+        if len(space) >= MAX_ENTRIES and key not in space:
+            raise GraphError(f"a namespace holds at most {MAX_ENTRIES} parameters: use several namespaces")
         self._bytes += weight + len(key)
         if key in space:
             self._bytes -= _weigh(space[key], MAX_DEPTH) + len(key)
@@ -136,31 +150,24 @@ def updates(watched: Iterable[str], name: str, value: XmlRpcValue) -> list[Updat
     """
     key = watch_key(name)
     found: list[Update] = []
-    below: dict[str, XmlRpcValue] | None = None
     for each in watched:
         if key.startswith(each):
             found.append(Update(each, key, value, is_own_change=True))
         elif each.startswith(key):
-            if below is None:
-                below = {watch_key(inner): item for inner, item in _walk(key, value)}
-            found.append(Update(each, each, below.get(each, {}), is_own_change=False))
+            found.append(Update(each, each, _below(value, each[len(key) :]), is_own_change=False))
     return sorted(found, key=lambda update: -len(update.key))
 
 
-def _walk(prefix: str, value: XmlRpcValue) -> Iterator[tuple[str, XmlRpcValue]]:
-    if isinstance(value, dict):
-        for key, item in value.items():
-            name = f"{prefix}{key}"
-            yield name, item
-            yield from _walk(f"{name}/", item)
-
-
-def _copy(value: XmlRpcValue) -> XmlRpcValue:
-    if isinstance(value, dict):
-        return {key: _copy(item) for key, item in value.items()}
-    if isinstance(value, list):
-        return [_copy(item) for item in value]
+def _below(value: XmlRpcValue, path: str) -> XmlRpcValue:
+    for part in _parts(path):
+        if not isinstance(value, dict) or part not in value:
+            return {}
+        value = value[part]
     return value
+
+
+def _items(space: dict[str, XmlRpcValue]) -> Iterator[tuple[str, XmlRpcValue]]:
+    return zip(list(space), list(space.values()), strict=True)
 
 
 def _weigh(value: XmlRpcValue, nesting: int) -> int:
@@ -172,6 +179,15 @@ def _weigh(value: XmlRpcValue, nesting: int) -> int:
         return _BYTES_PER_VALUE
     if nesting <= 0:
         raise GraphError(f"parameters cannot be nested deeper than {MAX_DEPTH} levels: flatten them")
-    if isinstance(value, list):
-        return _BYTES_PER_VALUE + sum(_weigh(item, nesting - 1) for item in value)
-    return _BYTES_PER_VALUE + sum(len(key) + _weigh(item, nesting - 1) for key, item in value.items())
+    weight = _BYTES_PER_VALUE * (1 + len(value))
+    if isinstance(value, dict):
+        weight += sum(map(len, value))
+        value = list(value.values())
+    # Without a call for each scalar: this runs on the event loop, for 262,144 values.
+    for item in value:
+        kind = type(item)
+        if kind is str or kind is bytes:
+            weight += len(item)  # type: ignore[arg-type]
+        elif kind is not int and kind is not float and kind is not bool:
+            weight += _weigh(item, nesting - 1) - _BYTES_PER_VALUE
+    return weight

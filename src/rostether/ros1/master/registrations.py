@@ -6,6 +6,7 @@ its registrations; both facts come back to the caller, who tells the nodes conce
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from enum import Enum
 
@@ -13,6 +14,8 @@ from rostether.errors import GraphError
 
 # A graph of a thousand nodes with a hundred registrations each; beyond, somebody registers in a loop.
 MAX_REGISTRATIONS = 100_000
+# Each change of a topic sends the list of its publishers to every subscriber. /rosout has one of each node.
+MAX_MEMBERS = 4096
 # Types outlive their topics, for tools that ask later; no more of them than there can be topics.
 MAX_TOPIC_TYPES = MAX_REGISTRATIONS
 ANY_TYPE = "*"
@@ -75,9 +78,11 @@ class Registrations:
         """Return the URIs of those registered for a key."""
         return list(self.members(kind, key).values())
 
-    def state(self, kind: Kind) -> list[list[str | list[str]]]:
-        """Return one table as getSystemState has it: `[[key, [node name, ...]], ...]`."""
-        return [[key, list(members)] for key, members in self._tables[kind].items()]
+    def state(self, kind: Kind) -> Iterator[list[str | list[str]]]:
+        """Yield one table as getSystemState has it: `[key, [node name, ...]]`; it may change meanwhile."""
+        for key in self.keys(kind):
+            if members := self.members(kind, key):
+                yield [key, list(members)]
 
     def service_api(self, service: str) -> str | None:
         """Return the rosrpc URI of a service."""
@@ -103,6 +108,8 @@ class Registrations:
         """Register a node; return what it replaces when its URI is new. Raises GraphError when full."""
         if self._count >= MAX_REGISTRATIONS and name not in self.members(kind, key):
             raise GraphError(f"the master holds {self._count} registrations, its limit: unregister some")
+        if len(self.members(kind, key)) >= MAX_MEMBERS and name not in self.members(kind, key):
+            raise GraphError(f"{key} has {MAX_MEMBERS} nodes registered, the limit: unregister some")
         replaced = None
         node = self.nodes.get(name)
         if node is not None and node.api != api:

@@ -13,7 +13,7 @@ from typing import Protocol
 from rostether.ros1.node.publication import Publication
 from rostether.ros1.node.subscription import Subscription
 from rostether.ros1.tcpros_connection import ConnectionRecord
-from rostether.ros1.xmlrpc_server import Dispatch
+from rostether.ros1.xmlrpc_methods import Dispatch
 from rostether.xmlrpc.values import MAX_INT, XmlRpcValue
 
 Answer = list[XmlRpcValue]

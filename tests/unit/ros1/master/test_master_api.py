@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
 
 from rostether.errors import SerializationError
 from rostether.ros1.master.master_api import MasterApi
-from rostether.xmlrpc.values import XmlRpcValue, dump_response
+from rostether.xmlrpc.document_writer import dump_response
+from rostether.xmlrpc.values import XmlRpcValue
 
 A, B = "http://a:1/", "http://b:2/"
 
@@ -50,7 +51,15 @@ class Master:
         self._methods: dict[str, Callable[..., Any]] = self.api.dispatch()
 
     def call(self, method: str, *args: Any) -> Any:
-        return self._methods[method](*args)
+        code, text, value = self._methods[method](*args)
+        return code, text, as_sent(value)
+
+
+def as_sent(value: Any) -> Any:
+    """Return a value with its iterators as the arrays they are sent as."""
+    if isinstance(value, (list, tuple, Iterator)):
+        return [as_sent(item) for item in value if item is not None]
+    return value
 
 
 @pytest.fixture

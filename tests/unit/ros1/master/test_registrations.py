@@ -25,7 +25,7 @@ def test_registering_twice_is_registering_once() -> None:
     tables = Registrations()
     for _ in range(2):
         tables.register(Kind.PUBLISHER, "/t", "/a", "http://a/")
-    assert tables.state(Kind.PUBLISHER) == [["/t", ["/a"]]]
+    assert list(tables.state(Kind.PUBLISHER)) == [["/t", ["/a"]]]
     assert tables.unregister(Kind.PUBLISHER, "/t", "/a", "http://a/")
     assert not tables.unregister(Kind.PUBLISHER, "/t", "/a", "http://a/")
 
@@ -64,7 +64,7 @@ def test_a_service_has_one_provider() -> None:
     tables = Registrations()
     tables.register_service("/s", "/a", "http://a/", "rosrpc://a")
     tables.register_service("/s", "/b", "http://b/", "rosrpc://b")
-    assert tables.state(Kind.SERVICE) == [["/s", ["/b"]]]
+    assert list(tables.state(Kind.SERVICE)) == [["/s", ["/b"]]]
     assert tables.service_api("/s") == "rosrpc://b"
     assert not tables.unregister_service("/s", "/a", "rosrpc://a"), "it is b's now"
     assert tables.service_api("/s") == "rosrpc://b"
@@ -91,7 +91,7 @@ def test_dropping_takes_everything() -> None:
     tables.register(Kind.PUBLISHER, "/t", "/b", "http://b/")
     tables.register_service("/s", "/a", "http://a/", "rosrpc://a")
     assert tables.drop("/a").topics == ("/t", "/u")
-    assert tables.state(Kind.PUBLISHER) == [["/t", ["/b"]]]
+    assert list(tables.state(Kind.PUBLISHER)) == [["/t", ["/b"]]]
     assert tables.keys(Kind.SERVICE) == []
     assert list(tables.nodes) == ["/b"]
 

@@ -1,0 +1,35 @@
+"""Long work of a server, done in slices, so that other clients are answered meanwhile."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Iterator
+from time import monotonic
+
+# Each piece of long work holds documents of some MB; each adds one slice to a round of the event loop.
+AT_ONCE = 4
+# All slices of a round together stay below 50 ms.
+SLICE_S = 0.004
+
+
+class LongWork:
+    """Places for `AT_ONCE` pieces of long work; the next in line waits: `async with long_work: ...`."""
+
+    def __init__(self) -> None:
+        self._places = asyncio.Semaphore(AT_ONCE)
+
+    async def __aenter__(self) -> LongWork:
+        await self._places.acquire()
+        return self
+
+    async def __aexit__(self, *_error: object) -> None:
+        self._places.release()
+
+
+async def run_in_slices(steps: Iterator[None]) -> None:
+    """Exhaust `steps`, and leave the event loop a turn after each slice."""
+    due_s = monotonic() + SLICE_S
+    for _ in steps:
+        if monotonic() >= due_s:
+            await asyncio.sleep(0)
+            due_s = monotonic() + SLICE_S
