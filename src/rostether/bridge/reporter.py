@@ -117,6 +117,10 @@ class Notices:
         said = text if isinstance(text, str) else text()
         self.say(level, f"{said} (and {unsaid} more the last time)" if unsaid else said)
 
+    def defect(self, error: Exception) -> None:
+        """Report that a part of a session failed."""
+        self.episode("defect", Level.ERROR, f"a part of the session failed: {reason_of(error)}")
+
     def end_episode(self, kind: str) -> None:
         """Let the next appearance of `kind` be news."""
         self._episodes.pop(kind, None)

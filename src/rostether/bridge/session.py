@@ -14,12 +14,12 @@ from typing import Any
 
 from rostether.bridge.board_node import BoardNode
 from rostether.bridge.findings.line_watch import NO_ANSWER_S
+from rostether.bridge.held_events import HeldEvents
 from rostether.bridge.lane import Lane
 from rostether.bridge.log_relay import relay_log
 from rostether.bridge.outbox import Outbox
 from rostether.bridge.parameter_relay import ParameterRelay
 from rostether.bridge.reading_pause import ReadingPause
-from rostether.bridge.reporter import reason_of
 from rostether.bridge.second_look import SecondLook
 from rostether.bridge.setup_lines import SetupLines
 from rostether.bridge.stamps import Stamps
@@ -91,20 +91,22 @@ class Session:
         self._no_answer: asyncio.TimerHandle | None = None
         self._timer: asyncio.TimerHandle | None = None
         self._timer_due_s = 0.0
-        self._pause = ReadingPause(transport, self._report_defect)
+        self._pause = ReadingPause(transport, node.notices.defect)
         self._setup = SetupLines(node.notices)
         self._was_reset = False
         self._second_look = SecondLook(self.link, self._handle)
+        self._held = HeldEvents(node.store.registry, self._act, self._fail)
         self._ended: asyncio.Future[TransportError | None] = self._loop.create_future()
         self._handlers: dict[type[Any], Callable[[Any], None]] = {
             TopicAnnounced: self._topic_announced,
             TopicWithdrawn: self._withdrawn,
             ServiceAnnounced: self._service_announced,
             ServiceWithdrawn: self._withdrawn,
-            AnnouncementRefused: self._refused,
+            MessagesReceived: lambda event: self._carry(event.topic_id, event.payloads),
+            AnnouncementRefused: self._setup.refused,
             NegotiationSettled: self._settled,
             TimeRequested: self._time_requested,
-            LogReceived: self._log_received,
+            LogReceived: lambda event: relay_log(event.level, event.text, node.notices),
             ParameterRequested: self._parameter_requested,
             UnknownTopicId: self._unknown_id,
             ControlFlood: self._control_flood,
@@ -216,7 +218,7 @@ class Session:
         receive = self.receivers.get(topic_id)
         if receive is not None:
             receive(payloads)
-        else:
+        elif not self._held.keep(MessagesReceived(topic_id, payloads)):
             self.unbridged_count += len(payloads)
         if topic_id in self._stamps.offsets:
             self._stamps.take(topic_id, payloads, self._loop.time())
@@ -226,6 +228,10 @@ class Session:
             self._carry(event.topic_id, event.payloads)
             return
         self.watch.take(event, self._loop.time())
+        if not self._held.hold_back(event):
+            self._act(event)
+
+    def _act(self, event: HostEvent) -> None:
         handle = self._handlers.get(type(event))
         if handle is not None:
             handle(event)
@@ -248,10 +254,6 @@ class Session:
     def _withdrawn(self, event: TopicWithdrawn | ServiceWithdrawn) -> None:
         self.node.endpoints.withdraw(event)
 
-    def _refused(self, event: AnnouncementRefused) -> None:
-        name = event.topic_name or "a topic without a name"
-        self._notices.say(Level.ERROR, f"{name} [{event.message_type}] is not bridged: {event.reason}")
-
     def _settled(self, _event: NegotiationSettled) -> None:
         self.node.endpoints.settle()
         self.node.health.required.settled(self.node.endpoints.announced_topics())
@@ -265,9 +267,6 @@ class Session:
         self.link.answer_time(time, now_s)
         self._stamps.answered(time, now_s)
         self.node.endpoints.time_requested(now_s)
-
-    def _log_received(self, event: LogReceived) -> None:
-        relay_log(event.level, event.text, self._notices)
 
     def _parameter_requested(self, event: ParameterRequested) -> None:
         self._parameters.ask(event.name)
@@ -309,9 +308,6 @@ class Session:
             count=count,
         )
 
-    def _report_defect(self, error: Exception) -> None:
-        self._notices.episode("defect", Level.ERROR, f"a part of the session failed: {reason_of(error)}")
-
     def _fail(self, error: Exception) -> None:
         self._notices.episode(
             "defect",
@@ -328,6 +324,7 @@ class Session:
             if timer is not None:
                 timer.cancel()
         self._pause.close()
+        self._held.drop()
         self._parameters.close()
         self.outbox.close()
         self.node.endpoints.detach_all()

@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from rostether.bridge.reporter import Notices
 from rostether.graph.ports import Level
-from rostether.rosserial.events import ServiceAnnounced, ServiceRole, TopicAnnounced, TopicRole
+from rostether.rosserial.events import (
+    AnnouncementRefused,
+    ServiceAnnounced,
+    ServiceRole,
+    TopicAnnounced,
+    TopicRole,
+)
 
 
 class SetupLines:
@@ -30,6 +36,11 @@ class SetupLines:
         """Say that a service is served."""
         what = "server" if event.role is ServiceRole.SERVER else "client"
         self._say(f"Setup service {what} on {event.name} [{event.type}]")
+
+    def refused(self, event: AnnouncementRefused) -> None:
+        """Say why a topic is not served."""
+        name = event.topic_name or "a topic without a name"
+        self._notices.say(Level.ERROR, f"{name} [{event.message_type}] is not bridged: {event.reason}")
 
     def _say(self, text: str) -> None:
         self._notices.say(Level.INFO, text)

@@ -93,7 +93,8 @@ async def upload(
         program = shutil.which("avrdude")
         if program is None:
             raise FirmwareError(_INSTALL_AVRDUDE)
-        check_port(port, list_ports)
+        # In a thread: finding who holds the port walks /proc.
+        await asyncio.to_thread(check_port, port, list_ports)
         if built.board.needs_touch:
             port = await touch(port, list_ports)
         command = avrdude_command(program, built.board, port, built.image)
@@ -101,7 +102,7 @@ async def upload(
         show(command)
     code, output = await _run(command)
     if code:
-        raise _explain(output, built.board, port, Path(command[0]).name)
+        raise await asyncio.to_thread(_explain, output, built.board, port, Path(command[0]).name)
     return output
 
 

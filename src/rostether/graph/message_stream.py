@@ -10,6 +10,7 @@ from rostether.errors import RostetherError, SerializationError, TypeMismatchErr
 from rostether.graph.ports import Graph
 from rostether.msgdef.interface import ANY_MD5SUM, ANY_MESSAGE
 from rostether.msgdef.registry import Registry
+from rostether.msgdef.search_waiting import definitions_at_hand
 from rostether.serde.codec import Codec
 from rostether.serde.store import TypeStore
 from rostether.serde.values import Message
@@ -45,7 +46,9 @@ class LearnedTypes:
     def _find(self, name: str, md5sum: str, definition: str) -> Codec:
         registry = self.store.registry
         try:
-            known = registry.message_type(name).md5sum
+            # What the publisher says is as good as a search of folders, which would hold up the event loop.
+            can_ask = not definition or registry.is_at_hand(lambda: registry.message_type(name))
+            known = registry.message_type(name).md5sum if can_ask else ""
         except UnknownTypeError:
             if not definition:
                 raise
@@ -96,9 +99,11 @@ class MessageStream:
     async def __aiter__(self) -> AsyncGenerator[Message, None]:
         """Subscribe and yield messages. Raises UnknownTypeError, DefinitionError, TypeMismatchError."""
         message_type = ANY_MESSAGE
-        if self._type_name is not None:
-            self._codec = self._types.store.codec(self._type_name)
-            message_type = self._types.store.registry.message_type(self._type_name)
+        name, registry = self._type_name, self._types.store.registry
+        if name is not None:
+            await definitions_at_hand(registry, lambda: registry.message_type(name))
+            self._codec = self._types.store.codec(name)
+            message_type = registry.message_type(name)
         subscriber = await self._graph.subscribe(
             self.topic,
             message_type,

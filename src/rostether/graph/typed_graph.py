@@ -17,6 +17,7 @@ from typing import Any, TypeAlias, cast
 from rostether.errors import GraphError, RostetherError, ServiceCallError
 from rostether.graph.message_stream import DEFAULT_QUEUE_MESSAGES, LearnedTypes, MessageStream
 from rostether.graph.ports import Graph, Level, ParamValue, Publisher, ServiceServer, Snapshot, Watch
+from rostether.msgdef.search_waiting import definitions_at_hand
 from rostether.rostime import Time
 from rostether.serde.codec import Codec
 from rostether.serde.store import TypeStore
@@ -91,6 +92,7 @@ class TypedGraph:
 
     async def publisher(self, topic: str, type_name: str, *, latch: bool = False) -> TypedPublisher:
         """Advertise a topic. Raises UnknownTypeError, InvalidNameError, GraphError."""
+        await definitions_at_hand(self.store.registry, lambda: self.store.registry.message_type(type_name))
         codec = self.store.codec(type_name)
         message_type = self.store.registry.message_type(type_name)
         return TypedPublisher(await self.raw.advertise(topic, message_type, latch=latch), codec)
@@ -127,6 +129,7 @@ class TypedGraph:
 
         Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError, SerializationError.
         """
+        await definitions_at_hand(self.store.registry, lambda: self.store.registry.service_type(type_name))
         service_type = self.store.registry.service_type(type_name)
         payload = self.store.codec(service_type.request.name).encode({} if request is None else request)
         answer = await self.raw.call_service(service, service_type, payload, timeout_s=timeout_s)
@@ -137,6 +140,7 @@ class TypedGraph:
 
         What it raises fails the call and is told to the caller.
         """
+        await definitions_at_hand(self.store.registry, lambda: self.store.registry.service_type(type_name))
         service_type = self.store.registry.service_type(type_name)
         request_codec = self.store.codec(service_type.request.name)
         response_codec = self.store.codec(service_type.response.name)

@@ -111,7 +111,8 @@ class _Launch:
     async def _start(self, node: LaunchNode, number: int) -> bool:
         name = f"{node.full_name.removeprefix('/')}-{number}"
         try:
-            command = command_of(node, self._environ, self._master_uri, self._locate)
+            # In a thread: finding a program walks its package.
+            command = await asyncio.to_thread(command_of, node, self._environ, self._master_uri, self._locate)
             if isinstance(command, Replaced):
                 self._report(Level.WARN, command.line)
                 return True

@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
-from rostether.errors import ConfigError, DefinitionError, UnknownTypeError
+from rostether.errors import ConfigError, DefinitionError, RostetherError, UnknownTypeError
 from rostether.msgdef.definition_files import (
     Kind,
     PackageFiles,
@@ -35,6 +35,10 @@ ROBOTS_OWN_PACKAGES = frozenset({"mearm_model", "turtlebot3_msgs"})
 MAX_NAME_CHARACTERS = 256  # boards announce names; those in use are below 60
 
 
+class _SearchNeeded(Exception):  # noqa: N818 - it ends an attempt, it is no error
+    """A definition can only be found by a search of folders."""
+
+
 class Registry:
     """Finds, parses and caches definitions; nothing is read before it is asked for.
 
@@ -55,8 +59,10 @@ class Registry:
         self._package_path = [Path(path) for path in package_path]
         self._bundled = bundled
         self._nearby = nearby
-        self._found: dict[str, PackageFiles] | None = None
-        self._found_nearby: dict[str, PackageFiles] | None = None
+        # Without folders there is nothing to search.
+        self._found: dict[str, PackageFiles] | None = None if self._paths or self._package_path else {}
+        self._found_nearby: dict[str, PackageFiles] | None = None if nearby is not None else {}
+        self._may_search = True
         self._learned: dict[str, str] = {}
         self._messages: dict[str, MessageSpec] = {}
         self._services: dict[str, ServiceSpec] = {}
@@ -79,6 +85,34 @@ class Registry:
                 )
         variables = os.environ if environ is None else environ
         return cls(paths, package_path=ros_package_path(variables), nearby=_packages_around)
+
+    def is_at_hand(self, look: Callable[[], object]) -> bool:
+        """Whether `look`, which asks this registry, has its answer or error without a search of folders.
+
+        For event loops, which must not search: `search_waiting` does it in a thread.
+        """
+        if self._found is not None and self._found_nearby is not None:
+            return True
+        self._may_search = False
+        try:
+            look()
+        except _SearchNeeded:
+            return False
+        except RostetherError:
+            return True
+        finally:
+            self._may_search = True
+        return True
+
+    def search(self) -> None:
+        """Search all folders now and list what they hold. It may take seconds."""
+        found = find_definitions(self._paths, self._package_path) if self._found is None else self._found
+        nearby = self._found_nearby
+        if nearby is None:
+            nearby = find_definitions((), self._nearby()) if self._nearby is not None else {}
+        for files in (*found.values(), *nearby.values()):
+            files.of(Kind.MESSAGE)
+        self._found, self._found_nearby = found, nearby
 
     def message(self, name: str) -> MessageSpec:
         """Return a message by `package/Name`; halves of services and parts of actions are messages too.
@@ -193,13 +227,19 @@ class Registry:
 
     def _on_path(self) -> dict[str, PackageFiles]:
         if self._found is None:
+            self._check_may_search()
             self._found = find_definitions(self._paths, self._package_path)
         return self._found
 
     def _around(self) -> dict[str, PackageFiles]:
         if self._found_nearby is None:
+            self._check_may_search()
             self._found_nearby = find_definitions((), self._nearby()) if self._nearby is not None else {}
         return self._found_nearby
+
+    def _check_may_search(self) -> None:
+        if not self._may_search:
+            raise _SearchNeeded
 
     def _file(self, kind: Kind, package: str, short_name: str) -> Path | None:
         on_path = self._on_path().get(package)

@@ -6,7 +6,7 @@ Names may be typed as ROS 2 has them (`std_msgs/msg/String`) or short (`std_msgs
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
 from rostether.errors import UnknownTypeError
@@ -46,6 +46,14 @@ class NativeRegistry(Registry):
         return cls(
             Ros2Definitions.from_environment(paths, environ), Registry.from_environment(paths, environ)
         )
+
+    def is_at_hand(self, look: Callable[[], object]) -> bool:
+        """Whether `look` has its answer or error without a search of ROS 1's folders."""
+        return self._ros1.is_at_hand(look)
+
+    def search(self) -> None:
+        """Search ROS 1's folders now. It may take seconds."""
+        self._ros1.search()
 
     def ros2_message(self, name: str) -> Ros2Message:
         """Return a message, or half a service, as ROS 2 has it. Raises UnknownTypeError, DefinitionError."""

@@ -118,10 +118,17 @@ def _name(program: Path, taken: Sequence[str]) -> str:
 
 async def _report(board: SimulatedBoard, title: str, reporter: Reporter) -> None:
     from rostether.boards.simavr.board_events import show_event
+    from rostether.bridge.reporter import Notices
+
+    notices = Notices(reporter, "", asyncio.get_running_loop().time)
 
     def tell(event: BoardEvent) -> None:
-        level = Level.WARN if event.name in _WARNINGS else Level.INFO
-        reporter.line(level, f"{title}: {show_event(event).strip()}")
+        text = f"{title}: {show_event(event).strip()}"
+        if event.name in _WARNINGS:
+            # One event for each lost byte: thousands, when a program does not read.
+            notices.episode(event.name, Level.WARN, text)
+        else:
+            notices.show(Level.INFO, text)
 
     for event in [each for each in board.recent if each.name not in _KNOWN_FROM_ITS_START]:
         tell(event)

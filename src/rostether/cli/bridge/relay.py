@@ -24,6 +24,7 @@ from rostether.errors import ConfigError, UnknownTypeError
 from rostether.graph.ports import Level
 from rostether.joining import anonymous_name
 from rostether.msgdef.interface import ANY_TYPE, ServiceType
+from rostether.msgdef.search_waiting import definitions_searched
 from rostether.relay.choice import Choice, Direction, Services, Topics
 from rostether.ros1.environment import RosEnvironment
 
@@ -154,6 +155,7 @@ async def relay_between(
     ):
         for line in (used.line, access.line):
             reporter.line(Level.INFO, line)
+        await definitions_searched(access.types.registry)
 
         async def probe(service: str) -> str:
             async with master_client(used.environment) as client:

@@ -15,6 +15,7 @@ from rostether.cli.access.ros_choice import Middleware
 from rostether.cli.bridge.serving import joining_ros1
 from rostether.graph.joint_join import JointJoin
 from rostether.graph.ports import JoinGraph
+from rostether.msgdef.search_waiting import definitions_searched
 from rostether.ros1.environment import RosEnvironment
 
 if TYPE_CHECKING:
@@ -65,6 +66,8 @@ async def served_graphs(
             )
             joins.append(access.join)
             types = access.types
+            # Other nodes may bring any type, and the loop must not search folders for it.
+            await definitions_searched(types.registry)
             lines.append(access.line)
         join = joins[0] if len(joins) == 1 else JointJoin(joins)
         yield ServedGraphs(join, used_environment, tuple(lines), types)

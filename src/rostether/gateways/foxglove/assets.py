@@ -25,10 +25,14 @@ class Assets:
         self._find_packages = find_packages
         self._max_bytes = max_bytes
         self._folders: Mapping[str, Path] = {}
+        # Clients ask for all meshes of a robot at once: one search serves them.
+        self._turn = asyncio.Lock()
 
     async def read(self, uri: str) -> bytes:
         """Return a file's bytes. Raises ConfigError that says why there are none."""
-        path = self._locate(uri)
+        async with self._turn:
+            # In a thread: packages are searched on disk.
+            path = await asyncio.to_thread(self._locate, uri)
         data = bytearray()
         try:
             with path.open("rb") as file:

@@ -32,6 +32,7 @@ from rostether.gateways.foxglove.settings import FoxgloveSettings
 from rostether.gateways.foxglove.sim_clock import SimClock
 from rostether.gateways.shared_subscriptions import SharedSubscriptions
 from rostether.graph.ports import Graph, Level
+from rostether.msgdef.search_waiting import definitions_searched
 from rostether.serde.store import TypeStore
 
 _TIME_CAPABILITY = "time"
@@ -102,6 +103,7 @@ class FoxgloveGateway:
 
     async def start(self) -> None:
         """Listen, and follow the graph. Raises ConfigError when the port is taken."""
+        await definitions_searched(self.store.registry)
         await self.clock.start()
         self._following = asyncio.ensure_future(self._follow())
         self._leaving = asyncio.ensure_future(self._end_with_node())

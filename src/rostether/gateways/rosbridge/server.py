@@ -40,6 +40,7 @@ from rostether.gateways.rosbridge.surroundings import LocalServices, Surrounding
 from rostether.gateways.rosbridge.values import Style
 from rostether.gateways.shared_subscriptions import SharedSubscriptions
 from rostether.graph.ports import Graph, Level, Publisher
+from rostether.msgdef.search_waiting import definitions_searched
 from rostether.serde.store import TypeStore
 from rostether.transports.sockets import system_bind_errors
 
@@ -117,6 +118,7 @@ class RosbridgeServer:
 
     async def start(self) -> None:
         """Listen. Raises TransportOpenError, ConfigError."""
+        await definitions_searched(self._around.store.registry)
         is_default = self._settings.host == DEFAULT_HOST
         hosts = _LOOPBACK_HOSTS if is_default else (self._settings.host,)
         await self._listen(hosts[0], self._settings.port)

@@ -1,0 +1,45 @@
+"""Searching folders of definitions in a thread, so that the event loop goes on."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections.abc import Callable
+from concurrent.futures import Future
+from weakref import WeakKeyDictionary
+
+from rostether.msgdef.registry import Registry
+
+_searches: WeakKeyDictionary[Registry, Future[None]] = WeakKeyDictionary()
+
+
+def start_search(registry: Registry) -> Future[None]:
+    """Search all folders of a registry in a thread, once; afterwards it walks no file system."""
+    search = _searches.get(registry)
+    if search is None:
+        search = _searches[registry] = Future()
+        # It cannot be cancelled: others may wait for it.
+        search.set_running_or_notify_cancel()
+        # A daemon, because the end of a program does not wait for a search.
+        threading.Thread(target=_run, args=(registry, search), name="definitions", daemon=True).start()
+    return search
+
+
+async def definitions_searched(registry: Registry) -> None:
+    """Wait until all folders of definitions have been searched."""
+    await definitions_at_hand(registry, registry.packages)
+
+
+async def definitions_at_hand(registry: Registry, look: Callable[[], object]) -> None:
+    """Wait until `look`, which asks the registry, needs no search of folders; most often that is at once."""
+    if not registry.is_at_hand(look):
+        await asyncio.wrap_future(start_search(registry))
+
+
+def _run(registry: Registry, search: Future[None]) -> None:
+    try:
+        registry.search()
+    except Exception as error:  # noqa: BLE001 - those who wait raise it
+        search.set_exception(error)
+    else:
+        search.set_result(None)
