@@ -3,10 +3,12 @@ from __future__ import annotations
 import asyncio
 from collections.abc import AsyncIterator
 from contextlib import aclosing
+from pathlib import Path
 
 import pytest
 import pytest_asyncio
 
+from loop_watch import LoopWatch
 from rostether.errors import (
     GraphError,
     SerializationError,
@@ -186,3 +188,45 @@ async def test_parameters(talker: TypedGraph, listener: TypedGraph) -> None:
     assert await listener.search_param("rate") == "/rate"
     await listener.delete_param("/rate")
     assert not await talker.has_param("/rate")
+
+
+@pytest.fixture
+def nearby(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The current folder, with a package of a message and a service."""
+    for kind, name, definition in (("msg", "Level", "uint8 value\n"), ("srv", "Fill", "uint8 value\n---\n")):
+        (tmp_path / "tank" / kind).mkdir(parents=True)
+        (tmp_path / "tank" / kind / f"{name}.{kind}").write_text(definition)
+    (tmp_path / "tank" / "package.xml").write_text("<package><name>tank</name></package>")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("what", ["publisher", "messages", "serve", "call"])
+async def test_types_are_searched_while_the_loop_goes_on(
+    network: MemoryNetwork, nearby: Path, what: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    watch = LoopWatch(monkeypatch)
+    graph = TypedGraph(await network.join("/a"), TypeStore(Registry.from_environment(environ={})))
+    if what == "publisher":
+        await graph.publisher("/level", "tank/Level")
+    elif what == "messages":
+        with pytest.raises(TimeoutError):
+            await graph.wait_for_message("/level", "tank/Level", timeout_s=0.5)
+    elif what == "serve":
+        await graph.serve("/fill", "tank/Fill", lambda _: {})
+    else:
+        with pytest.raises(GraphError):
+            await graph.call("/fill", "tank/Fill", timeout_s=5.0)
+    assert graph.store.registry.message_type("tank/Level")
+    assert watch.folders
+    assert watch.held == 0
+
+
+async def test_a_publishers_own_definition_needs_no_search(
+    network: MemoryNetwork, nearby: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    watch = LoopWatch(monkeypatch)
+    types = LearnedTypes(TypeStore(Registry.from_environment(environ={})))
+    header = {"type": "tank/Level", "md5sum": "*", "message_definition": "uint8 value\n"}
+    assert types.codec(header).decode(b"\x07").value == 7
+    assert (watch.folders, watch.held) == (0, 0)

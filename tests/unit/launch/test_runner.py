@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 import pytest_asyncio
 
+from loop_watch import LoopWatch
 from rostether.errors import ConfigError, UnknownNameError
 from rostether.graph.ports import Level
 from rostether.launch.command_line import Program, Replaced
@@ -19,6 +20,7 @@ from rostether.launch.loading import load_launch
 from rostether.launch.node_process import StopLimits
 from rostether.launch.plan import LaunchPlan, Output
 from rostether.launch.runner import RunOptions, run_plan
+from rostether.packages.executables import find_program
 from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node.master_client import MasterClient
 
@@ -332,3 +334,18 @@ async def test_stop_while_a_process_is_being_made_finds_it(stage: Stage) -> None
         await ended(task)
         if pid := stage.read("pid"):
             assert not is_alive(int(pid))
+
+
+async def test_programs_are_searched_while_the_loop_goes_on(
+    stage: Stage, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    watch = LoopWatch(monkeypatch)
+    stage.script("say.sh", "true")
+
+    def locate(package: str, node_type: str, environ: Mapping[str, str]) -> Program:
+        return Program([str(find_program(package, node_type, stage.folder, environ))], {})
+
+    monkeypatch.setattr(stage, "locate", locate)
+    assert await stage.run('<node pkg="p" type="say.sh" name="a"/>')
+    assert watch.folders
+    assert watch.held == 0

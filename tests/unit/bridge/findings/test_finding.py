@@ -9,7 +9,7 @@ from rostether.bridge.findings.finding import Code, Severity, error, warning
 TESTS = Path(__file__).parents[3]
 # Where each finding is brought about by what brings it about in the field, and what is looked for there.
 FIRMWARE = TESTS / "firmware" / "findings" / "test_real_causes.py"
-PROCESS = TESTS / "unit" / "cli" / "test_doctor.py"
+PROCESS = TESTS / "unit" / "cli" / "bridge" / "test_doctor.py"
 ELSEWHERE = {
     Code.NO_PORT: (PROCESS, "error no-port"),
     Code.NOT_A_PORT: (PROCESS, "error not-a-port"),
@@ -19,7 +19,7 @@ ELSEWHERE = {
     Code.NOBODY_CONNECTED: (PROCESS, "error nobody-connected"),
     Code.MESSAGES_LOST: (TESTS / "interop" / "test_diagnostics_ros1.py", "finding messages-lost"),
     Code.MISSING_TOPIC: (
-        TESTS / "unit" / "cli" / "test_serial_node.py",
+        TESTS / "unit" / "cli" / "bridge" / "test_serial_node.py",
         "does not announce imu, which devices.toml requires",
     ),
 }

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import AsyncIterator
 from pathlib import Path
+from typing import cast
 
 import pytest
 
 from interop.ros1_peers import Peer, free_port
-from rostether.cli.board.simulated_links import simulated
+from rostether.boards.simavr.board_events import BoardEvent
+from rostether.boards.simavr.simulated_board import SimulatedBoard
+from rostether.cli.board.simulated_links import _report, simulated
 from rostether.errors import BoardError, ConfigError
 from rostether.graph.ports import Level
 from rostether.joining import join
@@ -124,3 +128,18 @@ async def test_mistakes_are_said_before_anything_is_served() -> None:
     with pytest.raises(BoardError, match="is not there"):
         async with simulated([parse_address("sim:nowhere.ino")], Lines()):
             pass
+
+
+async def test_a_warning_that_repeats_is_one_line() -> None:
+    class Board:
+        recent = ()
+
+        async def events(self) -> AsyncIterator[BoardEvent]:
+            for number in range(1000):
+                yield BoardEvent("lost_serial", number / 1000)
+                yield BoardEvent("pin", number / 1000)
+
+    lines = Lines()
+    await _report(cast(SimulatedBoard, Board()), "sim:x.elf", lines)
+    assert sum("lost serial" in text for _, text in lines.lines) == 1
+    assert sum(level is Level.INFO for level, _ in lines.lines) == 1000

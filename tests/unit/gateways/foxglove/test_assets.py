@@ -4,8 +4,10 @@ from pathlib import Path
 
 import pytest
 
+from loop_watch import LoopWatch
 from rostether.errors import ConfigError
 from rostether.gateways.foxglove.assets import Assets
+from rostether.packages.locate import package_folders
 
 
 @pytest.fixture
@@ -13,6 +15,7 @@ def folder(tmp_path: Path) -> Path:
     package = tmp_path / "workspace/arm"
     (package / "meshes").mkdir(parents=True)
     (package / "meshes/left arm.stl").write_bytes(b"solid")
+    (package / "package.xml").write_text("<package><name>arm</name></package>")
     (package / ".git").mkdir()
     (package / ".git/config").write_text("secret")
     (tmp_path / "workspace/secret").write_text("secret")
@@ -91,3 +94,14 @@ async def test_a_workspace_whose_files_are_links_to_their_sources(folder: Path, 
     for name in ("link", ".git/config", "meshes/../../secret"):
         with pytest.raises(ConfigError):
             await assets.read(f"package://arm/{name}")
+
+
+async def test_packages_are_searched_while_the_loop_goes_on(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    watch = LoopWatch(monkeypatch)
+    assets = Assets(lambda: package_folders({}, folder.parent), 1000)
+    assert await assets.read("package://arm/meshes/left%20arm.stl") == b"solid"
+    assert await assets.read(f"file://{folder}/meshes/left%20arm.stl") == b"solid"
+    assert watch.folders
+    assert watch.held == 0
