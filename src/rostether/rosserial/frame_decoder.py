@@ -124,9 +124,10 @@ class FrameDecoder:
         return None if self._pending else self._scanner.only_frame(data)
 
     def feed(self, data: bytes | bytearray | memoryview, now_s: float) -> list[Decoded]:
-        """Take a chunk, cut anywhere; return what it completes. Frames of one topic id come as one group.
+        """Take a chunk, cut anywhere; return what it completes.
 
-        Groups stand in the order of their first frame, discarded bytes in stream order behind them.
+        First come the frames of reserved ids, in their order; then the messages, one group for each topic id;
+        then the discarded bytes, in their order.
         """
         self._fed_s = now_s
         pending = self._pending
@@ -160,7 +161,8 @@ class FrameDecoder:
             return []
         buffer = bytes(self._pending)
         scan = self._scan(buffer, Patience.LOOK, now_s)
-        swallowed = any(topic_id in self._limits for topic_id in scan.groups) if self._limits else scan.groups
+        found = {*scan.groups, *(topic_id for topic_id, _ in scan.controls)}
+        swallowed = any(topic_id in self._limits for topic_id in found) if self._limits else found
         if swallowed and (is_due or scan.tail_frames >= TELLING_FRAMES):
             return self._accept(buffer, scan, now_s)
         if is_due:
@@ -181,7 +183,7 @@ class FrameDecoder:
         if self._start not in payload:
             return []
         scan = self._scan(payload, Patience.NONE, now_s)
-        return [Frames(topic_id, payloads) for topic_id, payloads in scan.groups.items()]
+        return _frames(scan)
 
     def _scan(self, buffer: bytes, patience: Patience, now_s: float) -> Scan:
         """Cut a buffer, at no greater cost than this line may cause."""
@@ -204,9 +206,7 @@ class FrameDecoder:
         self._look_at_s = self._tail_look_at_s = None
         if self._pending:
             self._plan_look(now_s)
-        decoded: list[Decoded] = [Frames(topic_id, payloads) for topic_id, payloads in scan.groups.items()]
-        decoded += scan.discarded
-        return decoded
+        return [*_frames(scan), *scan.discarded]
 
     def _plan_look(self, now_s: float) -> None:
         header = self.pending_header
@@ -217,3 +217,7 @@ class FrameDecoder:
             self._look_at_s = now_s + self._look_after_s
         if self._tail_look_at_s is None and is_possible:
             self._tail_look_at_s = now_s + self._tail_look_after_s
+
+
+def _frames(scan: Scan) -> list[Decoded]:
+    return [Frames(topic_id, payloads) for topic_id, payloads in (*scan.controls, *scan.groups.items())]

@@ -22,6 +22,7 @@ from zlib import adler32
 from rostether.rosserial.checksum import RunningSums, summer_for
 from rostether.rosserial.events import DiscardReason, FrameDiscarded
 from rostether.rosserial.frame import FORMS, SYNC
+from rostether.rosserial.topic_id import FIRST_USER_ID
 
 MAX_STRETCHES = 64
 """Stretches reported apart between two good frames; in worse noise the rest joins the last one."""
@@ -66,10 +67,12 @@ class _Known(NamedTuple):
 class Scan:
     """What one buffer held; from `rest` on an unfinished frame, which takes `needed_bytes` in all.
 
+    `controls` has the frames of reserved ids in the order in which they came, `groups` all others by id.
     The last `tail_frames` frames stand one behind the other, with nothing between them. `vain_looks`: at how
     many places a frame might have begun and did not.
     """
 
+    controls: list[tuple[int, list[bytes]]] = field(default_factory=list)
     groups: dict[int, list[bytes]] = field(default_factory=dict)
     discarded: list[FrameDiscarded] = field(default_factory=list)
     rest: int = 0
@@ -183,7 +186,9 @@ class FrameScanner:
                     tail_frames = 0
                 tail_frames += len(good)
                 unfinished = None
-                if topic_id in groups:
+                if topic_id < FIRST_USER_ID:
+                    result.controls.append((topic_id, good))
+                elif topic_id in groups:
                     groups[topic_id] += good
                 else:
                     groups[topic_id] = good

@@ -42,6 +42,7 @@ from rostether.rosserial.negotiation import Negotiation
 from rostether.rosserial.packets import TIME_BYTES, ParameterResponse
 from rostether.rosserial.presence import Presence, Verdict
 from rostether.rosserial.protocol_detector import ProtocolDetector
+from rostether.rosserial.topic_answers import TimeRequestMeaning
 from rostether.rosserial.topic_table import TopicTable
 from rostether.rostime import Time
 
@@ -256,17 +257,17 @@ class HostLink:
                 continue
             self.statistics.time_requests += 1
             events.append(TimeRequested())
-            if self.is_settled:
-                is_excused = self._negotiation.take_late_answer(now_s)
-                if self._negotiation.take_introduction(now_s) and not is_excused:
-                    self._presence.answered(now_s)
-                    self._judge(Verdict.RESET, now_s, events)
-                    continue
+            is_settled, is_listening = self.is_settled, self._negotiation.is_listening
+            meaning = self._negotiation.time_requested(now_s)
+            if meaning is TimeRequestMeaning.INTRODUCTION:
+                self._presence.answered(now_s)
+                self._on_reset(now_s, events)
+            elif is_settled:
+                is_excused = meaning is TimeRequestMeaning.ANSWER
                 self._judge(self._presence.time_request(now_s, is_excused=is_excused), now_s, events)
             else:
-                # One behind the announcements may have waited for them: it tells not when the next is due.
-                self._presence.answered(now_s, is_timely=not self._negotiation.is_listening)
-                self._negotiation.answered(now_s)
+                # One behind the announcements may have waited for them: the next may be due sooner.
+                self._presence.answered(now_s, is_timely=not is_listening)
 
     def _report(self, event: HostEvent, now_s: float, events: list[HostEvent]) -> None:
         if isinstance(event, FrameDiscarded):
@@ -297,14 +298,8 @@ class HostLink:
             self.statistics.count_round_trip(negotiation.round_trip_s)
         if changes or negotiation.requests:
             self.statistics.negotiations += 1
-            events.append(
-                NegotiationSettled(
-                    self._table.topic_count,
-                    self._table.service_count,
-                    negotiation.rounds,
-                    now_s - negotiation.began_s,
-                )
-            )
+            counts = self._table.topic_count, self._table.service_count, negotiation.rounds
+            events.append(NegotiationSettled(*counts, now_s - negotiation.began_s))
 
     def _judge(self, verdict: Verdict | None, now_s: float, events: list[HostEvent]) -> None:
         if verdict is Verdict.PROBE:
@@ -312,11 +307,7 @@ class HostLink:
         elif verdict is Verdict.ASK:
             self._negotiation.ask(now_s)
         elif verdict is Verdict.RESET:
-            self.statistics.resets += 1
-            self._table.distrust()
-            self._output.device_reset()
-            self._negotiation.ask(now_s)
-            events.append(DeviceReset())
+            self._on_reset(now_s, events)
         elif verdict is Verdict.SILENT:
             self.statistics.silences += 1
             unfinished = self._line.abandon(now_s)
@@ -325,6 +316,15 @@ class HostLink:
             self._negotiation.ask(now_s)
             events.append(DeviceSilent(now_s - self._presence.heard_s))
             events += self._take(unfinished, now_s)
+
+    def _on_reset(self, now_s: float, events: list[HostEvent]) -> None:
+        self.statistics.resets += 1
+        self._output.device_reset()
+        self._negotiation.forget_requests()
+        if self.is_settled:  # otherwise the negotiation that goes on has heard what the board has
+            self._table.distrust()
+            self._negotiation.ask(now_s)
+        events.append(DeviceReset())
 
     def _pump(self, now_s: float) -> None:
         version = self._negotiation.take_request()

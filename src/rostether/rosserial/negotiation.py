@@ -26,7 +26,8 @@ from enum import Enum, auto
 
 from rostether.rosserial.completeness import Completeness
 from rostether.rosserial.packets import TopicInfo
-from rostether.rosserial.topic_table import EndpointKey
+from rostether.rosserial.topic_answers import TimeRequestMeaning, TopicAnswers
+from rostether.rosserial.topic_table import EndpointKey, key_of
 
 QUIET_S = 0.1
 """A burst is over after this long without a sign of it: one announcement takes 0.1 s at 9600 baud."""
@@ -62,9 +63,6 @@ ANSWER_MARGIN = 1.5
 
 MAX_UNANSWERED = 6
 """A device that answers a first request but no later one is asked for some seconds, then left in peace."""
-
-LATE_ANSWER_S = 5.0
-"""A request unanswered for this long was lost, not delayed."""
 
 
 class Phase(Enum):
@@ -111,12 +109,11 @@ class Negotiation:
         self.requests = 0
         self._completeness = Completeness()
         self._unanswered = 0
-        self._late_answers = 0
-        self._repeated_s = float("-inf")
+        self._answers = TopicAnswers()
         self._asked_in: int | None = None
         self._asked_s = 0.0
         self._first_asked_s = 0.0
-        self._answer_delay_s = 0.0
+        self._answer_delay_s: float | None = None
         self._search_step = 0
         self._has_rechecked = False
         self._quiet_s = QUIET_S
@@ -145,27 +142,10 @@ class Negotiation:
         """Once settled: all endpoints of the device."""
         return self._completeness.complete
 
-    def take_late_answer(self, now_s: float) -> bool:
-        """Whether a time request that comes now, though settled, may answer an earlier topic request."""
-        is_late = self._late_answers > 0 and now_s < self._asked_s + LATE_ANSWER_S
-        self._late_answers -= is_late
-        return is_late
-
-    def take_introduction(self, now_s: float) -> bool:
-        """Whether a time request that comes now, though settled, ends an introduction.
-
-        A board of our library that has started anew announces, though nobody asked, what is known of it, and
-        then asks for the time. The established library does so the other way round, and only when asked.
-        """
-        is_introduction = now_s < self._repeated_s + MAX_QUIET_S
-        self._repeated_s = float("-inf")
-        return is_introduction
-
     def ask(self, now_s: float, *, is_lossy: bool = False) -> None:
         """Begin a negotiation, unless one goes on. `is_lossy`: something was lost before."""
         if (self.phase, Input.ASK) in TRANSITIONS:
             self._begin(now_s, is_lossy=is_lossy)
-            self._late_answers = 0
             self._send(Input.ASK, now_s)
 
     def set_version(self, version: int | None, now_s: float) -> None:
@@ -180,6 +160,8 @@ class Negotiation:
     def take_request(self) -> int | None:
         """Return the version in which to send a topic request now, once."""
         request, self._request = self._request, None
+        if request is not None:
+            self._answers.requested(self._asked_s)
         return request
 
     def note_damage(self, now_s: float) -> None:
@@ -190,21 +172,33 @@ class Negotiation:
             self._has_rechecked = True
             self.ask(now_s)
 
-    def answered(self, now_s: float) -> None:
-        """Take the time request that begins an answer."""
-        if self.phase is Phase.LISTENING and self._unanswered > 0:
-            self._late_answers += self._unanswered - 1
+    def forget_requests(self) -> None:
+        """Expect no answer to earlier requests: the board was reset."""
+        self._answers.forget()
+
+    def time_requested(self, now_s: float) -> TimeRequestMeaning:
+        """Take a time request, which may begin an answer; return what it means."""
+        has_topics = self._completeness.has_heard_anything
+        meaning = self._answers.time_requested(now_s, has_topics=has_topics)
+        if self.phase is Phase.SETTLED:
+            return meaning
+        if self.phase is Phase.LISTENING:
+            if self._unanswered == 0 and meaning is TimeRequestMeaning.ANSWER:
+                # So no request was lost before: the sketch is slow and takes all at once when it spins.
+                self._answer_delay_s = max(self._answer_delay_s or 0.0, now_s - self._first_asked_s)
             self._unanswered = 0
-        elif self.phase is Phase.LISTENING and self._late_answers > 0:
-            # So the requests before were not lost, the sketch is slow: it takes all at once when it spins.
-            self._late_answers -= 1
-            self._answer_delay_s = max(self._answer_delay_s, now_s - self._first_asked_s)
+        elif meaning is TimeRequestMeaning.ANSWER:
+            self._answer_delay_s = now_s - self._asked_s
+            if self._unanswered == 1:
+                self.round_trip_s = self._answer_delay_s
         self._hear(now_s)
+        return meaning
 
     def announced(self, kind: int, info: TopicInfo, now_s: float) -> None:
         """Take one announcement, sound or not: both are seen, none is missing."""
-        if self.phase is Phase.SETTLED and self._completeness.is_known(kind, info):
-            self._repeated_s = now_s
+        is_known = self._completeness.is_known(kind, info)
+        self._answers.announced(key_of(kind, info), now_s, is_known=is_known)
+        if self.phase is Phase.SETTLED and is_known:
             return
         pause_s = now_s - self._heard_s
         is_same_burst = self.phase is not Phase.ASKED
@@ -245,10 +239,6 @@ class Negotiation:
     def _hear(self, now_s: float) -> None:
         """Note that the device answers, or goes on to."""
         if self.phase is Phase.ASKED:
-            self._answer_delay_s = now_s - self._asked_s
-            if self._unanswered == 1:
-                self.round_trip_s = self._answer_delay_s
-            self._late_answers += self._unanswered - 1
             self._unanswered = 0
             self._completeness.open_round()
         elif self.phase is Phase.SETTLED:
@@ -259,7 +249,7 @@ class Negotiation:
 
     def _go_unanswered(self, now_s: float) -> bool:
         if self.version is not None:
-            if self._answer_delay_s < RETRY_S / 2:
+            if self._answer_delay_s is not None and self._answer_delay_s < RETRY_S / 2:
                 self._completeness.is_lossy = True
             if self._unanswered >= MAX_UNANSWERED and self._completeness.has_heard_anything:
                 return self._settle(is_confirmed=False)
@@ -269,7 +259,6 @@ class Negotiation:
     def _settle(self, *, is_confirmed: bool) -> bool:
         self._advance(Input.ENOUGH)
         self._completeness.accept(is_confirmed=is_confirmed)
-        self._late_answers += self._unanswered
         self._unanswered = 0
         self._due_s = None
         return True
@@ -293,7 +282,7 @@ class Negotiation:
             self._search_step += 1
         else:
             self._asked_in = self.version
-            patience_s = max(RETRY_S, ANSWER_MARGIN * self._answer_delay_s)
+            patience_s = max(RETRY_S, ANSWER_MARGIN * (self._answer_delay_s or 0.0))
             wait_s = max(patience_s, min(patience_s * RETRY_GROWTH**self._unanswered, MAX_RETRY_S))
         if self._unanswered == 0:
             self._first_asked_s = now_s

@@ -8,7 +8,6 @@ import pytest
 from rostether.rosserial import negotiation as module
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.negotiation import (
-    LATE_ANSWER_S,
     MAX_QUIET_S,
     MAX_ROUNDS,
     MAX_UNANSWERED,
@@ -48,7 +47,7 @@ def settled(version: int = 2) -> tuple[Negotiation, float]:
     now_s, done = 0.0, False
     while not done:
         if negotiation.take_request() is not None:
-            negotiation.answered(now_s + 0.01)
+            negotiation.time_requested(now_s + 0.01)
             negotiation.announced(ids.PUBLISHER, INFO, now_s + 0.02)
         now_s, done = tick(negotiation)
     return negotiation, now_s
@@ -89,7 +88,7 @@ def test_an_announcement_that_is_just_coming_in_prolongs_the_burst() -> None:
     negotiation.set_version(2, 0.0)
     negotiation.ask(0.0)
     negotiation.take_request()
-    negotiation.answered(0.01)
+    negotiation.time_requested(0.01)
     assert not negotiation.handle_timer(0.2, is_flowing=True)
     assert negotiation.take_request() is None
     assert negotiation.phase is Phase.LISTENING
@@ -126,6 +125,7 @@ def test_a_slow_sketch_is_given_the_time_it_takes() -> None:
     negotiation.set_version(2, 0.0)
     negotiation.ask(0.0)
     negotiation.take_request()
+    negotiation.time_requested(0.19)
     negotiation.announced(ids.PUBLISHER, INFO, 0.19)
     tick(negotiation)
     assert negotiation.take_request() == 2
@@ -166,23 +166,6 @@ def test_learning_the_version_asks_in_it_at_once() -> None:
     assert negotiation.take_request() == 1
     negotiation.set_version(1, 0.2)
     assert negotiation.take_request() is None
-
-
-def test_late_answers_are_not_mistaken() -> None:
-    negotiation = Negotiation()
-    negotiation.set_version(2, 0.0)
-    negotiation.ask(0.0)
-    tick(negotiation)
-    tick(negotiation)
-    done, now_s = False, 1.5
-    while not done:
-        negotiation.announced(ids.PUBLISHER, INFO, now_s)
-        now_s, done = tick(negotiation)
-    assert not negotiation.take_late_answer(now_s + LATE_ANSWER_S + 10)
-    assert negotiation.take_late_answer(now_s)
-    negotiation.announced(ids.PUBLISHER, INFO, now_s + 0.5)
-    assert negotiation.phase is Phase.SETTLED
-    assert negotiation.get_timer() is None
 
 
 def test_announcements_nobody_asked_for_that_bring_news_are_confirmed() -> None:
@@ -230,7 +213,7 @@ def settle_against(pause_s: float, count: int = 4, limit_s: float = 60.0) -> tup
         if coming and coming[0][0] <= due_s:
             now_s, info = coming.pop(0)
             if info is None:
-                negotiation.answered(now_s)
+                negotiation.time_requested(now_s)
             else:
                 negotiation.announced(ids.PUBLISHER, info, now_s)
             continue
@@ -263,7 +246,7 @@ def test_learned_pauses_serve_the_next_negotiation_and_are_forgotten_with_the_bo
     assert due_s == pytest.approx(at_s + QUIET_MARGIN * 0.15)
     negotiation.set_version(None, due_s)
     negotiation.ask(due_s)
-    negotiation.answered(due_s)
+    negotiation.time_requested(due_s)
     assert negotiation.get_timer() == pytest.approx(due_s + QUIET_S)
 
 
@@ -271,7 +254,7 @@ def test_no_pause_is_waited_for_longer_than_the_bound() -> None:
     negotiation, _ = settle_against(0.95)
     assert negotiation.get_timer() is None
     negotiation.ask(100.0)
-    negotiation.answered(100.0)
+    negotiation.time_requested(100.0)
     assert negotiation.get_timer() == pytest.approx(100.0 + MAX_QUIET_S)
 
 
@@ -282,7 +265,7 @@ def test_a_board_that_announces_something_else_each_time_is_left_in_peace() -> N
     now_s, done = 0.0, False
     while not done:
         if negotiation.take_request() is not None:
-            negotiation.answered(now_s + 0.01)
+            negotiation.time_requested(now_s + 0.01)
             negotiation.announced(
                 ids.PUBLISHER, replace(INFO, topic_name=f"t{negotiation.requests}"), now_s + 0.01
             )
@@ -297,7 +280,7 @@ def test_a_board_that_answers_without_announcing_any_more_is_left_in_peace() -> 
     done = False
     while not done:
         if negotiation.take_request() is not None:
-            negotiation.answered(now_s + 0.01)
+            negotiation.time_requested(now_s + 0.01)
         now_s, done = tick(negotiation)
     assert negotiation.requests <= MAX_ROUNDS
     assert len(negotiation.complete) == 1

@@ -1,0 +1,97 @@
+"""Which topic requests wait for an answer, and what a time request of the board means.
+
+    an answer            time request, then the announcements
+    an introduction      known announcements, then a time request: a board of our library has started again
+    neither              a time request alone: it was due, or answers a probe
+
+A sketch that sleeps in its loop() may answer each request one loop after the other, long after the topics are
+known. Such an answer is no sign of a reset, an introduction is one.
+"""
+
+from __future__ import annotations
+
+from enum import Enum, auto
+
+from rostether.rosserial.topic_table import EndpointKey
+
+CLOSING_S = 0.5
+"""The time request of an introduction is sent right behind the last announcement, also over networks."""
+
+OPENING_S = 0.25
+"""The first announcement of an answer comes right behind its time request; a board takes longer to start."""
+
+LATE_ANSWER_S = 5.0
+"""A request is taken for lost when neither it nor an answer before it is younger than this."""
+
+
+class TimeRequestMeaning(Enum):
+    """What a time request of the board may be."""
+
+    ANSWER = auto()
+    INTRODUCTION = auto()
+    ALONE = auto()
+
+
+class _Burst(Enum):
+    NONE = auto()
+    OPENED = auto()  # a time request came, which may begin an answer
+    ANSWER = auto()  # and then announcements
+    INTRODUCTION = auto()  # announcements came first
+
+
+class TopicAnswers:
+    """Counts the requests that are not answered yet, and follows the bursts that come."""
+
+    def __init__(self) -> None:
+        self._waiting = 0
+        self._waiting_until_s = 0.0
+        self._burst = _Burst.NONE
+        self._first: EndpointKey | None = None
+        self._is_repetition = False
+        self._heard_s = float("-inf")
+
+    def requested(self, now_s: float) -> None:
+        """Count a request that is sent."""
+        self._waiting = self.waiting(now_s) + 1
+        self._waiting_until_s = now_s + LATE_ANSWER_S
+
+    def forget(self) -> None:
+        """Expect no answer to what was sent so far: the board was reset and has lost it."""
+        self._waiting = 0
+        self._burst = _Burst.NONE
+
+    def waiting(self, now_s: float) -> int:
+        """Return how many requests may still be answered."""
+        return self._waiting if now_s < self._waiting_until_s else 0
+
+    def announced(self, key: EndpointKey, now_s: float, *, is_known: bool) -> None:
+        """Take the announcement of an endpoint; `is_known`: it is among those last taken for complete."""
+        if self._burst is _Burst.OPENED and now_s - self._heard_s <= OPENING_S:
+            self._burst = _Burst.ANSWER
+            self._first = key
+            self._waiting_until_s = now_s + LATE_ANSWER_S
+        elif self._burst is not _Burst.ANSWER or self._first == key:
+            # No answer has an announcement twice.
+            self._is_repetition = is_known and (self._burst is not _Burst.INTRODUCTION or self._is_repetition)
+            self._burst = _Burst.INTRODUCTION
+        self._heard_s = now_s
+
+    def time_requested(self, now_s: float, *, has_topics: bool) -> TimeRequestMeaning:
+        """Take a time request; `has_topics`: an answer would hold announcements."""
+        before, self._burst = self._burst, _Burst.NONE
+        pause_s, self._heard_s = now_s - self._heard_s, now_s
+        if before is _Burst.INTRODUCTION and pause_s <= CLOSING_S:
+            return TimeRequestMeaning.INTRODUCTION if self._is_repetition else TimeRequestMeaning.ALONE
+        if before is _Burst.OPENED and has_topics:
+            # The one before was counted as an answer and was none. This one may be; later ones are not.
+            if pause_s <= OPENING_S:
+                self._burst = _Burst.OPENED
+            else:
+                self._waiting = 0
+            return TimeRequestMeaning.ALONE
+        waiting = self.waiting(now_s)
+        if not waiting:
+            return TimeRequestMeaning.ALONE
+        self._burst = _Burst.OPENED
+        self._waiting = waiting - 1
+        return TimeRequestMeaning.ANSWER

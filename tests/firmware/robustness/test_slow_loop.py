@@ -1,0 +1,63 @@
+"""A sketch that sleeps in its loop() is not taken for reset; one that is reset is seen."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rostether.boards.simavr.simulated_board import SimulatedBoard
+from rostether.firmware.build import BuildOptions, build_sketch, find_board
+from rostether.rosserial.events import DeviceReset, HostEvent, TimeRequested
+from rostether.rosserial.host_link import HostLink
+from rostether.rostime import Time
+
+SKETCH = Path(__file__).parent / "sketches" / "SlowLoop"
+STEP_S = 0.01
+
+
+class LinkedBoard:
+    """A board and our host link; the board's time is the link's."""
+
+    def __init__(self, board: SimulatedBoard) -> None:
+        self.board = board
+        self.link = HostLink()
+        self.now_s = 0.0
+        self.resets_s: list[float] = []
+
+    async def run(self, duration_s: float) -> None:
+        end_s = self.now_s + duration_s
+        while self.now_s < end_s:
+            if data := self.link.data_to_send():
+                await self.board.send(data)
+            await self.board.run(f"{round(STEP_S * 1000)}ms")
+            self.now_s += STEP_S
+            data = bytes(self.board.serial)
+            self.board.serial.clear()
+            events: list[HostEvent] = self.link.receive_data(data, self.now_s) if data else []
+            for event in events + self.link.handle_timer(self.now_s):
+                if isinstance(event, TimeRequested):
+                    self.link.answer_time(Time.from_s(1_700_000_000 + self.now_s), self.now_s)
+                elif isinstance(event, DeviceReset):
+                    self.resets_s.append(self.now_s)
+
+
+@pytest.mark.parametrize("loop_ms", [200, 1000, 2000])
+async def test_a_slow_loop_is_no_reset(loop_ms: int) -> None:
+    built = await build_sketch(SKETCH, find_board("uno"), BuildOptions(defines=(f"LOOP_MS={loop_ms}",)))
+    for host_starts_s in (0.0, 0.35, 1.2):
+        board = await SimulatedBoard.start(
+            built.elf, link="none", realtime=False, paused=True, words=["watch serial"]
+        )
+        async with board:
+            linked = LinkedBoard(board)
+            await linked.run(host_starts_s)
+            linked.link.start(linked.now_s)
+            await linked.run(16.0)
+            assert linked.link.is_settled
+            assert linked.resets_s == []
+            await board.reset()
+            reset_s = linked.now_s
+            await linked.run(10.0)
+            (found_s,) = linked.resets_s
+            assert found_s - reset_s < 2.0

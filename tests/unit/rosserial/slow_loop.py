@@ -1,0 +1,144 @@
+"""A sketch that sleeps in its loop(), on our client library or the established one, and its host."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from enum import Enum, auto
+
+from rostether.rosserial import topic_id as ids
+from rostether.rosserial.events import DeviceReset, HostEvent, TimeRequested
+from rostether.rosserial.frame_decoder import FrameDecoder, Frames
+from rostether.rosserial.host_link import HostLink
+from rostether.rosserial.packets import TIME_BYTES
+from rostether.rostime import Time
+from unit.rosserial.host_link_boards import BURST, TIME
+
+INTRODUCTION = BURST[len(TIME) :] + TIME
+SYNC_PERIOD_S = 2.2
+MAX_UNANSWERED = 4
+LINE_S = 0.003
+
+
+class Library(Enum):
+    """How a client library answers topic requests, and what it does after a reset."""
+
+    ONE_PER_SPIN = auto()
+    """Ours so far: introduces itself after a reset, and answers the first request in each spinOnce."""
+    EACH_AT_ONCE = auto()
+    """Introduces itself, and answers all requests in one spinOnce, each with a burst."""
+    ONCE_FOR_ALL = auto()
+    """Introduces itself, and answers all requests in one spinOnce with one burst."""
+    ESTABLISHED = auto()
+    """Says nothing until asked or probed, and answers the first request in each spinOnce."""
+
+
+@dataclass
+class SlowLoop:
+    """Calls spinOnce every `loop_s`, beginning at `booted_s`."""
+
+    library: Library
+    loop_s: float
+    booted_s: float = 0.0
+    boots: int = 0
+    _inbox: list[tuple[int, bytes] | None] = field(default_factory=list)
+    _is_connected: bool = False
+    _unanswered: int = 0
+
+    def __post_init__(self) -> None:
+        self.boot(self.booted_s)
+
+    def boot(self, now_s: float) -> None:
+        """Start, or start again: all that was known or waiting is lost."""
+        self.boots += 1
+        self._decoder = FrameDecoder(2, abandon_after_s=0.2)
+        self._inbox.clear()
+        self._is_connected = False
+        self._unanswered = 0
+        self.spin_s = now_s
+        self._requested_s = float("-inf")
+
+    def receive(self, data: bytes, now_s: float) -> None:
+        """Take what the host sends; it waits for the next spinOnce."""
+        for item in self._decoder.feed(data, now_s):
+            if isinstance(item, Frames):
+                self._inbox += [(item.topic_id, payload) for payload in item.payloads]
+            else:
+                self._inbox.append(None)
+
+    def spin(self) -> bytes:
+        """Call spinOnce; return what is sent."""
+        now_s, self.spin_s = self.spin_s, self.spin_s + self.loop_s
+        sent = b""
+        while self._inbox:
+            item = self._inbox.pop(0)
+            if item is None:
+                if not self._is_connected:
+                    sent += self._ask_time(now_s)
+            elif item == (ids.TOPIC_REQUEST, b""):
+                sent += self._answer(now_s)
+                if self.library in (Library.ONE_PER_SPIN, Library.ESTABLISHED):
+                    return sent
+            elif item[0] == ids.TIME and len(item[1]) == TIME_BYTES:
+                self._unanswered = 0
+                self._is_connected = self._is_connected or self.library is not Library.ESTABLISHED
+        return sent + self._keep_in_touch(now_s)
+
+    def _answer(self, now_s: float) -> bytes:
+        self._is_connected = True
+        self._unanswered = 0
+        if self.library is Library.ONCE_FOR_ALL:
+            self._inbox = [item for item in self._inbox if item != (ids.TOPIC_REQUEST, b"")]
+        return self._ask_time(now_s) + BURST[len(TIME) :]
+
+    def _keep_in_touch(self, now_s: float) -> bytes:
+        if now_s - self._requested_s < SYNC_PERIOD_S:
+            return b""
+        if self.library is Library.ESTABLISHED:
+            return self._ask_time(now_s) if self._is_connected else b""
+        if self._unanswered == MAX_UNANSWERED:
+            self._is_connected = False
+        self._unanswered += 1
+        introduction = b"" if self._is_connected else BURST[len(TIME) :]
+        return introduction + self._ask_time(now_s)
+
+    def _ask_time(self, now_s: float) -> bytes:
+        self._requested_s = now_s
+        return TIME
+
+
+def meet(board: SlowLoop, end_s: float, resets_s: Sequence[float] = ()) -> list[tuple[float, HostEvent]]:
+    """Let a host and the board run until `end_s`, with resets of the board; return what the host reports."""
+    link = HostLink()
+    link.start(0.0)
+    events: list[tuple[float, HostEvent]] = []
+    on_line: list[tuple[float, bytes]] = []
+    resets = list(resets_s)
+    now_s = 0.0
+    while now_s < end_s:
+        data = link.data_to_send()
+        if data:
+            on_line.append((now_s + LINE_S, data))
+        due = [board.spin_s, *resets[:1], *(at_s for at_s, _ in on_line[:1])]
+        if (timer_s := link.get_timer()) is not None:
+            due.append(timer_s)
+        now_s = max(now_s, min(due))
+        found: list[HostEvent] = []
+        if resets and resets[0] <= now_s:
+            board.boot(resets.pop(0))
+        while on_line and on_line[0][0] <= now_s:
+            board.receive(on_line.pop(0)[1], now_s)
+        if board.spin_s <= now_s:
+            sent = board.spin()
+            found += link.receive_data(sent, now_s)
+        found += link.handle_timer(now_s)
+        for event in found:
+            events.append((now_s, event))
+            if isinstance(event, TimeRequested):
+                link.answer_time(Time.from_s(1_700_000_000 + now_s), now_s)
+    return events
+
+
+def resets_of(events: list[tuple[float, HostEvent]]) -> list[float]:
+    """Return when the host reported a reset."""
+    return [at_s for at_s, event in events if isinstance(event, DeviceReset)]
