@@ -11,7 +11,7 @@ import yaml
 
 from rostether.bounded_yaml import YamlError, load, load_all, safe_loader
 from rostether.errors import ConfigError
-from rostether.expression import compile_expression
+from rostether.expression.compiler import compile_expression
 from rostether.graph.ports import ParamValue
 from rostether.names.graph_name import is_private, join
 from rostether.xmlrpc.values import MAX_INT, MIN_INT

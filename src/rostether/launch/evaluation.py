@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rostether.errors import LaunchError
-from rostether.expression import FUNCTIONS, MATH, compile_expression
+from rostether.expression.compiler import FUNCTIONS, MATH, compile_expression
 from rostether.launch.scope import Scope
 from rostether.launch.substitution import (
     Surroundings,

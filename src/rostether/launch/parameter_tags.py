@@ -122,15 +122,28 @@ class ParameterTags:
             raise LaunchError("<param command=''> names no program")
         words = [*self._program(words[0]), *words[1:]]
         try:
-            done = subprocess.run(  # noqa: S603 - running it is what command= is for
-                words, stdout=subprocess.PIPE, check=False, env=dict(self._reader.surroundings.environ)
-            )
+            with subprocess.Popen(  # noqa: S603 - running it is what command= is for
+                words, stdout=subprocess.PIPE, env=dict(self._reader.surroundings.environ)
+            ) as process:
+                assert process.stdout is not None
+                try:
+                    output = process.stdout.read(MAX_FILE_BYTES + 1)
+                    if len(output) > MAX_FILE_BYTES:
+                        process.kill()
+                except BaseException:
+                    # A signal.
+                    process.kill()
+                    raise
         except OSError as error:
             raise LaunchError(f"cannot run {words[0]!r}: {error.strerror or error}") from None
-        if done.returncode != 0:
-            raise LaunchError(f"the command {command!r} failed with code {done.returncode}")
+        if len(output) > MAX_FILE_BYTES:
+            raise LaunchError(
+                f"the command {command!r} prints more than {MAX_FILE_BYTES} bytes, no parameter is"
+            )
+        if process.returncode != 0:
+            raise LaunchError(f"the command {command!r} failed with code {process.returncode}")
         try:
-            return done.stdout.decode()
+            return output.decode()
         except UnicodeDecodeError:
             raise LaunchError(f"what {command!r} printed is not UTF-8") from None
 

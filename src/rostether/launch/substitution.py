@@ -21,6 +21,12 @@ from rostether.errors import LaunchError
 from rostether.launch.scope import Scope
 
 COMMANDS = ("find", "env", "optenv", "dirname", "anon", "arg")
+MAX_TEXT_CHARS = 4 << 20
+"""Of one text with its substitutions. A robot description, the longest in use, has some 100 KB."""
+
+_MAX_SUBSTITUTIONS = 10_000
+"""In one text: each of them copies the text."""
+
 _EVAL_PREFIX = "$(eval "
 _NOT_IN_NAMES = re.compile(r"[.:-]")
 
@@ -127,7 +133,15 @@ def _put_in(text: str, found: str, scope: Scope, surroundings: Surroundings) -> 
             value = anonymous_name(_only(found, words), scope)
         case "arg":
             value = argument_value(_only(found, words), scope)
-    return text if value is None else text.replace(f"$({found})", value)
+    if value is None:
+        return text
+    # Arguments that name others ten times over reach 10 GB with ten lines.
+    grown_by = text.count(f"$({found})") * (len(value) - len(f"$({found})"))
+    if len(text) + grown_by > MAX_TEXT_CHARS:
+        raise LaunchError(
+            f"$({found}) makes a text longer than {MAX_TEXT_CHARS} characters; shorten its value"
+        )
+    return text.replace(f"$({found})", value)
 
 
 def _put_in_package(text: str, found: str, surroundings: Surroundings) -> str:
@@ -164,6 +178,8 @@ def _substitutions(text: str) -> Iterator[str]:
         elif character == "(" and after_dollar:
             start = index + 1
         after_dollar = character == "$"
+    if len(found) > _MAX_SUBSTITUTIONS:
+        raise LaunchError(f"a text has more than {_MAX_SUBSTITUTIONS} substitutions $(...); split it")
     for each in found:
         if each.split()[:1] and each.split()[0] in COMMANDS:
             continue

@@ -22,6 +22,9 @@ from rostether.launch.values import check, truth
 from rostether.launch.xml_tree import Element
 from rostether.names.graph_name import SEPARATOR, canonical, is_legal_name, join, namespace_of
 
+MAX_SUBSTITUTED_CHARS = 64 << 20
+"""Of all texts of a launch together; each may be as long as a text can be."""
+
 _CONDITIONS = ("if", "unless")
 
 
@@ -61,10 +64,18 @@ class TagReader:
     def __init__(self, surroundings: Surroundings) -> None:
         self.surroundings = surroundings
         self.draft = Draft()
+        self._substituted_chars = 0
 
     def substitute(self, text: str, scope: Scope) -> str:
         """Return a text with its substitution arguments put in."""
-        return substitute(text, scope, self.surroundings)
+        result = substitute(text, scope, self.surroundings)
+        if result is not text:
+            self._substituted_chars += len(result)
+            if self._substituted_chars > MAX_SUBSTITUTED_CHARS:
+                raise LaunchError(
+                    f"$(...) makes more than {MAX_SUBSTITUTED_CHARS} characters in all; shorten the arguments"
+                )
+        return result
 
     def optional(self, element: Element, scope: Scope, name: str) -> str | None:
         """Return an attribute's value; None where it is not there."""

@@ -160,8 +160,34 @@ def test_unbalanced_quote_in_args_is_refused() -> None:
 
 
 def test_text_cannot_grow_without_end() -> None:
-    with pytest.raises(LaunchError, match="longer than"):
+    with pytest.raises(LaunchError, match="more than 10000000 steps"):
         loads("""<param name="x" value="$(eval 'a' * 10**10)"/>""")
+
+
+def test_arguments_that_multiply_are_refused() -> None:
+    lines = [f'<arg name="a{n}" default="{f"$(arg a{n - 1})" * 10}"/>' for n in range(1, 11)]
+    with pytest.raises(LaunchError, match="longer than 4194304 characters"):
+        loads(f'<arg name="a0" default="0123456789"/>{"".join(lines)}')
+
+
+def test_all_texts_together_have_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rostether.launch.tag_reader.MAX_SUBSTITUTED_CHARS", 1000)
+    params = "".join(f'<param name="p{n}" value="$(arg a)"/>' for n in range(11))
+    with pytest.raises(LaunchError, match="more than 1000 characters in all"):
+        loads(f'<arg name="a" default="{"x" * 100}"/>{params}')
+
+
+def test_a_command_that_prints_without_end_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rostether.launch.parameter_tags.MAX_FILE_BYTES", 1000)
+    with pytest.raises(LaunchError, match="prints more than 1000 bytes"):
+        loads('<param name="p" command="yes"/>')
+    assert loads('<param name="p" command="echo short"/>').parameters == {"/p": "short\n"}
+
+
+@pytest.mark.parametrize("source", ["textfile", "binfile"])
+def test_a_file_without_end_is_refused(source: str) -> None:
+    with pytest.raises(LaunchError, match="is larger than"):
+        loads(f'<param name="p" {source}="/dev/zero"/>')
 
 
 def test_node_without_a_name_gets_one_and_its_parameters_lie_in_the_namespace() -> None:

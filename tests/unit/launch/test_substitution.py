@@ -49,6 +49,20 @@ def test_text_with_substitutions(text: str, result: str | None) -> None:
         assert substitute(text, given, SURROUNDINGS) == result
 
 
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("$(arg x)" * 10, "v" * 1_000_000),
+        # A value that names itself is put in as often as the text names it.
+        ("$(arg x)" * 40, "$(arg x)$(arg x)"),
+        ("$(arg x)" * 20_000, "v"),
+    ],
+)
+def test_a_text_that_grows_without_end_is_refused(text: str, value: str) -> None:
+    with pytest.raises(LaunchError, match=r"longer than|more than"):
+        substitute(text, scope(x=value), SURROUNDINGS)
+
+
 def test_anonymous_name_is_the_same_at_one_place_and_another_elsewhere() -> None:
     here = scope()
     first = substitute("$(anon node)", here, SURROUNDINGS)

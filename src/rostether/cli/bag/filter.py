@@ -39,7 +39,7 @@ def bag_filter(source: Path, target: Path, expression: str, shown: str | None) -
     It is Python over `topic`, the message `m` with its fields, and the time `t` with `secs` and `nsecs`.
     Messages are decoded only where it names `m`.
     """
-    from rostether.expression import compile_expression
+    from rostether.expression.compiler import compile_expression
     from rostether.recording.decoding import Decoder
     from rostether.recording.files import Form, create_recording, form_for, form_of, open_recording
     from rostether.recording.reindexing import refuse_same, remove_recording

@@ -132,7 +132,7 @@ def echo(
     count = 1 if once else count
     test = None
     if expression is not None:
-        from rostether.expression import compile_filter
+        from rostether.expression.compiler import compile_filter
 
         test = compile_filter(expression)
     if (middleware := chosen_ros2()) is not None:

@@ -81,7 +81,7 @@ def hz(
 
     test: Callable[[object, str], bool] | None = None
     if expression is not None:
-        from rostether.expression import compile_filter
+        from rostether.expression.compiler import compile_filter
 
         test = compile_filter(expression)
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from rostether.errors import ConfigError
-from rostether.expression import MAX_EXPRESSION_CHARS, compile_filter
+from rostether.expression.compiler import MAX_EXPRESSION_CHARS, compile_filter
 from rostether.rostime import Time
 
 

@@ -1,0 +1,1 @@
+"""Expressions that users type, evaluated over a whitelisted syntax tree and within limits."""

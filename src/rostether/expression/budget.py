@@ -1,0 +1,220 @@
+"""The limits of an expression: how many steps it takes and how large its values get.
+
+Short expressions can compute for days or fill memory: `9**9**9`, `sum([[0] * 9999] * 9999, [])`,
+`'%999999999d' % 1`. So each step and each element, character or key of a value is spent from one budget,
+before the value is made where it can be much larger than what it is made from. The time follows from the
+steps, so a busy machine accepts the same expressions as a quiet one.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+import re
+from collections.abc import Callable, Collection, Hashable, Iterable, Sequence
+from typing import Any, Final
+
+MAX_STEPS: Final = 10_000_000
+"""Two seconds of computing, 100 MB. `any(b > 250 for b in m.data)` takes 2.8 million for a VGA image."""
+
+MAX_INTEGER_BITS: Final = 1024
+"""What a double can hold; `9**9**9` would compute for days."""
+
+_MAX_FACTORIAL: Final = 200
+"""170! has 1,019 bits."""
+
+_MAX_DIGITS: Final = 1000
+"""Width and precision of a format, and digits of round(): no double has more."""
+
+_ATOMS: Final = frozenset((float, int, bool, type(None)))
+_TEXTS: Final = frozenset((str, bytes, bytearray, range))
+_LISTS: Final = frozenset((list, tuple))
+_HASHED: Final = frozenset((set, frozenset, dict))
+_FORMAT: Final = re.compile(r"%(?:\([^)]*\))?[-#0 +]*(\*|\d*)(?:\.(\*|\d*))?")
+
+Function = Callable[..., Any]
+
+_LINEAR: Final = (min, max, sum, sorted, any, all)
+"""Where a list begins with a number, these fail at the first list inside it, or do not look into it."""
+
+
+class Budget:
+    """Does the operations of one expression within the limits; beyond them it raises OverflowError."""
+
+    def __init__(self) -> None:
+        self._left = MAX_STEPS
+        self._bounded: dict[Function, Function] = {
+            sum: self._sum,
+            round: self._round,
+            map: self._map,
+            set: lambda *items: self._hashed(set, *items),
+            dict: lambda *items: self._hashed(dict, *items),
+            math.factorial: self._factorial,
+            math.comb: self._comb,
+            math.perm: self._perm,
+            math.prod: self._prod,
+        }
+
+    def restart(self) -> None:
+        """Begin another evaluation."""
+        self._left = MAX_STEPS
+
+    def spend(self, steps: int) -> None:
+        """Count steps."""
+        self._left -= steps
+        if self._left < 0:
+            raise OverflowError(f"it takes more than {MAX_STEPS} steps, or makes longer values; simplify it")
+
+    def result(self, value: Any) -> Any:
+        """Return a value that was computed, once its size is spent."""
+        kind = type(value)
+        if kind is int:
+            _check_bits(value.bit_length())
+        elif kind not in _ATOMS:
+            self.spend(self._size(value))
+        return value
+
+    def read(self, value: Any) -> Any:
+        """Return a value that is about to be compared or searched, once its size is spent."""
+        if type(value) not in _ATOMS:
+            self.spend(self._size(value))
+        return value
+
+    def call(self, function: Function, arguments: Sequence[Any]) -> Any:
+        """Return what a function returns."""
+        if function is len:
+            return len(*arguments)
+        self.spend(1)
+        for argument in arguments:
+            if function in _LINEAR and type(argument) is list and argument and type(argument[0]) in _ATOMS:
+                self.spend(len(argument))
+            else:
+                self.read(argument)
+        owner = getattr(function, "__self__", None)
+        if type(owner) is str:
+            if function.__name__ == "join":
+                # Of an iterator only this tells how many items there are.
+                arguments = [list(argument) for argument in arguments]
+            self._spend_for_method(owner, function.__name__, arguments)
+        elif isinstance(function, Hashable):
+            function = self._bounded.get(function, function)
+        return self.result(function(*arguments))
+
+    def power(self, base: Any, exponent: Any) -> Any:
+        """Return `base ** exponent`."""
+        if isinstance(base, int) and isinstance(exponent, int):
+            _check_bits(math.log2(abs(base) or 1) * exponent)
+        return base**exponent
+
+    def multiply(self, left: Any, right: Any) -> Any:
+        """Return `left * right`."""
+        for sequence, times in ((left, right), (right, left)):
+            if isinstance(sequence, str | bytes | list | tuple) and isinstance(times, int):
+                self.spend(self._size(sequence) * max(times, 0))
+        return left * right
+
+    def modulo(self, left: Any, right: Any) -> Any:
+        """Return `left % right`, also for a text's format."""
+        if isinstance(left, str | bytes):
+            text = left if isinstance(left, str) else left.decode("latin-1")
+            formats = _FORMAT.findall(text)
+            for digits in (each for pair in formats for each in pair if each):
+                if digits == "*" or len(digits) > 4 or int(digits) > _MAX_DIGITS:
+                    raise OverflowError(f"a width in a format is a number of at most {_MAX_DIGITS}")
+            self.spend(len(text) + len(formats) * (self._size(right) + _MAX_DIGITS))
+        return left % right
+
+    def shift_left(self, value: Any, bits: Any) -> Any:
+        """Return `value << bits`."""
+        if isinstance(bits, int):
+            _check_bits(bits)
+        return value << bits
+
+    def _size(self, value: Any) -> int:
+        """Return the number of elements, characters and keys in all levels, repeated ones each time."""
+        kind = type(value)
+        if kind in _TEXTS:
+            return len(value)
+        if kind not in _LISTS and kind not in _HASHED:
+            return 1
+        values: Collection[Any] = [*value, *value.values()] if kind is dict else value
+        size = len(values)
+        if kind in _HASHED:
+            size += _collisions(size)
+        if not _ATOMS.issuperset(map(type, values)):
+            for each in values:
+                size += self._size(each)
+                if size > MAX_STEPS:
+                    break
+        return size
+
+    def _spend_for_method(self, text: str, name: str, arguments: Sequence[Any]) -> None:
+        self.spend(len(text))
+        match name, arguments:
+            case "zfill", [int(width)]:
+                self.spend(max(width, 0))
+            case "join", [items]:
+                self.spend(len(text) * len(items))
+            case "replace", [str(old), str(new), *_]:
+                self.spend(text.count(old) * len(new))
+            case "strip" | "lstrip" | "rstrip", [str(characters)]:
+                self.spend(len(text) * len(characters) >> 4)
+
+    def _sum(self, items: Iterable[Any], start: Any = 0) -> Any:
+        if type(start) in _ATOMS:
+            return sum(items, start)
+        total = start
+        for each in items:
+            # Each one copies all before it.
+            total = self.result(operator.add(total, each))
+        return total
+
+    def _prod(self, items: Iterable[Any], start: Any = 1) -> Any:
+        for each in items:
+            start = self.result(self.multiply(start, each))
+        return start
+
+    def _map(self, function: Function, *items: Iterable[Any]) -> list[Any]:
+        return [self.call(function, arguments) for arguments in zip(*items, strict=False)]
+
+    def _hashed(self, kind: Function, *items: Any) -> Any:
+        if items and type(items[0]) not in _HASHED:
+            values: list[Any] = list(*items)
+            self.spend(_collisions(len(values)))
+            return kind(values)
+        return kind(*items)
+
+    @staticmethod
+    def _round(number: Any, digits: Any = None) -> Any:
+        if isinstance(digits, int) and abs(digits) > _MAX_DIGITS:
+            raise OverflowError(f"round() takes at most {_MAX_DIGITS} digits")
+        return round(number, digits)
+
+    @staticmethod
+    def _factorial(number: Any) -> Any:
+        if isinstance(number, int):
+            _check_bits(MAX_INTEGER_BITS + number if number > _MAX_FACTORIAL else 0)
+        return math.factorial(number)
+
+    @staticmethod
+    def _comb(count: Any, chosen: Any) -> Any:
+        if isinstance(count, int) and isinstance(chosen, int):
+            _check_bits(min(chosen, count - chosen))
+        return math.comb(count, chosen)
+
+    @staticmethod
+    def _perm(count: Any, chosen: Any = None) -> Any:
+        taken = count if chosen is None else chosen
+        if isinstance(taken, int):
+            _check_bits(taken)
+        return math.perm(count, chosen)
+
+
+def _collisions(count: int) -> int:
+    """Return the steps for a set whose numbers all have one hash; each look at another is a small step."""
+    return count * count >> 5
+
+
+def _check_bits(bits: float) -> None:
+    if bits > MAX_INTEGER_BITS:
+        raise OverflowError(f"a whole number of more than {MAX_INTEGER_BITS} bits is too large")
