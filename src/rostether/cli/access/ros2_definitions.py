@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+from rostether.cli.access.shown_definition import shown_definition
 from rostether.msgdef.ros2.primitives import PRIMITIVE_TYPES
 from rostether.msgdef.ros2.spec import DefaultValue, Ros2Message, Ros2Service, Ros2Type
 from rostether.ros2.native_registry import NativeRegistry, short_name
@@ -18,7 +19,9 @@ def shown(registry: Registry, group: str, name: str) -> str:
     """Return the fields of a message, or of both halves of a service, each type's fields below it."""
     found = _found(registry, group, name)
     halves = [found] if isinstance(found, Ros2Message) else [found.request, found.response]
-    return "\n---\n".join("\n".join(_lines(_native(registry), half, "")) for half in halves)
+    native = _native(registry)
+    texts = (shown_definition(half, native.ros2_message, _lines(native, half, "")) for half in halves)
+    return "\n---\n".join(text.removesuffix("\n") for text in texts)
 
 
 def type_hash(registry: Registry, group: str, name: str) -> str:

@@ -172,6 +172,8 @@ def _show_verb(kind: _Kind) -> click.Command:
     @ros1_option
     @ros2_option
     def show(name: str | None, raw: bool, as_json: bool, msg_paths: tuple[Path, ...]) -> None:
+        from rostether.cli.access.shown_definition import shown_definition
+
         registry = _registry(msg_paths)
         given = _type_argument(kind, name)
         is_short = "/" not in given
@@ -193,7 +195,9 @@ def _show_verb(kind: _Kind) -> click.Command:
             if is_short:
                 write_line(f"[{each}]:")
             if not raw:
-                halves = ("".join(f"{line}\n" for line in format_spec(registry, part)) for part in parts)
+                halves = (
+                    shown_definition(part, registry.message, format_spec(registry, part)) for part in parts
+                )
                 text = "---\n".join(halves)
             write_line(text)
 

@@ -99,3 +99,29 @@ def test_own_definitions(shell: Shell, tmp_path: Path) -> None:
 )
 def test_mistakes(shell: Shell, arguments: list[str], code: int, text: str) -> None:
     assert text in shell.failure(*arguments, code=code)
+
+
+def write_package(folder: Path, messages: dict[str, str]) -> str:
+    (folder / "msg").mkdir()
+    (folder / "package.xml").write_text("<package><name>hostile</name></package>")
+    for name, text in messages.items():
+        (folder / "msg" / f"{name}.msg").write_text(text)
+    return str(folder)
+
+
+@pytest.mark.parametrize("options", [[], ["--ros2"]])
+def test_a_type_inside_itself_is_refused(shell: Shell, tmp_path: Path, options: list[str]) -> None:
+    path = write_package(tmp_path, {"Loop": "Loop next"})
+    error = shell.failure("msg", "show", *options, "--msg-path", path, "hostile/Loop")
+    assert "a message cannot hold itself" in error
+
+
+@pytest.mark.parametrize("options", [[], ["--ros2"]])
+def test_a_type_of_more_lines_than_anybody_reads_is_refused(
+    shell: Shell, tmp_path: Path, options: list[str]
+) -> None:
+    levels = {f"T{n}": "".join(f"T{n + 1}[] f{k}\n" for k in range(4)) for n in range(24)}
+    path = write_package(tmp_path, {**levels, "T24": "string x"})
+    error = shell.failure("msg", "show", *options, "--msg-path", path, "hostile/T0")
+    assert "has more than 10000 lines" in error
+    assert "T24[] f3" in shell.output("msg", "show", *options, "--msg-path", path, "hostile/T22")
