@@ -14,7 +14,9 @@ HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "tests"))
 
 from fuzz import targets  # noqa: E402
-from fuzz.mutations import MAX_INPUT_BYTES, mutated  # noqa: E402
+from fuzz.mutations import MAX_INPUT_BYTES  # noqa: E402
+from fuzz.planting import PlantDoesNotApplyError, sow  # noqa: E402
+from fuzz.plants import PLANTS  # noqa: E402
 
 FOUND = HERE / "found"
 
@@ -28,35 +30,51 @@ def main() -> int:
     parser.add_argument("--keep", action="store_true", help="keep inputs that reach new code (atheris only)")
     parser.add_argument("--no-atheris", action="store_true", help="change inputs blindly, without coverage")
     parser.add_argument("--input", type=Path, help="run one file instead, and show what it does")
+    parser.add_argument("--plant", choices=PLANTS, help="plant this fault first; --seconds is then CPU time")
     arguments = parser.parse_args()
+    if arguments.plant is not None:
+        try:
+            sow(PLANTS[arguments.plant])
+        except PlantDoesNotApplyError as error:
+            parser.error(str(error))
     if arguments.input is not None:
         targets.load(arguments.target).check(arguments.input.read_bytes())
         return 0
     names = targets.NAMES if arguments.target == "all" else (arguments.target,)
-    if not arguments.no_atheris and len(names) == 1 and _run_atheris(names[0], arguments):
+    if (
+        not arguments.no_atheris
+        and arguments.plant is None
+        and len(names) == 1
+        and _run_atheris(names[0], arguments)
+    ):
         return 0
     seed = time.time_ns() if arguments.seed is None else arguments.seed
-    return max(_run_mutations(name, arguments.seconds, seed) for name in names)
+    is_planted = arguments.plant is not None
+    return max([_run_mutations(name, arguments.seconds, seed, is_planted=is_planted) for name in names])
 
 
-def _run_mutations(name: str, seconds: float, seed: int) -> int:
+def _run_mutations(name: str, seconds: float, seed: int, *, is_planted: bool) -> int:
+    # A planted fault must be found in a given work, however busy the machine is.
+    clock = time.process_time if is_planted else time.monotonic
     target = targets.load(name)
-    corpus = target.corpus()
-    count, end_s = 0, time.monotonic() + seconds
-    for data in mutated(corpus, seed):
-        if time.monotonic() > end_s:
+    count, began_s = 0, clock()
+    for data in target.inputs(seed):
+        if clock() - began_s > seconds:
             break
         count += 1
         try:
-            target.check(data)
+            target.check(data, is_traced=count % targets.TRACE_EVERY == 0)
         except Exception:  # noqa: BLE001 - finding these is what this is for
-            FOUND.mkdir(exist_ok=True)
-            path = FOUND / f"{name}-{hashlib.sha1(data, usedforsecurity=False).hexdigest()[:12]}"
-            path.write_bytes(data)
             traceback.print_exc()
-            print(f"{name}: {path} breaks a promise (seed {seed}); see python -m fuzz {name} --input {path}")
+            where = f"input {count} after {clock() - began_s:.1f} s"
+            if not is_planted:
+                FOUND.mkdir(exist_ok=True)
+                path = FOUND / f"{name}-{hashlib.sha1(data, usedforsecurity=False).hexdigest()[:12]}"
+                path.write_bytes(data)
+                where = f"{path}; see python -m fuzz {name} --input {path}"
+            print(f"{name} breaks a promise (seed {seed}): {where}", flush=True)
             return 1
-    print(f"{name}: {count} inputs, nothing found (seed {seed})")
+    print(f"{name}: {count} inputs, nothing found (seed {seed})", flush=True)
     return 0
 
 

@@ -1,11 +1,16 @@
-"""Changing inputs at random, from a seed: where atheris is not installed, and for the short run in tests."""
+"""Making inputs from a seed: by the grammar of a target, and by blind changes of what is known.
+
+Blind changes find what readers do with damage; what lies behind a checksum, a length or a negotiation is only
+reached by inputs that are right but for one thing.
+"""
 
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
-MAX_INPUT_BYTES = 4096
+# Harnesses lower the limits of what they try, so that this is beyond each of them.
+MAX_INPUT_BYTES = 16 * 1024
 _INTERESTING = (
     b"\0",
     b"\xff",
@@ -19,13 +24,21 @@ _INTERESTING = (
 )
 
 
-def mutated(corpus: Sequence[bytes], seed: int) -> Iterator[bytes]:
-    """Yield changed inputs without end; the same seed and corpus give the same ones."""
+def mutated(
+    corpus: Sequence[bytes], seed: int, generate: Callable[[random.Random], bytes] | None = None
+) -> Iterator[bytes]:
+    """Yield inputs without end; the same seed, corpus and grammar give the same ones.
+
+    Half are the grammar's as they are, a quarter is the grammar's changed, a quarter the corpus changed.
+    """
     source = random.Random(seed)
     while True:
-        data = bytearray(source.choice(corpus))
-        for _ in range(source.randint(1, 6)):
-            source.choice(_CHANGES)(data, source, corpus)
+        chance = source.random()
+        is_made = generate is not None and chance < 0.75
+        data = bytearray(generate(source) if is_made else source.choice(corpus))
+        if not is_made or chance >= 0.5:
+            for _ in range(source.randint(1, 6)):
+                source.choice(_CHANGES)(data, source, corpus)
         yield bytes(data[:MAX_INPUT_BYTES])
 
 

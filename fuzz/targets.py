@@ -3,17 +3,25 @@
 from __future__ import annotations
 
 import importlib
+import random
+import sys
 import time
-from collections.abc import Callable
+import tracemalloc
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import cast
+
+from fuzz.mutations import mutated
 
 NAMES = (
     "frame_decoder",
     "packets",
     "host_link",
     "device_link",
+    "session",
     "tcpros",
     "xmlrpc",
     "http",
@@ -30,32 +38,91 @@ NAMES = (
 CORPORA = Path(__file__).parent / "corpora"
 # No input of a few KB may hold a bridge up for as long as a board waits for its parameter.
 LIMIT_S = 1.0
+# What one input may need at a time: a hundred times that of the largest, and far below a declared 256 MB.
+LIMIT_BYTES = 32 << 20
+# Tracing memory takes three times as long, so that one input in so many is traced.
+TRACE_EVERY = 16
+_DESCRIPTORS = Path("/proc/self/fd")
 
 
 class SlowInputError(Exception):
     """An input took longer than anything of its size may."""
 
 
+class LargeInputError(Exception):
+    """An input needed more memory than anything of its size may."""
+
+
+class LeftOpenError(Exception):
+    """An input left a file or a socket open, or an exception that nobody took."""
+
+
 @dataclass(frozen=True, slots=True)
 class Target:
-    """One harness: `run` raises when a promise is broken, `seeds` are inputs that mean something."""
+    """One harness: `run` raises when a promise is broken, `seeds` are inputs that mean something.
+
+    `generate` makes an input with the grammar of the target, so that deep states are reached.
+    """
 
     name: str
     run: Callable[[bytes], None]
     seeds: Callable[[], list[bytes]]
+    generate: Callable[[random.Random], bytes] | None
 
     def corpus(self) -> list[bytes]:
         """Return the kept inputs and the seeds; the kept ones once broke a promise or reached new code."""
         kept = [path.read_bytes() for path in sorted((CORPORA / self.name).glob("*")) if path.is_file()]
         return [b"", *self.seeds(), *kept]
 
-    def check(self, data: bytes) -> None:
-        """Run one input, and see that it takes no time worth mentioning. Raises what the harness raises."""
+    def inputs(self, seed: int) -> Iterator[bytes]:
+        """Yield inputs without end, made by the grammar and changed blindly; the same for the same seed."""
+        return mutated(self.corpus(), seed, self.generate)
+
+    def check(self, data: bytes, *, is_traced: bool = False) -> None:
+        """Run one input, and see that it takes no time, memory or descriptor worth mentioning.
+
+        `is_traced`: its memory is measured, which is slow. Raises what the harness raises.
+        """
         began_s = time.process_time()
-        self.run(data)
+        with _nothing_left_open():
+            if is_traced:
+                self._run_traced(data)
+            else:
+                self.run(data)
         took_s = time.process_time() - began_s
-        if took_s > LIMIT_S:
+        if took_s > LIMIT_S * (3 if is_traced else 1):
             raise SlowInputError(f"{len(data)} bytes took {took_s:.1f} s")
+
+    def _run_traced(self, data: bytes) -> None:
+        tracemalloc.start()
+        try:
+            self.run(data)
+            peak_bytes = tracemalloc.get_traced_memory()[1]
+        finally:
+            tracemalloc.stop()
+        if peak_bytes > LIMIT_BYTES:
+            raise LargeInputError(f"{len(data)} bytes took {peak_bytes} bytes of memory")
+
+
+@contextmanager
+def _nothing_left_open() -> Iterator[None]:
+    """See that as many descriptors are open as before, and that nothing failed where nobody looked."""
+    unseen: list[str] = []
+    before, hook = _open_descriptors(), sys.unraisablehook
+    sys.unraisablehook = lambda failure: unseen.append(repr(failure.exc_value))
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", ResourceWarning)
+            yield
+    finally:
+        sys.unraisablehook = hook
+    left = _open_descriptors() - before
+    if left > 0 or unseen:
+        raise LeftOpenError(f"{left} descriptors were left open; {'; '.join(unseen) or 'no exceptions'}")
+
+
+def _open_descriptors() -> int:
+    return sum(1 for _ in _DESCRIPTORS.iterdir()) if _DESCRIPTORS.is_dir() else 0
 
 
 def load(name: str) -> Target:
@@ -65,4 +132,5 @@ def load(name: str) -> Target:
         name,
         cast("Callable[[bytes], None]", module.run),
         cast("Callable[[], list[bytes]]", module.seeds),
+        cast("Callable[[random.Random], bytes] | None", getattr(module, "generate", None)),
     )

@@ -1,9 +1,26 @@
-"""Link addresses: refused in one line, or an address whose text is one again."""
+"""Link addresses: refused in one line, or an address within its limits whose text is one again."""
 
 from __future__ import annotations
 
+import random
+
+from fuzz.grammar import near
 from rostether.errors import RostetherError
-from rostether.transports.address import parse_address
+from rostether.transports.address import (
+    MAX_BAUD,
+    MAX_SEED,
+    MAX_UART,
+    MAX_XBEE_ADDRESS,
+    Address,
+    SerialAddress,
+    SimAddress,
+    TcpAddress,
+    UdpAddress,
+    XbeeAddress,
+    parse_address,
+)
+
+_MAX_PORT = 65535
 
 
 def seeds() -> list[bytes]:
@@ -20,6 +37,34 @@ def seeds() -> list[bytes]:
     ]
 
 
+def generate(source: random.Random) -> bytes:
+    """Return an address with numbers around their limits, now and then with thousands of digits."""
+    port = _number(source, _MAX_PORT)
+    place, keys = source.choice(
+        (
+            ("/dev/ttyACM0", ("baud", "reset", "name")),
+            (f"tcp://{source.choice(('', 'host', '0.0.0.0', '[::1]', 'a b'))}:{port}", ("connect", "allow")),
+            (f"udp://:{port}", ("connect", "bind", "allow")),
+            ("xbee:/dev/ttyUSB0", ("baud", "peers")),
+            ("sim:blink.ino", ("board", "uart", "seed", "adc")),
+            (source.choice(("pty:/tmp/a", "ftp:x", "host:1", "")), ("name",)),
+        )
+    )
+    options = []
+    for key in source.sample(keys, source.randint(0, len(keys))):
+        limits = {"baud": MAX_BAUD, "bind": _MAX_PORT, "peers": MAX_XBEE_ADDRESS, "uart": MAX_UART}
+        value = source.choice(("yes", "no", "maybe", "", "10.0.0.0/8", "1,2", "A0:2.5"))
+        if key in (*limits, "seed"):
+            value = _number(source, limits.get(key, MAX_SEED))
+        options.append(f"{key}={value}")
+    return (place + ("?" + "&".join(options) if options else "")).encode()
+
+
+def _number(source: random.Random, limit: int) -> str:
+    # Python reads no number of more than 4300 digits.
+    return "9" * 5000 if source.random() < 0.05 else str(near(source, limit))
+
+
 def run(data: bytes) -> None:
     """Read an address, and what it calls itself."""
     try:
@@ -27,5 +72,23 @@ def run(data: bytes) -> None:
     except RostetherError as error:
         assert "\n" not in str(error), error
         return
+    _check(address)
     again = parse_address(str(address))
     assert type(again) is type(address)
+
+
+def _check(address: Address) -> None:
+    match address:
+        case SerialAddress():
+            assert 1 <= address.baud <= MAX_BAUD, "a speed that no port has"
+        case XbeeAddress():
+            assert 1 <= address.baud <= MAX_BAUD, "a speed that no port has"
+            assert all(0 <= peer <= MAX_XBEE_ADDRESS for peer in address.peers), "no address of a peer"
+        case TcpAddress():
+            assert 0 <= address.port <= _MAX_PORT, "no port"
+        case UdpAddress():
+            assert 0 <= address.port <= _MAX_PORT, "no port"
+            assert 0 <= address.bind <= _MAX_PORT, "no port"
+        case SimAddress():
+            assert address.uart is None or 0 <= address.uart <= MAX_UART
+            assert 0 <= address.seed <= MAX_SEED

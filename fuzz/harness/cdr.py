@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import random
+import struct
 from functools import cache
 
+from fuzz.grammar import damaged, string
 from rostether.errors import RostetherError, SerializationError
 from rostether.msgdef.full_text import split_full_text
 from rostether.msgdef.interface import MessageType
@@ -13,6 +16,7 @@ from rostether.ros2.type_support import Ros2Types
 from rostether.serde.cdr.converter import CdrConverter
 from rostether.serde.layout import Layout
 from rostether.serde.store import TypeStore
+from rostether.serde.type_tree import Array, Node, Struct, Text
 
 _NAMES = (
     "std_msgs/String",
@@ -27,6 +31,8 @@ _NAMES = (
     "shape_msgs/SolidPrimitive",
     "rosgraph_msgs/Log",
 )
+# Both ROS have the same fields in these, so that nothing is lost on the way.
+_ALIKE = ("std_msgs/String", "std_msgs/Empty", "sensor_msgs/JoyFeedbackArray", "shape_msgs/SolidPrimitive")
 _TEXT = 0xFF
 
 
@@ -40,6 +46,35 @@ def seeds() -> list[bytes]:
         found.append(bytes([index]) + payload)
         found.append(bytes([index]) + _converter(name)[0].to_cdr(payload))
     return found
+
+
+def generate(source: random.Random) -> bytes:
+    """Return a payload of a type, or its CDR of either byte order, whole, cut or with a byte too many."""
+    index = source.randrange(len(_NAMES))
+    converter, _ = _converter(_NAMES[index])
+    payload = _payload(source, _store().codec(_NAMES[index]).tree)
+    if source.random() < 0.4:
+        try:
+            payload = converter.to_cdr(payload)
+        except SerializationError:
+            return bytes([index]) + payload
+    chance = source.random()
+    if chance < 0.1:
+        payload = damaged(source, payload)
+    return bytes([index]) + (payload + b"\0" if 0.1 <= chance < 0.2 else payload)
+
+
+def _payload(source: random.Random, node: Node) -> bytes:
+    if isinstance(node, Struct):
+        return b"".join(_payload(source, member.node) for member in node.members)
+    if isinstance(node, Array):
+        count = source.choice((0, 1, 2, 3, 5)) if node.length is None else node.length
+        head = struct.pack("<I", count) if node.length is None else b""
+        return head + b"".join(_payload(source, node.element) for _ in range(count))
+    if isinstance(node, Text):
+        return string(source.choice((b"", b"a", b"abc", b"a\0", b"\xff")))
+    size = node.fixed_size_bytes
+    return bytes([source.randrange(2)]) if node.name == "bool" else source.randbytes(size)
 
 
 _PART = b"=" * 80 + b"\nMSG: pkg/N\nint16 x\ntime y\n" + b"=" * 80 + (
@@ -64,7 +99,14 @@ def run(data: bytes) -> None:
         assert bounded or not layout.accepts(payload)
     else:
         assert layout.accepts(payload)
-        assert len(converter.from_cdr(cdr)) <= len(payload)
+        assert _is_read_whole(layout.type_name, payload)
+        back = converter.from_cdr(cdr)
+        assert len(back) <= len(payload)
+        if layout.type_name in _ALIKE:
+            # A NUL at the end of a string is ROS 2's own there.
+            assert back == payload or b"\0" in payload, "there and back is another message"
+            again = converter.to_cdr(back)
+            assert converter.from_cdr(again) == back
     for whole in (payload, b"\0\1\0\0" + payload[4:], b"\0\0\0\0" + payload[4:]):
         try:
             back = converter.from_cdr(whole)
@@ -72,6 +114,17 @@ def run(data: bytes) -> None:
             assert "\n" not in str(error)
         else:
             assert layout.accepts(back)
+
+
+def _is_read_whole(name: str, payload: bytes) -> bool:
+    """Tell whether the values of a payload take all of its bytes."""
+    codec = _store().codec(name)
+    return len(codec.encode(codec.decode(payload))) == len(payload)
+
+
+@cache
+def _store() -> TypeStore:
+    return TypeStore(Registry())
 
 
 @cache

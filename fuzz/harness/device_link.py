@@ -3,14 +3,26 @@
 from __future__ import annotations
 
 import contextlib
+import random
+import struct
 
-from fuzz.harness.link_script import step, steps
+from fuzz.grammar import near
+from fuzz.harness.link_script import MAX_BODY_BYTES, burst, random_step, step, steps
+from fuzz.lowering import lowered
 from rostether.errors import LocalProtocolError
+from rostether.rosserial import device_link
 from rostether.rosserial import topic_id as ids
-from rostether.rosserial.device_link import MAX_WAITING_BYTES, DeviceLink
+from rostether.rosserial.device_link import DeviceLink, DeviceLinkConfig
+from rostether.rosserial.device_parameters import MAX_REQUESTS
+from rostether.rosserial.events import MessagesReceived, ParameterReceived, ParameterTimedOut, TimeAnswered
+from rostether.rosserial.frame import encode_frame
 from rostether.rosserial.packets import LogLevel, ParameterResponse
 
 MD5SUM = "992ce8a1687cec8c8bd883ec73ca41d1"
+MAX_WAITING_BYTES = 512
+MAX_INPUT_BYTES = 64
+_MESSAGE = b"\1\0\0\0a"
+_MESSAGE_FRAME_BYTES = len(encode_frame(125, _MESSAGE))
 
 
 def seeds() -> list[bytes]:
@@ -21,19 +33,61 @@ def seeds() -> list[bytes]:
     return [ask + time, ask + time + answer + step(100, b"\1\0\0\0a"), step(0, b"\xff\x00", kind=6) + ask]
 
 
+def generate(source: random.Random) -> bytes:
+    """Return a host that asks for the topics, then sends anything, some of it too large or odd."""
+    script = step(ids.TOPIC_REQUEST, b"")
+    for _ in range(source.randint(1, 30)):
+        match source.randrange(7):
+            case 0:
+                body = struct.pack("<II", 1, near(source, 10**9) % 2**32)
+                script += random_step(source, ids.TIME, body[: source.choice((8, 8, 4, 0))])
+            case 1:
+                values = tuple(range(source.randint(0, 3)))
+                script += random_step(source, ids.PARAMETER, ParameterResponse(values).encode())
+            case 2:
+                size = min(near(source, MAX_INPUT_BYTES), MAX_BODY_BYTES)
+                script += step(source.choice((100, 101, 125)), bytes(size))
+            case 3:
+                script += burst(source, source.choice((ids.TIME, 100)), bytes(8))
+            case 4:
+                script += random_step(source, source.choice((0, ids.TX_STOP, 200)), b"")
+            case _:
+                script += step(0, b"", kind=source.choice((0, 8, 8, 8, 2, 4, 6)))
+    return script
+
+
 def run(data: bytes) -> None:
     """Play a script to a device that publishes and asks all the time."""
-    link, now_s = DeviceLink(), 0.0
+    with lowered(device_link, MAX_WAITING_BYTES=MAX_WAITING_BYTES):
+        _play(data)
+
+
+def _play(data: bytes) -> None:
+    link, now_s = DeviceLink(DeviceLinkConfig(input_buffer_bytes=MAX_INPUT_BYTES)), 0.0
     topic = link.add_publisher("chatter", "std_msgs/String", MD5SUM)
-    link.add_subscriber("led", "std_msgs/String", MD5SUM)
+    listens_on = link.add_subscriber("led", "std_msgs/String", MD5SUM)
     link.start(now_s)
-    for received, pause_s in steps(data):
+    asked = published_bytes = 0
+    for received, pause_s, is_taken in steps(data):
         now_s += pause_s
-        link.handle_timer(now_s)
-        link.receive_data(received, now_s)
-        link.publish(topic, [b"\1\0\0\0a"])
+        for event in [*link.handle_timer(now_s), *link.receive_data(received, now_s)]:
+            match event:
+                case MessagesReceived(topic_id, payloads):
+                    assert topic_id == listens_on, "a message that nobody subscribed to"
+                    assert max(map(len, payloads)) <= MAX_INPUT_BYTES, "a message larger than the buffer"
+                case ParameterReceived() | ParameterTimedOut():
+                    asked -= 1
+                case TimeAnswered():
+                    assert event.time.nsecs < 10**9
+        for _ in range(8):
+            published_bytes += _MESSAGE_FRAME_BYTES * link.publish(topic, [_MESSAGE])
         link.log(LogLevel.INFO, "x")
         with contextlib.suppress(LocalProtocolError):  # no more may wait
             link.request_parameter("~gains", now_s)
+            asked += 1
+        assert asked <= MAX_REQUESTS, "more questions wait than may"
+        assert published_bytes <= MAX_WAITING_BYTES + _MESSAGE_FRAME_BYTES, "more waits than may"
         link.time(now_s)
-        assert len(link.data_to_send()) <= 2 * MAX_WAITING_BYTES
+        if is_taken:
+            link.data_to_send()
+            published_bytes = 0

@@ -9,13 +9,18 @@ import asyncio
 import binascii
 import json
 import logging
+import random
 import struct
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from fuzz.grammar import near
+from fuzz.lowering import lowered
+from rostether.gateways.foxglove import client as client_module
 from rostether.gateways.foxglove.client import Client
 from rostether.gateways.foxglove.gateway import FoxgloveGateway
 from rostether.gateways.foxglove.limits import FoxgloveLimits
+from rostether.gateways.foxglove.server_messages import StatusLevel
 from rostether.gateways.foxglove.settings import FoxgloveSettings
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Level
@@ -26,11 +31,19 @@ from rostether.serde.store import TypeStore
 from rostether.serde.values import Message
 
 ANSWER_LIMIT_S = 30.0
+MAX_EACH = 2
+MAX_MISTAKES = 5
+# What the gateway itself publishes.
+OWN = ("/rosout",)
+# What was taken back leaves the graph a few turns later.
+SETTLING_TURNS = 20
 LAST_QUESTION = '{"op":"getParameters","parameterNames":["/speed"],"id":"the end"}'
 
 _STORE = TypeStore(Registry())
 # The last question must find a place, whatever was asked before it.
-_SETTINGS = FoxgloveSettings(limits=FoxgloveLimits(calls=100_000))
+_SETTINGS = FoxgloveSettings(
+    limits=FoxgloveLimits(calls=100_000, subscriptions=MAX_EACH, client_channels=MAX_EACH)
+)
 _FOLDER = Path(__file__).parent
 
 
@@ -77,9 +90,43 @@ def seeds() -> list[bytes]:
     return ["\n".join(talk).encode() for talk in talks]
 
 
+def generate(source: random.Random) -> bytes:
+    """Return lines of all operations and binary messages, more of each than may be."""
+    return "\n".join(_line(source) for _ in range(source.randint(1, 16))).encode()
+
+
+def _line(source: random.Random) -> str:
+    number = source.choice((0, 1, 2, 3, 4, 5, near(source, 3)))
+    match source.randrange(7):
+        case 0:
+            pairs = [{"id": source.randrange(5), "channelId": source.randrange(5)} for _ in range(3)]
+            return json.dumps({"op": "subscribe", "subscriptions": pairs})
+        case 1 | 2:
+            encoding, schema = source.choice(
+                (("ros1", "std_msgs/String"), ("json", "std_msgs/String"), ("x", "y"))
+            )
+            channel = {"id": number, "topic": f"/t{number % 7}", "encoding": encoding, "schemaName": schema}
+            return json.dumps({"op": "advertise", "channels": [channel]})
+        case 3:
+            return json.dumps({"op": source.choice(("unadvertise", "x")), "channelIds": [number]})
+        case 4:
+            payload = source.choice((b"\1\0\0\0x", b'{"data":"x"}', b"", b"\xff\xff\xff\xff"))
+            return "!" + (struct.pack("<BI", 1, number % 2**32) + payload).hex()[: source.choice((6, 100))]
+        case 5:
+            encoding = source.choice((b"ros1", b"json", b"x"))
+            size = len(encoding) if source.random() < 0.8 else near(source, 4096) % 2**32
+            head = struct.pack("<BIII", 2, source.choice((1, 2)), 5, size)
+            return "!" + (head + encoding + b"\1").hex()[: source.choice((20, 200))]
+        case _:
+            value = source.choice((1, "x", [1, None], {"a": 1}, 10**400))
+            parameter = {"name": source.choice(("/speed", "/b", "a b")), "value": value}
+            return json.dumps({"op": "setParameters", "parameters": [parameter], "id": "s"})
+
+
 def run(data: bytes) -> None:
-    """Say all lines to a gateway, and then ask for a parameter."""
-    asyncio.run(_converse(data.decode("utf-8", "replace").split("\n")))
+    """Say all lines to a gateway with low limits, and then ask for a parameter."""
+    with lowered(client_module, MAX_MISTAKES_TOLD=MAX_MISTAKES):
+        asyncio.run(_converse(data.decode("utf-8", "replace").split("\n")))
 
 
 class _Line:
@@ -88,6 +135,7 @@ class _Line:
     def __init__(self) -> None:
         self.is_open = True
         self.answered = asyncio.Event()
+        self.mistakes = 0
 
     def send(self, message: str | bytes) -> None:
         """Hear an answer."""
@@ -97,6 +145,8 @@ class _Line:
         fields = json.loads(message, parse_constant=_refuse)
         assert isinstance(fields["op"], str)
         assert "\n" not in str(fields.get("message", ""))
+        self.mistakes += fields["op"] == "status" and fields["level"] == StatusLevel.ERROR
+        assert self.mistakes <= MAX_MISTAKES, "more mistakes are told than may be"
         if fields.get("id") == "the end":
             self.answered.set()
 
@@ -167,6 +217,13 @@ async def _converse(lines: list[str]) -> None:
             await asyncio.sleep(0)
         async with asyncio.timeout(ANSWER_LIMIT_S):
             await line.answered.wait()
+        for _ in range(SETTLING_TURNS):
+            await asyncio.sleep(0)
+        topics = network.snapshot().topics.values()
+        own = [topic for topic in topics if "/gateway" in topic.publishers and topic.name not in OWN]
+        assert len(own) <= MAX_EACH, "more topics are published than may be"
+        heard = [topic for topic in topics if "/gateway" in topic.subscribers]
+        assert len(heard) <= MAX_EACH, "more topics are subscribed to than may be"
         client.closed()
         assert not failed.texts, failed.texts
     finally:

@@ -1,13 +1,20 @@
-"""The frame decoder: garbage never raises, chunks change nothing, and what it keeps is bounded."""
+"""The frame decoder: garbage never raises, chunks change nothing, and what it keeps is bounded.
+
+What it finds is compared with a reader that is written as the format is described, one byte after the other.
+"""
 
 from __future__ import annotations
 
-from rostether.rosserial.frame import MAX_PAYLOAD_BYTES, VERSIONS, encode_frame, encode_frames
+import random
+
+from fuzz.grammar import frame, near, noise
+from rostether.rosserial.frame import VERSIONS, encode_frame, encode_frames
 from rostether.rosserial.frame_decoder import Decoded, FrameDecoder, Frames
 from vectors.captures import load, names
 
 HEADER_BYTES = 8
 SEED_BYTES = 4000
+MAX_PAYLOAD_BYTES = 300
 
 
 def seeds() -> list[bytes]:
@@ -20,17 +27,32 @@ def seeds() -> list[bytes]:
     ]
 
 
+def generate(source: random.Random) -> bytes:
+    """Return frames of one version with noise and damage between them, runs of one topic among them."""
+    choice = source.randrange(256)
+    version = VERSIONS[choice % len(VERSIONS)]
+    parts = []
+    for _ in range(source.randint(1, 8)):
+        size = near(source, MAX_PAYLOAD_BYTES) % 400 if source.random() < 0.3 else source.randint(0, 12)
+        topic_id, payload = source.choice((0, 10, 101, 125, 0xFFFF)), source.randbytes(size)
+        parts += [frame(source, topic_id, payload, version) for _ in range(source.choice((1, 1, 3)))]
+        if source.random() < 0.5:
+            parts.append(noise(source))
+    return bytes([choice]) + b"".join(parts)
+
+
 def run(data: bytes) -> None:
-    """Decode in one piece and in two."""
+    """Decode in one piece and in two, and as the format is described."""
     version = VERSIONS[data[0] % len(VERSIONS)] if data else VERSIONS[0]
     stream = data[1:]
-    whole, cut = FrameDecoder(version), FrameDecoder(version)
-    expected = messages(whole.feed(stream, 0.0))
+    whole, cut = (FrameDecoder(version, max_payload_bytes=MAX_PAYLOAD_BYTES) for _ in range(2))
+    found = whole.feed(stream, 0.0)
     middle = data[0] * len(stream) // 256 if data else 0
-    found = messages([*cut.feed(stream[:middle], 0.0), *cut.feed(stream[middle:], 0.0)])
-    assert found == expected, "the chunks change what is decoded"
+    pieces = [*cut.feed(stream[:middle], 0.0), *cut.feed(stream[middle:], 0.0)]
+    assert messages(pieces) == messages(found), "the chunks change what is decoded"
     assert whole.pending_bytes <= MAX_PAYLOAD_BYTES + HEADER_BYTES
-    whole.abandon(1e6)
+    expected = read_slowly(stream, version)
+    assert messages([*found, *whole.abandon(1e6)]) == expected, "other frames than there are"
     whole.handle_timer(1e6)
 
 
@@ -41,3 +63,35 @@ def messages(decoded: list[Decoded]) -> dict[int, list[bytes]]:
         if isinstance(each, Frames):
             found.setdefault(each.topic_id, []).extend(each.payloads)
     return found
+
+
+def read_slowly(stream: bytes, version: int) -> dict[int, list[bytes]]:
+    """Return the payloads by topic id: at each byte stands a sound frame, or the next byte is tried."""
+    found: dict[int, list[bytes]] = {}
+    place = 0
+    while place < len(stream):
+        taken = _frame_at(stream[place:], version)
+        if taken is None:
+            place += 1
+            continue
+        topic_id, payload, size = taken
+        found.setdefault(topic_id, []).append(payload)
+        place += size
+    return found
+
+
+def _frame_at(data: bytes, version: int) -> tuple[int, bytes, int] | None:
+    if version == 1:
+        if len(data) < 7 or data[:2] != b"\xff\xff":
+            return None
+        topic_id, size, start = data[2] + 256 * data[3], data[4] + 256 * data[5], 6
+        summed_from = 2
+    else:
+        if len(data) < 8 or data[:2] != b"\xff\xfe" or sum(data[2:5]) % 256 != 255:
+            return None
+        topic_id, size, start = data[5] + 256 * data[6], data[2] + 256 * data[3], 7
+        summed_from = 5
+    end = start + size + 1
+    if size > MAX_PAYLOAD_BYTES or len(data) < end or sum(data[summed_from:end]) % 256 != 255:
+        return None
+    return topic_id, data[start : end - 1], end

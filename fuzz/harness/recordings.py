@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import random
+import struct
 import tempfile
 from contextlib import closing
 from itertools import islice
 from pathlib import Path
 
+from fuzz.grammar import near
+from fuzz.lowering import lowered
 from rostether.errors import ConfigError, RecordingError
 from rostether.msgdef.registry import Registry
+from rostether.recording import bag_chunks, compression
 from rostether.recording.bag_writer import BagWriter
 from rostether.recording.checking import check
 from rostether.recording.files import open_recording
@@ -16,8 +21,10 @@ from rostether.recording.mcap_writer import McapWriter
 from rostether.recording.recorded import Connection
 from rostether.recording.reindexing import reindex
 
-MAX_MESSAGES = 5000
 # An input of a few KB may unpack to many.
+MAX_MESSAGES = 5000
+MAX_CHUNK_BYTES = 64 << 10
+MAX_CONNECTIONS = 8
 
 _STRING = Registry().message_type("std_msgs/String")
 
@@ -30,9 +37,9 @@ def seeds() -> list[bytes]:
             (BagWriter, ("none", "bz2", "lz4")),
             (McapWriter, ("none", "lz4")),
         ):
-            for compression in compressions:
+            for packing in compressions:
                 path = Path(folder) / "seed"
-                writer = writer_class(path, compression=compression, chunk_bytes=300)
+                writer = writer_class(path, compression=packing, chunk_bytes=300)
                 for index in range(12):
                     number = writer.add_connection(Connection(f"/t{index % 3}", _STRING, "/node"))
                     writer.write(number, 10**18 + index, [b"\x04\x00\x00\x00text"] * (index % 2 + 1))
@@ -44,15 +51,52 @@ def seeds() -> list[bytes]:
     return [*found, *(data.replace(b" " * 3000, b"") for data in found if b" " * 3000 in data)]
 
 
+def generate(source: random.Random) -> bytes:
+    """Return a recording with a few topics, one of its numbers changed, or a chunk that unpacks to much."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "made"
+        make = source.choice((BagWriter, McapWriter))
+        packing = source.choice(("none", "lz4") if make is McapWriter else ("none", "bz2", "lz4"))
+        writer = make(path, compression=packing, chunk_bytes=source.choice((100, 1000)))
+        count = near(source, MAX_CONNECTIONS) % 12
+        for index in range(source.randint(0, 12)):
+            number = writer.add_connection(Connection(f"/t{index % (count + 1)}", _STRING, "/node"))
+            writer.write(number, 10**18 + source.randrange(20), [b"\x04\x00\x00\x00text"])
+        if packing != "none" and source.random() < 0.3:
+            number = writer.add_connection(Connection("/large", _STRING, "/node"))
+            writer.write(number, 10**18, [bytes(near(source, MAX_CHUNK_BYTES) % (1 << 20))])
+        if source.random() < 0.8:
+            writer.close()
+        else:
+            writer.flush()
+        data = path.read_bytes()
+        writer.close()
+    if source.random() < 0.6:
+        place = source.randrange(len(data))
+        data = data[:place] + struct.pack("<I", near(source, len(data))) + data[place + 4 :]
+    return data if source.random() < 0.9 else data[: source.randrange(len(data))]
+
+
 def run(data: bytes) -> None:
-    """Read, check and mend one file."""
+    """Read, check and mend one file, with low limits."""
+    with (
+        lowered(compression, MAX_CHUNK_BYTES=MAX_CHUNK_BYTES),
+        lowered(bag_chunks, MAX_CONNECTIONS=MAX_CONNECTIONS),
+    ):
+        _read(data)
+
+
+def _read(data: bytes) -> None:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "a.bag"
         path.write_bytes(data)
         try:
             with closing(open_recording(path)) as reader:
                 assert "\n" not in reader.damage
-                times = [message.time_ns for message in islice(reader.messages(), MAX_MESSAGES)]
+                messages = list(islice(reader.messages(), MAX_MESSAGES))
+                largest = max((len(message.payload) for message in messages), default=0)
+                assert largest <= max(MAX_CHUNK_BYTES, len(data)), "a chunk unpacks to more than it may"
+                times = [message.time_ns for message in messages]
                 assert reader.span_ns is None or all(each >= 0 for each in reader.span_ns)
         except (RecordingError, ConfigError) as error:
             assert "\n" not in str(error)

@@ -8,12 +8,17 @@ from __future__ import annotations
 
 import asyncio
 import json
+import random
 import re
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from typing import Any
 
 import cbor2
 
+from fuzz.grammar import near
+from fuzz.lowering import lowered
+from rostether.gateways.rosbridge import client_services, client_topics, fragments
 from rostether.gateways.rosbridge.admission import Admission
 from rostether.gateways.rosbridge.fragments import split_fragments
 from rostether.gateways.rosbridge.message_forms import MessageForms
@@ -35,6 +40,10 @@ from rostether.serde.store import TypeStore
 from rostether.serde.values import Message
 
 ANSWER_LIMIT_S = 30.0
+MAX_EACH = 3
+MAX_FRAGMENTS = 6
+# What the gateway itself publishes.
+OWN = ("/rosout",)
 LAST_CALL = '{"op":"call_service","service":"/rosapi/get_time","id":"the end"}'
 
 _STORE = TypeStore(Registry())
@@ -92,15 +101,68 @@ def seeds() -> list[bytes]:
     return ["\n".join(talk).encode() for talk in talks]
 
 
+def generate(source: random.Random) -> bytes:
+    """Return lines of all operations, more of each than may be, in fragments and pictures too."""
+    lines = []
+    for _ in range(source.randint(1, 16)):
+        line = json.dumps(_operation(source))
+        chance = source.random()
+        if chance < 0.1:
+            pieces = list(split_fragments(line, source.randint(5, 40), source.choice("fg")))
+            source.shuffle(pieces)
+            lines += pieces
+        else:
+            lines.append(pack_png(line) if chance < 0.15 else line)
+    return "\n".join(lines).encode()
+
+
+def _operation(source: random.Random) -> dict[str, object]:
+    topic = source.choice(("/chatter", "/enable", "a b", *(f"/t{number}" for number in range(8))))
+    kind = source.choice(("std_msgs/String", "std_msgs/String", "std_msgs/UInt8MultiArray", "none/None", ""))
+    match source.randrange(8):
+        case 0 | 1:
+            return {"op": "advertise", "topic": topic, "type": kind, "latch": source.random() < 0.5}
+        case 2:
+            return {"op": source.choice(("unadvertise", "unsubscribe")), "topic": topic}
+        case 3:
+            message = source.choice(({"data": "x"}, {"data": [1, 300]}, {"data": None}, {"x": 1}, [], 5))
+            return {"op": "publish", "topic": topic, "msg": message}
+        case 4:
+            wish = {"compression": source.choice(("none", "png", "cbor", "cbor-raw", "x"))}
+            return {"op": "subscribe", "topic": topic, "fragment_size": near(source, 50), **wish}
+        case 5:
+            args = source.choice(({"data": True}, [False], {}, {"data": "x"}, None))
+            return {"op": "call_service", "service": topic, "args": args, "id": source.choice(("c", 1, None))}
+        case 6:
+            return {"op": "advertise_service", "service": topic, "type": "std_srvs/SetBool"}
+        case _:
+            total = near(source, MAX_FRAGMENTS)
+            number = source.choice((total, total - 1, near(source, total), -1))
+            return {
+                "op": "fragment",
+                "id": source.choice("fghijk"),
+                "data": "x",
+                "num": number,
+                "total": total,
+            }
+
+
 def run(data: bytes) -> None:
-    """Say all lines to a server, and then ask for the time."""
-    asyncio.run(_converse(data.decode("utf-8", "replace").split("\n")))
+    """Say all lines to a server with low limits, and then ask for the time."""
+    with (
+        lowered(client_topics, MAX_PUBLICATIONS=MAX_EACH, MAX_SUBSCRIPTIONS=MAX_EACH),
+        lowered(client_services, MAX_SERVICES=MAX_EACH),
+        lowered(fragments, MAX_FRAGMENTS=MAX_FRAGMENTS, MAX_UNFINISHED=MAX_EACH),
+    ):
+        asyncio.run(_converse(data.decode("utf-8", "replace").split("\n")))
 
 
 class _Connection:
     """Stands for a WebSocket: hands over what the client says, and looks at what it hears."""
 
-    def __init__(self, lines: list[str]) -> None:
+    def __init__(self, lines: list[str], network: MemoryNetwork) -> None:
+        self.network = network
+        self.taken_back = sum("unadvertise" in line for line in lines)
         self.transport = self.protocol = self
         self._lines = lines
         self._answered = asyncio.Event()
@@ -110,6 +172,12 @@ class _Connection:
             yield line
         async with asyncio.timeout(ANSWER_LIMIT_S):
             await self._answered.wait()
+        graph = self.network.snapshot()
+        topics = [name for name, info in graph.topics.items() if "/gateway" in info.publishers and name not in OWN]
+        # What is taken back stays for a while; but a client has no more than it may at once.
+        assert len(topics) <= MAX_EACH + self.taken_back, "more topics are advertised than may be"
+        services = [name for name, info in graph.services.items() if "/gateway" in info.providers]
+        assert len(services) <= MAX_EACH, "more services are offered than may be"
 
     @asynccontextmanager
     async def send_context(self) -> AsyncIterator[None]:
@@ -184,9 +252,12 @@ async def _converse(lines: list[str]) -> None:
         local_services=Rosapi(graph, _STORE, environ={}),
         tell=_tell,
     )
-    session = Session(_Connection(lines), around, Admission(_SETTINGS), "a client")  # type: ignore[arg-type]
+    session = Session(_Connection(lines, network), around, Admission(_SETTINGS), "a client")  # type: ignore[arg-type]
+    failures: list[dict[str, Any]] = []
+    asyncio.get_running_loop().set_exception_handler(lambda _, context: failures.append(context))
     try:
         await session.run(is_known=True)
+        assert not failures, failures
     finally:
         await around.close()
         for node in (graph, talker):

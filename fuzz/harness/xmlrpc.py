@@ -1,12 +1,23 @@
-"""XML-RPC documents: refused with our errors; what is read can be written and is then read alike."""
+"""XML-RPC documents: refused with our errors; what is read can be written and is then read alike.
+
+Limits are low. What Python's own reader understands as well must be understood alike.
+"""
 
 from __future__ import annotations
 
 import contextlib
+import random
+import xmlrpc.client
 
+from fuzz.grammar import near
+from fuzz.lowering import lowered
 from rostether.errors import RostetherError, SerializationError
+from rostether.xmlrpc import document_reader
 from rostether.xmlrpc.document_reader import load_call, load_response
 from rostether.xmlrpc.document_writer import dump_call, dump_fault, dump_response
+
+MAX_VALUES, MAX_NESTING = 40, 8
+_CALL = "<methodCall><methodName>a</methodName><params>%s</params></methodCall>"
 
 
 def seeds() -> list[bytes]:
@@ -21,13 +32,96 @@ def seeds() -> list[bytes]:
     ]
 
 
+def generate(source: random.Random) -> bytes:
+    """Return a call with values of all kinds, numbers and depths around the limits."""
+    chance = source.random()
+    if chance < 0.2:
+        depth = near(source, MAX_NESTING) % 12
+        values = ["<array><data><value>" * depth + "<int>1</int>" + "</value></data></array>" * depth]
+    elif chance < 0.4:
+        values = ["<int>1</int>"] * (near(source, MAX_VALUES) % 60)
+    else:
+        values = [_value(source, 0) for _ in range(source.randint(0, 5))]
+    params = "".join(f"<param><value>{value}</value></param>" for value in values)
+    doctype = "<!DOCTYPE a>" if source.random() < 0.05 else ""
+    return (doctype + _CALL % params).encode()
+
+
+def _value(source: random.Random, depth: int) -> str:
+    match source.randrange(9 if depth < 4 else 6):
+        case 0:
+            number = source.choice(
+                (0, -1, 2**31 - 1, 2**31, -(2**31), -(2**31) - 1, 10**70, near(source, 2**31))
+            )
+            return f"<{(tag := source.choice(('int', 'i4', 'i8')))}>{number}</{tag}>"
+        case 1:
+            return f"<boolean>{source.choice(('0', '1', '2', 'true', ''))}</boolean>"
+        case 2:
+            return f"<double>{source.choice(('1.5', '-0.0', '1e400', 'nan', 'x', ''))}</double>"
+        case 3:
+            return source.choice(("plain", "<string>a&lt;b</string>", "<string/>", "<nil/>", "&#228;"))
+        case 4:
+            return f"<base64>{source.choice(('AAEC', 'A', '====', ''))}</base64>"
+        case 5:
+            return "<dateTime.iso8601>20200101T00:00:00</dateTime.iso8601>"
+        case 6:
+            members = "".join(
+                f"<member><name>{name}</name><value>{_value(source, depth + 1)}</value></member>"
+                for name in source.sample("abc", source.randint(0, 3))
+            )
+            return f"<struct>{members}</struct>"
+        case _:
+            items = "".join(
+                f"<value>{_value(source, depth + 1)}</value>" for _ in range(source.randint(0, 3))
+            )
+            return f"<array><data>{items}</data></array>"
+
+
 def run(data: bytes) -> None:
     """Read as a call and as a response."""
+    with lowered(document_reader, MAX_VALUES=MAX_VALUES, MAX_NESTING=MAX_NESTING):
+        _read(data)
+
+
+def _read(data: bytes) -> None:
     with contextlib.suppress(RostetherError):
         method, params = load_call(data)
+        assert b"<!DOCTYPE" not in data, "a document type declaration was read"
+        _check(params)
         with contextlib.suppress(SerializationError):
             assert repr(load_call(dump_call(method, params))) == repr((method, params))
+        with contextlib.suppress(Exception):
+            theirs, _ = xmlrpc.client.loads(data, use_builtin_types=True)
+            if _is_plain(list(theirs)):
+                assert repr(list(theirs)) == repr(params), "read otherwise than Python does"
     with contextlib.suppress(RostetherError):
         value = load_response(data)
         with contextlib.suppress(SerializationError):
             assert repr(load_response(dump_response(value))) == repr(value)
+
+
+def _check(params: list[object]) -> None:
+    """See that what was read keeps to the limits."""
+    count, level = 0, list(params)
+    depth = 0
+    while level:
+        count += len(level)
+        assert count <= MAX_VALUES, "more values than may be"
+        for value in level:
+            if isinstance(value, int) and not isinstance(value, bool):
+                assert -(2**31) <= value < 2**31, "a number of more than 32 bits"
+        containers = [value for value in level if isinstance(value, list | dict)]
+        depth += bool(containers)
+        level = [
+            inner for value in containers for inner in (value.values() if isinstance(value, dict) else value)
+        ]
+    assert depth <= MAX_NESTING, "nested deeper than may be"
+
+
+def _is_plain(value: object) -> bool:
+    """Tell whether both readers have the same kinds of values for it: Python's reads no bytes of ours."""
+    if isinstance(value, list):
+        return all(map(_is_plain, value))
+    if isinstance(value, dict):
+        return all(map(_is_plain, value.values()))
+    return isinstance(value, int | str | None)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from functools import cache
 
 from rostether.errors import RostetherError
@@ -23,6 +24,40 @@ def seeds() -> list[bytes]:
         b"\x03data: 'x'",
         b"\x03&a [*a, *a]",
     ]
+
+
+def generate(source: random.Random) -> bytes:
+    """Return fields in the forms of rostopic pub, some of them too few, too many or of another kind."""
+    index = source.randrange(len(_TYPES))
+    text = source.choice(
+        (
+            f"{{header: {_header(source)}, pose: {{position: {_list(source, 3)}}}}}",
+            f"{{header: {_header(source)}, orientation: {_list(source, 4)}}}",
+            f"data: {_list(source, 4)}",
+            f"{{layout: {{dim: [{_list(source, 3)}], data_offset: {_scalar(source)}}}, data: {_list(source, 3)}}}",
+            f"[{_header(source)}, {_list(source, 4)}, {_list(source, 9)}]",
+            f"data: {_scalar(source)}",
+        )
+    )
+    return bytes([index]) + text.encode()
+
+
+def _header(source: random.Random) -> str:
+    return source.choice(
+        ("auto", "{stamp: now}", f"{{stamp: {_list(source, 2)}}}", f"{{seq: {_scalar(source)}}}", "[]")
+    )
+
+
+def _list(source: random.Random, size: int) -> str:
+    count = size + source.choice((0, 0, 0, 0, -1, 1))
+    return f"[{', '.join(_scalar(source) for _ in range(count))}]"
+
+
+def _scalar(source: random.Random) -> str:
+    number = str(source.choice((0, 1, -1, 255, 256, 2**31, 2**32, 10**400)))
+    return source.choice(
+        (number, number, "1.5", "nan", "1e400", "'x'", "true", "", "{}", "2020-01-01", '"\\ud800"')
+    )
 
 
 @cache

@@ -94,6 +94,8 @@ class EndpointTable:
         key: _Key = (event.role, event.name, 0)
         found = self._endpoints.get(key)
         if isinstance(found, ServiceEndpoint):
+            if found.info == event and key in self._attached:
+                return True
             if _service_type(found.info) == _service_type(event):
                 found.attach(line, event)
                 self._attach(key, found)

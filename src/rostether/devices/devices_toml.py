@@ -69,7 +69,7 @@ def parse_devices_toml(text: str, *, file: str = "devices.toml") -> DeviceBook:
     """Read a text; `file` is what errors call it. Raises ConfigError: file:key: what is wrong."""
     try:
         content = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:  # a number may have more digits than Python reads
         raise ConfigError(f"{file}: not TOML: {error}") from None
     root = TomlTable(file, "", content, known=("discovery", "defaults", "devices"))
     discovery = _discovery(root.table("discovery", known=DISCOVERY_KEYS))

@@ -54,7 +54,7 @@ class Ros2Environment:
 def _domain_id(text: str) -> int:
     if not text.strip():
         return 0
-    if text.strip().isdecimal() and int(text) <= MAX_DOMAIN_ID:
+    if text.strip().isdecimal() and len(text) <= 20 and int(text) <= MAX_DOMAIN_ID:
         return int(text)
     raise ConfigError(f"ROS_DOMAIN_ID={text!r:.80} is no domain: give a number from 0 to {MAX_DOMAIN_ID}")
 

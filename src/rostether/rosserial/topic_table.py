@@ -231,10 +231,17 @@ class TopicTable:
                         pairs[role, request.topic_id, response.topic_id] = ServiceAnnounced(
                             role, name, service_type, request, response
                         )
-        events: list[HostEvent] = []
-        for key, gone in self._services.items():
-            if pairs.get(key) != gone:
-                events.append(ServiceWithdrawn(gone.role, gone.name, gone.type, gone.request, gone.response))
+        gone = [service for key, service in self._services.items() if pairs.get(key) != service]
+        names = {(service.role, service.name) for service in gone}
+        # What is left of a name under other ids comes first: who serves the name then goes on with those.
+        events: list[HostEvent] = [
+            pair
+            for key, pair in pairs.items()
+            if self._services.get(key) == pair and (pair.role, pair.name) in names
+        ]
+        events += [
+            ServiceWithdrawn(each.role, each.name, each.type, each.request, each.response) for each in gone
+        ]
         events += [pair for key, pair in pairs.items() if self._services.get(key) != pair]
         self._services = pairs
         return events

@@ -249,11 +249,16 @@ class _Options:
         value = self.values.get(key)
         if value is None:
             return default
-        if not (value.isascii() and value.isdigit() and lowest <= int(value) <= highest):
+        if not (_is_number(value) and lowest <= int(value) <= highest):
             raise ConfigError(
                 f"{key}={value} in link address {self.address!r}: write a number from {lowest} to {highest}"
             )
         return int(value)
+
+
+def _is_number(text: str) -> bool:
+    # Python raises for a number of thousands of digits.
+    return text.isascii() and text.isdigit() and len(text) <= 20
 
 
 def _split_scheme(text: str, place: str) -> tuple[str, str]:
@@ -315,7 +320,7 @@ def _parse_endpoint(text: str, place: str) -> tuple[str, int]:
         host, _, port_text = endpoint.partition(":")
     if not port_text:
         port_text = str(DEFAULT_PORT)
-    if not (port_text.isascii() and port_text.isdigit() and int(port_text) <= 65535):
+    if not (_is_number(port_text) and int(port_text) <= 65535):
         raise ConfigError(
             f"{port_text!r} in link address {text!r} is no port; write HOST:PORT with a number up to 65535"
         )

@@ -212,6 +212,25 @@ async def test_a_call_from_the_board_to_ros(bridge: Bridge) -> None:
     assert board.order.index(100) < len(board.order) - 1 - board.order[::-1].index(ids.TIME)
 
 
+async def test_a_service_whose_ids_changed_without_a_reset_is_served(bridge: Bridge) -> None:
+    async def answer(_: bytes) -> bytes:
+        return b"\x01\x02\0\0\0ok"
+
+    await bridge.peer.advertise_service("/switch", SET_BOOL, answer)
+    board = await bridge.connect(
+        *service_announcements(ids.SERVICE_CLIENT_REQUEST, "switch", 127, 102),
+    )
+    await bridge.settled()
+    board.announcements = service_announcements(ids.SERVICE_CLIENT_REQUEST, "switch", 125, 100)
+    for kind, info in board.announcements:
+        board.send(kind, info.encode())
+    await until(lambda: not bridge.session.link.is_settled, "another negotiation")
+    await bridge.settled()
+    board.send(125, b"\x01")
+    await until(lambda: board.received[100], "the response")
+    assert board.received[100] == [b"\x01\x02\0\0\0ok"]
+
+
 async def test_a_time_request_after_silence_shows_that_the_board_is_past_a_call(
     bridge: Bridge, monkeypatch: pytest.MonkeyPatch
 ) -> None:

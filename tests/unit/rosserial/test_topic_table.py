@@ -116,6 +116,21 @@ def test_two_clients_of_one_service_pair_in_order() -> None:
     assert table.service_count == 2
 
 
+def test_what_is_left_of_a_service_is_announced_before_its_other_ids_go() -> None:
+    table = TopicTable(10)
+    for number in (1, 0):
+        table.announce(ids.SERVICE_CLIENT_REQUEST, replace(REQUEST, topic_id=125 + number))
+        table.announce(ids.SERVICE_CLIENT_RESPONSE, replace(RESPONSE, topic_id=100 + number))
+    role = ServiceRole.CLIENT
+    request, response = replace(REQUEST, topic_id=126), replace(RESPONSE, topic_id=101)
+    assert table.withdraw_all_but([EndpointKey(True, 125), EndpointKey(False, 100)]) == [
+        ServiceAnnounced(
+            role, "ask", TEST_SRV, replace(REQUEST, topic_id=125), replace(RESPONSE, topic_id=100)
+        ),
+        ServiceWithdrawn(role, "ask", TEST_SRV, request, response),
+    ]
+
+
 def test_withdrawal() -> None:
     table = TopicTable(10)
     table.announce(ids.PUBLISHER, CHATTER)

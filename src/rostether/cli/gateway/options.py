@@ -64,7 +64,7 @@ def read_place(text: str, default_port: int) -> tuple[str, int]:
         host, port = DEFAULT_PLACE, text
     elif not colon or text.endswith("]") or (text.count(":") > 1 and not text.startswith("[")):
         host, port = text, str(default_port)
-    if not port.isdecimal() or not 0 <= int(port) <= _MAX_PORT:
+    if not port.isdecimal() or len(port) > 20 or not 0 <= int(port) <= _MAX_PORT:
         raise ConfigError(f"{text!r} is no place to listen on: write HOST:PORT, as 0.0.0.0:{default_port}")
     return host.strip("[]"), int(port)
 

@@ -29,5 +29,5 @@ def parse_qos(text: str) -> Qos:
         Reliability.BEST_EFFORT if reliability == "2" else Reliability.RELIABLE,
         Durability.TRANSIENT_LOCAL if durability == "1" else Durability.VOLATILE,
         History.KEEP_ALL if kind == "2" else History.KEEP_LAST,
-        int(depth) if depth.isdecimal() and depth.isascii() else DEFAULT_DEPTH,
+        int(depth) if depth.isdecimal() and depth.isascii() and len(depth) <= 10 else DEFAULT_DEPTH,
     )

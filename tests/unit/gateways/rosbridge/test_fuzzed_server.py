@@ -10,7 +10,6 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parents[4]))
 
 from fuzz import targets
-from fuzz.mutations import mutated
 from unit.gateways.rosbridge.web_client import LIMIT_S, world
 
 CLIENTS = 20
@@ -18,7 +17,7 @@ TALKS_OF_ONE = 20
 
 
 async def test_a_flood_of_nonsense_leaves_the_server_up() -> None:
-    talks = mutated(targets.load("rosbridge").corpus(), seed=11)
+    talks = targets.load("rosbridge").inputs(seed=11)
     async with world() as there, there.client() as sensible:
         await sensible.say("subscribe", topic="/chatter", type="std_msgs/String")
         publisher = await there.graph.publisher("/chatter", "std_msgs/String")
