@@ -25,7 +25,7 @@ _INTERESTING = (
 
 
 def mutated(
-    corpus: Sequence[bytes], seed: int, generate: Callable[[random.Random], bytes] | None = None
+    corpus: Sequence[bytes], seed: int, generate: Callable[[random.Random], bytes]
 ) -> Iterator[bytes]:
     """Yield inputs without end; the same seed, corpus and grammar give the same ones.
 
@@ -34,9 +34,8 @@ def mutated(
     source = random.Random(seed)
     while True:
         chance = source.random()
-        is_made = generate is not None and chance < 0.75
-        data = bytearray(generate(source) if is_made else source.choice(corpus))
-        if not is_made or chance >= 0.5:
+        data = bytearray(generate(source) if chance < 0.75 else source.choice(corpus))
+        if chance >= 0.5:
             for _ in range(source.randint(1, 6)):
                 source.choice(_CHANGES)(data, source, corpus)
         yield bytes(data[:MAX_INPUT_BYTES])

@@ -67,7 +67,7 @@ class Target:
     name: str
     run: Callable[[bytes], None]
     seeds: Callable[[], list[bytes]]
-    generate: Callable[[random.Random], bytes] | None
+    generate: Callable[[random.Random], bytes]
 
     def corpus(self) -> list[bytes]:
         """Return the kept inputs and the seeds; the kept ones once broke a promise or reached new code."""
@@ -132,5 +132,5 @@ def load(name: str) -> Target:
         name,
         cast("Callable[[bytes], None]", module.run),
         cast("Callable[[], list[bytes]]", module.seeds),
-        cast("Callable[[random.Random], bytes] | None", getattr(module, "generate", None)),
+        cast("Callable[[random.Random], bytes]", module.generate),
     )

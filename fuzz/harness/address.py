@@ -43,7 +43,7 @@ def generate(source: random.Random) -> bytes:
     place, keys = source.choice(
         (
             ("/dev/ttyACM0", ("baud", "reset", "name")),
-            (f"tcp://{source.choice(('', 'host', '0.0.0.0', '[::1]', 'a b'))}:{port}", ("connect", "allow")),
+            (f"tcp://{source.choice(('', 'host', '10.0.0.1', '[::1]', 'a b'))}:{port}", ("connect", "allow")),
             (f"udp://:{port}", ("connect", "bind", "allow")),
             ("xbee:/dev/ttyUSB0", ("baud", "peers")),
             ("sim:blink.ino", ("board", "uart", "seed", "adc")),

@@ -113,10 +113,10 @@ def _line(source: random.Random) -> str:
             payload = source.choice((b"\1\0\0\0x", b'{"data":"x"}', b"", b"\xff\xff\xff\xff"))
             return "!" + (struct.pack("<BI", 1, number % 2**32) + payload).hex()[: source.choice((6, 100))]
         case 5:
-            encoding = source.choice((b"ros1", b"json", b"x"))
-            size = len(encoding) if source.random() < 0.8 else near(source, 4096) % 2**32
+            coding = source.choice((b"ros1", b"json", b"x"))
+            size = len(coding) if source.random() < 0.8 else near(source, 4096) % 2**32
             head = struct.pack("<BIII", 2, source.choice((1, 2)), 5, size)
-            return "!" + (head + encoding + b"\1").hex()[: source.choice((20, 200))]
+            return "!" + (head + coding + b"\1").hex()[: source.choice((20, 200))]
         case _:
             value = source.choice((1, "x", [1, None], {"a": 1}, 10**400))
             parameter = {"name": source.choice(("/speed", "/b", "a b")), "value": value}

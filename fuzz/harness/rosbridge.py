@@ -46,6 +46,7 @@ MAX_FRAGMENTS = 6
 OWN = ("/rosout",)
 LAST_CALL = '{"op":"call_service","service":"/rosapi/get_time","id":"the end"}'
 
+_MESSAGES: tuple[object, ...] = ({"data": "x"}, {"data": [1, 300]}, {"data": None}, {"x": 1}, [], 5)
 _STORE = TypeStore(Registry())
 _SETTINGS = RosbridgeSettings(max_message_bytes=1 << 16)
 _NOT_OURS = re.compile(r"rosbridge: a client: [A-Za-z]*(Error|Exception|Interrupt): ")
@@ -125,7 +126,7 @@ def _operation(source: random.Random) -> dict[str, object]:
         case 2:
             return {"op": source.choice(("unadvertise", "unsubscribe")), "topic": topic}
         case 3:
-            message = source.choice(({"data": "x"}, {"data": [1, 300]}, {"data": None}, {"x": 1}, [], 5))
+            message: object = source.choice(_MESSAGES)
             return {"op": "publish", "topic": topic, "msg": message}
         case 4:
             wish = {"compression": source.choice(("none", "png", "cbor", "cbor-raw", "x"))}
@@ -173,7 +174,9 @@ class _Connection:
         async with asyncio.timeout(ANSWER_LIMIT_S):
             await self._answered.wait()
         graph = self.network.snapshot()
-        topics = [name for name, info in graph.topics.items() if "/gateway" in info.publishers and name not in OWN]
+        topics = [
+            name for name, info in graph.topics.items() if "/gateway" in info.publishers and name not in OWN
+        ]
         # What is taken back stays for a while; but a client has no more than it may at once.
         assert len(topics) <= MAX_EACH + self.taken_back, "more topics are advertised than may be"
         services = [name for name, info in graph.services.items() if "/gateway" in info.providers]

@@ -16,7 +16,7 @@ from rostether.bridge.session import Session
 from rostether.bridge.settings import BridgeSettings
 from rostether.errors import TransportError
 from rostether.graph.memory_network import MemoryNetwork
-from rostether.graph.ports import Level
+from rostether.graph.ports import Level, ParamValue
 from rostether.msgdef.registry import Registry
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.frame import VERSIONS, encode_frame
@@ -33,6 +33,12 @@ _STORE = TypeStore(Registry())
 _STRING = _STORE.registry.message_type("std_msgs/String")
 _SET_BOOL = _STORE.registry.service_type("std_srvs/SetBool")
 _DONE = b"\1\2\0\0\0ok"
+_PARAMETERS: dict[str, ParamValue] = {
+    "/gain": 7,
+    "/list": [*range(300)],
+    "/text": "x" * 300,
+    "/tree": {"a": 1},
+}
 _CALL = (ids.SERVICE_CLIENT_REQUEST, ids.SERVICE_CLIENT_RESPONSE)
 _TOPIC_REQUESTS = [encode_frame(ids.TOPIC_REQUEST, b"", version) for version in VERSIONS]
 _QUESTION = encode_frame(ids.PARAMETER, ParameterRequest("gain").encode())
@@ -129,8 +135,8 @@ async def _converse(data: bytes) -> None:
     loop.set_exception_handler(lambda _, context: failures.append(context))
     network = MemoryNetwork(now=lambda: Time(5, 6))
     peer = await network.join("/peer")
-    for name, value in (("gain", 7), ("list", list(range(300))), ("text", "x" * 300), ("tree", {"a": 1})):
-        await peer.set_param(f"/{name}", value)
+    for name, value in _PARAMETERS.items():
+        await peer.set_param(name, value)
     await peer.advertise_service("/switch", _SET_BOOL, _switch)
     await peer.advertise_service("/broken", _SET_BOOL, _fail)
     publisher = await peer.advertise("/a", _STRING, latch=True)

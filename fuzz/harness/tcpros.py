@@ -1,6 +1,6 @@
 """Connection headers, messages and service answers of TCPROS: refused with our errors, however cut.
 
-Limits are low, and readers written as the format is described say what is in a stream and what must be refused.
+Limits are low, and readers written as the format is described say what is in a stream and what is refused.
 """
 
 from __future__ import annotations

@@ -8,6 +8,7 @@ from __future__ import annotations
 import contextlib
 import random
 import xmlrpc.client
+from collections.abc import Sequence
 
 from fuzz.grammar import near
 from fuzz.lowering import lowered
@@ -100,9 +101,9 @@ def _read(data: bytes) -> None:
             assert repr(load_response(dump_response(value))) == repr(value)
 
 
-def _check(params: list[object]) -> None:
+def _check(params: Sequence[object]) -> None:
     """See that what was read keeps to the limits."""
-    count, level = 0, list(params)
+    count, level = 0, list[object](params)
     depth = 0
     while level:
         count += len(level)

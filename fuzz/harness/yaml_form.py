@@ -34,7 +34,7 @@ def generate(source: random.Random) -> bytes:
             f"{{header: {_header(source)}, pose: {{position: {_list(source, 3)}}}}}",
             f"{{header: {_header(source)}, orientation: {_list(source, 4)}}}",
             f"data: {_list(source, 4)}",
-            f"{{layout: {{dim: [{_list(source, 3)}], data_offset: {_scalar(source)}}}, data: {_list(source, 3)}}}",
+            f"{{layout: {{dim: [{_list(source, 3)}], data_offset: {_scalar(source)}}}, data: [1, 2]}}",
             f"[{_header(source)}, {_list(source, 4)}, {_list(source, 9)}]",
             f"data: {_scalar(source)}",
         )

@@ -93,12 +93,11 @@ class BagWriter:
         if number is None:
             number = self._numbers[connection] = len(self._heads)
             self._heads.append(_message_head(number))
-            fields = {
-                name: value.encode("utf-8", "surrogateescape") for name, value in connection.fields().items()
-            }
-            header = encode_fields({name.encode(): value for name, value in fields.items()})
+            # Of a damaged bag that is mended, names too may be no UTF-8.
+            fields = {_encoded(name): _encoded(value) for name, value in connection.fields().items()}
+            header = encode_fields(fields)
             self._records.append(
-                encode_record(OP_CONNECTION, {b"conn": U32.pack(number), b"topic": fields["topic"]}, header)
+                encode_record(OP_CONNECTION, {b"conn": U32.pack(number), b"topic": fields[b"topic"]}, header)
             )
         return number
 
@@ -223,3 +222,7 @@ def _index_record(number: int, entries: array[int]) -> bytes:
         },
         entries.tobytes(),
     )
+
+
+def _encoded(text: str) -> bytes:
+    return text.encode("utf-8", "surrogateescape")

@@ -167,10 +167,7 @@ class HostLink:
     def answer_parameter(
         self, ints: Sequence[int] = (), floats: Sequence[float] = (), strings: Sequence[str] = ()
     ) -> None:
-        """Answer ParameterRequested. Raises LocalProtocolError if it does not fit the device's buffer.
-
-        Answer with nothing then, so that the sketch does not wait; that takes 12 bytes and may not fit too.
-        """
+        """Answer ParameterRequested. Raises LocalProtocolError if it does not fit the device's buffer."""
         self._output.parameter(ParameterResponse(tuple(ints), tuple(floats), tuple(strings)))
 
     def service_call_started(self, now_s: float) -> None:

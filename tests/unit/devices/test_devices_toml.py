@@ -91,6 +91,7 @@ def test_a_port_is_found_by_its_link_and_by_a_pattern(tmp_path: Path) -> None:
     ("text", "place", "says"),
     [
         ("[devices.a", "", "not TOML"),
+        (f"a = {'9' * 5000}", "", "not TOML"),
         ("device = 1", "device", "unknown key; known are discovery, defaults, devices"),
         ("devices = 1", "devices", "must be a table, not 1"),
         ("[devices]\na = 1", "devices.a", "must be a table, not 1"),

@@ -66,6 +66,8 @@ def test_read_as_typed(text: str, address: Address) -> None:
         ("/dev/x?baud=-1", "write a number from 1"),
         ("/dev/x?baud=0", "write a number from 1"),
         ("/dev/x?baud=99999999999", "write a number from 1"),
+        (f"/dev/x?baud={'9' * 5000}", "write a number from 1"),
+        (f"tcp://host:{'9' * 5000}", "is no port"),
         ("/dev/x?baud", "has no value; write baud=VALUE"),
         ("/dev/x?baud=", "has no value; write baud=VALUE"),
         ("/dev/x?baud=1&baud=2", "stands twice"),

@@ -45,3 +45,7 @@ def test_what_is_default_is_left_empty(qos: Qos, text: str) -> None:
 )
 def test_anything_a_peer_writes_is_read(text: str, qos: Qos) -> None:
     assert parse_qos(text) == qos
+
+
+def test_a_depth_of_any_length_is_read() -> None:
+    assert parse_qos(f"1:1:1,{'9' * 5000}").depth == Qos(depth=42).depth
