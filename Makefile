@@ -3,11 +3,12 @@ PYTHON ?= $(shell scripts/find-python)
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: help demo test test-pythons test-fresh check bench fuzz soak docs clean
+.PHONY: help demo test test-fast test-pythons test-fresh check bench fuzz soak docs clean
 
 help:
 	@echo "make demo   watch a simulated board become a ROS node (no hardware, no ROS, no root)"
 	@echo "make test   install what the tests need and run them all"
+	@echo "make test-fast  the tests that need no other program: no compiler, simulator or ROS"
 	@echo "make test-pythons  the unit, property and contract tests under every Python here, from 3.11 on"
 	@echo "make test-fresh  what CI does, in a new Debian 12 made by mmdebstrap (root, 20 minutes)"
 	@echo "make check  ruff, mypy and import-linter"
@@ -22,6 +23,13 @@ demo: $(VENV)/.installed
 test: $(VENV)/.dev
 	scripts/install-peers
 	$(BIN)/python -m pytest -n auto --dist worksteal $(ARGS)
+
+# Each process compiles all test modules at its start, unless their byte code is kept.
+test test-fast: export PYTHONDONTWRITEBYTECODE :=
+
+test-fast: $(VENV)/.dev
+	$(BIN)/python -m pytest tests/architecture tests/unit tests/property tests/contract \
+		-m "not (arm or avr or clang or gcc or mingw or qemu or simavr)" -n auto --dist worksteal $(ARGS)
 
 test-pythons:
 	scripts/test-pythons $(ARGS)

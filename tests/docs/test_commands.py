@@ -20,6 +20,7 @@ import pytest
 
 from docs.page import Step, missing_lines, programs, steps
 from interop.ros1_peers import free_port
+from unit.firmware.sketches import users_cache
 
 REPOSITORY = Path(__file__).parents[2]
 PAGES = sorted(
@@ -59,6 +60,7 @@ class Terminal:
             "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}",
             "ROS_MASTER_URI": f"http://localhost:{free_port()}",
             "HOME": str(home),
+            "XDG_CACHE_HOME": users_cache(),
             "PYTHONUNBUFFERED": "1",
             "COLUMNS": "120",
         }

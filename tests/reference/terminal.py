@@ -11,6 +11,8 @@ import sys
 import time
 from pathlib import Path
 
+from unit.firmware.sketches import users_cache
+
 PATIENCE_S = 60.0
 
 
@@ -68,6 +70,7 @@ class Terminals:
         self._environment = {
             "PATH": f"{Path(sys.executable).parent}:/usr/bin:/bin",
             "HOME": str(home),
+            "XDG_CACHE_HOME": users_cache(),
             "SHELL": "/bin/bash",
             "LANG": "C.UTF-8",
             "PYTHONUNBUFFERED": "1",

@@ -11,6 +11,7 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 
 from interop.ros1_peers import Peer
+from unit.firmware.sketches import users_cache
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "mearm"
 _LEFT_OUT = ("ROS", "PYTEST", "PYTHONPATH")
@@ -27,6 +28,7 @@ class Terminals:
             "PATH": f"{Path(sys.executable).parent}:/usr/bin:/bin",
             "ROS_MASTER_URI": master_uri,
             "HOME": str(workspace.parent),
+            "XDG_CACHE_HOME": users_cache(),
             "PYTHONUNBUFFERED": "1",
         }
         self._peers: list[Peer] = []

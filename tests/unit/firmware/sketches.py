@@ -30,5 +30,14 @@ def shared_cache(factory: pytest.TempPathFactory) -> Path:
     return (base.parent if os.environ.get("PYTEST_XDIST_WORKER") else base) / "firmware-cache"
 
 
+def users_cache() -> str:
+    """Return this user's cache folder, for terminals whose home is a folder of the test.
+
+    Its entries are named by their content's hash. Without it each test would compile the simulator and the
+    Arduino core.
+    """
+    return os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+
+
 def uno() -> Board:
     return find_board("uno")
