@@ -24,6 +24,7 @@ from rostether.bridge.findings.finding import Code, Finding, error
 from rostether.bridge.findings.line_watch import NO_ANSWER_S
 from rostether.bridge.findings.noise import show
 from rostether.bridge.findings.port import busy, cannot_open, open_error_finding, port_findings
+from rostether.bridge.peer_entry import BOARD_ENTRY
 from rostether.bridge.port_probe import TunableTransport, probe_port
 from rostether.bridge.watching import WATCH_S, Watched, watch_board
 from rostether.errors import RostetherError, TransportError
@@ -155,7 +156,7 @@ class Doctor:
                 came.set_result(transport)
 
         try:
-            listener: Listener = await listen(address, take)
+            listener: Listener = await listen(address, take, entry=BOARD_ENTRY)
         except RostetherError as failure:
             return Diagnosis(str(address), (await self._why_not_listening(address, failure),))
         try:

@@ -19,6 +19,7 @@ from rostether.bridge.health_round import HealthRound
 from rostether.bridge.identity import hardware_id, identify_peer, node_name
 from rostether.bridge.link_keeper import LinkKeeper, identify_address, way_back
 from rostether.bridge.machine_ports import THIS_MACHINE, MachinePorts
+from rostether.bridge.peer_entry import BOARD_ENTRY
 from rostether.bridge.reporter import LimitedReporter, Reporter, SilentReporter, reason_of
 from rostether.bridge.session import Session
 from rostether.bridge.settings import DEFAULT_SETTINGS, BridgeSettings
@@ -41,6 +42,7 @@ from rostether.transports.address import Address, SerialAddress, TcpAddress, Udp
 from rostether.transports.backoff import Backoff
 from rostether.transports.board_keys import NO_PROOF
 from rostether.transports.opening import listen, open_transport
+from rostether.transports.peers import PeerEntry
 from rostether.transports.transport import Listener, Transport
 
 # A master that is away is asked this seldom at most; people start it and expect the boards within seconds.
@@ -61,7 +63,9 @@ class OpenTransport(Protocol):
 class Listen(Protocol):
     """Listens for links; `transports.opening.listen` is the real one."""
 
-    def __call__(self, address: Address, on_transport: Callable[[Transport], None]) -> Awaitable[Listener]:
+    def __call__(
+        self, address: Address, on_transport: Callable[[Transport], None], *, entry: PeerEntry | None = None
+    ) -> Awaitable[Listener]:
         """Listen. Raises TransportOpenError."""
 
 
@@ -190,7 +194,7 @@ class Supervisor:
                 return
             self._run(self._serve_peer(address, transport))
 
-        listener = await self._listen(address, on_transport)
+        listener = await self._listen(address, on_transport, entry=BOARD_ENTRY)
         self._listeners.append(listener)
         self._reporter.line(Level.INFO, f"Waiting for boards on {listener.address}")
 

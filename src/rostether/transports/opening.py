@@ -21,6 +21,7 @@ from rostether.transports.transport import Listener, Transport
 
 if TYPE_CHECKING:
     from rostether.transports.board_keys import BoardKeys
+    from rostether.transports.peers import PeerEntry
 
 
 def list_serial_ports() -> list[SerialPort]:
@@ -68,11 +69,13 @@ async def listen(
     connections: int | None = None,
     connections_per_host: int | None = None,
     board_keys: BoardKeys | None = None,
+    entry: PeerEntry | None = None,
 ) -> Listener:
     """Listen where `address.listens`, calling back with each new link. Raises as `open_transport`.
 
     At most `connections` at a time, and of one address at most `connections_per_host` (None: the default of
     the kind of link; what needs no connection counts all alike). `board_keys` are those of single boards.
+    `entry` says which senders of datagrams become links.
     """
     if isinstance(address, str):
         address = parse_address(address)
@@ -93,7 +96,9 @@ async def listen(
             from rostether.transports.peers import MAX_PEERS
             from rostether.transports.udp import UdpListener
 
-            return await UdpListener.start(address, on_transport, max_peers=connections or MAX_PEERS)
+            return await UdpListener.start(
+                address, on_transport, max_peers=connections or MAX_PEERS, entry=entry
+            )
         case XbeeAddress():
             from rostether.transports.serial import open_serial
             from rostether.transports.xbee import XbeeListener

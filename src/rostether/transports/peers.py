@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Hashable
+from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 from rostether.errors import TransportClosedError, TransportError
@@ -18,6 +19,28 @@ MAX_PEERS = 64
 IDLE_LIMIT_S = 30.0
 # What a paused or not yet started receiver may miss before bytes are lost: this medium cannot be slowed down.
 _HELD_LIMIT_BYTES = 64 * 1024
+# Senders that have shown no frame yet; each may hold as much as one datagram and a piece of the next.
+_MAX_CANDIDATES = 256
+_CANDIDATE_BYTES = 2048
+# A board on Wi-Fi has answered our question by then.
+UNANSWERED_LIMIT_S = 0.5
+# Two periods of a healthy board; a shorter silence may be a sketch that sleeps.
+SILENT_LIMIT_S = 5.0
+
+
+@dataclass(frozen=True, slots=True)
+class PeerEntry:
+    """How a sender becomes a peer: by data in which `is_frame` finds a frame. `question` asks for one."""
+
+    is_frame: Callable[[bytes], bool]
+    question: bytes
+
+
+@dataclass(slots=True)
+class _Candidate:
+    data: bytearray = field(default_factory=bytearray)
+    allowance_bytes: int = 0
+    sent_bytes: int = 0
 
 
 class PeerTransport(Generic[PeerKey]):
@@ -27,6 +50,10 @@ class PeerTransport(Generic[PeerKey]):
         self.key = key
         self.expires = expires
         self.heard_at_s = table.now_s()
+        # Whether it has answered us. Until then its address may be forged, and we send no more than came.
+        self.has_answered = not expires or table.entry is None
+        self.allowance_bytes = 0
+        self._was_written_to = False
         self._table = table
         self._peer = peer
         self._receiver: Receiver | None = None
@@ -51,6 +78,11 @@ class PeerTransport(Generic[PeerKey]):
         """How many written bytes have not left yet, over all peers of the medium."""
         return 0 if self._lost else self._table.write_buffer_bytes()
 
+    def gives_way(self, now_s: float) -> bool:
+        """Tell whether it has been silent for so long that a new peer may take its place."""
+        limit_s = SILENT_LIMIT_S if self.has_answered else UNANSWERED_LIMIT_S
+        return self.expires and now_s - self.heard_at_s >= limit_s
+
     def start(self, receiver: Receiver) -> None:
         """Begin to deliver; called once. Nothing received before it is lost."""
         self._receiver = receiver
@@ -58,9 +90,18 @@ class PeerTransport(Generic[PeerKey]):
             asyncio.get_running_loop().call_soon(self._catch_up)
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
-        """Send bytes. Never blocks; after the pipe ended it does nothing."""
-        if not self._lost:
-            self._table.send(self.key, data)
+        """Send bytes. Never blocks; after the pipe ended it does nothing.
+
+        A peer that has not answered yet is sent no more bytes than it sent; the rest is lost.
+        """
+        if self._lost:
+            return
+        if not self.has_answered:
+            if len(data) > self.allowance_bytes:
+                return
+            self.allowance_bytes -= len(data)
+            self._was_written_to = True
+        self._table.send(self.key, data)
 
     def pause_reading(self) -> None:
         """Deliver nothing until resume_reading; what exceeds 64 KiB meanwhile is lost. Idempotent."""
@@ -83,6 +124,10 @@ class PeerTransport(Generic[PeerKey]):
     def deliver(self, data: bytes) -> None:
         """Take what the medium received from this peer."""
         self.heard_at_s = self._table.now_s()
+        if not self.has_answered:
+            self.allowance_bytes += len(data)
+            entry = self._table.entry
+            self.has_answered = self._was_written_to and (entry is None or entry.is_frame(data))
         if self._receiver is not None and not self._paused and not self._held:
             self._receiver.data_received(data)
         elif len(self._held) + len(data) <= _HELD_LIMIT_BYTES:
@@ -140,7 +185,10 @@ class PeerTable(Generic[PeerKey]):
         idle_limit_s: float = IDLE_LIMIT_S,
         clock: Callable[[], float] | None = None,
         on_forget: Callable[[], None] | None = None,
+        entry: PeerEntry | None = None,
     ) -> None:
+        self.entry = entry
+        self._candidates: dict[PeerKey, _Candidate] = {}
         self.send = send
         self.write_buffer_bytes = write_buffer_bytes
         self.now_s = clock if clock is not None else asyncio.get_running_loop().time
@@ -158,16 +206,55 @@ class PeerTable(Generic[PeerKey]):
         return len(self._peers)
 
     def receive(self, key: PeerKey, data: bytes) -> None:
-        """Deliver to the peer's transport, made when it is new; beyond the limit new peers are refused."""
+        """Deliver to the peer's transport, made when it is new and may enter; see `PeerEntry`.
+
+        When all places are taken, the peer gives way that is silent for longest: first one that has never
+        answered, then one that no longer speaks. A peer that speaks keeps its place.
+        """
         peer = self._peers.get(key)
         if peer is None:
+            sent_bytes = 0
+            if self.entry is not None:
+                candidate = self._candidates.pop(key, None) or _Candidate()
+                if not self._has_spoken(key, candidate, data, self.entry):
+                    return
+                data, sent_bytes = bytes(candidate.data), candidate.sent_bytes
             if len(self._peers) >= self._max_peers:
-                self.expire(self.now_s())
+                self._make_place(self.now_s())
             if len(self._peers) >= self._max_peers:
                 self.refusals.refuse(self._show(key), f"{self._max_peers} boards are connected already")
                 return
             peer = self.add(key)
+            peer.allowance_bytes -= sent_bytes
         peer.deliver(data)
+
+    def _has_spoken(self, key: PeerKey, candidate: _Candidate, data: bytes, entry: PeerEntry) -> bool:
+        """Tell whether a sender has said a frame; ask it for one until then."""
+        candidate.data += data
+        del candidate.data[:-_CANDIDATE_BYTES]
+        # A datagram mostly begins with a frame, whatever came before it.
+        if entry.is_frame(data) or (
+            len(candidate.data) > len(data) and entry.is_frame(bytes(candidate.data))
+        ):
+            return True
+        candidate.allowance_bytes += len(data)
+        if candidate.allowance_bytes >= len(entry.question):
+            candidate.allowance_bytes = 0
+            candidate.sent_bytes += len(entry.question)
+            self.send(key, entry.question)
+        if len(self._candidates) >= _MAX_CANDIDATES:
+            del self._candidates[next(iter(self._candidates))]
+        self._candidates[key] = candidate
+        return False
+
+    def _make_place(self, now_s: float) -> None:
+        self.expire(now_s)
+        if self.entry is None or len(self._peers) < self._max_peers:
+            return
+        silent = [peer for peer in self._peers.values() if peer.gives_way(now_s)]
+        if silent:
+            peer = min(silent, key=lambda peer: (peer.has_answered, peer.heard_at_s))
+            peer.end(TransportClosedError(f"{peer.peer} was silent, and its place is needed"))
 
     def add(self, key: PeerKey, *, expires: bool = True) -> PeerTransport[PeerKey]:
         """Make a peer's transport and announce it; one that is known beforehand need not expire."""

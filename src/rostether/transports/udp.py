@@ -16,7 +16,7 @@ from typing import Any, Protocol, TypeAlias, cast
 from rostether.errors import TransportTimeoutError
 from rostether.transports.address import UdpAddress, show_endpoint
 from rostether.transports.allow_list import AllowList
-from rostether.transports.peers import IDLE_LIMIT_S, MAX_PEERS, PeerTable, PeerTransport
+from rostether.transports.peers import IDLE_LIMIT_S, MAX_PEERS, PeerEntry, PeerTable, PeerTransport
 from rostether.transports.sockets import RESOLVE_LIMIT_S, explain_bind_error, explain_connect_error
 from rostether.transports.transport import Transport
 
@@ -97,6 +97,7 @@ class UdpListener(_DatagramSocket):
         max_peers: int,
         idle_limit_s: float,
         clock: Callable[[], float] | None,
+        entry: PeerEntry | None,
     ) -> None:
         super().__init__()
         self._allow = allow
@@ -110,6 +111,7 @@ class UdpListener(_DatagramSocket):
             max_peers=max_peers,
             idle_limit_s=idle_limit_s,
             clock=clock,
+            entry=entry,
         )
 
     @classmethod
@@ -121,9 +123,13 @@ class UdpListener(_DatagramSocket):
         max_peers: int = MAX_PEERS,
         idle_limit_s: float = IDLE_LIMIT_S,
         clock: Callable[[], float] | None = None,
+        entry: PeerEntry | None = None,
     ) -> UdpListener:
-        """Listen. Raises TransportOpenError when the port is taken or the host is not ours."""
-        listener = cls(on_transport, AllowList(address.allow), max_peers, idle_limit_s, clock)
+        """Listen; `entry` says which senders become peers (None: all).
+
+        Raises TransportOpenError when the port is taken or the host is not ours.
+        """
+        listener = cls(on_transport, AllowList(address.allow), max_peers, idle_limit_s, clock, entry)
         try:
             family, place = await _resolve(address.host, address.port)
             sock = _make_socket(family, local=place)

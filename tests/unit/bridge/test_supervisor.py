@@ -15,6 +15,7 @@ from rostether.graph.ports import Level
 from rostether.rosserial import topic_id as ids
 from rostether.transports.address import Address, parse_address
 from rostether.transports.memory import MemoryTransport, memory_pair
+from rostether.transports.peers import PeerEntry
 from rostether.transports.transport import Transport
 from unit.bridge.doubles import RecordingReporter, until
 from unit.bridge.nodes import STORE, text, topic_info
@@ -80,7 +81,9 @@ class Site:
         self.boards.append(RawBoard(theirs, *self.announcements))
         return ours
 
-    async def listen(self, address: Address, on_transport: Callable[[Transport], None]) -> FakeListener:
+    async def listen(
+        self, address: Address, on_transport: Callable[[Transport], None], *, entry: PeerEntry | None = None
+    ) -> FakeListener:
         self.listeners.append(FakeListener(address, on_transport))
         return self.listeners[-1]
 

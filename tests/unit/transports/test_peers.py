@@ -5,7 +5,7 @@ import asyncio
 import pytest
 
 from rostether.errors import TransportClosedError
-from rostether.transports.peers import PeerTable
+from rostether.transports.peers import PeerEntry, PeerTable
 from rostether.transports.transport import Transport
 from unit.transports.recorder import Arrivals, Recorder
 
@@ -137,4 +137,87 @@ async def test_a_peer_too_many_is_refused() -> None:
     for key in ("a", "b", "c"):
         medium.table.receive(key, b"x")
     assert (len(medium.table), medium.arrivals.count, medium.table.refusals.count) == (2, 2, 1)
+    medium.table.end_all(None)
+
+
+def entering(max_peers: int = 4) -> Medium:
+    """A medium whose senders become peers by data with `F` in it, and are asked by `????`."""
+    medium = Medium(max_peers)
+    medium.table.entry = PeerEntry(lambda data: b"F" in data, b"????")
+    return medium
+
+
+async def test_a_sender_is_a_peer_once_it_says_a_frame() -> None:
+    medium = entering()
+    medium.table.receive("a", b"text")
+    assert (len(medium.table), medium.arrivals.count) == (0, 0)
+    medium.table.receive("a", b"F")
+    _, seen = await medium.arrivals.next_started()
+    await seen.until_received(b"textF")
+    medium.table.end_all(None)
+
+
+async def test_a_frame_in_two_datagrams_counts() -> None:
+    medium = Medium()
+    medium.table.entry = PeerEntry(lambda data: b"FRAME" in data, b"????")
+    medium.table.receive("a", b"FR")
+    medium.table.receive("a", b"AME")
+    assert len(medium.table) == 1
+    medium.table.end_all(None)
+
+
+async def test_who_has_not_answered_is_sent_no_more_than_came() -> None:
+    medium = entering()
+    for _ in range(10):
+        medium.table.receive("a", b"x")
+    assert medium.sent == [("a", b"????")] * 2
+    medium.table.receive("a", b"F" * 8)
+    peer, _ = await medium.arrivals.next_started()
+    for _ in range(10):
+        peer.write(b"12345")
+    assert sum(len(data) for _, data in medium.sent) <= 18
+    medium.table.receive("a", b"not one")
+    peer.write(b"y" * 100)
+    assert medium.sent[-1] != ("a", b"y" * 100), "noise is no answer"
+    medium.table.receive("a", b"F")
+    peer.write(b"y" * 100)
+    assert medium.sent[-1] == ("a", b"y" * 100)
+    medium.table.end_all(None)
+
+
+async def test_candidates_take_no_place_and_are_bounded() -> None:
+    medium = entering(max_peers=2)
+    for number in range(1000):
+        medium.table.receive(str(number), b"x")
+    assert (len(medium.table), medium.sent) == (0, [])
+    assert len(medium.table._candidates) <= 256
+    medium.table.receive("board", b"F")
+    assert len(medium.table) == 1
+    medium.table.end_all(None)
+
+
+async def test_silent_peers_give_way_and_those_that_speak_do_not() -> None:
+    medium = entering(max_peers=3)
+    medium.table.receive("board", b"F")
+    board, board_seen = await medium.arrivals.next_started()
+    board.write(b"?")
+    for key in ("forged 1", "forged 2"):
+        medium.table.receive(key, b"F")
+    _, forged = await medium.arrivals.next_started()
+    medium.now_s = 1.0
+    medium.table.receive("board", b"F")
+    medium.table.receive("new", b"F")
+    assert "its place is needed" in str(await forged.until_lost())
+    medium.table.receive("forged 3", b"F")
+    for number in range(100):
+        medium.table.receive(f"forged {number}", b"F")
+    medium.now_s = 4.0
+    for number in range(100):
+        medium.table.receive(f"forged again {number}", b"F")
+    assert not board_seen.losses
+    medium.now_s = 7.0
+    medium.table.receive("new 2", b"F")
+    medium.table.receive("new 3", b"F")
+    medium.table.receive("new 4", b"F")
+    assert await board_seen.until_lost(), "it no longer speaks"
     medium.table.end_all(None)

@@ -22,6 +22,7 @@ from rostether.errors import ConfigError
 from rostether.graph.ports import Level
 from rostether.ros1.environment import RosEnvironment
 from rostether.transports.address import Address, TcpAddress
+from rostether.transports.peers import PeerEntry
 
 if TYPE_CHECKING:
     from rostether.bridge.supervisor import Supervisor
@@ -102,7 +103,9 @@ async def _replay(
         for each in settling:
             await each.settle()
 
-    async def listen(address: Address, on_transport: Callable[[Transport], None]) -> CaptureListener:
+    async def listen(
+        address: Address, on_transport: Callable[[Transport], None], *, entry: PeerEntry | None = None
+    ) -> CaptureListener:
         listeners.append(CaptureListener(capture, on_transport, speed=speed, settle=settle))
         return listeners[-1]
 
