@@ -9,7 +9,7 @@ from websockets.asyncio.client import ClientConnection, connect
 
 from interop.ros1_peers import Ros1Peers
 from rostether.cli.bridge.serving import joining_ros1
-from rostether.cli.gateway.gateways import gateways, ros1_gateway_graph
+from rostether.cli.gateway.gateways import ros1_gateway_graph, rosbridge_gateway
 from rostether.cli.gateway.options import GatewayOptions
 from rostether.msgdef.registry import Registry
 from rostether.ros1.environment import RosEnvironment
@@ -38,7 +38,7 @@ async def test_a_page_and_debians_tools(roscore: Ros1Peers) -> None:
     environment = RosEnvironment.read({"ROS_MASTER_URI": roscore.master_uri})
     on = ros1_gateway_graph(joining_ros1(environment), TypeStore(Registry()), environment)
     options = GatewayOptions(rosbridge="127.0.0.1:0")
-    async with gateways(options, on, lambda level, text: None) as server:
+    async with rosbridge_gateway(options, on, lambda level, text: None) as server:
         assert server is not None
         async with connect(server.uri) as connection:
             page = Page(connection)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from contract.zenoh_graphs import open_session
 from interop.ros1_peers import free_port
-from rostether.cli.service.probe import probe_type
+from rostether.cli.service.ros1_probe import probe_type
 from rostether.errors import MasterUnreachableError
 from rostether.gateways.rosbridge.values import Style
 from rostether.graph.memory_network import MemoryNetwork

@@ -14,7 +14,7 @@ import pytest
 
 from contract.implementations import IMPLEMENTATIONS
 from interop_web.web_peers import WebPeers
-from rostether.cli.service.probe import probe_type
+from rostether.cli.service.ros1_probe import probe_type
 from rostether.gateways.foxglove.gateway import FoxgloveGateway
 from rostether.gateways.foxglove.server_messages import SUBPROTOCOLS
 from rostether.gateways.foxglove.settings import CAPABILITIES, FoxgloveSettings

@@ -52,7 +52,9 @@ VERBS = {
     "rosbridge": VerbEntry(
         "rostether.cli.gateway.rosbridge:rosbridge", "Let web pages use the graph, as rosbridge does."
     ),
-    "graph": VerbEntry("rostether.cli.plot.graph:graph", "Show nodes and topics, as text or as a picture."),
+    "graph": VerbEntry(
+        "rostether.cli.plot.graph:show_graph", "Show nodes and topics, as text or as a picture."
+    ),
     "plot": VerbEntry(
         "rostether.cli.plot.plot:plot", "Draw values of topics over time, live or into a file."
     ),

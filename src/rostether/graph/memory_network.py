@@ -95,7 +95,7 @@ class MemoryNetwork:
         try:
             return self._services[name]
         except KeyError:
-            raise UnknownNameError(f"nobody offers the service {name}") from None
+            raise UnknownNameError(f"no node offers the service {name}") from None
 
     def snapshot(self) -> Snapshot:
         """Return the whole graph as it stands."""

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rostether.cli.access.ros_choice import Middleware, chosen_ros2
+from rostether.cli.access.graph_options import GraphOptions
+from rostether.cli.access.ros_choice import chosen_middleware
 from rostether.errors import RostetherError
 
 if TYPE_CHECKING:
@@ -79,7 +80,7 @@ def complete_packages(_ctx: click.Context, _param: click.Parameter, incomplete: 
 
 
 def _registry(ctx: click.Context) -> Registry:
-    if _middleware(ctx) is not None:
+    if _graph(ctx).ros2 is not None:
         from rostether.ros2.native_registry import NativeRegistry
 
         return NativeRegistry.from_environment()
@@ -88,10 +89,12 @@ def _registry(ctx: click.Context) -> Registry:
     return Registry.from_environment()
 
 
-def _middleware(ctx: click.Context) -> Middleware | None:
-    """Return the middleware that the command line so far means."""
-    with ctx.scope(cleanup=False):
-        return chosen_ros2()
+def _graph(ctx: click.Context) -> GraphOptions:
+    """Return the graph that the command line so far means."""
+    ros1, ros2 = bool(ctx.params.get("ros1")), ctx.params.get("ros2")
+    return GraphOptions(
+        ros1=ros1, ros2=chosen_middleware(ros1=ros1, ros2=ros2), master=ctx.params.get("master")
+    )
 
 
 def _nodes(view: GraphView) -> Iterable[str]:
@@ -132,16 +135,16 @@ def _complete(
     ros2_names: Callable[[GraphView], Iterable[str]],
     incomplete: str,
 ) -> list[str]:
-    middleware = _middleware(ctx)
-    if middleware is not None:
-        return _complete_ros2(middleware, ros2_names, incomplete)
+    graph = _graph(ctx)
+    if graph.ros2 is not None:
+        return _complete_ros2(graph, ros2_names, incomplete)
     # Not at import: it takes a quarter of a command's start, and not all commands need it.
     import asyncio
 
     from rostether.cli.access.ros1_access import master_client, read_environment
 
     async def ask() -> Iterable[str]:
-        async with asyncio.timeout(TIMEOUT_S), master_client(read_environment()) as client:
+        async with asyncio.timeout(TIMEOUT_S), master_client(read_environment(graph)) as client:
             return await names(client)
 
     try:
@@ -152,14 +155,14 @@ def _complete(
 
 
 def _complete_ros2(
-    middleware: Middleware, names: Callable[[GraphView], Iterable[str]], incomplete: str
+    graph: GraphOptions, names: Callable[[GraphView], Iterable[str]], incomplete: str
 ) -> list[str]:
     import asyncio
 
     from rostether.cli.access.ros2_tool_node import tool_node
 
     async def ask() -> Iterable[str]:
-        async with asyncio.timeout(ROS2_TIMEOUT_S), tool_node(middleware, is_quiet=True) as tool:
+        async with asyncio.timeout(ROS2_TIMEOUT_S), tool_node(graph, is_quiet=True) as tool:
             return names(await tool.look_well())
 
     try:

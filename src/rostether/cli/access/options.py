@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar
 
 import click
 
-Function = TypeVar("Function", bound=Callable[..., Any])
+from rostether.cli.shell.option_group import Function
 
 msg_path_option = click.option(
     "--msg-path",
@@ -17,10 +16,6 @@ msg_path_option = click.option(
     metavar="DIR",
     type=click.Path(path_type=Path),
     help="A folder of packages or of .msg and .srv files; may be repeated, before ROS_PACKAGE_PATH.",
-)
-
-master_option = click.option(
-    "--master", metavar="URI", help="The ROS master, instead of ROS_MASTER_URI (http://localhost:11311)."
 )
 
 
@@ -35,31 +30,6 @@ def window_option(default: int | None) -> Callable[[Function], Function]:
         help=f"Measure over the last COUNT messages{f' ({default})' if default else ''}.",
     )
 
-
-allow_option = click.option(
-    "--allow",
-    "allowed",
-    multiple=True,
-    metavar="CIDR",
-    help="Who may connect to what listens beyond loopback, such as 192.168.1.0/24; may be repeated.",
-)
-
-ALLOWED = "rostether.allowed"
-"""Where the context of a command keeps what its `--allow` said; `read_environment` heeds it."""
-
-
-def _remember_allowed(context: click.Context, _parameter: click.Parameter, networks: tuple[str, ...]) -> None:
-    context.meta[ALLOWED] = networks
-
-
-tool_allow_option = click.option(
-    "--allow",
-    multiple=True,
-    metavar="CIDR",
-    expose_value=False,
-    callback=_remember_allowed,
-    help="Which machines may connect to this node (where ROS_IP lets others in); may be repeated.",
-)
 
 listen_option = click.option(
     "--listen",

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import AsyncIterator, Iterable, Mapping
+from collections.abc import AsyncIterator, Iterable
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
-
-from rostether.cli.access.options import ALLOWED
+from rostether.cli.access.graph_options import GraphOptions
 from rostether.errors import MasterUnreachableError
 from rostether.names.resolve import resolve_name
 from rostether.ros1.environment import RosEnvironment
@@ -23,7 +21,7 @@ if TYPE_CHECKING:
 OUR_NAME = "/rostether"
 """The caller id of commands that are no node, and what `~` in a name given to one means."""
 
-_ENVIRONMENT_OF_SPECIAL = {
+_ENVIRONMENT_OF_ARGUMENT = {
     "__ns": "ROS_NAMESPACE",
     "__master": "ROS_MASTER_URI",
     "__ip": "ROS_IP",
@@ -31,24 +29,18 @@ _ENVIRONMENT_OF_SPECIAL = {
 }
 
 
-def special_arguments() -> Mapping[str, str]:
-    """Return the ROS arguments such as `__name:=x` of this command line."""
-    context = click.get_current_context(silent=True)
-    specials = context.find_root().obj if context is not None else None
-    return specials if isinstance(specials, dict) else {}
-
-
-def read_environment(master: str | None = None) -> RosEnvironment:
-    """Return the ROS environment under this command line; `--master` wins. Raises ConfigError."""
-    specials = special_arguments()
+def read_environment(graph: GraphOptions | None = None) -> RosEnvironment:
+    """Return the ROS environment of a command; what was typed wins over variables. Raises ConfigError."""
+    graph = graph or GraphOptions()
     variables = dict(os.environ)
     variables.update(
-        {_ENVIRONMENT_OF_SPECIAL[key]: specials[key] for key in specials.keys() & _ENVIRONMENT_OF_SPECIAL}
+        {
+            _ENVIRONMENT_OF_ARGUMENT[key]: graph.arguments[key]
+            for key in graph.arguments.keys() & _ENVIRONMENT_OF_ARGUMENT
+        }
     )
-    environment = RosEnvironment.read(variables)
-    context = click.get_current_context(silent=True)
-    environment = environment.allowing(context.meta.get(ALLOWED, ()) if context is not None else ())
-    return environment if master is None else environment.with_master(master)
+    environment = RosEnvironment.read(variables).allowing(graph.allow)
+    return environment if graph.master is None else environment.with_master(graph.master)
 
 
 def resolve(name: str, environment: RosEnvironment) -> str:
@@ -65,7 +57,7 @@ def in_namespace(name: str, namespace: str) -> bool:
 async def master_client(
     environment: RosEnvironment, caller_id: str = OUR_NAME
 ) -> AsyncIterator[MasterClient]:
-    """Talk to the master without being a node. Raises MasterUnreachableError with what to do next."""
+    """Ask the master without being a node. Raises MasterUnreachableError with what to do next."""
     client = MasterClient(environment.master_uri, caller_id)
     try:
         yield client
@@ -77,13 +69,22 @@ async def master_client(
 
 @asynccontextmanager
 async def joined(
-    environment: RosEnvironment,
+    graph: GraphOptions,
     msg_paths: Iterable[Path] = (),
     *,
     purpose: str = "rostether",
     store: TypeStore | None = None,
+    environment: RosEnvironment | None = None,
 ) -> AsyncIterator[TypedGraph]:
-    """Be a node with a name that nobody else has. Raises MasterUnreachableError with what to do next."""
+    """Be a node with a unique name. Raises MasterUnreachableError with what to do next.
+
+    Args:
+        graph: The graph to join.
+        msg_paths: Folders with definitions, unless there is a `store`.
+        purpose: What the node's name begins with.
+        store: The types to use.
+        environment: The environment of `graph`, where the caller has read it already.
+    """
     from rostether.graph.typed_graph import TypedGraph
     from rostether.joining import anonymous_name
     from rostether.ros1.node.node import join_ros1
@@ -93,13 +94,14 @@ async def joined(
         from rostether.serde.store import TypeStore
 
         store = TypeStore(Registry.from_environment(msg_paths))
-    name = special_arguments().get("__name") or anonymous_name(purpose)
+    environment = environment or read_environment(graph)
+    name = graph.arguments.get("__name") or anonymous_name(purpose)
     try:
-        graph = await join_ros1(name, environment=environment, namespace=environment.namespace)
+        node = await join_ros1(name, environment=environment, namespace=environment.namespace)
         try:
-            yield TypedGraph(graph, store)
+            yield TypedGraph(node, store)
         finally:
-            await graph.close()
+            await node.close()
     except MasterUnreachableError as error:
         raise no_master(environment, error) from error
 

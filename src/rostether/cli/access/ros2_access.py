@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rostether.cli.access.graph_options import ZenohReach
 from rostether.cli.access.ros_choice import Middleware
 from rostether.errors import ConfigError
 from rostether.extras import install_command
@@ -17,15 +18,6 @@ from rostether.ros2.environment import Ros2Environment
 if TYPE_CHECKING:
     from rostether.ros2.type_support import Ros2Types
     from rostether.ros2.zenoh.session import ZenohSession
-
-
-@dataclass(frozen=True, slots=True)
-class ZenohReach:
-    """What the command line says of zenoh: endpoints as `tcp/192.168.1.7:7447`, and a `RouterChoice`."""
-
-    connect: tuple[str, ...] = ()
-    listen: tuple[str, ...] = ()
-    router: str = "auto"
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,8 +8,8 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar, cast
 
-from rostether.cli.access.ros1_access import special_arguments
-from rostether.cli.access.ros2_access import ZenohReach, ros2_access
+from rostether.cli.access.graph_options import GraphOptions, ZenohReach
+from rostether.cli.access.ros2_access import ros2_access
 from rostether.cli.access.ros2_view import GraphView, is_hidden
 from rostether.cli.access.ros_choice import Middleware
 from rostether.cli.shell.output import warn
@@ -82,7 +82,7 @@ def _looks_complete(view: GraphView) -> bool:
 
 @asynccontextmanager
 async def tool_node(
-    middleware: Middleware, msg_paths: Iterable[Path] = (), *, is_quiet: bool = False
+    options: GraphOptions, msg_paths: Iterable[Path] = (), *, is_quiet: bool = False
 ) -> AsyncIterator[ToolNode]:
     """Be a hidden node as long as the block lasts; a quiet one gives no advice.
 
@@ -93,7 +93,8 @@ async def tool_node(
     from rostether.ros2.native_types import NativeTypes
     from rostether.serde.store import TypeStore
 
-    specials = special_arguments()
+    middleware = options.ros2
+    assert middleware is not None
     registry = NativeRegistry.from_environment(msg_paths)
     # A tool comes and goes: it must not be the router that others count on.
     reach = ZenohReach(router="never")
@@ -102,7 +103,8 @@ async def tool_node(
         if middleware is Middleware.ZENOH and not is_quiet:
             await warn_without_router()
         graph = await access.join(
-            specials.get("__name") or anonymous_name(HIDDEN_NAME), namespace=specials.get("__ns", "/")
+            options.arguments.get("__name") or anonymous_name(HIDDEN_NAME),
+            namespace=options.arguments.get("__ns", "/"),
         )
         try:
             yield ToolNode(TypedGraph(graph, TypeStore(registry)), registry, types, middleware)
@@ -122,12 +124,12 @@ async def warn_without_router() -> None:
         )
 
 
-def asked(middleware: Middleware, question: Callable[[ToolNode], Awaitable[T]]) -> T:
+def asked(options: GraphOptions, question: Callable[[ToolNode], Awaitable[T]]) -> T:
     """Run a question to the graph as a whole command. Raises what `tool_node` and the question raise."""
     from rostether.cli.shell.running import run
 
     async def ask() -> T:
-        async with tool_node(middleware) as tool:
+        async with tool_node(options) as tool:
             return await question(tool)
 
     return run(ask())

@@ -9,18 +9,14 @@ from importlib.util import find_spec
 
 import click
 
-from rostether.cli.access.options import Function
-
 ROS2_OPTION = "--ros2"
+# What `--ros2` alone means: the middleware that the environment names, else the one that is installed.
 ANY_MIDDLEWARE = "any"
-"""What `--ros2` alone means: the middleware that the environment names, else the one that is installed."""
 
+# What people call middlewares that only rclpy reaches: none of these is an address or a topic.
 _OF_RCLPY = frozenset(
     {"connext", "connextdds", "cyclone", "cyclonedds", "dds", "fastdds", "fastrtps", "gurumdds", "opensplice"}
 )
-"""What people call middlewares that only rclpy reaches: no address or topic is meant by these."""
-
-_CHOICE_KEY = "rostether.ros_choice"
 
 
 class Middleware(StrEnum):
@@ -30,10 +26,14 @@ class Middleware(StrEnum):
     RCLPY = "rclpy"
 
 
-class _MiddlewareName(click.Choice[str]):
-    """What may stand behind `--ros2`; says of other middlewares how they are reached."""
+class MiddlewareName(click.Choice[str]):
+    """The values of `--ros2`; the error for another middleware names the value that reaches it."""
+
+    def __init__(self) -> None:
+        super().__init__([*map(str, Middleware), ANY_MIDDLEWARE])
 
     def convert(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        """Return the value. Fails with a usage error that says what to type instead."""
         if value == "rmw_zenoh_cpp":
             self.fail(f"{value!r} is written --ros2 zenoh", param, ctx)
         if value not in self.choices:
@@ -48,7 +48,7 @@ def _is_middleware(word: str) -> bool:
 
 
 def with_middleware(arguments: list[str]) -> list[str]:
-    """Give a `--ros2` that stands alone its value: the word behind it counts only if it is a middleware."""
+    """Add the value to a `--ros2` without one: the next word is its value only if it names a middleware."""
     named = [
         f"{each}={ANY_MIDDLEWARE}" if each == ROS2_OPTION and not _is_middleware(following) else each
         for each, following in zip(arguments, [*arguments[1:], ""], strict=False)
@@ -57,66 +57,26 @@ def with_middleware(arguments: list[str]) -> list[str]:
     return named[:end] + arguments[end:]
 
 
-def _keep(context: click.Context, parameter: click.Parameter, value: object) -> object:
-    if value:
-        chosen = context.meta.setdefault(_CHOICE_KEY, {})
-        chosen[parameter.name] = value
-    return value
+def chosen_middleware(
+    *, ros1: bool = False, ros2: str | None = None, environ: Mapping[str, str] | None = None
+) -> Middleware | None:
+    """Return the middleware of the ROS 2 graph that a command means, None if it means ROS 1 alone.
 
-
-def ros2_option(function: Function) -> Function:
-    """Add `--ros2 [zenoh|rclpy]`; `chosen_ros2` tells what was typed."""
-    return click.option(
-        ROS2_OPTION,
-        type=_MiddlewareName([*map(str, Middleware), ANY_MIDDLEWARE]),
-        metavar="[zenoh|rclpy]",
-        expose_value=False,
-        callback=_keep,
-        help="Use the ROS 2 graph, over zenoh or an installed rclpy.",
-    )(function)
-
-
-def ros1_option(function: Function) -> Function:
-    """Add `--ros1`, for those who have a ROS 2 sourced, or want both."""
-    return click.option(
-        "--ros1",
-        is_flag=True,
-        expose_value=False,
-        callback=_keep,
-        help="Use the ROS 1 graph, also where a ROS 2 is sourced; with --ros2: both at once.",
-    )(function)
-
-
-def _typed() -> Mapping[str, str]:
-    context = click.get_current_context(silent=True)
-    typed: Mapping[str, str] = context.meta.get(_CHOICE_KEY, {}) if context is not None else {}
-    return typed
-
-
-def chosen_ros2(environ: Mapping[str, str] | None = None) -> Middleware | None:
-    """Return the middleware of the ROS 2 graph that this command line means, None if it means none."""
+    Args:
+        ros1: Whether `--ros1` was typed.
+        ros2: The value of `--ros2`, None where it was not typed.
+        environ: Environment variables, os.environ if None.
+    """
     variables = os.environ if environ is None else environ
-    typed = _typed()
-    named = typed.get("ros2", "")
-    if not named:
-        if "ros1" in typed or variables.get("ROS_VERSION") == "1":
+    if not ros2:
+        if ros1 or variables.get("ROS_VERSION") == "1":
             return None
         if variables.get("ROS_VERSION") != "2" and not variables.get("RMW_IMPLEMENTATION"):
             return None
-    if named in list(Middleware):
-        return Middleware(named)
+    if ros2 in list(Middleware):
+        return Middleware(ros2)
     implementation = variables.get("RMW_IMPLEMENTATION", "")
     if implementation:
-        # Other middlewares than zenoh are within reach of rclpy alone.
+        # Only rclpy reaches other middlewares than zenoh.
         return Middleware.ZENOH if implementation == "rmw_zenoh_cpp" else Middleware.RCLPY
     return Middleware.RCLPY if find_spec("rclpy") is not None else Middleware.ZENOH
-
-
-def typed_ros1() -> bool:
-    """Tell whether `--ros1` was typed."""
-    return "ros1" in _typed()
-
-
-def chosen_ros1() -> bool:
-    """Tell whether this command line means the ROS 1 graph, alone or beside ROS 2."""
-    return "ros1" in _typed() or chosen_ros2() is None

@@ -8,17 +8,18 @@ import os
 import sys
 from collections.abc import AsyncIterator, Callable
 from contextlib import ExitStack, asynccontextmanager, closing
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from rostether.cli.access.options import master_option, msg_path_option, tool_allow_option
+from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
+from rostether.cli.access.options import msg_path_option
 from rostether.cli.access.ros1_access import read_environment, resolve
-from rostether.cli.access.ros2_options import zenoh_reach_options
-from rostether.cli.access.ros_choice import ros1_option, ros2_option
 from rostether.cli.bag.progress import show
-from rostether.cli.bag.recording_graph import is_on_ros2_alone, recording_graph
+from rostether.cli.bag.recording_graph import recording_graph
+from rostether.cli.shell.option_group import ignored_options, option_group
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -27,10 +28,110 @@ from rostether.rostime import NS_PER_S
 
 if TYPE_CHECKING:
     from rostether.recording.player import Player, PlaySettings
-    from rostether.ros1.environment import RosEnvironment
 
 PROGRESS_PERIOD_S = 0.1
 _KEYS_SHOWN = "Space pauses, s plays one message while paused, q ends."
+
+
+@dataclass(frozen=True, slots=True)
+class PlayOptions:
+    """The options of `bag play`."""
+
+    rate: float
+    start_s: float
+    duration_s: float | None
+    is_looping: bool
+    immediate: bool
+    is_paused: bool
+    with_clock: bool
+    hz: float
+    topics: tuple[str, ...]
+    pause_topics: tuple[str, ...]
+    bags: tuple[str, ...]
+    prefix: str
+    skip_empty: float | None
+    delay: float
+    wait_for_subscribers: bool
+    keep_alive: bool
+    queue: int | None
+    rate_control_topic: str | None
+    rate_control_max_delay: float
+    quiet: bool
+    msg_paths: tuple[Path, ...]
+
+
+_play_options = option_group(
+    "options",
+    PlayOptions,
+    (
+        click.option(
+            "-r", "--rate", type=click.FloatRange(min=0, min_open=True), default=1.0, help="How fast (1)."
+        ),
+        click.option(
+            "-s", "--start", "start_s", type=float, default=0.0, metavar="SEC", help="Begin at SEC."
+        ),
+        click.option(
+            "-u",
+            "--duration",
+            "duration_s",
+            type=click.FloatRange(min=0),
+            metavar="SEC",
+            help="Play only SEC.",
+        ),
+        click.option("-l", "--loop", "is_looping", is_flag=True, help="Begin again at the end."),
+        click.option("-i", "--immediate", is_flag=True, help="Play without waiting."),
+        click.option("--pause", "is_paused", is_flag=True, help="Start paused."),
+        click.option("--clock", "with_clock", is_flag=True, help="Publish the recording's time on /clock."),
+        click.option(
+            "--hz", type=click.FloatRange(min=0, min_open=True), default=100.0, help="How often (100)."
+        ),
+        click.option(
+            "--topics",
+            "topics",
+            multiple=True,
+            metavar="TOPIC",
+            help="Play only these; several may follow one another.",
+        ),
+        click.option(
+            "--pause-topics", multiple=True, metavar="TOPIC", help="Pause at each message of these."
+        ),
+        click.option("--bags", multiple=True, metavar="FILE", help="Where --topics stands before the files."),
+        click.option("-p", "--prefix", default="", metavar="NAME", help="Put all topics below NAME."),
+        click.option(
+            "--skip-empty", type=click.FloatRange(min=0), metavar="SEC", help="Jump over longer silences."
+        ),
+        click.option(
+            "-d",
+            "--delay",
+            type=click.FloatRange(min=0),
+            default=0.2,
+            metavar="SEC",
+            help="Let subscribers connect (0.2).",
+        ),
+        click.option("--wait-for-subscribers", is_flag=True, help="Begin when every topic has a subscriber."),
+        click.option("-k", "--keep-alive", is_flag=True, help="Stay at the end, for latched topics."),
+        click.option(
+            "--queue",
+            type=click.IntRange(min=0),
+            metavar="COUNT",
+            help="Keep COUNT messages of each topic for slow subscribers (as many as go in 4 MB).",
+        ),
+        click.option(
+            "--rate-control-topic",
+            metavar="TOPIC",
+            help="Wait while nothing has come on TOPIC for the time below.",
+        ),
+        click.option(
+            "--rate-control-max-delay",
+            type=click.FloatRange(min=0),
+            default=1.0,
+            metavar="SEC",
+            help="How long a silence of it is let pass (1).",
+        ),
+        click.option("-q", "--quiet", is_flag=True, help="Say nothing but what goes wrong."),
+        msg_path_option,
+    ),
+)
 
 
 @click.command(
@@ -44,96 +145,20 @@ _KEYS_SHOWN = "Space pauses, s plays one message while paused, q ends."
     rostether bag play --ros2 zenoh rosbag2_2026-11-20-10-00-00
     """,
 )
+@_play_options
 @click.argument("files", nargs=-1, required=True, metavar="FILE... [FROM:=TO]...")
-@click.option("-r", "--rate", type=click.FloatRange(min=0, min_open=True), default=1.0, help="How fast (1).")
-@click.option("-s", "--start", "start_s", type=float, default=0.0, metavar="SEC", help="Begin at SEC.")
-@click.option(
-    "-u", "--duration", "duration_s", type=click.FloatRange(min=0), metavar="SEC", help="Play only SEC."
-)
-@click.option("-l", "--loop", "is_looping", is_flag=True, help="Begin again at the end.")
-@click.option("-i", "--immediate", is_flag=True, help="Play without waiting.")
-@click.option("--pause", "is_paused", is_flag=True, help="Start paused.")
-@click.option("--clock", "with_clock", is_flag=True, help="Publish the recording's time on /clock.")
-@click.option("--hz", type=click.FloatRange(min=0, min_open=True), default=100.0, help="How often (100).")
-@click.option(
-    "--topics",
-    "topics",
-    multiple=True,
-    metavar="TOPIC",
-    help="Play only these; several may follow one another.",
-)
-@click.option("--pause-topics", multiple=True, metavar="TOPIC", help="Pause at each message of these.")
-@click.option("--bags", multiple=True, metavar="FILE", help="Where --topics stands before the files.")
-@click.option("-p", "--prefix", default="", metavar="NAME", help="Put all topics below NAME.")
-@click.option("--skip-empty", type=click.FloatRange(min=0), metavar="SEC", help="Jump over longer silences.")
-@click.option(
-    "-d",
-    "--delay",
-    type=click.FloatRange(min=0),
-    default=0.2,
-    metavar="SEC",
-    help="Let subscribers connect (0.2).",
-)
-@click.option("--wait-for-subscribers", is_flag=True, help="Begin when every topic has a subscriber.")
-@click.option("-k", "--keep-alive", is_flag=True, help="Stay at the end, for latched topics.")
-@click.option(
-    "--queue",
-    type=click.IntRange(min=0),
-    metavar="COUNT",
-    help="Keep COUNT messages of each topic for slow subscribers (as many as go in 4 MB).",
-)
-@click.option(
-    "--rate-control-topic", metavar="TOPIC", help="Wait while nothing has come on TOPIC for the time below."
-)
-@click.option(
-    "--rate-control-max-delay",
-    type=click.FloatRange(min=0),
-    default=1.0,
-    metavar="SEC",
-    help="How long a silence of it is let pass (1).",
-)
-@click.option("--try-future-version", is_flag=True, hidden=True, help="For habit: there is no later one.")
-@click.option("-q", "--quiet", is_flag=True, help="Say nothing but what goes wrong.")
-@master_option
-@msg_path_option
-@ros1_option
-@ros2_option
-@zenoh_reach_options
-@tool_allow_option
-def bag_play(
-    files: tuple[str, ...],
-    rate: float,
-    start_s: float,
-    duration_s: float | None,
-    is_looping: bool,
-    immediate: bool,
-    is_paused: bool,
-    with_clock: bool,
-    hz: float,
-    topics: tuple[str, ...],
-    pause_topics: tuple[str, ...],
-    bags: tuple[str, ...],
-    prefix: str,
-    skip_empty: float | None,
-    delay: float,
-    wait_for_subscribers: bool,
-    keep_alive: bool,
-    queue: int | None,
-    rate_control_topic: str | None,
-    rate_control_max_delay: float,
-    try_future_version: bool,
-    quiet: bool,
-    master: str | None,
-    msg_paths: tuple[Path, ...],
-) -> None:
+@ignored_options(try_future_version="--try-future-version")
+@graph_options(allow=TOOL_ALLOW, zenoh=True)
+def bag_play(options: PlayOptions, files: tuple[str, ...], graph: GraphOptions) -> None:
     """Publish what recordings hold, at the times it came. Space pauses, s steps, q ends.
 
     Set /use_sim_time to true before nodes start when they are to live in the recording's time (--clock).
     """
+    topics = options.topics
     from rostether.recording.player import PlaySettings
 
-    environment = read_environment(master)
-    plain = [*files, *bags]
+    environment = read_environment(graph)
+    plain = [*files, *options.bags]
     remappings = dict(each.split(":=", 1) for each in plain if ":=" in each and not each.startswith("_"))
     # As rosbag takes it, `--topics /a /b`: names that are no file are topics.
     given = [each for each in plain if ":=" not in each]
@@ -143,30 +168,41 @@ def bag_play(
     if not given:
         raise click.UsageError("name a file to play")
     settings = PlaySettings(
-        rate=rate,
-        start_s=start_s,
-        duration_s=duration_s,
-        is_immediate=immediate,
-        is_looping=is_looping,
-        starts_paused=is_paused,
-        skip_empty_s=skip_empty,
-        delay_s=delay,
-        clock_hz=hz if with_clock else None,
-        queue_messages=queue,
-        rate_control_topic=resolve(rate_control_topic, environment) if rate_control_topic else "",
-        rate_control_max_delay_s=rate_control_max_delay,
-        waits_for_subscribers=wait_for_subscribers,
-        pause_topics=frozenset(resolve(each, environment) for each in pause_topics),
+        rate=options.rate,
+        start_s=options.start_s,
+        duration_s=options.duration_s,
+        is_immediate=options.immediate,
+        is_looping=options.is_looping,
+        starts_paused=options.is_paused,
+        skip_empty_s=options.skip_empty,
+        delay_s=options.delay,
+        clock_hz=options.hz if options.with_clock else None,
+        queue_messages=options.queue,
+        rate_control_topic=resolve(options.rate_control_topic, environment)
+        if options.rate_control_topic
+        else "",
+        rate_control_max_delay_s=options.rate_control_max_delay,
+        waits_for_subscribers=options.wait_for_subscribers,
+        pause_topics=frozenset(resolve(each, environment) for each in options.pause_topics),
         topics=frozenset(resolve(each, environment) for each in topics),
-        prefix=resolve(prefix, environment) if prefix else "",
+        prefix=resolve(options.prefix, environment) if options.prefix else "",
         remappings={resolve(old, environment): resolve(new, environment) for old, new in remappings.items()},
     )
     paths = [Path(each) for each in given]
-    run(_play(environment, paths, settings, keep_alive=keep_alive, quiet=quiet, msg_paths=msg_paths))
+    run(
+        _play(
+            graph,
+            paths,
+            settings,
+            keep_alive=options.keep_alive,
+            quiet=options.quiet,
+            msg_paths=options.msg_paths,
+        )
+    )
 
 
 async def _play(
-    environment: RosEnvironment,
+    options: GraphOptions,
     paths: list[Path],
     settings: PlaySettings,
     *,
@@ -178,7 +214,7 @@ async def _play(
     from rostether.recording.player import Player
 
     with ExitStack() as opened:
-        is_native = is_on_ros2_alone()
+        is_native = options.is_ros2_alone
         readers = [opened.enter_context(closing(open_recording(path, is_native=is_native))) for path in paths]
         for path, reader in zip(paths, readers, strict=True):
             for topic, why in reader.unreadable.items():
@@ -187,7 +223,7 @@ async def _play(
         _check_topics(settings, {each.topic for each in connections})
         origins = [each.origin for each in connections if each.origin is not None]
         async with recording_graph(
-            environment, "play", is_native=is_native, origins=origins, msg_paths=msg_paths
+            options, "play", is_native=is_native, origins=origins, msg_paths=msg_paths
         ) as graph:
             player = Player(graph.raw, readers, settings)
             if settings.start_s > player.length_s:

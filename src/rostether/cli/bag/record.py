@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.access.completions import complete_topics
-from rostether.cli.access.options import master_option, msg_path_option, tool_allow_option
+from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
+from rostether.cli.access.options import msg_path_option
 from rostether.cli.access.ros1_access import read_environment, resolve
-from rostether.cli.access.ros2_options import zenoh_reach_options
-from rostether.cli.access.ros_choice import ros1_option, ros2_option
 from rostether.cli.bag.figures import size_text
 from rostether.cli.bag.progress import ProgressLine
 from rostether.cli.bag.recording_files import NewFiles, Packing, asked_form, format_option, storage_option
-from rostether.cli.bag.recording_graph import is_on_ros2_alone, recording_graph
+from rostether.cli.bag.recording_graph import recording_graph
+from rostether.cli.shell.option_group import ignored_options, option_group
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from rostether.graph.ports import Graph
     from rostether.recording.recorded import RecordingWriter
     from rostether.recording.recorder import Recorder, RecordLimits, TopicChoice
-    from rostether.ros1.environment import RosEnvironment
 
 BEGIN_TOPIC = "/begin_write"
 MEGABYTE = 1024 * 1024
@@ -55,6 +54,97 @@ class _Duration(click.ParamType[float]):
         return float(match[1]) * _UNITS_S[match[2]]
 
 
+@dataclass(frozen=True, slots=True)
+class RecordOptions:
+    """The options of `bag record`."""
+
+    is_all: bool
+    is_regex: bool
+    exclude: str | None
+    node: str | None
+    output_name: str | None
+    output_prefix: str | None
+    split: bool
+    max_splits: int | None
+    size_mb: float | None
+    duration_s: float | None
+    limit: int | None
+    bz2: bool
+    lz4: bool
+    chunk_kb: int
+    publishes_begin: bool
+    repeat_latched: bool
+    buffer_mb: int
+    form: str | None
+    storage: str
+    quiet: bool
+    msg_paths: tuple[Path, ...]
+
+
+_record_options = option_group(
+    "options",
+    RecordOptions,
+    (
+        click.option(
+            "-a", "--all", "is_all", is_flag=True, help="Record all topics, also those that come later."
+        ),
+        click.option("-e", "--regex", "is_regex", is_flag=True, help="TOPICs are regular expressions."),
+        click.option("-x", "--exclude", metavar="REGEX", help="Leave out the topics that match."),
+        click.option("--node", metavar="NODE", help="Record all topics that a node subscribes to."),
+        click.option(
+            "-O", "--output-name", metavar="FILE", help="Write to this .bag, .mcap, .db3, or folder."
+        ),
+        click.option(
+            "-o", "--output-prefix", metavar="PREFIX", help="Begin the file's name so, before the date."
+        ),
+        click.option("--split", is_flag=True, help="Begin a new file at the size or duration, and go on."),
+        click.option(
+            "--max-splits", type=click.IntRange(min=1), metavar="COUNT", help="Keep the newest COUNT files."
+        ),
+        click.option(
+            "--size",
+            "size_mb",
+            type=click.FloatRange(min=0.001),
+            metavar="MB",
+            help="How large a file may get.",
+        ),
+        click.option(
+            "--duration", "duration_s", type=_Duration(), metavar="TIME", help="How long: 30, 30s, 5m, 2h."
+        ),
+        click.option(
+            "-l", "--limit", type=click.IntRange(min=1), metavar="COUNT", help="Only COUNT of each topic."
+        ),
+        click.option("-j", "--bz2", is_flag=True, help="Compress small, and slow: some MB a second."),
+        click.option("--lz4", is_flag=True, help="Compress fast."),
+        click.option(
+            "--chunksize",
+            "chunk_kb",
+            type=click.IntRange(min=1),
+            default=768,
+            metavar="KB",
+            help="Chunks of KB (768).",
+        ),
+        click.option(
+            "-p", "--publish", "publishes_begin", is_flag=True, help="Publish files' names on /begin_write."
+        ),
+        click.option("--repeat-latched", is_flag=True, help="Begin each file with the latched messages."),
+        click.option(
+            "-b",
+            "--buffsize",
+            "buffer_mb",
+            type=click.IntRange(min=0),
+            default=256,
+            metavar="MB",
+            help="What may wait to be compressed; then messages are lost (256).",
+        ),
+        format_option,
+        storage_option,
+        click.option("-q", "--quiet", is_flag=True, help="Say nothing but what goes wrong."),
+        msg_path_option,
+    ),
+)
+
+
 @click.command(
     "record",
     cls=Verb,
@@ -67,83 +157,11 @@ class _Duration(click.ParamType[float]):
     rostether bag record --ros2 zenoh --all
     """,
 )
+@_record_options
 @click.argument("topics", nargs=-1, metavar="[TOPIC]...", shell_complete=complete_topics)
-@click.option("-a", "--all", "is_all", is_flag=True, help="Record all topics, also those that come later.")
-@click.option("-e", "--regex", "is_regex", is_flag=True, help="TOPICs are regular expressions.")
-@click.option("-x", "--exclude", metavar="REGEX", help="Leave out the topics that match.")
-@click.option("--node", metavar="NODE", help="Record all topics that a node subscribes to.")
-@click.option("-O", "--output-name", metavar="FILE", help="Write to this .bag, .mcap, .db3, or folder.")
-@click.option("-o", "--output-prefix", metavar="PREFIX", help="Begin the file's name so, before the date.")
-@click.option("--split", is_flag=True, help="Begin a new file at the size or duration, and go on.")
-@click.option(
-    "--max-splits", type=click.IntRange(min=1), metavar="COUNT", help="Keep the newest COUNT files."
-)
-@click.option(
-    "--size", "size_mb", type=click.FloatRange(min=0.001), metavar="MB", help="How large a file may get."
-)
-@click.option("--duration", "duration_s", type=_Duration(), metavar="TIME", help="How long: 30, 30s, 5m, 2h.")
-@click.option("-l", "--limit", type=click.IntRange(min=1), metavar="COUNT", help="Only COUNT of each topic.")
-@click.option("-j", "--bz2", is_flag=True, help="Compress small, and slow: some MB a second.")
-@click.option("--lz4", is_flag=True, help="Compress fast.")
-@click.option(
-    "--chunksize",
-    "chunk_kb",
-    type=click.IntRange(min=1),
-    default=768,
-    metavar="KB",
-    help="Chunks of KB (768).",
-)
-@click.option(
-    "-p", "--publish", "publishes_begin", is_flag=True, help="Publish files' names on /begin_write."
-)
-@click.option("--repeat-latched", is_flag=True, help="Begin each file with the latched messages.")
-@click.option(
-    "-b",
-    "--buffsize",
-    "buffer_mb",
-    type=click.IntRange(min=0),
-    default=256,
-    metavar="MB",
-    help="What may wait to be compressed; then messages are lost (256).",
-)
-@click.option("--tcpnodelay", is_flag=True, hidden=True, help="For habit: it is always so.")
-@click.option("--udp", is_flag=True, hidden=True, help="For habit: TCP loses nothing.")
-@format_option
-@storage_option
-@click.option("-q", "--quiet", is_flag=True, help="Say nothing but what goes wrong.")
-@master_option
-@msg_path_option
-@ros1_option
-@ros2_option
-@zenoh_reach_options
-@tool_allow_option
-def bag_record(
-    topics: tuple[str, ...],
-    is_all: bool,
-    is_regex: bool,
-    exclude: str | None,
-    node: str | None,
-    output_name: str | None,
-    output_prefix: str | None,
-    split: bool,
-    max_splits: int | None,
-    size_mb: float | None,
-    duration_s: float | None,
-    limit: int | None,
-    bz2: bool,
-    lz4: bool,
-    chunk_kb: int,
-    publishes_begin: bool,
-    repeat_latched: bool,
-    buffer_mb: int,
-    tcpnodelay: bool,
-    udp: bool,
-    form: str | None,
-    storage: str,
-    quiet: bool,
-    master: str | None,
-    msg_paths: tuple[Path, ...],
-) -> None:
+@ignored_options(tcpnodelay="--tcpnodelay", udp="--udp")
+@graph_options(allow=TOOL_ALLOW, zenoh=True)
+def bag_record(options: RecordOptions, topics: tuple[str, ...], graph: GraphOptions) -> None:
     """Record topics, as raw bytes, until Ctrl-C, a limit, or a full disk.
 
     What came more than half a second ago is in the file even when the command is killed; the file is called
@@ -151,11 +169,11 @@ def bag_record(
     """
     from rostether.recording.recorder import RecordLimits, TopicChoice
 
-    if split and size_mb is None and duration_s is None:
+    if options.split and options.size_mb is None and options.duration_s is None:
         raise click.UsageError("--split needs to know when: add --size or --duration")
-    if bz2 and lz4:
+    if options.bz2 and options.lz4:
         raise click.UsageError("a file is compressed by --bz2 or by --lz4, not by both")
-    environment = read_environment(master)
+    environment = read_environment(graph)
     # roslaunch hands remappings and private parameters over among the topics.
     remapped = {
         resolve(old, environment): resolve(new, environment)
@@ -163,35 +181,46 @@ def bag_record(
         if marker and not old.startswith("_")
     }
     topics = tuple(each for each in topics if ":=" not in each)
-    if not topics and not is_all and node is None:
+    if not topics and not options.is_all and options.node is None:
         raise click.UsageError("name topics to record, or say --all")
-    full_names = [] if is_regex else [resolve(each, environment) for each in topics]
+    full_names = [] if options.is_regex else [resolve(each, environment) for each in topics]
     choice = TopicChoice(
         names=tuple(dict.fromkeys(remapped.get(each, each) for each in full_names)),
-        patterns=tuple(_pattern(each) for each in topics) if is_regex else (),
-        exclude=None if exclude is None else _pattern(exclude),
-        is_all=is_all,
-        node="" if node is None else resolve(node, environment),
-        with_hidden=not is_on_ros2_alone(),
+        patterns=tuple(_pattern(each) for each in topics) if options.is_regex else (),
+        exclude=None if options.exclude is None else _pattern(options.exclude),
+        is_all=options.is_all,
+        node="" if options.node is None else resolve(options.node, environment),
+        with_hidden=not graph.is_ros2_alone,
     )
     limits = RecordLimits(
-        size_bytes=None if size_mb is None else round(size_mb * MEGABYTE),
-        duration_s=duration_s,
-        is_splitting=split,
-        max_splits=max_splits,
-        messages_per_topic=limit,
+        size_bytes=None if options.size_mb is None else round(options.size_mb * MEGABYTE),
+        duration_s=options.duration_s,
+        is_splitting=options.split,
+        max_splits=options.max_splits,
+        messages_per_topic=options.limit,
     )
-    packing = Packing("bz2" if bz2 else "lz4" if lz4 else "none", chunk_kb * KILOBYTE, storage)
-    files = NewFiles(output_name, output_prefix, packing, asked_form(form), is_splitting=split)
+    packing = Packing(
+        "bz2" if options.bz2 else "lz4" if options.lz4 else "none",
+        options.chunk_kb * KILOBYTE,
+        options.storage,
+    )
+    files = NewFiles(
+        options.output_name,
+        options.output_prefix,
+        packing,
+        asked_form(options.form),
+        is_splitting=options.split,
+        of_ros2_graph=graph.is_ros2_alone,
+    )
     settings = _Settings(
-        repeat_latched=repeat_latched,
-        publishes_begin=publishes_begin,
+        repeat_latched=options.repeat_latched,
+        publishes_begin=options.publishes_begin,
         # What is not compressed is written at once.
-        buffer_bytes=(buffer_mb or MAX_BUFFER_MB) * MEGABYTE if bz2 or lz4 else None,
-        is_quiet=quiet,
-        msg_paths=msg_paths,
+        buffer_bytes=(options.buffer_mb or MAX_BUFFER_MB) * MEGABYTE if options.bz2 or options.lz4 else None,
+        is_quiet=options.quiet,
+        msg_paths=options.msg_paths,
     )
-    run(_record(environment, choice, limits, files, settings), is_service=True)
+    run(_record(graph, choice, limits, files, settings), is_service=True)
 
 
 @dataclass(frozen=True, slots=True)
@@ -204,7 +233,7 @@ class _Settings:
 
 
 async def _record(
-    environment: RosEnvironment,
+    options: GraphOptions,
     choice: TopicChoice,
     limits: RecordLimits,
     files: NewFiles,
@@ -225,7 +254,7 @@ async def _record(
     unfit = files.unfit = UnfitMessages(tell_wrong)
     line = ProgressLine(is_shown=not settings.is_quiet and sys.stderr.isatty())
     async with recording_graph(
-        environment, "record", is_native=files.is_of_ros2, msg_paths=settings.msg_paths
+        options, "record", is_native=files.is_of_ros2, msg_paths=settings.msg_paths
     ) as graph:
         files.types = graph.types
         create: Callable[[Path], RecordingWriter] = files.create

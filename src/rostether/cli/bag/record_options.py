@@ -9,11 +9,12 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING
 
 import click
 
 from rostether.cli.bag.figures import size_text
+from rostether.cli.shell.option_group import option_group
 from rostether.errors import ConfigError, GraphError, RecordingError
 from rostether.graph.ports import Level
 
@@ -24,12 +25,8 @@ if TYPE_CHECKING:
     from rostether.recording.recorder import Recorder
     from rostether.ros2.type_support import Ros2Types
 
-Function = TypeVar("Function", bound=Callable[..., Any])
-
 MEGABYTE = 1024 * 1024
 JOIN_RETRY_S = 1.0  # as often as a board's node is tried
-
-_KEY = "rostether.bag_recording"
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,18 +38,11 @@ class BagRecording:
     keep: int | None
 
 
-def _keep(context: click.Context, parameter: click.Parameter, value: object) -> object:
-    context.meta.setdefault(_KEY, {})[parameter.name] = value
-    return value
-
-
 _OPTIONS = (
     click.option(
         "--record",
         type=click.Path(path_type=Path),
         metavar="DIR",
-        expose_value=False,
-        callback=_keep,
         help="Record all topics of the graph into bags in this folder.",
     ),
     click.option(
@@ -60,45 +50,37 @@ _OPTIONS = (
         type=click.FloatRange(min=0.1),
         default=1000,
         metavar="MB",
-        expose_value=False,
-        callback=_keep,
         help="With --record: how large a bag gets before the next one begins (1000).",
     ),
     click.option(
         "--record-keep",
         type=click.IntRange(min=1),
         metavar="COUNT",
-        expose_value=False,
-        callback=_keep,
         help="With --record: keep the newest COUNT bags of this run (all).",
     ),
 )
 
 
-def bag_recording_options(function: Function) -> Function:
-    """Add --record and what goes with it; `read_bag_recording` returns what was typed."""
-    for option in reversed(_OPTIONS):
-        function = option(function)
-    return function
-
-
-def read_bag_recording() -> BagRecording | None:
-    """Return what was typed, None without --record. Raises ConfigError for what is no folder."""
-    # `link record` invokes the command without these options.
-    typed = click.get_current_context().meta.get(_KEY, {})
-    folder = typed.get("record")
-    if folder is None:
+def _bag_recording(
+    *, record: Path | None = None, record_size: float = 1000, record_keep: int | None = None
+) -> BagRecording | None:
+    """Return what was typed, None without --record. Raises ConfigError for what is not a folder."""
+    if record is None:
         return None
-    if folder.suffix in (".jsonl", ".json", ".bag", ".mcap") or folder.is_file():
+    if record.suffix in (".jsonl", ".json", ".bag", ".mcap") or record.is_file():
         raise ConfigError(
-            f"--record {folder}: it takes a folder, for bags of all topics; "
-            "--record-line FILE records what goes over the lines"
+            f"--record {record}: it takes a folder, for bags of all topics; "
+            "--record-line FILE records the bytes of the boards' lines"
         )
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        record.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise ConfigError(f"--record {folder}: {error.strerror or error}; name a folder of yours") from None
-    return BagRecording(folder, typed["record_size"], typed["record_keep"])
+        raise ConfigError(f"--record {record}: {error.strerror or error}; choose another folder") from None
+    return BagRecording(record, record_size, record_keep)
+
+
+# Adds --record and its options; the verb gets a BagRecording, or None, as `bags`.
+bag_recording_options = option_group("bags", _bag_recording, _OPTIONS)
 
 
 @asynccontextmanager
@@ -172,14 +154,14 @@ async def _joined(join: JoinGraph, reporter: Reporter) -> Graph:
     from rostether.joining import anonymous_name
 
     name = anonymous_name("record")
-    is_told = False
+    reported = False
     while True:
         try:
             return await join(name)
         except GraphError as error:
-            if not is_told:
+            if not reported:
                 reporter.line(Level.WARN, f"Recording begins when the graph is there: {error}")
-                is_told = True
+                reported = True
             await asyncio.sleep(JOIN_RETRY_S)
 
 

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rostether.cli.bag.recording_graph import is_on_ros2_alone
 from rostether.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -65,10 +64,11 @@ class NewFiles:
         asked: Form | None,
         *,
         is_splitting: bool,
+        of_ros2_graph: bool,
     ) -> None:
         from rostether.recording.files import Form, form_for
 
-        source = Form.ROS2 if is_on_ros2_alone() else Form.ROS1
+        source = Form.ROS2 if of_ros2_graph else Form.ROS1
         self.types: Ros2Types | None = None
         self.unfit: UnfitMessages | None = None
         self._packing = packing

@@ -8,15 +8,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rostether.cli.access.ros1_access import joined, special_arguments
-from rostether.cli.access.ros2_access import ZenohReach, ros2_access
-from rostether.cli.access.ros2_options import read_ros2_options
-from rostether.cli.access.ros_choice import Middleware, chosen_ros2, typed_ros1
+from rostether.cli.access.graph_options import GraphOptions, ZenohReach
+from rostether.cli.access.ros1_access import joined, read_environment
+from rostether.cli.access.ros2_access import ros2_access
+from rostether.cli.access.ros_choice import Middleware
 
 if TYPE_CHECKING:
     from rostether.graph.ports import Graph
     from rostether.recording.recorded import Ros2Origin
-    from rostether.ros1.environment import RosEnvironment
     from rostether.ros2.type_support import Ros2Types
 
 
@@ -28,14 +27,9 @@ class RecordingGraph:
     types: Ros2Types | None
 
 
-def is_on_ros2_alone() -> bool:
-    """Tell whether this command line means the ROS 2 graph and no other."""
-    return chosen_ros2() is not None and not typed_ros1()
-
-
 @asynccontextmanager
 async def recording_graph(
-    environment: RosEnvironment,
+    graph: GraphOptions,
     purpose: str,
     *,
     is_native: bool = False,
@@ -49,30 +43,27 @@ async def recording_graph(
     """
     from rostether.joining import anonymous_name
 
-    middleware = chosen_ros2()
-    if middleware is None:
-        async with joined(environment, purpose=purpose) as graph:
-            yield RecordingGraph(graph.raw, None)
+    if graph.ros2 is None:
+        async with joined(graph, purpose=purpose) as node:
+            yield RecordingGraph(node.raw, None)
         return
     paths = tuple(msg_paths)
-    types = native_types(origins, paths) if is_native and is_on_ros2_alone() else None
-    specials = special_arguments()
-    typed = read_ros2_options().reach
+    types = native_types(origins, paths) if is_native and graph.is_ros2_alone else None
     # What records for an hour must not be the router that others count on.
-    reach = ZenohReach(typed.connect, typed.listen, "never")
-    name = specials.get("__name") or anonymous_name(purpose)
-    async with ros2_access(middleware, paths, reach=reach, types=types) as access:
-        if middleware is Middleware.ZENOH and not (typed.connect or typed.listen):
+    reach = ZenohReach(graph.zenoh.connect, graph.zenoh.listen, "never")
+    name = graph.arguments.get("__name") or anonymous_name(purpose)
+    async with ros2_access(graph.ros2, paths, reach=reach, types=types) as access:
+        if graph.ros2 is Middleware.ZENOH and not (reach.connect or reach.listen):
             from rostether.cli.access.ros2_tool_node import warn_without_router
 
             await warn_without_router()
         join = access.join
-        if typed_ros1():
+        if graph.uses_ros1:
             from rostether.cli.bridge.serving import joining_ros1
             from rostether.graph.joint_join import JointJoin
 
-            join = JointJoin([joining_ros1(environment), join])
-        raw = await join(name, namespace=specials.get("__ns", "/"))
+            join = JointJoin([joining_ros1(read_environment(graph)), join])
+        raw = await join(name, namespace=graph.arguments.get("__ns", "/"))
         try:
             yield RecordingGraph(raw, access.types)
         finally:

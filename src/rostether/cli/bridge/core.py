@@ -2,28 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 import click
 
+from rostether.cli.access.graph_options import SERVED_ALLOW, GraphOptions, graph_options
 from rostether.cli.access.master_choice import master_answers
-from rostether.cli.access.options import allow_option, listen_option
+from rostether.cli.access.options import listen_option
 from rostether.cli.access.ros1_access import read_environment
-from rostether.cli.access.ros2_options import read_ros2_options, zenoh_reach_options
-from rostether.cli.access.ros_choice import ANY_MIDDLEWARE, ROS2_OPTION, Middleware
+from rostether.cli.access.ros_choice import ROS2_OPTION, Middleware, MiddlewareName
 from rostether.cli.bridge.limit_options import GRAPH_LIMITS, limit_option, read_graph_limits
 from rostether.cli.bridge.zenoh_router import serve_router
+from rostether.cli.shell.option_group import ignored_options
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import GraphError
 from rostether.ros1.environment import RosEnvironment, format_uri
 
-
-def _accepted(*names: str, **options: Any) -> Callable[[Any], Any]:
-    # What scripts give to roscore, and what needs nothing from us.
-    return click.option(*names, expose_value=False, hidden=True, **options)
+# roscore has these; scripts use them, and they change nothing here.
+_roscore_options = ignored_options(
+    "-w --numworkers",
+    "-t --timeout",
+    "--master-logger-level",
+    "--sigint-timeout",
+    "--sigterm-timeout",
+    verbose="-v",
+)
 
 
 @click.command(
@@ -39,28 +42,22 @@ def _accepted(*names: str, **options: Any) -> Callable[[Any], Any]:
     "-p", "--port", type=click.IntRange(0, 65535), help="The master's port (ROS_MASTER_URI's, 11311); 0: any."
 )
 @listen_option
-@allow_option
 @limit_option(GRAPH_LIMITS)
 @click.option(
     ROS2_OPTION,
     "ros2",
-    type=click.Choice([*map(str, Middleware), ANY_MIDDLEWARE]),
+    type=MiddlewareName(),
     metavar="[zenoh]",
     help="Run the zenoh router of ROS 2 instead.",
 )
-@zenoh_reach_options
-@_accepted("-v", is_flag=True)
-@_accepted("-w", "--numworkers", type=int)
-@_accepted("-t", "--timeout", type=float)
-@_accepted("--master-logger-level")
-@_accepted("--sigint-timeout", type=float)
-@_accepted("--sigterm-timeout", type=float)
+@graph_options(master="", ros=False, allow=SERVED_ALLOW, zenoh=True)
+@_roscore_options
 def core(
     port: int | None,
     listen: str | None,
-    allowed: tuple[str, ...],
     limits: tuple[str, ...],
     ros2: str | None,
+    graph: GraphOptions,
 ) -> None:
     """Run the ROS master, parameter server and log collector, like roscore.
 
@@ -71,14 +68,14 @@ def core(
     if ros2 is not None:
         if ros2 == Middleware.RCLPY:
             raise click.UsageError("only ROS 2 over zenoh has a core; DDS finds the others by itself")
-        if port is not None or listen is not None or allowed or limits:
+        if port is not None or listen is not None or graph.allow or limits:
             raise click.UsageError("with --ros2 only --zenoh-connect and --zenoh-listen are for the router")
-        run(serve_router(read_ros2_options().reach), is_service=True)
+        run(serve_router(graph.zenoh), is_service=True)
         return
-    environment = read_environment()
+    environment = read_environment(graph)
     if listen is not None:
         environment = environment.listening_on(listen)
-    environment = environment.allowing(allowed).limited(read_graph_limits(limits))
+    environment = environment.limited(read_graph_limits(limits))
     run(_serve(environment, environment.master.port if port is None else port), is_service=True)
 
 

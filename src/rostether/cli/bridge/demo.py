@@ -16,9 +16,10 @@ import click
 
 from rostether.bridge.reporter import Reporter
 from rostether.bridge.supervisor import Supervisor
+from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.master_choice import used_master
 from rostether.cli.access.ros1_access import read_environment
-from rostether.cli.access.ros_choice import Middleware, ros1_option, typed_ros1
+from rostether.cli.access.ros_choice import Middleware
 from rostether.cli.bridge.demo_view import DemoView, RecentLines, our_command
 from rostether.cli.bridge.device_options import config_option, read_devices
 from rostether.cli.bridge.lines import ConsoleReporter
@@ -61,8 +62,9 @@ PLAIN_LINE_S = 1.0
 )
 @click.option("--seconds", type=click.FloatRange(min=0.1), help="End after that time (default: Ctrl-C).")
 @config_option
-@ros1_option
-def demo(seconds: float | None, config: Path | None) -> None:
+@click.option("--ros1", is_flag=True, help="Only the ROS 1 graph.")
+@graph_options(master="", ros=False)
+def demo(seconds: float | None, config: Path | None, ros1: bool, graph: GraphOptions) -> None:
     """Show a simulated board at work: no hardware, no ROS, nothing to set up.
 
     The board is a node of a ROS 1 graph, and of a ROS 2 graph where zenoh is installed (without --ros1).
@@ -71,10 +73,12 @@ def demo(seconds: float | None, config: Path | None) -> None:
     """
     # Settings of one's real boards, in the user's own file, must not make a demonstration fail.
     devices = read_devices(config, ()) if config is not None else None
-    run(_demo(read_environment(), seconds, devices), is_service=True)
+    run(_demo(read_environment(graph), seconds, devices, only_ros1=ros1), is_service=True)
 
 
-async def _demo(environment: RosEnvironment, seconds: float | None, devices: DeviceBook | None) -> None:
+async def _demo(
+    environment: RosEnvironment, seconds: float | None, devices: DeviceBook | None, *, only_ros1: bool
+) -> None:
     is_live = sys.stdout.isatty() and os.environ.get("TERM") not in ("dumb", "unknown")
     recent = RecentLines()
     reporter = recent if is_live else ConsoleReporter()
@@ -85,7 +89,7 @@ async def _demo(environment: RosEnvironment, seconds: float | None, devices: Dev
         board_name = await _free_name(used.environment)
         address = parse_address(f"tcp://127.0.0.1:0?name={board_name}")
         joins = [joining_ros1(used.environment)]
-        ros2 = None if typed_ros1() else await _joining_ros2(stack, reporter)
+        ros2 = None if only_ros1 else await _joining_ros2(stack, reporter)
         if ros2 is not None:
             joins.append(ros2)
         join = joins[0] if ros2 is None else JointJoin(joins)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rostether.cli.access.options import master_option, tool_allow_option
+from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
 from rostether.cli.access.ros1_access import joined, read_environment
 from rostether.cli.board.status import BoardStatus, read_statuses
 from rostether.cli.bridge.monitor_table import table
@@ -93,9 +93,8 @@ class BoardsSeen:
 )
 @click.option("--once", is_flag=True, help="Print one table and end; so it is without a terminal, too.")
 @json_option
-@master_option
-@tool_allow_option
-def monitor(once: bool, as_json: bool, master: str | None) -> int:
+@graph_options(ros=False, allow=TOOL_ALLOW)
+def monitor(once: bool, as_json: bool, graph: GraphOptions) -> int:
     """Watch all boards of all bridges on the graph, with their topics and what is wrong with them.
 
     IN/s and OUT/s are bytes, DROPS messages that were lost to a full queue, BAD frames with a wrong checksum,
@@ -104,17 +103,17 @@ def monitor(once: bool, as_json: bool, master: str | None) -> int:
     /diagnostics, which `rostether serve` publishes.
     """
     is_terminal = sys.stdout.isatty() and os.environ.get("TERM") not in ("dumb", "unknown")
-    return run(_monitor(once or not (is_terminal or as_json), as_json, master))
+    return run(_monitor(once or not (is_terminal or as_json), as_json, graph))
 
 
-async def _monitor(once: bool, as_json: bool, master: str | None) -> int:
-    environment = read_environment(master)
+async def _monitor(once: bool, as_json: bool, graph: GraphOptions) -> int:
+    environment = read_environment(graph)
     seen = BoardsSeen()
-    async with joined(environment, purpose="monitor") as graph:
-        listening = asyncio.get_running_loop().create_task(_listen(graph, seen, tells=as_json and not once))
+    async with joined(graph, purpose="monitor") as node:
+        listening = asyncio.get_running_loop().create_task(_listen(node, seen, tells=as_json and not once))
         try:
             if once:
-                return await _print_once(graph, seen, as_json)
+                return await _print_once(node, seen, as_json)
             if as_json:
                 await listening
             else:

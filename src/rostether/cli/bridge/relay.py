@@ -3,21 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Sequence
+from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from rostether.cli.access.graph_options import (
+    SERVED_ALLOW,
+    SERVED_MASTER,
+    GraphOptions,
+    graph_options,
+)
 from rostether.cli.access.master_choice import used_master
-from rostether.cli.access.options import allow_option, listen_option, msg_path_option
-from rostether.cli.access.ros1_access import master_client, read_environment, special_arguments
+from rostether.cli.access.options import listen_option, msg_path_option
+from rostether.cli.access.ros1_access import master_client, read_environment
 from rostether.cli.access.ros2_access import ros2_access
-from rostether.cli.access.ros2_options import Ros2Options, read_ros2_options, ros2_options
-from rostether.cli.access.ros_choice import Middleware, chosen_ros2
+from rostether.cli.access.ros_choice import Middleware
 from rostether.cli.bridge.lines import ConsoleReporter
 from rostether.cli.bridge.serving import joining_ros1
-from rostether.cli.service.probe import probe_type
+from rostether.cli.service.ros1_probe import probe_type
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError, UnknownTypeError
@@ -66,27 +72,24 @@ _ROS1, _ROS2 = "ROS 1", "ROS 2"
     metavar="NAME[=TYPE]",
     help="Offer a service where it is missing; may be repeated.",
 )
-@click.option("--master", metavar="URI", help="The ROS 1 master to join; it is waited for.")
 @click.option(
     "--master-port",
     type=click.IntRange(1, 65535),
     metavar="PORT",
     help="The port where we are the ROS 1 master when there is none (11311).",
 )
-@ros2_options
+@graph_options(master=SERVED_MASTER, allow=SERVED_ALLOW, serving=True)
 @listen_option
-@allow_option
 @msg_path_option
 def relay(
     topics: tuple[str, ...],
     forth: tuple[str, ...],
     back: tuple[str, ...],
     services: tuple[str, ...],
-    master: str | None,
     master_port: int | None,
     listen: str | None,
-    allowed: tuple[str, ...],
     msg_paths: tuple[Path, ...],
+    graph: GraphOptions,
 ) -> None:
     """Carry topics and services between ROS 1 and ROS 2.
 
@@ -95,22 +98,20 @@ def relay(
     """
     if not (topics or forth or back or services):
         raise click.UsageError("name topics to carry, or services with --service")
-    if master is not None and master_port is not None:
+    if graph.master is not None and master_port is not None:
         raise ConfigError("--master joins a master and --master-port is one: give one of them")
     choice = read_choice(topics, forth, back, services)
-    environment = read_environment(master)
+    environment = read_environment(graph)
     if listen is not None:
         environment = environment.listening_on(listen)
     # A relay always means both: without a word about ROS 2 it takes the one that is installed.
     installed = Middleware.RCLPY if find_spec("rclpy") is not None else Middleware.ZENOH
     run(
         relay_between(
-            environment.allowing(allowed),
-            chosen_ros2() or installed,
+            environment,
+            replace(graph, ros2=graph.ros2 or installed),
             choice,
             ConsoleReporter(),
-            options=read_ros2_options(),
-            is_chosen=master is not None,
             master_port=master_port,
             msg_paths=msg_paths,
         ),
@@ -134,12 +135,10 @@ def read_choice(
 
 async def relay_between(
     environment: RosEnvironment,
-    middleware: Middleware,
+    graph: GraphOptions,
     choice: Choice,
     reporter: ConsoleReporter,
     *,
-    options: Ros2Options | None = None,
-    is_chosen: bool = False,
     master_port: int | None = None,
     msg_paths: Sequence[Path] = (),
 ) -> None:
@@ -147,11 +146,11 @@ async def relay_between(
     from rostether.relay.relay import Relay
     from rostether.relay.side import Side
 
-    options = options or Ros2Options()
-    name = special_arguments().get("__name") or anonymous_name("relay")
+    assert graph.ros2 is not None
+    name = graph.arguments.get("__name") or anonymous_name("relay")
     async with (
-        used_master(environment, is_chosen=is_chosen, port=master_port) as used,
-        ros2_access(middleware, msg_paths, reach=options.reach, params_files=options.params_files) as access,
+        used_master(environment, is_chosen=graph.master is not None, port=master_port) as used,
+        ros2_access(graph.ros2, msg_paths, reach=graph.zenoh, params_files=graph.params_files) as access,
     ):
         for line in (used.line, access.line):
             reporter.line(Level.INFO, line)

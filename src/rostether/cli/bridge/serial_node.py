@@ -17,8 +17,9 @@ from typing import TYPE_CHECKING, Protocol
 
 import click
 
+from rostether.cli.access.graph_options import SERVED_ALLOW, GraphOptions, graph_options
 from rostether.cli.access.master_choice import used_master
-from rostether.cli.access.options import allow_option, listen_option
+from rostether.cli.access.options import listen_option
 from rostether.cli.bridge.device_options import config_option, read_devices
 from rostether.cli.bridge.lines import ConsoleReporter
 from rostether.cli.bridge.serving import bridge, joining_ros1, loopback_lines, read_links
@@ -76,20 +77,20 @@ _ENVIRONMENT_OF_SPECIAL = {"__master": "ROS_MASTER_URI", "__ip": "ROS_IP", "__ho
     """,
 )
 @listen_option
-@allow_option
+@graph_options(master="", ros=False, allow=SERVED_ALLOW)
 @config_option
 @click.argument(
     "arguments", nargs=-1, type=click.UNPROCESSED, metavar="[PORT | tcp [TCP_PORT]] [NAME:=VALUE...]"
 )
 def serial_node(
-    arguments: tuple[str, ...], listen: str | None, allowed: tuple[str, ...], config: Path | None
+    arguments: tuple[str, ...], listen: str | None, config: Path | None, graph: GraphOptions
 ) -> None:
     """Bridge one board, taking the arguments that serial_node.py takes.
 
     What devices.toml says of the board holds where no argument says otherwise; its name is __name's.
     """
     host = HostRole(DEFAULT_NODE_NAME, "ROS Serial Python Node", PRIVATE_PARAMETERS, choose_link)
-    run_host(host, parse_arguments(arguments), listen=listen, allowed=allowed, config=config)
+    run_host(host, parse_arguments(arguments), listen=listen, allowed=graph.allow, config=config)
 
 
 def run_host(

@@ -4,22 +4,22 @@ from __future__ import annotations
 
 import gc
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from rostether.cli.access.options import allow_option, listen_option, msg_path_option
-from rostether.cli.access.ros1_access import read_environment
-from rostether.cli.access.ros2_options import Ros2Options, read_ros2_options, ros2_options
-from rostether.cli.access.ros_choice import Middleware, chosen_ros1, chosen_ros2
-from rostether.cli.bag.record_options import (
-    BagRecording,
-    bag_recording_options,
-    bags_recorded,
-    read_bag_recording,
+from rostether.cli.access.graph_options import (
+    SERVED_ALLOW,
+    SERVED_MASTER,
+    GraphOptions,
+    graph_options,
 )
+from rostether.cli.access.options import listen_option, msg_path_option
+from rostether.cli.access.ros1_access import read_environment
+from rostether.cli.bag.record_options import BagRecording, bag_recording_options, bags_recorded
 from rostether.cli.bag.recording import record_limit_option, recorded
 from rostether.cli.board.simulated_links import simulated
 from rostether.cli.bridge.announcing import announced, check_mdns
@@ -34,8 +34,9 @@ from rostether.cli.bridge.limit_options import BRIDGE_LIMITS, GRAPH_LIMITS, limi
 from rostether.cli.bridge.lines import ConsoleReporter
 from rostether.cli.bridge.served_graphs import served_graphs
 from rostether.cli.bridge.serving import bridge, loopback_lines, read_links
-from rostether.cli.gateway.gateways import served_gateways
-from rostether.cli.gateway.options import GatewayOptions, gateway_options, read_gateway_options
+from rostether.cli.gateway.options import GatewayOptions, gateway_options
+from rostether.cli.gateway.served import served_gateways
+from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
 from rostether.devices.config_paths import known_boards_path
@@ -49,7 +50,66 @@ from rostether.transports.opening import listen as listen_for_links
 
 if TYPE_CHECKING:
     from rostether.bridge.settings import BridgeSettings
-    from rostether.transports.board_keys import BoardKeys
+
+
+@dataclass(frozen=True, slots=True)
+class ServeOptions:
+    """The options of `serve` about the boards and their lines."""
+
+    master_port: int | None
+    listen: str | None
+    msg_paths: tuple[Path, ...]
+    config: Path | None
+    discover: bool
+    probes: tuple[str, ...]
+    mdns: bool | None
+    ns_per_board: bool
+    no_diagnostics: bool
+    record_line: Path | None
+    record_limit_mb: float
+    limits: tuple[str, ...]
+    verbose: bool
+    uvloop: bool
+
+
+_serve_options = option_group(
+    "options",
+    ServeOptions,
+    (
+        click.option(
+            "--master-port",
+            type=click.IntRange(1, 65535),
+            metavar="PORT",
+            help="The port where we are the master when there is none (11311).",
+        ),
+        listen_option,
+        msg_path_option,
+        config_option,
+        discover_option,
+        probe_option,
+        click.option(
+            "--mdns/--no-mdns",
+            default=None,
+            help="Announce TCP listeners that the network can reach (when zeroconf is installed).",
+        ),
+        click.option(
+            "--ns-per-board", is_flag=True, help="Put each board's topics into a namespace of its name."
+        ),
+        click.option(
+            "--no-diagnostics", is_flag=True, help="Do not publish /diagnostics from the boards' nodes."
+        ),
+        click.option(
+            "--record-line",
+            type=click.Path(path_type=Path, dir_okay=False),
+            metavar="FILE",
+            help="Record what goes over the lines to a new file; see `rostether link`.",
+        ),
+        record_limit_option,
+        limit_option({**BRIDGE_LIMITS, **GRAPH_LIMITS}),
+        click.option("-v", "--verbose", is_flag=True, help="Show the boards' debug lines too."),
+        click.option("--uvloop", is_flag=True, help="Run on uvloop: pip install 'rostether[uvloop]'."),
+    ),
+)
 
 
 @click.command(
@@ -70,58 +130,17 @@ if TYPE_CHECKING:
     rostether serve /dev/ttyACM0 --record bags        all topics into bags, too
     """,
 )
+@_serve_options
 @click.argument("addresses", nargs=-1, metavar="[ADDRESS...]")
-@click.option("--master", metavar="URI", help="The ROS master to join; it is waited for.")
-@click.option(
-    "--master-port",
-    type=click.IntRange(1, 65535),
-    metavar="PORT",
-    help="The port where we are the master when there is none (11311).",
-)
-@ros2_options
-@listen_option
-@allow_option
-@msg_path_option
-@config_option
-@discover_option
-@probe_option
-@click.option(
-    "--mdns/--no-mdns",
-    default=None,
-    help="Announce TCP listeners that the network can reach (when zeroconf is installed).",
-)
-@click.option("--ns-per-board", is_flag=True, help="Put each board's topics into a namespace of its name.")
-@click.option("--no-diagnostics", is_flag=True, help="Do not publish /diagnostics from the boards' nodes.")
+@graph_options(master=SERVED_MASTER, allow=SERVED_ALLOW, serving=True)
 @gateway_options
 @bag_recording_options
-@click.option(
-    "--record-line",
-    type=click.Path(path_type=Path, dir_okay=False),
-    metavar="FILE",
-    help="Record what goes over the lines to a new file; see `rostether link`.",
-)
-@record_limit_option
-@limit_option({**BRIDGE_LIMITS, **GRAPH_LIMITS})
-@click.option("-v", "--verbose", is_flag=True, help="Show the boards' debug lines too.")
-@click.option("--uvloop", is_flag=True, help="Run on uvloop: pip install 'rostether[uvloop]'.")
 def serve(
+    options: ServeOptions,
     addresses: tuple[str, ...],
-    master: str | None,
-    master_port: int | None,
-    listen: str | None,
-    allowed: tuple[str, ...],
-    msg_paths: tuple[Path, ...],
-    config: Path | None,
-    discover: bool,
-    probes: tuple[str, ...],
-    mdns: bool | None,
-    ns_per_board: bool,
-    no_diagnostics: bool,
-    record_line: Path | None,
-    record_limit_mb: float,
-    limits: tuple[str, ...],
-    verbose: bool,
-    uvloop: bool,
+    graph: GraphOptions,
+    gateways: GatewayOptions,
+    bags: BagRecording | None,
 ) -> None:
     """Make boards that speak rosserial nodes of the ROS graph.
 
@@ -135,113 +154,100 @@ def serve(
     twice = next((address for address in addresses if addresses.count(address) > 1), None)
     if twice is not None:
         raise click.UsageError(f"{twice} is given twice; one address serves one port")
-    if master is not None and master_port is not None:
+    if graph.master is not None and options.master_port is not None:
         raise ConfigError("--master joins a master and --master-port is one: give one of them")
-    environment = read_environment(master)
-    if listen is not None:
-        environment = environment.listening_on(listen)
-    settings, graph_limits = read_limits(limits)
-    environment = environment.allowing(allowed).limited(graph_limits)
-    hosts = environment.listen_hosts if listen is not None else (LOOPBACK,)
-    links = [link for address in addresses for link in read_links(address, hosts, allowed)]
-    devices = read_devices(config, probes)
-    discovers = discover or bool(probes) or not addresses
-    announces = check_mdns(is_wanted=mdns)
-    reporter = ConsoleReporter(lowest=Level.DEBUG if verbose else Level.INFO)
-    run(
-        _serve(
-            environment,
-            links,
-            reporter,
-            master is not None,
-            master_port,
-            msg_paths,
-            ns_per_board,
-            not no_diagnostics,
-            devices,
-            discovers=discovers,
-            announces=announces,
-            wants_mdns=mdns is True,
-            gateways=read_gateway_options(allowed),
-            bags=read_bag_recording(),
-            record_line=record_line,
-            record_limit_mb=record_limit_mb,
-            settings=settings,
-            board_keys=devices.board_keys(),
-            ros1=chosen_ros1(),
-            ros2=chosen_ros2(),
-            options=read_ros2_options(),
-        ),
-        is_service=True,
-        uvloop=uvloop,
+    environment = read_environment(graph)
+    if options.listen is not None:
+        environment = environment.listening_on(options.listen)
+    settings, graph_limits = read_limits(options.limits)
+    environment = environment.limited(graph_limits)
+    hosts = environment.listen_hosts if options.listen is not None else (LOOPBACK,)
+    links = [link for address in addresses for link in read_links(address, hosts, graph.allow)]
+    devices = read_devices(options.config, options.probes)
+    discovers = options.discover or bool(options.probes) or not addresses
+    announces = check_mdns(is_wanted=options.mdns)
+    reporter = ConsoleReporter(lowest=Level.DEBUG if options.verbose else Level.INFO)
+    serving = _Serving(
+        links=links,
+        msg_paths=options.msg_paths,
+        master_port=options.master_port,
+        ns_per_board=options.ns_per_board,
+        diagnostics=not options.no_diagnostics,
+        devices=devices,
+        discovers=discovers,
+        announces=announces,
+        wants_mdns=options.mdns is True,
+        gateways=replace(gateways, allow=graph.allow),
+        bags=bags,
+        record_line=options.record_line,
+        record_limit_mb=options.record_limit_mb,
+        settings=settings,
     )
+    run(_serve(environment, graph, serving, reporter), is_service=True, uvloop=options.uvloop)
+
+
+@dataclass(frozen=True, slots=True)
+class _Serving:
+    """What is served, to whom, and what is recorded of it."""
+
+    links: Sequence[Address]
+    msg_paths: Sequence[Path]
+    master_port: int | None
+    ns_per_board: bool
+    diagnostics: bool
+    devices: DeviceBook
+    discovers: bool
+    announces: bool
+    wants_mdns: bool
+    gateways: GatewayOptions
+    bags: BagRecording | None
+    record_line: Path | None
+    record_limit_mb: float
+    settings: BridgeSettings
 
 
 async def _serve(
-    environment: RosEnvironment,
-    links: Sequence[Address],
-    reporter: ConsoleReporter,
-    is_chosen: bool,
-    master_port: int | None,
-    msg_paths: Sequence[Path],
-    ns_per_board: bool,
-    diagnostics: bool,
-    devices: DeviceBook,
-    *,
-    discovers: bool,
-    announces: bool,
-    wants_mdns: bool,
-    gateways: GatewayOptions,
-    bags: BagRecording | None,
-    record_line: Path | None,
-    record_limit_mb: float,
-    settings: BridgeSettings,
-    board_keys: BoardKeys,
-    ros1: bool,
-    ros2: Middleware | None,
-    options: Ros2Options,
+    environment: RosEnvironment, graph: GraphOptions, serving: _Serving, reporter: ConsoleReporter
 ) -> None:
     listen_bounded = partial(
         listen_for_links,
-        connections=settings.connections,
-        connections_per_host=settings.connections_per_host,
-        board_keys=board_keys,
+        connections=serving.settings.connections,
+        connections_per_host=serving.settings.connections_per_host,
+        board_keys=serving.devices.board_keys(),
     )
     async with served_graphs(
-        environment,
-        ros1=ros1,
-        ros2=ros2,
-        options=options,
-        is_chosen=is_chosen,
-        master_port=master_port,
-        msg_paths=msg_paths,
+        environment, graph, master_port=serving.master_port, msg_paths=serving.msg_paths
     ) as graphs:
-        for line in (*graphs.lines, *loopback_lines(graphs.ros1, links)):
+        for line in (*graphs.lines, *loopback_lines(graphs.ros1, serving.links)):
             reporter.line(Level.INFO, line)
-        for line in unchosen_lines(devices, links):
+        for line in unchosen_lines(serving.devices, serving.links):
             reporter.line(Level.WARN, line)
         async with (
-            recorded(record_line, record_limit_mb, reporter) as tap,
-            bags_recorded(bags, graphs.join, reporter, types=None if ros1 else graphs.types),
-            simulated(links, reporter, msg_paths) as opened,
+            recorded(serving.record_line, serving.record_limit_mb, reporter) as tap,
+            bags_recorded(
+                serving.bags, graphs.join, reporter, types=None if graph.uses_ros1 else graphs.types
+            ),
+            simulated(serving.links, reporter, serving.msg_paths) as opened,
             bridge(
                 graphs.join,
                 opened,
                 reporter,
-                msg_paths=msg_paths,
-                ns_per_board=ns_per_board,
-                devices=devices,
-                diagnostics=diagnostics,
+                msg_paths=serving.msg_paths,
+                ns_per_board=serving.ns_per_board,
+                devices=serving.devices,
+                diagnostics=serving.diagnostics,
                 tap=tap,
                 listen=listen_bounded,
-                settings=settings,
+                settings=serving.settings,
             ) as supervisor,
-            announced(supervisor.listening_on, reporter, is_on=announces, is_wanted=wants_mdns),
-            # Last: a master that is away holds up no board.
-            served_gateways(gateways, graphs, ros2, options, msg_paths, reporter.line),
+            announced(
+                supervisor.listening_on, reporter, is_on=serving.announces, is_wanted=serving.wants_mdns
+            ),
+            # Last: a master that is away delays no board.
+            served_gateways(serving.gateways, graphs, graph, serving.msg_paths, reporter.line),
         ):
-            if discovers:
+            if serving.discovers:
                 supervisor.discover(KnownBoards(known_boards_path()), taken=opened)
-            # What is there now stays; looking through it for garbage at times holds up messages for 20 ms.
+            # What exists now stays; without freezing, a garbage collection delays messages by 20 ms.
             gc.freeze()
             await supervisor.wait_done()

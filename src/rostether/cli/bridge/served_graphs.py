@@ -8,10 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.master_choice import used_master
 from rostether.cli.access.ros2_access import ros2_access
-from rostether.cli.access.ros2_options import Ros2Options
-from rostether.cli.access.ros_choice import Middleware
 from rostether.cli.bridge.serving import joining_ros1
 from rostether.graph.joint_join import JointJoin
 from rostether.graph.ports import JoinGraph
@@ -38,31 +37,27 @@ class ServedGraphs:
 @asynccontextmanager
 async def served_graphs(
     environment: RosEnvironment,
+    graph: GraphOptions,
     *,
-    ros1: bool = True,
-    ros2: Middleware | None = None,
-    options: Ros2Options | None = None,
-    is_chosen: bool = False,
     master_port: int | None = None,
     msg_paths: Sequence[Path] = (),
 ) -> AsyncIterator[ServedGraphs]:
     """Be on the graphs as long as the block lasts. Raises GraphError, ConfigError."""
-    options = options or Ros2Options()
     joins: list[JoinGraph] = []
     lines: list[str] = []
     used_environment = None
     types = None
     async with AsyncExitStack() as stack:
-        if ros1:
+        if graph.uses_ros1:
             used = await stack.enter_async_context(
-                used_master(environment, is_chosen=is_chosen, port=master_port)
+                used_master(environment, is_chosen=graph.master is not None, port=master_port)
             )
             used_environment = used.environment
             joins.append(joining_ros1(used_environment))
             lines.append(used.line)
-        if ros2 is not None:
+        if graph.ros2 is not None:
             access = await stack.enter_async_context(
-                ros2_access(ros2, msg_paths, reach=options.reach, params_files=options.params_files)
+                ros2_access(graph.ros2, msg_paths, reach=graph.zenoh, params_files=graph.params_files)
             )
             joins.append(access.join)
             types = access.types

@@ -5,7 +5,8 @@ from __future__ import annotations
 import asyncio
 from dataclasses import replace
 
-from rostether.cli.access.ros2_access import ZenohReach, ros2_access
+from rostether.cli.access.graph_options import ZenohReach
+from rostether.cli.access.ros2_access import ros2_access
 from rostether.cli.access.ros_choice import Middleware
 from rostether.cli.shell.output import write_line
 

@@ -5,27 +5,34 @@ from __future__ import annotations
 import os
 from collections.abc import AsyncIterator, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from dataclasses import replace
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from rostether.cli.access.options import allow_option, msg_path_option
-from rostether.cli.access.ros1_access import read_environment
-from rostether.cli.access.ros2_options import ros2_options
+from rostether.cli.access.graph_options import (
+    SERVED_ALLOW,
+    SERVED_MASTER,
+    GraphOptions,
+    graph_options,
+)
+from rostether.cli.access.options import msg_path_option
 from rostether.cli.bridge.lines import ConsoleReporter
 from rostether.cli.bridge.served_graphs import ServedGraphs
 from rostether.cli.gateway.gateways import GatewayGraph, Tell, joined_as, ros1_gateway_graph, tell_reach
 from rostether.cli.gateway.node import NodeWords, read_gateway_words
-from rostether.cli.gateway.options import access_options, read_gateway_options, read_place
+from rostether.cli.gateway.options import access_options, read_place
 from rostether.cli.gateway.parameters import certificate_files, flag, private_parameters, whole_number
 from rostether.cli.gateway.serving import serve_gateway
-from rostether.cli.role.node import NODE_SETTINGS, run_role
+from rostether.cli.role.node import NODE_SETTINGS, node_environment, run_role
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
 from rostether.extras import install_command
 from rostether.graph.ports import Level
+from rostether.names.remap import Arguments
 
 if TYPE_CHECKING:
     from rostether.cli.gateway.options import GatewayOptions
@@ -49,12 +56,10 @@ FOXGLOVE_NODE = "foxglove_bridge"
 )
 @click.argument("words", nargs=-1, metavar="[[HOST:]PORT] [NAME:=OTHER]...")
 @access_options
-@click.option("--master", metavar="URI", help="The ROS master to join; it is waited for.")
-@ros2_options
-@allow_option
+@graph_options(master=SERVED_MASTER, allow=SERVED_ALLOW, serving=True)
 @msg_path_option
 def foxglove(
-    words: tuple[str, ...], master: str | None, allowed: tuple[str, ...], msg_paths: tuple[Path, ...]
+    words: tuple[str, ...], gateways: GatewayOptions, graph: GraphOptions, msg_paths: tuple[Path, ...]
 ) -> None:
     """Let Foxglove show the graph, publish on it and call services.
 
@@ -65,14 +70,14 @@ def foxglove(
     for any ROS node.
     """
     check_foxglove()
-    place, node = read_gateway_words(words)
-    settings = read_settings(place, read_gateway_options(allowed))
+    place, node = read_gateway_words(words, graph.arguments)
+    settings = read_settings(place, replace(gateways, allow=graph.allow))
 
     def open_gateway(graphs: ServedGraphs, tell: Tell) -> AbstractAsyncContextManager[FoxgloveGateway]:
         on = _in_ros1_words(graphs, msg_paths)
         return _gateway(settings, node, on, tell, "`rostether foxglove 0.0.0.0:{port}`")
 
-    serve_gateway(master, allowed, msg_paths, open_gateway)
+    serve_gateway(graph, msg_paths, open_gateway)
 
 
 @click.command(
@@ -84,8 +89,9 @@ def foxglove(
     rostether role foxglove-bridge _port:=8766 _address:=0.0.0.0
     """,
 )
+@access_options
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
-def foxglove_bridge(arguments: tuple[str, ...]) -> None:
+def foxglove_bridge(arguments: tuple[str, ...], gateways: GatewayOptions) -> None:
     """Serve Foxglove, like foxglove_bridge.
 
     Parameters: ~port (8765), ~address (loopback; 0.0.0.0 for other machines), ~topic_whitelist,
@@ -93,7 +99,7 @@ def foxglove_bridge(arguments: tuple[str, ...]) -> None:
     ~certfile, ~keyfile. Other parameters of foxglove_bridge change nothing.
     """
     check_foxglove()
-    run_role(FOXGLOVE_NODE, arguments, _main)
+    run_role(FOXGLOVE_NODE, arguments, partial(_main, token=gateways.token))
 
 
 @asynccontextmanager
@@ -158,10 +164,10 @@ def settings_of_parameters(
     )
 
 
-async def _main(graph: TypedGraph, _: list[str]) -> None:
-    settings = settings_of_parameters(await private_parameters(graph), read_gateway_options().token)
+async def _main(graph: TypedGraph, arguments: Arguments, token: str) -> None:
+    settings = settings_of_parameters(await private_parameters(graph), token)
     # Its own node is there already.
-    on = ros1_gateway_graph(_no_join, graph.store, read_environment())
+    on = ros1_gateway_graph(_no_join, graph.store, node_environment(arguments))
     async with _gateway_on(graph.raw, on, settings, ConsoleReporter().line, "address 0.0.0.0") as gateway:
         await gateway.wait_ended()
 

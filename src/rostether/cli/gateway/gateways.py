@@ -11,14 +11,13 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
+from rostether.cli.access.graph_options import GraphOptions, ZenohReach
 from rostether.cli.access.ros1_access import master_client
-from rostether.cli.access.ros2_access import ZenohReach, ros2_access
-from rostether.cli.access.ros2_options import Ros2Options
-from rostether.cli.access.ros_choice import Middleware
+from rostether.cli.access.ros2_access import ros2_access
 from rostether.cli.bridge.served_graphs import ServedGraphs
 from rostether.cli.gateway.node import IsLive, NodeWords, asking_ros1, check_free
-from rostether.cli.gateway.options import GatewayOptions, read_place
-from rostether.cli.service.probe import look_up, probe_type
+from rostether.cli.gateway.options import DEFAULT_PLACE, GatewayOptions, read_place
+from rostether.cli.service.ros1_probe import look_up, probe_type
 from rostether.errors import ConfigError, DefinitionError, GraphError, MasterUnreachableError
 from rostether.extras import install_command
 from rostether.graph.ports import JoinGraph, Level
@@ -57,8 +56,7 @@ class GatewayGraph:
 @asynccontextmanager
 async def gateway_graph(
     graphs: ServedGraphs,
-    ros2: Middleware | None,
-    options: Ros2Options,
+    options: GraphOptions,
     msg_paths: Sequence[Path] = (),
 ) -> AsyncIterator[GatewayGraph]:
     """Give gateways their own view of the graphs that boards are bridged into.
@@ -76,11 +74,11 @@ async def gateway_graph(
     from rostether.ros2.native_types import NativeTypes
     from rostether.ros2.native_values import NativeClasses
 
-    assert ros2 is not None
+    assert options.ros2 is not None
     registry = NativeRegistry.from_environment(msg_paths)
     # The router, if it is ours, is the boards' session.
-    reach = ZenohReach(options.reach.connect, (), "never")
-    async with ros2_access(ros2, msg_paths, reach=reach, types=NativeTypes(registry)) as access:
+    reach = ZenohReach(options.zenoh.connect, (), "never")
+    async with ros2_access(options.ros2, msg_paths, reach=reach, types=NativeTypes(registry)) as access:
         yield GatewayGraph(access.join, TypeStore(registry, NativeClasses(registry)), is_ros2=True)
 
 
@@ -101,52 +99,19 @@ def ros1_gateway_graph(join: JoinGraph, store: TypeStore, environment: RosEnviro
 
 
 @asynccontextmanager
-async def served_gateways(
-    options: GatewayOptions,
-    graphs: ServedGraphs,
-    ros2: Middleware | None,
-    ros2_options: Ros2Options,
-    msg_paths: Sequence[Path],
-    tell: Tell,
-) -> AsyncIterator[None]:
-    """Run the gateways that are wanted, if any, beside a bridge. Raises as `gateways`."""
-    async with AsyncExitStack() as stack:
-        if options.rosbridge is not None:
-            graph = await stack.enter_async_context(gateway_graph(graphs, ros2, ros2_options, msg_paths))
-            await stack.enter_async_context(gateways(options, graph, tell))
-        if options.foxglove is not None:
-            from rostether.cli.gateway.foxglove import served_foxglove
-
-            await stack.enter_async_context(served_foxglove(options, graphs, msg_paths, tell))
-        yield
-
-
-@asynccontextmanager
-async def gateways(
-    options: GatewayOptions, graph: GatewayGraph, tell: Tell, words: NodeWords | None = None
-) -> AsyncIterator[RosbridgeServer | None]:
-    """Run what `options` ask for as long as the block lasts.
-
-    Raises ConfigError naming what is not installed, TransportOpenError where a port cannot be listened on,
-    GraphError where the node's name is that of another.
-    """
-    async with AsyncExitStack() as stack:
-        if options.rosbridge is not None:
-            yield await stack.enter_async_context(
-                _rosbridge(options, options.rosbridge, graph, tell, words or NodeWords())
-            )
-        else:
-            yield None
-
-
-@asynccontextmanager
-async def _rosbridge(
-    options: GatewayOptions, place: str, on: GatewayGraph, tell: Tell, words: NodeWords
+async def rosbridge_gateway(
+    options: GatewayOptions, on: GatewayGraph, tell: Tell, words: NodeWords | None = None
 ) -> AsyncIterator[RosbridgeServer]:
+    """Run rosbridge at `options.rosbridge` as long as the block lasts.
+
+    Raises ConfigError naming what is not installed, TransportOpenError where the port cannot be listened on,
+    GraphError where another node has the name.
+    """
     check_rosbridge()
     from rostether.gateways.rosbridge.settings import DEFAULT_PORT, RosbridgeSettings
 
-    host, port = read_place(place, DEFAULT_PORT)
+    words = words or NodeWords()
+    host, port = read_place(options.rosbridge or DEFAULT_PLACE, DEFAULT_PORT)
     settings = RosbridgeSettings(host, port, options.token, options.origins, options.allow)
     graph = await joined_as(on, words, words.name_for(ROSBRIDGE_NODE, port, DEFAULT_PORT), tell)
     try:
@@ -171,14 +136,14 @@ async def joined_as(on: GatewayGraph, words: NodeWords, name: str, tell: Tell) -
 
 async def joined_patiently(join: JoinGraph, name: str, tell: Tell) -> Graph:
     """Join as soon as there is a master. Raises GraphError."""
-    has_told = False
+    reported = False
     while True:
         try:
             return await join(name)
         except MasterUnreachableError as error:
-            if not has_told:
+            if not reported:
                 tell(Level.WARN, f"{name} waits: {error}")
-                has_told = True
+                reported = True
             await asyncio.sleep(_MASTER_RETRY_S)
 
 
@@ -186,7 +151,7 @@ async def joined_patiently(join: JoinGraph, name: str, tell: Tell) -> Graph:
 async def rosbridge_server(
     graph: Graph, on: GatewayGraph, settings: RosbridgeSettings, tell: Tell, wider: str
 ) -> AsyncIterator[RosbridgeServer]:
-    """Run a rosbridge server on a node, and say where it is. Raises as `gateways`.
+    """Run a rosbridge server on a node, and say where it is. Raises as `rosbridge_gateway`.
 
     `wider` is what people type, with {port}, to let other machines connect.
     """

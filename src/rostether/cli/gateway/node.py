@@ -8,9 +8,8 @@ from typing import TypeAlias
 
 import click
 
-from rostether.cli.access.ros1_access import special_arguments
 from rostether.cli.gateway.options import DEFAULT_PLACE
-from rostether.cli.node.calls import ping
+from rostether.cli.node.ros1_calls import ping
 from rostether.errors import GraphError, UnknownNameError
 from rostether.names.graph_name import canonical, join, validate_name
 from rostether.names.remap import parse_arguments
@@ -37,7 +36,7 @@ class NodeWords:
         return own_name if port in (0, default_port) else f"{own_name}_{port}"
 
 
-def read_gateway_words(words: Sequence[str]) -> tuple[str, NodeWords]:
+def read_gateway_words(words: Sequence[str], special: Mapping[str, str]) -> tuple[str, NodeWords]:
     """Return the place to listen on and what the words say of the node.
 
     Raises click.UsageError, ConfigError, InvalidNameError.
@@ -50,9 +49,8 @@ def read_gateway_words(words: Sequence[str]) -> tuple[str, NodeWords]:
         )
     if len(arguments.rest) > 1:
         raise click.UsageError(f"one place to listen on, not {' and '.join(arguments.rest)}")
-    specials = special_arguments()
-    name = specials.get("__name", "")
-    namespace = canonical("/" + specials.get("__ns", ""))
+    name = special.get("__name", "")
+    namespace = canonical("/" + special.get("__ns", ""))
     if name:
         validate_name(name)
     validate_name(namespace)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import click
 
-from rostether.cli.access.options import Function
+from rostether.cli.shell.option_group import option_group
 from rostether.errors import ConfigError
 
 ROSBRIDGE_OPTION = "--rosbridge"
@@ -17,7 +17,6 @@ OPTIONS_WITH_PLACES = (ROSBRIDGE_OPTION, FOXGLOVE_OPTION)
 DEFAULT_PLACE = "localhost"
 TOKEN_VARIABLE = "ROSTETHER_TOKEN"  # noqa: S105 - the name of a variable
 
-_KEY = "rostether.gateway_options"
 _PLACE = re.compile(r"(?:[\w.-]+:|\[[\da-fA-F:.]+\]:)?\d{1,5}")
 _MAX_PORT = 65535
 _ORIGIN = re.compile(r"\*|null|[a-zA-Z][\w+.-]*://[^/\s]*/?")
@@ -36,11 +35,6 @@ class GatewayOptions:
     allow: tuple[str, ...] = ()
     wider: str = "--rosbridge 0.0.0.0:{port}"
     foxglove: str | None = None
-
-    @property
-    def is_any_wanted(self) -> bool:
-        """Whether there is a gateway at all."""
-        return self.rosbridge is not None or self.foxglove is not None
 
 
 def with_places(arguments: list[str], known: Collection[str]) -> list[str]:
@@ -69,19 +63,12 @@ def read_place(text: str, default_port: int) -> tuple[str, int]:
     return host.strip("[]"), int(port)
 
 
-def _keep(context: click.Context, parameter: click.Parameter, value: object) -> object:
-    context.meta.setdefault(_KEY, {})[parameter.name] = value
-    return value
-
-
 _ACCESS_OPTIONS = (
     click.option(
         "--token",
         default="",
         metavar="TOKEN",
         envvar=TOKEN_VARIABLE,
-        expose_value=False,
-        callback=_keep,
         help=f"What web clients must know, as ws://HOST:PORT/?token=TOKEN; or in {TOKEN_VARIABLE}.",
     ),
     click.option(
@@ -89,8 +76,6 @@ _ACCESS_OPTIONS = (
         "origins",
         multiple=True,
         metavar="URL",
-        expose_value=False,
-        callback=_keep,
         help="A web page of another host that may connect, as https://panel.example; null: pages opened from "
         "a file; *: all; may be repeated.",
     ),
@@ -99,44 +84,33 @@ _PLACE_OPTIONS = (
     click.option(
         ROSBRIDGE_OPTION,
         metavar="[HOST:PORT]",
-        expose_value=False,
-        callback=_keep,
         help="Serve web pages with roslibjs, as rosbridge does (localhost:9090).",
     ),
     click.option(
         FOXGLOVE_OPTION,
         metavar="[HOST:PORT]",
-        expose_value=False,
-        callback=_keep,
         help="Serve Foxglove, as foxglove_bridge does (localhost:8765).",
     ),
 )
 
 
-def access_options(function: Function) -> Function:
-    """Add --token and --origin; `read_gateway_options` returns what was typed."""
-    for option in reversed(_ACCESS_OPTIONS):
-        function = option(function)
-    return function
-
-
-def gateway_options(function: Function) -> Function:
-    """Add an option for each gateway, and who may use them; `read_gateway_options` returns what was typed."""
-    function = access_options(function)
-    for option in reversed(_PLACE_OPTIONS):
-        function = option(function)
-    return function
-
-
-def read_gateway_options(allow: tuple[str, ...] = ()) -> GatewayOptions:
-    """Return what was typed; `allow` are the networks of the command's --allow. Raises ConfigError."""
-    context = click.get_current_context(silent=True)
-    typed = context.meta.get(_KEY) if context is not None else None
-    options = GatewayOptions(**(typed or {}), allow=allow)
-    for origin in options.origins:
+def _checked(
+    *,
+    token: str = "",
+    origins: tuple[str, ...] = (),
+    rosbridge: str | None = None,
+    foxglove: str | None = None,
+) -> GatewayOptions:
+    for origin in origins:
         if not _ORIGIN.fullmatch(origin):
             raise ConfigError(
-                f"--origin: no page is of {origin!r}; write what its address begins with, such as "
+                f"--origin: {origin!r} is not the start of a page's address; write it as "
                 "https://panel.example or http://192.168.1.7:8000"
             )
-    return options
+    return GatewayOptions(rosbridge=rosbridge, token=token, origins=origins, foxglove=foxglove)
+
+
+# Adds --token and --origin; the verb gets a GatewayOptions as `gateways`.
+access_options = option_group("gateways", _checked, _ACCESS_OPTIONS)
+# Adds an option for each gateway as well.
+gateway_options = option_group("gateways", _checked, (*_PLACE_OPTIONS, *_ACCESS_OPTIONS))

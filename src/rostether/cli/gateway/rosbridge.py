@@ -11,10 +11,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rostether.cli.access.options import allow_option, msg_path_option
-from rostether.cli.access.ros1_access import read_environment
-from rostether.cli.access.ros2_options import read_ros2_options, ros2_options
-from rostether.cli.access.ros_choice import chosen_ros2
+from rostether.cli.access.graph_options import (
+    SERVED_ALLOW,
+    SERVED_MASTER,
+    GraphOptions,
+    graph_options,
+)
+from rostether.cli.access.options import msg_path_option
 from rostether.cli.bridge.lines import ConsoleReporter
 from rostether.cli.bridge.serving import joining_ros1
 from rostether.cli.gateway.gateways import (
@@ -22,8 +25,8 @@ from rostether.cli.gateway.gateways import (
     Tell,
     check_rosbridge,
     gateway_graph,
-    gateways,
     ros1_gateway_graph,
+    rosbridge_gateway,
     rosbridge_server,
 )
 from rostether.cli.gateway.node import NodeWords, read_gateway_words
@@ -31,13 +34,13 @@ from rostether.cli.gateway.options import (
     TOKEN_VARIABLE,
     GatewayOptions,
     access_options,
-    read_gateway_options,
 )
 from rostether.cli.gateway.parameters import certificate_files, flag, private_parameters, whole_number
 from rostether.cli.gateway.serving import serve_gateway
-from rostether.cli.role.node import NODE_SETTINGS, run_role
+from rostether.cli.role.node import NODE_SETTINGS, node_environment, run_role
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
+from rostether.names.remap import Arguments
 
 if TYPE_CHECKING:
     from rostether.cli.bridge.served_graphs import ServedGraphs
@@ -58,12 +61,10 @@ if TYPE_CHECKING:
 )
 @click.argument("words", nargs=-1, metavar="[[HOST:]PORT] [NAME:=OTHER]...")
 @access_options
-@click.option("--master", metavar="URI", help="The ROS master to join; it is waited for.")
-@ros2_options
-@allow_option
+@graph_options(master=SERVED_MASTER, allow=SERVED_ALLOW, serving=True)
 @msg_path_option
 def rosbridge(
-    words: tuple[str, ...], master: str | None, allowed: tuple[str, ...], msg_paths: tuple[Path, ...]
+    words: tuple[str, ...], gateways: GatewayOptions, graph: GraphOptions, msg_paths: tuple[Path, ...]
 ) -> None:
     """Let web pages with roslibjs, and programs with roslibpy, use the graph.
 
@@ -74,22 +75,26 @@ def rosbridge(
     work as for any ROS node.
     """
     check_rosbridge()
-    place, node = read_gateway_words(words)
+    place, node = read_gateway_words(words, graph.arguments)
     options = replace(
-        read_gateway_options(allowed), rosbridge=place, wider="`rostether rosbridge 0.0.0.0:{port}`"
+        gateways, allow=graph.allow, rosbridge=place, wider="`rostether rosbridge 0.0.0.0:{port}`"
     )
-    serve_gateway(master, allowed, msg_paths, partial(_opened, options, node, msg_paths))
+    serve_gateway(graph, msg_paths, partial(_opened, graph, options, node, msg_paths))
 
 
 @asynccontextmanager
 async def _opened(
-    options: GatewayOptions, node: NodeWords, msg_paths: tuple[Path, ...], graphs: ServedGraphs, tell: Tell
+    graph_options: GraphOptions,
+    options: GatewayOptions,
+    node: NodeWords,
+    msg_paths: tuple[Path, ...],
+    graphs: ServedGraphs,
+    tell: Tell,
 ) -> AsyncIterator[RosbridgeServer]:
     async with (
-        gateway_graph(graphs, chosen_ros2(), read_ros2_options(), msg_paths) as graph,
-        gateways(options, graph, tell, node) as server,
+        gateway_graph(graphs, graph_options, msg_paths) as graph,
+        rosbridge_gateway(options, graph, tell, node) as server,
     ):
-        assert server is not None
         yield server
 
 
@@ -102,8 +107,9 @@ async def _opened(
     rostether role rosbridge-websocket _port:=9091 _address:=0.0.0.0
     """,
 )
+@access_options
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
-def rosbridge_websocket(arguments: tuple[str, ...]) -> None:
+def rosbridge_websocket(arguments: tuple[str, ...], gateways: GatewayOptions) -> None:
     """Serve web pages, like rosbridge_websocket.
 
     Parameters: ~port (9090), ~address (loopback; 0.0.0.0 for other machines), ~websocket_path,
@@ -111,14 +117,14 @@ def rosbridge_websocket(arguments: tuple[str, ...]) -> None:
     ~topics_glob, ~services_glob, ~params_glob. Other parameters of rosbridge_websocket change nothing.
     """
     check_rosbridge()
-    run_role(ROSBRIDGE_NODE, arguments, _main)
+    run_role(ROSBRIDGE_NODE, arguments, partial(_main, token=gateways.token))
 
 
-async def _main(graph: TypedGraph, words: list[str]) -> None:
-    parameters = await node_parameters(graph, words)
-    settings = read_settings(parameters, read_gateway_options().token)
+async def _main(graph: TypedGraph, arguments: Arguments, token: str) -> None:
+    parameters = await node_parameters(graph, arguments.rest)
+    settings = read_settings(parameters, token)
     reporter = ConsoleReporter()
-    environment = read_environment()
+    environment = node_environment(arguments)
     on = ros1_gateway_graph(joining_ros1(environment), graph.store, environment)
     async with rosbridge_server(graph.raw, on, settings, reporter.line, "address 0.0.0.0") as server:
         await graph.raw.set_param("~actual_port", server.port)

@@ -7,9 +7,8 @@ from contextlib import AbstractAsyncContextManager
 from pathlib import Path
 from typing import Protocol
 
+from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.ros1_access import read_environment
-from rostether.cli.access.ros2_options import read_ros2_options
-from rostether.cli.access.ros_choice import chosen_ros1, chosen_ros2
 from rostether.cli.bridge.lines import ConsoleReporter
 from rostether.cli.bridge.served_graphs import ServedGraphs, served_graphs
 from rostether.cli.gateway.gateways import Tell
@@ -25,25 +24,16 @@ class Gateway(Protocol):
 
 
 def serve_gateway(
-    master: str | None,
-    allowed: Sequence[str],
+    graph: GraphOptions,
     msg_paths: Sequence[Path],
     open_gateway: Callable[[ServedGraphs, Tell], AbstractAsyncContextManager[Gateway]],
 ) -> None:
     """Run a gateway on the graphs that this command line means. Raises what `served_graphs` does."""
-    environment = read_environment(master).allowing(allowed)
-    ros1, ros2, options = chosen_ros1(), chosen_ros2(), read_ros2_options()
+    environment = read_environment(graph)
 
     async def serve() -> None:
         tell = ConsoleReporter().line
-        async with served_graphs(
-            environment,
-            ros1=ros1,
-            ros2=ros2,
-            options=options,
-            is_chosen=master is not None,
-            msg_paths=msg_paths,
-        ) as graphs:
+        async with served_graphs(environment, graph, msg_paths=msg_paths) as graphs:
             for line in graphs.lines:
                 tell(Level.INFO, line)
             async with open_gateway(graphs, tell) as gateway:

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import asyncio
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
-from rostether.cli.access.options import master_option
+from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.shell.input_files import STDIN, read_bytes
+from rostether.cli.shell.option_group import ignored_options, option_group
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import MasterUnreachableError
@@ -29,15 +31,96 @@ _MAX_PATH_CHARS = 100_000  # Linux starts no process with a variable of 128 KB
 _SECONDS = click.FloatRange(0, min_open=True)
 
 
-def _accepted(*names: str, **options: Any) -> Callable[[Any], Any]:
-    # What scripts give to roslaunch, and what needs nothing from us.
-    return click.option(*names, expose_value=False, hidden=True, **options)
+# roslaunch has these; scripts use them, and they change nothing here.
+_roslaunch_options = ignored_options(
+    "-w --numworkers",
+    "-t --timeout",
+    "--master-logger-level",
+    local="--local",
+    log_check="--skip-log-check",
+    title="--disable-title",
+    verbose="-v --verbose",
+)
 
 
 def _complete(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
     from rostether.cli.launch.sources import complete_launch
 
     return complete_launch(ctx, param, incomplete)
+
+
+@dataclass(frozen=True, slots=True)
+class LaunchOptions:
+    """The options of `launch`."""
+
+    lists_nodes: bool
+    dumps: bool
+    lists_arguments: bool
+    lists_files: bool
+    args_of: str | None
+    file_of: str | None
+    screen: bool
+    to_log: bool
+    required: bool
+    wait: bool
+    port: int | None
+    no_summary: bool
+    sigint_timeout: float
+    sigterm_timeout: float
+    pid_file: Path | None
+
+
+_launch_options = option_group(
+    "options",
+    LaunchOptions,
+    (
+        click.option(
+            "--nodes", "lists_nodes", is_flag=True, help="Print the names of the nodes, and start none."
+        ),
+        click.option(
+            "--dump-params", "dumps", is_flag=True, help="Print the parameters as YAML, and set none."
+        ),
+        click.option(
+            "--ros-args", "lists_arguments", is_flag=True, help="Print which arguments the file takes."
+        ),
+        click.option("--files", "lists_files", is_flag=True, help="Print the file and all that it includes."),
+        click.option("--args", "args_of", metavar="NODE", help="Print the command line of a node."),
+        click.option("--find-node", "file_of", metavar="NODE", help="Print the file that a node stands in."),
+        click.option("--screen", is_flag=True, help="Show the output of all nodes."),
+        click.option(
+            "--log", "to_log", is_flag=True, help="Keep the output of all nodes in their log files."
+        ),
+        click.option("--required", is_flag=True, help="Stop all nodes when any of them ends."),
+        click.option("--wait", is_flag=True, help="Wait for a master instead of being it."),
+        click.option(
+            "-p",
+            "--port",
+            type=click.IntRange(1, 65535),
+            help="The port where we are the master when there is none.",
+        ),
+        click.option("--no-summary", is_flag=True, help="Do not print what is going to be done."),
+        click.option(
+            "--sigint-timeout",
+            type=_SECONDS,
+            default=15.0,
+            metavar="S",
+            help="Seconds to end in after SIGINT (15).",
+        ),
+        click.option(
+            "--sigterm-timeout",
+            type=_SECONDS,
+            default=2.0,
+            metavar="S",
+            help="Seconds to end in after SIGTERM (2).",
+        ),
+        click.option(
+            "--pid",
+            "pid_file",
+            type=click.Path(path_type=Path, dir_okay=False),
+            help="Write our process id to a file.",
+        ),
+    ),
+)
 
 
 @click.command(
@@ -51,6 +134,7 @@ def _complete(ctx: click.Context, param: click.Parameter, incomplete: str) -> li
     rostether launch robot.launch --ros-args               which arguments it takes
     """,
 )
+@_launch_options
 @click.argument(
     "words",
     nargs=-1,
@@ -58,59 +142,9 @@ def _complete(ctx: click.Context, param: click.Parameter, incomplete: str) -> li
     metavar="[PACKAGE] FILE [NAME:=VALUE]...",
     shell_complete=_complete,
 )
-@click.option("--nodes", "lists_nodes", is_flag=True, help="Print the names of the nodes, and start none.")
-@click.option("--dump-params", "dumps", is_flag=True, help="Print the parameters as YAML, and set none.")
-@click.option("--ros-args", "lists_arguments", is_flag=True, help="Print which arguments the file takes.")
-@click.option("--files", "lists_files", is_flag=True, help="Print the file and all that it includes.")
-@click.option("--args", "args_of", metavar="NODE", help="Print the command line of a node.")
-@click.option("--find-node", "file_of", metavar="NODE", help="Print the file that a node stands in.")
-@click.option("--screen", is_flag=True, help="Show the output of all nodes.")
-@click.option("--log", "to_log", is_flag=True, help="Keep the output of all nodes in their log files.")
-@click.option("--required", is_flag=True, help="Stop all nodes when any of them ends.")
-@click.option("--wait", is_flag=True, help="Wait for a master instead of being it.")
-@click.option(
-    "-p", "--port", type=click.IntRange(1, 65535), help="The port where we are the master when there is none."
-)
-@click.option("--no-summary", is_flag=True, help="Do not print what is going to be done.")
-@click.option(
-    "--sigint-timeout", type=_SECONDS, default=15.0, metavar="S", help="Seconds to end in after SIGINT (15)."
-)
-@click.option(
-    "--sigterm-timeout", type=_SECONDS, default=2.0, metavar="S", help="Seconds to end in after SIGTERM (2)."
-)
-@click.option(
-    "--pid",
-    "pid_file",
-    type=click.Path(path_type=Path, dir_okay=False),
-    help="Write our process id to a file.",
-)
-@_accepted("--local", is_flag=True)
-@_accepted("--skip-log-check", is_flag=True)
-@_accepted("--disable-title", is_flag=True)
-@_accepted("-v", "--verbose", is_flag=True)
-@_accepted("-w", "--numworkers", type=int)
-@_accepted("-t", "--timeout")
-@_accepted("--master-logger-level")
-@master_option
-def launch(
-    words: tuple[str, ...],
-    lists_nodes: bool,
-    dumps: bool,
-    lists_arguments: bool,
-    lists_files: bool,
-    args_of: str | None,
-    file_of: str | None,
-    screen: bool,
-    to_log: bool,
-    required: bool,
-    wait: bool,
-    port: int | None,
-    no_summary: bool,
-    sigint_timeout: float,
-    sigterm_timeout: float,
-    pid_file: Path | None,
-    master: str | None,
-) -> None:
+@_roslaunch_options
+@graph_options(ros=False)
+def launch(options: LaunchOptions, words: tuple[str, ...], graph: GraphOptions) -> None:
     """Set parameters and start nodes as launch files say, and be the master when there is none.
 
     Packages are found on ROS_PACKAGE_PATH, in the catkin workspace around this folder, and below it; nothing
@@ -127,11 +161,26 @@ def launch(
     from rostether.launch.runner import RunOptions
     from rostether.packages.locate import package_around, package_folders
 
-    if sum(map(bool, (lists_nodes, dumps, lists_arguments, lists_files, args_of, file_of))) > 1:
+    if (
+        sum(
+            map(
+                bool,
+                (
+                    options.lists_nodes,
+                    options.dumps,
+                    options.lists_arguments,
+                    options.lists_files,
+                    options.args_of,
+                    options.file_of,
+                ),
+            )
+        )
+        > 1
+    ):
         raise click.UsageError("give one of --nodes, --dump-params, --ros-args, --files, --args, --find-node")
-    if screen and to_log:
+    if options.screen and options.to_log:
         raise click.UsageError("give --screen or --log, not both")
-    environment = read_environment(master)
+    environment = read_environment(graph)
     packages = packages_here()
     packages = packages | {
         name: folder for name, folder in bundled_packages().items() if name not in packages
@@ -145,30 +194,30 @@ def launch(
     environ = _environ_for(near)
     plan = _load(sources, packages, environ)
     locate = _locator(packages, near)
-    if lists_nodes:
+    if options.lists_nodes:
         _print(listing.node_lines(plan))
-    elif dumps:
+    elif options.dumps:
         write_line(listing.parameter_lines(plan))
-    elif lists_arguments:
+    elif options.lists_arguments:
         _print(listing.argument_lines(plan))
-    elif lists_files:
+    elif options.lists_files:
         _print(listing.file_lines(plan))
-    elif args_of is not None:
-        node = listing.find_node(plan, args_of, environment.namespace)
+    elif options.args_of is not None:
+        node = listing.find_node(plan, options.args_of, environment.namespace)
         write_line(listing.command_words(node, environ, environment.master_uri, locate))
-    elif file_of is not None:
-        write_line(listing.find_node(plan, file_of, environment.namespace).file)
+    elif options.file_of is not None:
+        write_line(listing.find_node(plan, options.file_of, environment.namespace).file)
     else:
         _warn(plan, sources)
-        if not no_summary:
+        if not options.no_summary:
             _print(listing.summary_lines(plan))
-        options = RunOptions(
-            output=Output.SCREEN if screen else Output.LOG if to_log else None,
-            all_required=required,
-            stop_limits=StopLimits(sigint_timeout, sigterm_timeout),
+        run_options = RunOptions(
+            output=Output.SCREEN if options.screen else Output.LOG if options.to_log else None,
+            all_required=options.required,
+            stop_limits=StopLimits(options.sigint_timeout, options.sigterm_timeout),
         )
-        if pid_file is not None:
-            pid_file.write_text(f"{os.getpid()}\n")
+        if options.pid_file is not None:
+            options.pid_file.write_text(f"{os.getpid()}\n")
         try:
             run(
                 _launch(
@@ -176,27 +225,27 @@ def launch(
                     environment,
                     environ,
                     locate,
-                    options,
-                    is_chosen=master is not None,
-                    port=port,
-                    wait=wait,
+                    run_options,
+                    is_chosen=graph.master is not None,
+                    port=options.port,
+                    wait=options.wait,
                 ),
                 is_service=True,
             )
         finally:
-            if pid_file is not None:
-                pid_file.unlink(missing_ok=True)
+            if options.pid_file is not None:
+                options.pid_file.unlink(missing_ok=True)
 
 
 def _load(sources: LaunchSources, packages: Mapping[str, Path], environ: Mapping[str, str]) -> LaunchPlan:
-    from rostether.cli.access.ros1_access import special_arguments
+    from rostether.cli.access.graph_options import ros_arguments
     from rostether.cli.launch.served_nodes import served_nodes
     from rostether.cli.launch.served_programs import served_programs
     from rostether.launch.loading import load_launch
 
     return load_launch(
         sources.files,
-        {**sources.arguments, **special_arguments()},
+        {**sources.arguments, **ros_arguments()},
         environ,
         packages,
         text=read_bytes(STDIN) if sources.reads_stdin else None,
@@ -206,8 +255,8 @@ def _load(sources: LaunchSources, packages: Mapping[str, Path], environ: Mapping
 
 
 def _locator(packages: Mapping[str, Path], near: Mapping[str, Path]) -> Locate:
+    from rostether.cli.launch.node_command import node_command
     from rostether.cli.launch.served_nodes import replacement_line
-    from rostether.cli.node.node_command import node_command
     from rostether.launch.command_line import Program, Replaced
     from rostether.rospy_facade.environment import node_environment
 

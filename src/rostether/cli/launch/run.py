@@ -10,9 +10,9 @@ from collections.abc import Mapping, Sequence
 import click
 
 from rostether.cli.access.completions import complete_package_folders, complete_programs
+from rostether.cli.launch.node_command import node_command
 from rostether.cli.launch.packages_here import packages_here
 from rostether.cli.launch.served_nodes import replacement_line, served_nodes
-from rostether.cli.node.node_command import node_command
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError

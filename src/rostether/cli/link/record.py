@@ -6,7 +6,13 @@ from pathlib import Path
 
 import click
 
-from rostether.cli.access.options import allow_option, listen_option, msg_path_option
+from rostether.cli.access.graph_options import (
+    SERVED_ALLOW,
+    SERVED_MASTER,
+    GraphOptions,
+    graph_options,
+)
+from rostether.cli.access.options import listen_option, msg_path_option
 from rostether.cli.bag.recording import record_limit_option
 from rostether.cli.bridge.serve import serve
 from rostether.cli.shell.verbs import Verb
@@ -23,21 +29,19 @@ from rostether.cli.shell.verbs import Verb
 )
 @click.argument("address")
 @click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
-@click.option("--master", metavar="URI", help="The ROS master to join; it is waited for.")
 @record_limit_option
 @listen_option
-@allow_option
+@graph_options(master=SERVED_MASTER, ros=False, allow=SERVED_ALLOW)
 @msg_path_option
 @click.pass_context
 def link_record(
     ctx: click.Context,
     address: str,
     file: Path,
-    master: str | None,
     record_limit_mb: float,
     listen: str | None,
-    allowed: tuple[str, ...],
     msg_paths: tuple[Path, ...],
+    graph: GraphOptions,
 ) -> None:
     """Serve the board at ADDRESS, as `rostether serve` does, and record its line to FILE until Ctrl-C.
 
@@ -47,10 +51,10 @@ def link_record(
     ctx.invoke(
         serve,
         addresses=(address,),
-        master=master,
+        master=graph.master,
         record_line=file,
         record_limit_mb=record_limit_mb,
         listen=listen,
-        allowed=allowed,
+        allow=graph.allow,
         msg_paths=msg_paths,
     )

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.master_choice import used_master
-from rostether.cli.access.options import master_option, msg_path_option
+from rostether.cli.access.options import msg_path_option
 from rostether.cli.access.ros1_access import read_environment
 from rostether.cli.bridge.lines import ConsoleReporter
 from rostether.cli.bridge.serving import bridge, joining_ros1
@@ -56,10 +57,15 @@ AFTER_S = 1.0
 )
 @click.option("--fast", is_flag=True, help="Without pauses, but for half a second behind each new topic.")
 @click.option("--name", metavar="NAME", help="The board's node name (default: the file's).")
-@master_option
+@graph_options(ros=False)
 @msg_path_option
 def link_replay(
-    file: Path, speed: float, fast: bool, name: str | None, master: str | None, msg_paths: tuple[Path, ...]
+    file: Path,
+    speed: float,
+    fast: bool,
+    name: str | None,
+    graph: GraphOptions,
+    msg_paths: tuple[Path, ...],
 ) -> None:
     """Play what the board said, at the times it did, and end with the capture.
 
@@ -74,8 +80,8 @@ def link_replay(
     validate_name(node_name)
     run(
         _replay(
-            read_environment(master),
-            master is not None,
+            read_environment(graph),
+            graph.master is not None,
             capture,
             node_name,
             None if fast else speed,

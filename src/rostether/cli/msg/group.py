@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rostether.cli.access.completions import complete_message_types, complete_service_types
+from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option
-from rostether.cli.access.ros_choice import chosen_ros2, ros1_option, ros2_option
 from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.verbs import LazyGroup, Verb, VerbEntry
 from rostether.errors import UnknownTypeError
@@ -51,10 +51,10 @@ class _Kind:
         service = registry.service(name)
         return service.text, [service.request, service.response]
 
-    def md5sum(self, registry: Registry, name: str) -> str:
-        """Return the md5sum, or the type hash that stands in its place in ROS 2."""
-        if chosen_ros2() is not None:
-            from rostether.cli.access.ros2_definitions import type_hash
+    def md5sum(self, registry: Registry, name: str, *, is_ros2: bool) -> str:
+        """Return the md5sum, or the type hash of ROS 2."""
+        if is_ros2:
+            from rostether.cli.msg.ros2_definitions import type_hash
 
             return type_hash(registry, self.group, name)
         if self.group == "msg":
@@ -88,8 +88,8 @@ def srv() -> None:
     """Show service definitions: those we bring along, and those of your own packages."""
 
 
-def _registry(msg_paths: tuple[Path, ...]) -> Registry:
-    if chosen_ros2() is not None:
+def _registry(msg_paths: tuple[Path, ...], graph: GraphOptions) -> Registry:
+    if graph.ros2 is not None:
         from rostether.ros2.native_registry import NativeRegistry
 
         return NativeRegistry.from_environment(msg_paths)
@@ -120,7 +120,7 @@ def _record(kind: _Kind, registry: Registry, name: str) -> dict[str, Any]:
     parts = kind.parts(registry, name)[1]
     described = dict(zip(("request", "response"), map(describe, parts), strict=False))
     body = describe(parts[0]) if kind is _MESSAGES else described
-    return {"type": name, "md5sum": kind.md5sum(registry, name), **body}
+    return {"type": name, "md5sum": kind.md5sum(registry, name, is_ros2=False), **body}
 
 
 def _type_argument(kind: _Kind, given: str | None) -> str:
@@ -169,17 +169,18 @@ def _show_verb(kind: _Kind) -> click.Command:
     @click.option("-r", "--raw", is_flag=True, help="Show the text as it was written.")
     @json_option
     @msg_path_option
-    @ros1_option
-    @ros2_option
-    def show(name: str | None, raw: bool, as_json: bool, msg_paths: tuple[Path, ...]) -> None:
-        from rostether.cli.access.shown_definition import shown_definition
+    @graph_options(master="")
+    def show(
+        name: str | None, raw: bool, as_json: bool, msg_paths: tuple[Path, ...], graph: GraphOptions
+    ) -> None:
+        from rostether.cli.msg.shown_definition import shown_definition
 
-        registry = _registry(msg_paths)
+        registry = _registry(msg_paths, graph)
         given = _type_argument(kind, name)
         is_short = "/" not in given
         for each in _matches(kind, registry, given) if is_short else [given]:
-            if chosen_ros2() is not None:
-                from rostether.cli.access import ros2_definitions as ros2
+            if graph.ros2 is not None:
+                from rostether.cli.msg import ros2_definitions as ros2
 
                 if as_json:
                     write_json(ros2.record(registry, kind.group, each))
@@ -209,16 +210,15 @@ def _md5_verb(kind: _Kind) -> click.Command:
     @click.command("md5", cls=Verb, examples=f"rostether {kind.group} md5 {kind.example}")
     @click.argument("name", required=False, metavar="TYPE", shell_complete=_complete(kind))
     @msg_path_option
-    @ros1_option
-    @ros2_option
-    def md5(name: str | None, msg_paths: tuple[Path, ...]) -> None:
-        registry = _registry(msg_paths)
+    @graph_options(master="")
+    def md5(name: str | None, msg_paths: tuple[Path, ...], graph: GraphOptions) -> None:
+        registry = _registry(msg_paths, graph)
         given = _type_argument(kind, name)
         if "/" in given:
-            write_line(kind.md5sum(registry, given))
+            write_line(kind.md5sum(registry, given, is_ros2=graph.ros2 is not None))
         else:
             for each in _matches(kind, registry, given):
-                write_line(f"[{each}]: {kind.md5sum(registry, each)}")
+                write_line(f"[{each}]: {kind.md5sum(registry, each, is_ros2=graph.ros2 is not None)}")
 
     md5.help = f"Print the md5sum of a {kind.what} type, which both ends of a connection must agree on."
     return md5
@@ -227,10 +227,9 @@ def _md5_verb(kind: _Kind) -> click.Command:
 def _list_verb(kind: _Kind) -> click.Command:
     @click.command("list", cls=Verb, examples=f"rostether {kind.group} list --msg-path ~/catkin_ws/src")
     @msg_path_option
-    @ros1_option
-    @ros2_option
-    def list_all(msg_paths: tuple[Path, ...]) -> None:
-        for name in kind.names(_registry(msg_paths)):
+    @graph_options(master="")
+    def list_all(msg_paths: tuple[Path, ...], graph: GraphOptions) -> None:
+        for name in kind.names(_registry(msg_paths, graph)):
             write_line(name)
 
     list_all.help = f"List all {kind.what} types."
@@ -242,10 +241,11 @@ def _package_verb(kind: _Kind) -> click.Command:
     @click.argument("package")
     @click.option("-s", "single_line", is_flag=True, help="On one line.")
     @msg_path_option
-    @ros1_option
-    @ros2_option
-    def package_types(package: str, single_line: bool, msg_paths: tuple[Path, ...]) -> None:
-        registry = _registry(msg_paths)
+    @graph_options(master="")
+    def package_types(
+        package: str, single_line: bool, msg_paths: tuple[Path, ...], graph: GraphOptions
+    ) -> None:
+        registry = _registry(msg_paths, graph)
         if package not in registry.packages():
             raise UnknownTypeError(
                 f"there is no package {package!r} with definitions; give its folder with --msg-path, "
@@ -261,10 +261,9 @@ def _packages_verb(kind: _Kind) -> click.Command:
     @click.command("packages", cls=Verb, examples=f"rostether {kind.group} packages -s")
     @click.option("-s", "single_line", is_flag=True, help="On one line.")
     @msg_path_option
-    @ros1_option
-    @ros2_option
-    def packages(single_line: bool, msg_paths: tuple[Path, ...]) -> None:
-        names = dict.fromkeys(name.partition("/")[0] for name in kind.names(_registry(msg_paths)))
+    @graph_options(master="")
+    def packages(single_line: bool, msg_paths: tuple[Path, ...], graph: GraphOptions) -> None:
+        names = dict.fromkeys(name.partition("/")[0] for name in kind.names(_registry(msg_paths, graph)))
         write_line((" " if single_line else "\n").join(names))
 
     packages.help = f"List the packages that have {kind.what} types."

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rostether.cli.access.options import master_option
+from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.refusals import refuse_ros1_only
-from rostether.cli.access.ros_choice import chosen_ros2, ros1_option, ros2_option
 from rostether.cli.plot.graph_shown import Shown, as_digraph, as_records, as_text, choose
 from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.picture_files import SUFFIXES, picture_format, save
@@ -17,7 +16,6 @@ from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
 
 if TYPE_CHECKING:
-    from rostether.cli.access.ros_choice import Middleware
     from rostether.graph.ports import Snapshot
 
 
@@ -51,17 +49,15 @@ if TYPE_CHECKING:
     "-a", "--all", "with_hidden", is_flag=True, help="Show logging, statistics and hidden names too."
 )
 @json_option
-@master_option
-@ros1_option
-@ros2_option
-def graph(
+@graph_options()
+def show_graph(
     names: tuple[str, ...],
     format_name: str | None,
     file: Path | None,
     nodes_only: bool,
     with_hidden: bool,
     as_json: bool,
-    master: str | None,
+    graph: GraphOptions,
 ) -> None:
     """Show which nodes publish and subscribe to which topics, as rqt_graph does.
 
@@ -74,11 +70,11 @@ def graph(
     kind = "json" if as_json else format_name or "text"
     if file is not None:
         kind = picture_format(file)
-    if (middleware := chosen_ros2()) is not None:
-        refuse_ros1_only(master=master)
-        snapshot = _ask_ros2(middleware)
+    if graph.ros2 is not None:
+        refuse_ros1_only(master=graph.master)
+        snapshot = _ask_ros2(graph)
     else:
-        snapshot = run(_ask_ros1(master))
+        snapshot = run(_ask_ros1(graph))
     shown = choose(snapshot, names, with_hidden=with_hidden)
     if as_json:
         for record in as_records(shown):
@@ -103,16 +99,16 @@ def _content(shown: Shown, kind: str, *, nodes_only: bool) -> str | bytes:
     return encode(draw(digraph), kind)
 
 
-async def _ask_ros1(master: str | None) -> Snapshot:
+async def _ask_ros1(graph: GraphOptions) -> Snapshot:
     from rostether.cli.access.ros1_access import master_client, read_environment
     from rostether.ros1.node.graph_view import take_snapshot
 
-    async with master_client(read_environment(master)) as client:
+    async with master_client(read_environment(graph)) as client:
         return await take_snapshot(client)
 
 
-def _ask_ros2(middleware: Middleware) -> Snapshot:
+def _ask_ros2(graph: GraphOptions) -> Snapshot:
     from rostether.cli.access.ros2_snapshot import as_snapshot
     from rostether.cli.access.ros2_tool_node import asked
 
-    return as_snapshot(asked(middleware, lambda tool: tool.look_well()))
+    return as_snapshot(asked(graph, lambda tool: tool.look_well()))

@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import click
 
 from rostether.cli.access.completions import complete_topics
-from rostether.cli.access.options import master_option, msg_path_option, tool_allow_option
+from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
+from rostether.cli.access.options import msg_path_option
 from rostether.cli.access.refusals import refuse_ros1_only
-from rostether.cli.access.ros_choice import chosen_ros2, ros1_option, ros2_option
 from rostether.cli.plot.curves import Curves, expand
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.picture_files import encode, picture_format, save
@@ -27,7 +27,6 @@ from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError, GraphError, SerializationError, first_error
 
 if TYPE_CHECKING:
-    from rostether.cli.access.ros_choice import Middleware
     from rostether.serde.codec import Codec
 
 REFRESH_S = 0.1
@@ -85,17 +84,14 @@ class _Options:
     help="At the end write a picture, .png or .svg.",
 )
 @msg_path_option
-@master_option
-@tool_allow_option
-@ros1_option
-@ros2_option
+@graph_options(allow=TOOL_ALLOW)
 def plot(
     fields: tuple[str, ...],
     window_s: float | None,
     duration_s: float | None,
     file: Path | None,
     msg_paths: tuple[Path, ...],
-    master: str | None,
+    graph: GraphOptions,
 ) -> None:
     """Draw values of topics over the time at which they came.
 
@@ -112,27 +108,30 @@ def plot(
     if not is_terminal and file is None and duration_s is None:
         duration_s = window_s or DEFAULT_WINDOW_S
     options = _Options(window_s, duration_s, file, is_terminal)
-    if (middleware := chosen_ros2()) is not None:
-        refuse_ros1_only(master=master)
-        run(_plot_ros2(middleware, targets, options, msg_paths))
+    if graph.ros2 is not None:
+        refuse_ros1_only(master=graph.master)
+        run(_plot_ros2(graph, targets, options, msg_paths))
     else:
-        run(_plot_ros1(targets, options, msg_paths, master))
+        run(_plot_ros1(graph, targets, options, msg_paths))
 
 
 async def _plot_ros1(
-    targets: Sequence[_Group], options: _Options, msg_paths: tuple[Path, ...], master: str | None
+    graph_options: GraphOptions,
+    targets: Sequence[_Group],
+    options: _Options,
+    msg_paths: tuple[Path, ...],
 ) -> None:
     from rostether.cli.access.ros1_access import in_namespace, joined, read_environment
-    from rostether.cli.topic.chosen_topic import resolve_with_field, wait_for_topic
+    from rostether.cli.topic.ros1_chosen_topic import resolve_with_field, wait_for_topic
     from rostether.serde.field_path import FieldPath
 
-    environment = read_environment(master)
+    environment = read_environment(graph_options)
     groups = [[resolve_with_field(target, environment) for target in group] for group in targets]
-    async with joined(environment, msg_paths, purpose="plot") as graph:
+    async with joined(graph_options, msg_paths, purpose="plot") as graph:
         session = _Session(options)
 
         async def follow(group: Sequence[str]) -> None:
-            topic = (await wait_for_topic(group[0], graph.store, master)).topic
+            topic = (await wait_for_topic(group[0], graph.store, environment)).topic
             here = [name for name in group if in_namespace(name, topic)]
             async with asyncio.TaskGroup() as tasks:
                 if others := [name for name in group if name not in here]:
@@ -159,12 +158,15 @@ async def _plot_ros1(
 
 
 async def _plot_ros2(
-    middleware: Middleware, targets: Sequence[_Group], options: _Options, msg_paths: tuple[Path, ...]
+    graph_options: GraphOptions,
+    targets: Sequence[_Group],
+    options: _Options,
+    msg_paths: tuple[Path, ...],
 ) -> None:
     from rostether.cli.access.ros2_tool_node import tool_node
     from rostether.cli.topic.ros2_chosen_topic import choose_topic
 
-    async with tool_node(middleware, msg_paths) as tool:
+    async with tool_node(graph_options, msg_paths) as tool:
         session = _Session(options)
 
         async def follow(group: Sequence[str]) -> None:

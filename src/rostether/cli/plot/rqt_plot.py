@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.launch.run import become
 from rostether.cli.launch.served_nodes import our_command
 from rostether.cli.shell.output import warn
@@ -33,22 +34,23 @@ _NOBODYS = ("/rosout", "/rosout_agg", "/clock", "/diagnostics", "/tf", "/tf_stat
     """,
 )
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[TOPIC/FIELD]...")
-def rqt_plot(arguments: tuple[str, ...]) -> None:
+@graph_options(master="", ros=False)
+def rqt_plot(arguments: tuple[str, ...], graph: GraphOptions) -> None:
     """Plot the fields given; without any, the first numbers that are published."""
     fields = list(arguments)
     if not fields:
-        fields = run(_published())
+        fields = run(_published(graph))
         if not fields:
             raise ConfigError("nothing with numbers is published; `rostether topic list` shows what there is")
         warn(f"rostether plot {' '.join(fields)}")
     become(our_command("plot", *fields), os.environ)
 
 
-async def _published() -> list[str]:
+async def _published(graph: GraphOptions) -> list[str]:
     from rostether.cli.access.ros1_access import master_client, read_environment
     from rostether.msgdef.registry import Registry
 
-    async with master_client(read_environment()) as client:
+    async with master_client(read_environment(graph)) as client:
         publishers, _, _ = await client.system_state()
         types = dict(await client.topic_types())
     registry = Registry.from_environment()

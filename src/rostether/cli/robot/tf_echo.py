@@ -7,7 +7,7 @@ import contextlib
 
 import click
 
-from rostether.cli.access.options import master_option, tool_allow_option
+from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.output import json_option, one_line, warn, write_json, write_line
 from rostether.cli.shell.running import run
@@ -38,8 +38,7 @@ MAX_RATE_HZ = 1_000.0
     help="Give up when no transform is known by then.",
 )
 @json_option
-@master_option
-@tool_allow_option
+@graph_options(ros=False, allow=TOOL_ALLOW)
 def echo(
     parent: str,
     child: str,
@@ -47,7 +46,7 @@ def echo(
     count: int | None,
     timeout_s: float | None,
     as_json: bool,
-    master: str | None,
+    graph: GraphOptions,
 ) -> int:
     """Print where the frame CHILD stands in the frame PARENT, RATE times a second (once).
 
@@ -55,7 +54,7 @@ def echo(
     of yet are waited for.
     """
     return run(
-        _echo(parent.removeprefix("/"), child.removeprefix("/"), rate, count, timeout_s, as_json, master)
+        _echo(parent.removeprefix("/"), child.removeprefix("/"), rate, count, timeout_s, as_json, graph)
     )
 
 
@@ -66,20 +65,20 @@ async def _echo(
     count: int | None,
     timeout_s: float | None,
     as_json: bool,
-    master: str | None,
+    graph: GraphOptions,
 ) -> int:
-    from rostether.cli.access.ros1_access import joined, read_environment
+    from rostether.cli.access.ros1_access import joined
     from rostether.errors import TransformError
     from rostether.robot.tf_listener import tf_listener
 
     async with (
-        joined(read_environment(master), purpose="tf_echo") as graph,
-        tf_listener(graph) as listener,
+        joined(graph, purpose="tf_echo") as node,
+        tf_listener(node) as listener,
     ):
         loop = asyncio.get_running_loop()
         began_s = due_s = loop.time()
         told, shown_count = "", 0
-        left = asyncio.ensure_future(graph.raw.wait_closed())
+        left = asyncio.ensure_future(node.raw.wait_closed())
         try:
             while shown_count != count and not left.done():
                 try:

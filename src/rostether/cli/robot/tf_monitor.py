@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rostether.cli.access.options import master_option, tool_allow_option
+from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
 from rostether.cli.shell.output import json_option, one_line, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -32,32 +32,31 @@ REPORT_PERIOD_S = 1.0
 @click.argument("frames", nargs=-1, metavar="[PARENT CHILD]")
 @click.option("-n", "count", type=click.IntRange(min=1), metavar="COUNT", help="End after COUNT reports.")
 @json_option
-@master_option
-@tool_allow_option
-def monitor(frames: tuple[str, ...], count: int | None, as_json: bool, master: str | None) -> None:
+@graph_options(ros=False, allow=TOOL_ALLOW)
+def monitor(frames: tuple[str, ...], count: int | None, as_json: bool, graph: GraphOptions) -> None:
     """Report every second for each frame, or for the chain between two, who broadcasts it and how late."""
     if len(frames) not in (0, 2):
         raise click.UsageError("give no frame, or PARENT and CHILD")
-    run(_monitor(tuple(each.removeprefix("/") for each in frames), count, as_json, master))
+    run(_monitor(tuple(each.removeprefix("/") for each in frames), count, as_json, graph))
 
 
-async def _monitor(frames: tuple[str, ...], count: int | None, as_json: bool, master: str | None) -> None:
-    from rostether.cli.access.ros1_access import joined, read_environment
+async def _monitor(frames: tuple[str, ...], count: int | None, as_json: bool, graph: GraphOptions) -> None:
+    from rostether.cli.access.ros1_access import joined
     from rostether.robot.tf_listener import tf_listener
     from rostether.robot.tf_statistics import TfStatistics
     from rostether.robot.transform import StampedTransform
 
     statistics = TfStatistics()
     async with (
-        joined(read_environment(master), purpose="tf_monitor") as graph,
-        tf_listener(graph) as listener,
+        joined(graph, purpose="tf_monitor") as node,
+        tf_listener(node) as listener,
     ):
 
         def add(transforms: Sequence[StampedTransform], authority: str, is_static: bool) -> None:
-            statistics.add(transforms, authority, is_static, graph.now().to_ns())
+            statistics.add(transforms, authority, is_static, node.now().to_ns())
 
         listener.on_transforms = add
-        left = asyncio.ensure_future(graph.raw.wait_closed())
+        left = asyncio.ensure_future(node.raw.wait_closed())
         made = 0
         try:
             while made != count and not left.done():

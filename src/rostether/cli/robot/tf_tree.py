@@ -7,7 +7,7 @@ from dataclasses import asdict
 
 import click
 
-from rostether.cli.access.options import master_option, tool_allow_option
+from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.output import json_option, one_line, warn, write_json, write_line
 from rostether.cli.shell.running import run
@@ -36,15 +36,14 @@ DEFAULT_LISTENING_S = 2.0
 )
 @click.option("--dot", is_flag=True, help="Print the tree for graphviz.")
 @json_option
-@master_option
-@tool_allow_option
-def tree(listening_s: float, dot: bool, as_json: bool, master: str | None) -> int:
+@graph_options(ros=False, allow=TOOL_ALLOW)
+def tree(listening_s: float, dot: bool, as_json: bool, graph: GraphOptions) -> int:
     """Listen for a while, then show the tree of frames with the nodes that broadcast them."""
-    return run(_tree(listening_s, dot, as_json, master))
+    return run(_tree(listening_s, dot, as_json, graph))
 
 
-async def _tree(listening_s: float, dot: bool, as_json: bool, master: str | None) -> int:
-    from rostether.cli.access.ros1_access import joined, read_environment
+async def _tree(listening_s: float, dot: bool, as_json: bool, graph: GraphOptions) -> int:
+    from rostether.cli.access.ros1_access import joined
     from rostether.robot.tf_listener import tf_listener
     from rostether.robot.tf_report import frame_facts, frame_tree, frames_as_dot
 
@@ -57,8 +56,8 @@ async def _tree(listening_s: float, dot: bool, as_json: bool, master: str | None
             refusals.setdefault(word)
 
     async with (
-        joined(read_environment(master), purpose="view_frames") as graph,
-        tf_listener(graph, on_refusal=note) as listener,
+        joined(graph, purpose="view_frames") as node,
+        tf_listener(node, on_refusal=note) as listener,
     ):
         await asyncio.sleep(listening_s)
         buffer = listener.buffer

@@ -11,7 +11,7 @@ from rostether.cli.shell.verbs import LazyGroup, VerbEntry
 
 _LIBRARIES = "rostether.cli.launch.make_libraries"
 _SERVERS = "rostether.cli.role.rosserial_server"
-_TOPICS = "rostether.cli.topic.tools"
+_TOPICS = "rostether.cli.role.topic_tools"
 _JOINTS = "rostether.cli.role.joint_state"
 _STATIC = "rostether.cli.robot.tf_static"
 

@@ -7,7 +7,6 @@ import sys
 
 import click
 
-from rostether.cli.access.ros1_access import special_arguments
 from rostether.cli.role.node import NODE_SETTINGS, node_arguments, role_node
 from rostether.cli.shell.output import warn
 from rostether.cli.shell.running import run
@@ -51,9 +50,10 @@ def joint_state_publisher_gui(words: tuple[str, ...]) -> None:
     """Publish joint states set by sliders in the terminal: arrow keys move them, c centers, r randomizes."""
     # Windows has consoles, but no termios to read single keys with.
     has_terminal = sys.platform != "win32" and sys.stdin.isatty() and sys.stdout.isatty()
+    arguments = node_arguments(words)
     if not has_terminal:
-        warn(NO_TERMINAL.format(special_arguments().get("__name", GUI_NAME)))
-    run(_publish(node_arguments(words), GUI_NAME, has_sliders=has_terminal), is_service=True)
+        warn(NO_TERMINAL.format(arguments.special.get("__name", GUI_NAME)))
+    run(_publish(arguments, GUI_NAME, has_sliders=has_terminal), is_service=True)
 
 
 async def _publish(arguments: Arguments, node_name: str, *, has_sliders: bool) -> None:

@@ -10,6 +10,7 @@ from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
 from rostether.graph.ports import Level, ParamValue
 from rostether.graph.typed_graph import TypedGraph
+from rostether.names.remap import Arguments
 
 
 @click.command(
@@ -31,7 +32,7 @@ def joy_node(arguments: tuple[str, ...]) -> None:
     run_role("joy_node", arguments, _main)
 
 
-async def _main(graph: TypedGraph, _: list[str]) -> None:
+async def _main(graph: TypedGraph, _: Arguments) -> None:
     from rostether.nodes.joy import DEFAULT_DEVICE, JoySettings, device_named, publish_joystick
 
     device = str(await _get(graph, "dev", DEFAULT_DEVICE))

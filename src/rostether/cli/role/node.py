@@ -5,12 +5,15 @@ from __future__ import annotations
 import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from contextlib import asynccontextmanager
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from rostether.cli.access.ros1_access import read_environment, special_arguments
+from rostether.cli.access.graph_options import GraphOptions, ros_arguments
+from rostether.cli.access.ros1_access import read_environment
 from rostether.cli.shell.output import warn
 from rostether.errors import MasterUnreachableError
 from rostether.names.remap import Arguments, parse_arguments
+from rostether.ros1.environment import RosEnvironment
 
 if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph
@@ -23,8 +26,13 @@ _MASTER_RETRY_S = 0.5  # a launch starts the master beside its nodes; rospy asks
 
 
 def node_arguments(words: Sequence[str]) -> Arguments:
-    """Sort a node's words: remappings, private parameters, and the rest. Raises ConfigError."""
-    return parse_arguments(words)
+    """Sort a node's words: remappings, private parameters, ROS arguments and the rest. Raises ConfigError."""
+    return replace(parse_arguments(words), special=dict(ros_arguments()))
+
+
+def node_environment(arguments: Arguments) -> RosEnvironment:
+    """Return the ROS environment of a node. Raises ConfigError."""
+    return read_environment(GraphOptions(arguments=arguments.special))
 
 
 @asynccontextmanager
@@ -38,9 +46,9 @@ async def role_node(arguments: Arguments, default_name: str) -> AsyncIterator[Ty
     from rostether.ros1.node.node import join_ros1
     from rostether.serde.store import TypeStore
 
-    environment = read_environment()
-    name = special_arguments().get("__name", default_name)
-    has_warned = False
+    environment = node_environment(arguments)
+    name = arguments.special.get("__name", default_name)
+    reported = False
     while True:
         try:
             graph = await join_ros1(
@@ -51,9 +59,9 @@ async def role_node(arguments: Arguments, default_name: str) -> AsyncIterator[Ty
             )
             break
         except MasterUnreachableError:
-            if not has_warned:
+            if not reported:
                 warn(f"waiting for a ROS master at {environment.master_uri}")
-                has_warned = True
+                reported = True
             await asyncio.sleep(_MASTER_RETRY_S)
     try:
         for parameter, value in arguments.private_params.items():
@@ -64,19 +72,19 @@ async def role_node(arguments: Arguments, default_name: str) -> AsyncIterator[Ty
 
 
 def run_role(
-    default_name: str, words: Sequence[str], main: Callable[[TypedGraph, list[str]], Awaitable[None]]
+    default_name: str, words: Sequence[str], main: Callable[[TypedGraph, Arguments], Awaitable[None]]
 ) -> None:
-    """Be a node until `main` is done, the node is told to leave, or the process is.
+    """Be a node until `main` ends, the node is shut down, or the process is.
 
-    `main` gets the graph and the words that are no remappings or parameters.
+    `main` gets the graph and the node's arguments.
     """
     from rostether.cli.shell.running import run
 
     arguments = node_arguments(words)
 
-    async def until_told() -> None:
+    async def until_ended() -> None:
         async with role_node(arguments, default_name) as graph:
-            working = asyncio.ensure_future(main(graph, arguments.rest))
+            working = asyncio.ensure_future(main(graph, arguments))
             leaving = asyncio.ensure_future(graph.raw.wait_closed())
             try:
                 await asyncio.wait([working, leaving], return_when=asyncio.FIRST_COMPLETED)
@@ -87,4 +95,4 @@ def run_role(
                 leaving.cancel()
                 await asyncio.wait([working, leaving])
 
-    run(until_told(), is_service=True)
+    run(until_ended(), is_service=True)

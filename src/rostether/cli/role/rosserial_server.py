@@ -8,14 +8,12 @@ udp_socket_node    ~server_port 11411; where boards send from is learned, not se
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 import click
 
-from rostether.cli.access.ros1_access import special_arguments
 from rostether.cli.bridge.serial_node import HostRole, run_host, whole
+from rostether.cli.role.node import node_arguments
 from rostether.cli.shell.verbs import Verb
-from rostether.names.remap import parse_arguments
 from rostether.transports.address import DEFAULT_PORT
 
 _DEFAULT_SERIAL_PORT = "/dev/ttyACM0"
@@ -64,7 +62,7 @@ def udp(arguments: tuple[str, ...]) -> None:
 
 
 def _run(host: HostRole, arguments: tuple[str, ...]) -> None:
-    run_host(host, replace(parse_arguments(arguments), special=dict(special_arguments())))
+    run_host(host, node_arguments(arguments))
 
 
 def _serial_link(rest: list[str], parameters: Mapping[str, object], *, node_name: str, namespace: str) -> str:

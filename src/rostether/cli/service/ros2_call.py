@@ -5,14 +5,12 @@ from __future__ import annotations
 import asyncio
 import re
 import time
-from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.ros2_tool_node import tool_node
-from rostether.cli.access.ros_choice import Middleware
+from rostether.cli.service.services import CallOptions
 from rostether.cli.shell.output import write_json, write_line
-from rostether.cli.shell.running import run
 from rostether.cli.topic.ros2_message_text import MessageText, TextStyle
 from rostether.cli.topic.ros2_typed_values import ValueForm
 from rostether.errors import ServiceUnavailableError
@@ -27,40 +25,15 @@ _TYPE_NAME = re.compile(r"[A-Za-z]\w*(/srv)?/[A-Za-z]\w*")
 POLL_S = 0.1
 
 
-@dataclass(frozen=True, slots=True)
-class CallOptions:
-    """What the command line asks for; without a time limit a server is waited for as long as it takes."""
-
-    timeout_s: float | None = None
-    rate_hz: float | None = None
-    as_json: bool = False
-
-
-def call(
-    middleware: Middleware,
-    service: str,
-    arguments: tuple[str, ...],
-    options: CallOptions,
-    msg_paths: tuple[Path, ...],
-) -> None:
+async def call(graph: GraphOptions, service: str, arguments: tuple[str, ...], options: CallOptions) -> None:
     """Call and print. Raises GraphError, UnknownTypeError, SerializationError naming the field."""
-    run(_call(middleware, service, arguments, options, msg_paths))
-
-
-async def _call(
-    middleware: Middleware,
-    service: str,
-    arguments: tuple[str, ...],
-    options: CallOptions,
-    msg_paths: tuple[Path, ...],
-) -> None:
     from rostether.serde.plain_form import to_plain
     from rostether.serde.yaml_form import load_arguments
 
     type_name = arguments[0] if arguments and _TYPE_NAME.fullmatch(arguments[0]) else None
     # An empty argument is the empty text, which YAML would take for nothing.
     values = load_arguments([each or "''" for each in arguments[1 if type_name else 0 :]])
-    async with tool_node(middleware, msg_paths) as tool:
+    async with tool_node(graph, options.msg_paths) as tool:
         name = tool.graph.resolve(service)
         found = await _wait_for_type(tool, name, options)
         chosen = short_name(type_name or found)
@@ -86,7 +59,7 @@ async def _call(
 async def _wait_for_type(tool: ToolNode, service: str, options: CallOptions) -> str:
     """Return the type of a service as soon as it is offered. Raises ServiceUnavailableError."""
     begin_s = time.monotonic()
-    has_told = options.as_json
+    reported = options.as_json
     while True:
         types = (await tool.look()).types([EndpointKind.SERVER], service)
         if types:
@@ -94,9 +67,9 @@ async def _wait_for_type(tool: ToolNode, service: str, options: CallOptions) -> 
         waited_s = time.monotonic() - begin_s
         if options.timeout_s is not None and waited_s > options.timeout_s:
             raise ServiceUnavailableError(
-                f"nobody offered the service {service} within {options.timeout_s:g} s"
+                f"no node offers the service {service} after {options.timeout_s:g} s"
             )
-        if not has_told and waited_s > POLL_S:
-            has_told = True
+        if not reported and waited_s > POLL_S:
+            reported = True
             write_line("waiting for service to become available...")
         await asyncio.sleep(POLL_S)

@@ -8,10 +8,11 @@ from contextlib import aclosing, asynccontextmanager
 from pathlib import Path
 from typing import Any
 
+from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.ros1_access import joined, read_environment, resolve
-from rostether.cli.access.ros_choice import chosen_ros2
 from rostether.cli.shell.output import warn, write_line
-from rostether.cli.topic.chosen_topic import wait_for_topic
+from rostether.cli.topic.ros1_chosen_topic import wait_for_topic
+from rostether.errors import ConfigError
 from rostether.graph.typed_graph import TypedGraph
 from rostether.msgdef.interface import ANY_MESSAGE
 
@@ -22,28 +23,35 @@ class TopicMeter:
     """Listens to topics while reports are made; `names` are the topics' full names."""
 
     def __init__(
-        self, graph: TypedGraph, names: Sequence[str], quiet: bool, word: str = "subscribed"
+        self, graph: TypedGraph, names: Sequence[str], quiet: bool, *, is_ros2: bool = False
     ) -> None:
         self.graph = graph
         self.names = names
         self._quiet = quiet
-        self._word = word
+        self.is_ros2 = is_ros2
+        # By topic: the function that makes the bytes on the wire from a message's ROS 1 bytes.
         self.encoders: dict[str, Callable[[bytes], bytes]] = {}
-        """What makes of a topic's messages what is sent, where that is something else."""
         self._listening: set[asyncio.Task[None]] = set()
 
-    async def take_raw(self, name: str, add: Callable[[Sequence[bytes]], None]) -> None:
-        """Hand every chunk of undecoded messages to `add`."""
+    async def add_raw_listener(self, name: str, add: Callable[[Sequence[bytes]], None]) -> None:
+        """Call `add` with every chunk of undecoded messages."""
         await self.graph.raw.subscribe(name, ANY_MESSAGE, add)
-        self._tell(name)
+        self._report(name)
+
+    def stamp_s(self, name: str, message: Any) -> float:
+        """Return the time in a message's header in seconds. Raises ConfigError without a header."""
+        if "header" not in type(message).__slots__:
+            raise ConfigError(f"{name} has no header, so the age of its messages is unknown")
+        stamp = message.header.stamp
+        return stamp.sec + stamp.nanosec * 1e-9 if self.is_ros2 else float(stamp.to_s())
 
     def size_bytes(self, name: str, payload: bytes) -> int:
-        """Return how long a message of a topic is on its way."""
+        """Return the size of a topic's message on the wire."""
         encode = self.encoders.get(name)
         return len(payload if encode is None else encode(payload))
 
-    def take(self, name: str, add: Callable[[Any], None]) -> None:
-        """Hand every decoded message to `add`; what it raises ends the reports."""
+    def add_listener(self, name: str, add: Callable[[Any], None]) -> None:
+        """Call `add` with every decoded message; what it raises ends the reports."""
 
         async def listen() -> None:
             async with aclosing(aiter(self.graph.messages(name))) as messages:
@@ -51,7 +59,7 @@ class TopicMeter:
                     add(message)
 
         self._listening.add(asyncio.get_running_loop().create_task(listen()))
-        self._tell(name)
+        self._report(name)
 
     async def reports(self, count: int | None) -> AsyncIterator[None]:
         """Yield once a second, `count` times or until the node leaves. Raises what `add` raised."""
@@ -73,47 +81,47 @@ class TopicMeter:
         finally:
             leaving.cancel()
 
-    async def close(self) -> None:
+    async def aclose(self) -> None:
         """Stop listening."""
         for task in self._listening:
             task.cancel()
         await asyncio.gather(*self._listening, return_exceptions=True)
 
-    def _tell(self, name: str) -> None:
+    def _report(self, name: str) -> None:
         if not self._quiet:
-            write_line(f"{self._word} to [{name}]")
+            write_line(f"{'Subscribed' if self.is_ros2 else 'subscribed'} to [{name}]")
 
 
 @asynccontextmanager
-async def meter(
-    topics: Iterable[str], msg_paths: Iterable[Path], master: str | None, *, quiet: bool
+async def ros1_meter(
+    graph: GraphOptions, topics: Iterable[str], msg_paths: Iterable[Path], *, quiet: bool
 ) -> AsyncIterator[TopicMeter]:
-    """Join the graph and wait for the topics; `quiet` leaves the lines out that say so."""
-    if (middleware := chosen_ros2()) is not None:
-        from rostether.cli.access.ros2_tool_node import tool_node
-        from rostether.cli.topic.ros2_chosen_topic import choose_topic
-
-        async with tool_node(middleware, msg_paths) as tool:
-            chosen_topics = [await choose_topic(tool, topic) for topic in topics]
-            found = TopicMeter(tool.graph, [each.topic for each in chosen_topics], quiet, "Subscribed")
-            for each in chosen_topics:
-                support = tool.types.message(tool.registry.message_type(each.type))
-                found.encoders[each.topic] = support.converter.to_cdr
-            try:
-                yield found
-            finally:
-                await found.close()
-        return
-    environment = read_environment(master)
-    async with joined(environment, msg_paths, purpose="rostopic") as graph:
+    """Join a ROS 1 graph and wait for the topics; `quiet` leaves out the lines about that."""
+    environment = read_environment(graph)
+    async with joined(graph, msg_paths, purpose="rostopic") as node:
         names = []
         for topic in topics:
-            chosen = await wait_for_topic(resolve(topic, environment), graph.store, master)
+            chosen = await wait_for_topic(resolve(topic, environment), node.store, environment)
             names.append(chosen.topic)
-        if not quiet and await graph.get_param("/use_sim_time", False):
+        if not quiet and await node.get_param("/use_sim_time", False):
             warn("WARNING: may be using simulated time")
-        found = TopicMeter(graph, names, quiet)
-        try:
-            yield found
-        finally:
-            await found.close()
+        async with aclosing(TopicMeter(node, names, quiet)) as meter:
+            yield meter
+
+
+@asynccontextmanager
+async def ros2_meter(
+    graph: GraphOptions, topics: Iterable[str], msg_paths: Iterable[Path], *, quiet: bool
+) -> AsyncIterator[TopicMeter]:
+    """Join a ROS 2 graph and wait for the topics; `quiet` leaves out the lines about that."""
+    from rostether.cli.access.ros2_tool_node import tool_node
+    from rostether.cli.topic.ros2_chosen_topic import choose_topic
+
+    async with tool_node(graph, msg_paths) as tool:
+        chosen_topics = [await choose_topic(tool, topic) for topic in topics]
+        meter = TopicMeter(tool.graph, [each.topic for each in chosen_topics], quiet, is_ros2=True)
+        for each in chosen_topics:
+            support = tool.types.message(tool.registry.message_type(each.type))
+            meter.encoders[each.topic] = support.converter.to_cdr
+        async with aclosing(meter):
+            yield meter

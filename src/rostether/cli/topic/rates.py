@@ -11,13 +11,13 @@ from typing import Any
 import click
 
 from rostether.cli.access.completions import complete_topics
-from rostether.cli.access.options import master_option, msg_path_option, tool_allow_option, window_option
-from rostether.cli.access.refusals import refuse_ros1_only
-from rostether.cli.access.ros2_daemon_options import daemon_habits
-from rostether.cli.access.ros_choice import chosen_ros2, ros1_option, ros2_option
+from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
+from rostether.cli.access.options import msg_path_option, window_option
+from rostether.cli.access.ros2_habits import daemon_habits
 from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
+from rostether.cli.topic.topics import topics_of
 from rostether.cli.topic.windows import (
     DEFAULT_BANDWIDTH_WINDOW,
     DelayWindow,
@@ -30,7 +30,6 @@ from rostether.cli.topic.windows import (
     format_ros2_bandwidth,
     rate_record,
 )
-from rostether.errors import ConfigError
 
 NOTHING_NEW = "no new messages"
 
@@ -57,10 +56,7 @@ _nodelay_option = click.option("--tcpnodelay", is_flag=True, help="For habit: it
 @_count_option
 @json_option
 @msg_path_option
-@master_option
-@tool_allow_option
-@ros1_option
-@ros2_option
+@graph_options(allow=TOOL_ALLOW)
 @daemon_habits
 def hz(
     topics: tuple[str, ...],
@@ -71,14 +67,9 @@ def hz(
     count: int | None,
     as_json: bool,
     msg_paths: tuple[Path, ...],
-    master: str | None,
+    graph: GraphOptions,
 ) -> None:
     """Measure how often messages come, and print it every second."""
-    from rostether.cli.topic.meter import meter
-
-    if chosen_ros2() is not None:
-        refuse_ros1_only(master=master)
-
     test: Callable[[object, str], bool] | None = None
     if expression is not None:
         from rostether.expression.compiler import compile_filter
@@ -86,7 +77,7 @@ def hz(
         test = compile_filter(expression)
 
     async def measure() -> None:
-        async with meter(topics, msg_paths, master, quiet=as_json) as measuring:
+        async with topics_of(graph).meter(topics, msg_paths, quiet=as_json) as measuring:
             windows = {name: IntervalWindow(-1 if window is None else window) for name in measuring.names}
 
             def now_s() -> float:
@@ -94,9 +85,9 @@ def hz(
 
             for name in windows:
                 if test is None:
-                    await measuring.take_raw(name, _interval_counter(windows[name], now_s))
+                    await measuring.add_raw_listener(name, _interval_counter(windows[name], now_s))
                 else:
-                    measuring.take(name, _filtered_counter(windows[name], now_s, test, name))
+                    measuring.add_listener(name, _filtered_counter(windows[name], now_s, test, name))
             async for _ in measuring.reports(count):
                 _report_rates(windows, as_json)
 
@@ -143,22 +134,14 @@ def _report_rates(windows: dict[str, IntervalWindow], as_json: bool) -> None:
 @window_option(DEFAULT_BANDWIDTH_WINDOW)
 @_count_option
 @json_option
-@master_option
-@tool_allow_option
-@ros1_option
-@ros2_option
+@graph_options(allow=TOOL_ALLOW)
 @daemon_habits
-def bw(topic: str, window: int, count: int | None, as_json: bool, master: str | None) -> None:
+def bw(topic: str, window: int, count: int | None, as_json: bool, graph: GraphOptions) -> None:
     """Measure how many bytes a second a topic takes, and print it every second."""
-    from rostether.cli.topic.meter import meter
-
-    if chosen_ros2() is not None:
-        refuse_ros1_only(master=master)
-
     sizes = SizeWindow(window)
 
     async def measure() -> None:
-        async with meter([topic], (), master, quiet=as_json) as measuring:
+        async with topics_of(graph).meter((topic,), (), quiet=as_json) as measuring:
             name = measuring.names[0]
 
             def add(payloads: Sequence[bytes]) -> None:
@@ -166,15 +149,14 @@ def bw(topic: str, window: int, count: int | None, as_json: bool, master: str | 
                 for payload in payloads:
                     sizes.add(now_s, measuring.size_bytes(name, payload))
 
-            await measuring.take_raw(name, add)
+            await measuring.add_raw_listener(name, add)
             async for _ in measuring.reports(count):
                 found = sizes.report(time.monotonic())
                 if found is not None and as_json:
                     write_json({"topic": name, **asdict(found)})
                 elif found is not None:
-                    write_line(
-                        format_bandwidth(found) if chosen_ros2() is None else format_ros2_bandwidth(found)
-                    )
+                    shown = format_ros2_bandwidth if measuring.is_ros2 else format_bandwidth
+                    write_line(shown(found))
 
     run(measure())
 
@@ -186,10 +168,7 @@ def bw(topic: str, window: int, count: int | None, as_json: bool, master: str | 
 @_count_option
 @json_option
 @msg_path_option
-@master_option
-@tool_allow_option
-@ros1_option
-@ros2_option
+@graph_options(allow=TOOL_ALLOW)
 @daemon_habits
 def delay(
     topic: str,
@@ -198,30 +177,22 @@ def delay(
     count: int | None,
     as_json: bool,
     msg_paths: tuple[Path, ...],
-    master: str | None,
+    graph: GraphOptions,
 ) -> None:
     """Measure how old messages are when they come, by the stamp in their header."""
-    from rostether.cli.topic.meter import meter
-
-    if chosen_ros2() is not None:
-        refuse_ros1_only(master=master)
-
     delays = DelayWindow(-1 if window is None else window)
 
     async def measure() -> None:
-        async with meter([topic], msg_paths, master, quiet=as_json) as measuring:
+        async with topics_of(graph).meter((topic,), msg_paths, quiet=as_json) as measuring:
             name = measuring.names[0]
 
             def add(message: Any) -> None:
-                if "header" not in type(message).__slots__:
-                    raise ConfigError(f"{name} has no header: its messages do not tell when they were made")
+                stamp_s = measuring.stamp_s(name, message)
                 # Simulated time is zero until its first message.
                 if now_s := measuring.graph.now().to_s():
-                    stamp = message.header.stamp
-                    is_ros2 = chosen_ros2() is not None
-                    delays.add(now_s, stamp.sec + stamp.nanosec * 1e-9 if is_ros2 else stamp.to_s())
+                    delays.add(now_s, stamp_s)
 
-            measuring.take(name, add)
+            measuring.add_listener(name, add)
             async for _ in measuring.reports(count):
                 spread = delays.report()
                 if spread is not None and as_json:

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import asyncio
 import sys
-from collections.abc import Callable
 from contextlib import aclosing
-from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.ros2_tool_node import tool_node
-from rostether.cli.access.ros_choice import Middleware
 from rostether.cli.shell.output import warn, write_json, write_line
 from rostether.cli.shell.running import run
+from rostether.cli.topic.requests import EchoOptions
 from rostether.cli.topic.ros2_chosen_topic import ChosenTopic, choose_topic
-from rostether.cli.topic.ros2_message_text import MessageText, TextStyle
+from rostether.cli.topic.ros2_message_text import DEFAULT_TRUNCATE_LENGTH, MessageText, TextStyle
 from rostether.errors import GraphError, SerializationError
 
 if TYPE_CHECKING:
@@ -24,39 +22,24 @@ if TYPE_CHECKING:
 CLEAR_SCREEN = "\033[2J\033[;H"
 
 
-@dataclass(frozen=True, slots=True)
-class EchoOptions:
-    """What the command line asks for."""
-
-    type_name: str | None = None
-    field: str = ""
-    csv: bool = False
-    as_json: bool = False
-    clear: bool = False
-    count: int | None = None
-    timeout_s: float | None = None
-    filter: Callable[[object, str], bool] | None = None
-    style: TextStyle | None = None
-
-
-def echo(middleware: Middleware, topic: str, options: EchoOptions, msg_paths: tuple[Path, ...]) -> None:
+def echo(graph: GraphOptions, topic: str, type_name: str | None, options: EchoOptions) -> None:
     """Print messages until there are enough. Raises GraphError, ConfigError, UnknownTypeError."""
-    run(_echo(middleware, topic, options, msg_paths))
+    # A wrong filter is reported before anything is subscribed.
+    options.compiled_filter()
+    run(_echo(graph, topic, type_name, options))
 
 
-async def _echo(
-    middleware: Middleware, topic: str, options: EchoOptions, msg_paths: tuple[Path, ...]
-) -> None:
-    async with tool_node(middleware, msg_paths) as tool:
+async def _echo(graph: GraphOptions, topic: str, type_name: str | None, options: EchoOptions) -> None:
+    async with tool_node(graph, options.msg_paths) as tool:
         try:
             async with asyncio.timeout(options.timeout_s):
-                await _print(tool, topic, options)
+                await _print(tool, topic, type_name, options)
         except TimeoutError:
             raise GraphError(f"no message came on {topic} within {options.timeout_s:g} s") from None
 
 
-async def _print(tool: ToolNode, topic: str, options: EchoOptions) -> None:
-    chosen = await choose_topic(tool, topic, options.type_name, options.field)
+async def _print(tool: ToolNode, topic: str, type_name: str | None, options: EchoOptions) -> None:
+    chosen = await choose_topic(tool, topic, type_name, options.field)
     printer = _Printer(tool, chosen, options)
     stream = tool.graph.messages(chosen.topic, chosen.type)
     async with aclosing(aiter(stream)) as messages:
@@ -66,14 +49,22 @@ async def _print(tool: ToolNode, topic: str, options: EchoOptions) -> None:
                 return
 
 
+def _style(options: EchoOptions) -> TextStyle:
+    length = DEFAULT_TRUNCATE_LENGTH if options.truncate_length is None else options.truncate_length
+    return TextStyle(
+        None if options.full_length else length, options.noarr, options.nostr, options.flow_style
+    )
+
+
 class _Printer:
     """Prints messages in one style and counts them."""
 
     def __init__(self, tool: ToolNode, chosen: ChosenTopic, options: EchoOptions) -> None:
         self._shown_count = 0
         self._options = options
+        self._filter = options.compiled_filter()
         self._chosen = chosen
-        self._text = MessageText(tool.registry.ros2_message, options.style)
+        self._text = MessageText(tool.registry.ros2_message, _style(options))
         self._definition = tool.registry.ros2_message(chosen.type)
         self._lookup = tool.registry.ros2_message
         self._problem = ""
@@ -81,12 +72,12 @@ class _Printer:
     @property
     def is_done(self) -> bool:
         """Whether as many messages as wanted have been printed."""
-        return self._options.count is not None and self._shown_count >= self._options.count
+        return self._options.wanted_count is not None and self._shown_count >= self._options.wanted_count
 
     def show(self, message: Any) -> None:
         """Print a message that the filter lets through."""
         options, field = self._options, self._chosen.field
-        if options.filter is not None and not options.filter(message, self._chosen.topic):
+        if self._filter is not None and not self._filter(message, self._chosen.topic):
             return
         try:
             value = message if field is None else field.path.read(message)

@@ -2,53 +2,43 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import Any
 
+from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.ros2_tool_node import asked
 from rostether.cli.access.ros2_view import TOPIC_KINDS, GraphView
-from rostether.cli.access.ros_choice import Middleware
 from rostether.cli.shell.output import one_line, write_json, write_line
+from rostether.cli.topic.requests import TopicListing
 from rostether.errors import UnknownNameError
 from rostether.names.graph_name import namespace_of
 from rostether.ros2.endpoint_info import EndpointInfo, EndpointKind
 from rostether.ros2.native_registry import short_name
 
 
-@dataclass(frozen=True, slots=True)
-class Listing:
-    """What `topic list` was asked for; `wanted` leaves the other kind of ends out."""
-
-    namespace: str | None = None
-    verbose: bool = False
-    show_types: bool = False
-    count_only: bool = False
-    with_hidden: bool = False
-    as_json: bool = False
-    wanted: EndpointKind | None = None
-
-
-def list_topics(middleware: Middleware, listing: Listing) -> None:
+def list_topics(graph: GraphOptions, wanted: TopicListing) -> None:
     """Print the topics."""
-    view = asked(middleware, lambda tool: tool.look_well())
-    kinds = TOPIC_KINDS if listing.wanted is None else (listing.wanted,)
-    names = view.names(kinds, with_hidden=listing.with_hidden)
-    if listing.namespace is not None:
-        prefix = "/" + listing.namespace.strip("/")
+    view = asked(graph, lambda tool: tool.look_well())
+    kinds: tuple[EndpointKind, ...] = TOPIC_KINDS
+    if wanted.publishers or wanted.subscribers:
+        kinds = (EndpointKind.PUBLISHER,) if wanted.publishers else (EndpointKind.SUBSCRIPTION,)
+    names = view.names(kinds, with_hidden=wanted.with_hidden)
+    if wanted.namespace is not None:
+        prefix = "/" + wanted.namespace.strip("/")
         names = [name for name in names if prefix == "/" or name == prefix or name.startswith(f"{prefix}/")]
-    if listing.as_json:
+    if wanted.as_json:
         for name in names:
             write_json(_record(view, name))
-    elif listing.count_only:
+    elif wanted.count_topics:
         write_line(str(len(names)))
-    elif listing.verbose:
-        if listing.wanted is not EndpointKind.SUBSCRIPTION:
+    elif wanted.verbose:
+        if not wanted.subscribers:
             _write_counts(view, names, EndpointKind.PUBLISHER, "Published topics:", "publisher")
-        if listing.wanted is not EndpointKind.PUBLISHER:
+        if not wanted.publishers:
             _write_counts(view, names, EndpointKind.SUBSCRIPTION, "Subscribed topics:", "subscriber")
     else:
         for name in names:
-            shown = f" [{', '.join(view.types(TOPIC_KINDS, name))}]" if listing.show_types else ""
+            shown = f" [{', '.join(view.types(TOPIC_KINDS, name))}]" if wanted.show_types else ""
             write_line(one_line(name + shown))
 
 
@@ -72,7 +62,7 @@ def _record(view: GraphView, name: str) -> dict[str, Any]:
     }
 
 
-def _view_of(middleware: Middleware, topic: str) -> tuple[str, GraphView]:
+def _view_of(graph: GraphOptions, topic: str) -> tuple[str, GraphView]:
     """Return a topic's full name and the graph it is in. Raises UnknownNameError."""
     resolved, view = "", GraphView((), ())
 
@@ -82,23 +72,23 @@ def _view_of(middleware: Middleware, topic: str) -> tuple[str, GraphView]:
         await tool.look_until(lambda seen: resolved in seen.topics(with_hidden=True))
         view = await tool.look_well()
 
-    asked(middleware, ask)
+    asked(graph, ask)
     if resolved not in view.topics(with_hidden=True):
         raise unknown_topic(resolved)
     return resolved, view
 
 
 def unknown_topic(name: str) -> UnknownNameError:
-    """Return the error for a topic that nobody publishes or subscribes to."""
+    """Return the error for a topic without publishers and subscribers."""
     return UnknownNameError(
-        f"Unknown topic '{name}': nobody publishes or subscribes to it; "
+        f"Unknown topic '{name}': it has no publisher and no subscriber; "
         "`rostether topic list` shows what there is"
     )
 
 
-def info(middleware: Middleware, topic: str, *, verbose: bool, as_json: bool) -> None:
+def info(graph: GraphOptions, topic: str, *, verbose: bool, as_json: bool) -> None:
     """Print a topic's type and how many publish and subscribe; each of them with `verbose`."""
-    name, view = _view_of(middleware, topic)
+    name, view = _view_of(graph, topic)
     types = view.types(TOPIC_KINDS, name)
     publishers, subscribers = (view.of(kind, name) for kind in TOPIC_KINDS)
     if as_json:
@@ -157,16 +147,16 @@ def end_record(end: EndpointInfo) -> dict[str, Any]:
     }
 
 
-def type_of(middleware: Middleware, topic: str) -> None:
+def type_of(graph: GraphOptions, topic: str) -> None:
     """Print the type of a topic, or each of them."""
-    name, view = _view_of(middleware, topic)
+    name, view = _view_of(graph, topic)
     for each in view.types(TOPIC_KINDS, name):
         write_line(one_line(each))
 
 
-def find(middleware: Middleware, type_name: str, *, as_json: bool, with_hidden: bool = False) -> None:
+def find(graph: GraphOptions, type_name: str, *, as_json: bool, with_hidden: bool = False) -> None:
     """Print the topics of a type."""
-    view = asked(middleware, lambda tool: tool.look_well())
+    view = asked(graph, lambda tool: tool.look_well())
     for name in view.topics(with_hidden=with_hidden):
         if short_name(type_name) in map(short_name, view.types(TOPIC_KINDS, name)):
             if as_json:

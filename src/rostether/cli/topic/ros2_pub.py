@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import asyncio
 import time
-from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import click
+
+from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.ros2_tool_node import tool_node
-from rostether.cli.access.ros_choice import Middleware
+from rostether.cli.shell.input_files import read_text
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.running import run
+from rostether.cli.topic.requests import PubOptions
 from rostether.cli.topic.ros2_message_text import MessageText, TextStyle
 from rostether.cli.topic.ros2_typed_values import ValueForm
 from rostether.errors import GraphError
@@ -24,90 +26,74 @@ if TYPE_CHECKING:
 DEFAULT_RATE_HZ = 1.0
 WAIT_LINE_S = 1.0
 MATCH_POLL_S = 0.02
+# As ros2: what a message needs to reach the wire before the publisher goes.
 KEEP_ALIVE_S = 0.1
-"""As ros2: what a message needs to reach the wire before the publisher goes."""
 
 
-@dataclass(frozen=True, slots=True)
-class PubOptions:
-    """What the command line asks for; `times` 0 is without end, `print_nth` 0 prints nothing."""
-
-    rate_hz: float = DEFAULT_RATE_HZ
-    times: int = 0
-    print_nth: int = 1
-    wait_for: int | None = None
-    max_wait_s: float | None = None
-    keep_alive_s: float = KEEP_ALIVE_S
-    latch: bool = False
-    documents: str | None = None
-
-
-def pub(
-    middleware: Middleware,
-    topic: str,
-    type_name: str,
-    arguments: tuple[str, ...],
-    options: PubOptions,
-    msg_paths: tuple[Path, ...],
+def publish(
+    graph: GraphOptions, topic: str, type_name: str, values: tuple[str, ...], options: PubOptions
 ) -> None:
     """Publish. Raises UnknownTypeError, SerializationError naming the field, GraphError."""
-    run(_pub(middleware, topic, type_name, arguments, options, msg_paths))
+    if options.once and options.times:
+        raise click.UsageError("give one of -1 and -t, not both")
+    run(_publish(graph, topic, type_name, values, options))
 
 
-async def _pub(
-    middleware: Middleware,
-    topic: str,
-    type_name: str,
-    arguments: tuple[str, ...],
-    options: PubOptions,
-    msg_paths: tuple[Path, ...],
+async def _publish(
+    graph: GraphOptions, topic: str, type_name: str, given: tuple[str, ...], options: PubOptions
 ) -> None:
     from rostether.serde.yaml_form import load_arguments, load_documents
 
-    # Mistakes are told before anybody is asked to subscribe.
-    values = [load_arguments(arguments)]
-    if options.documents is not None:
-        values = list(load_documents(options.documents))
+    # Mistakes are reported before anything is advertised.
+    values = [load_arguments(given)]
+    if options.file is not None:
+        values = list(load_documents(read_text(options.file)))
     name = short_name(type_name)
-    async with tool_node(middleware, msg_paths) as tool:
+    async with tool_node(graph, options.msg_paths) as tool:
         form = ValueForm(tool.registry.ros2_message, lambda: Time.from_ns(time.time_ns()))
         codec, definition = tool.graph.store.codec(name), tool.registry.ros2_message(name)
         messages = [form.fill(codec, definition, each) for each in values]
         text = MessageText(tool.registry.ros2_message, TextStyle(truncate_length=None))
-        publisher = await tool.graph.publisher(topic, name, latch=options.latch)
-        await _wait_for_subscribers(publisher, options)
+        is_latched = options.latch or options.qos_durability == "transient_local"
+        publisher = await tool.graph.publisher(topic, name, latch=is_latched)
+        times = 1 if options.once else options.times
+        print_nth = 1 if options.print_nth is None else options.print_nth
+        period_s = 1 / (options.rate_hz or DEFAULT_RATE_HZ)
+        await _wait_for_subscribers(publisher, times, options)
         write_line("publisher: beginning loop")
         due_s = time.monotonic()
         count = 0
         leaving = asyncio.ensure_future(tool.graph.raw.wait_closed())
         while not leaving.done():
             # `now` and `auto` are the time of each message.
-            given = values[count % len(values)]
-            message: Any = form.fill(codec, definition, given) if count else messages[0]
+            message: Any = messages[0]
+            if count:
+                message = form.fill(codec, definition, values[count % len(values)])
             count += 1
-            if options.print_nth and count % options.print_nth == 0:
+            if print_nth and count % print_nth == 0:
                 write_line(f"publishing #{count}: {text.python(message, definition)}\n")
             publisher.publish(message)
-            if options.times and count >= options.times:
+            if times and count >= times:
                 break
-            due_s = max(due_s + 1 / options.rate_hz, time.monotonic() - 1 / options.rate_hz)
+            due_s = max(due_s + period_s, time.monotonic() - period_s)
             await asyncio.wait({leaving}, timeout=max(due_s - time.monotonic(), 0.0))
-        await publisher.drained(options.keep_alive_s)
-        await asyncio.sleep(options.keep_alive_s)
+        await publisher.drained(KEEP_ALIVE_S)
+        await asyncio.sleep(KEEP_ALIVE_S)
 
 
-async def _wait_for_subscribers(publisher: TypedPublisher, options: PubOptions) -> None:
+async def _wait_for_subscribers(publisher: TypedPublisher, times: int, options: PubOptions) -> None:
     wanted = options.wait_for
     if wanted is None:
-        wanted = 1 if options.times else 0
-    begin_s = said_s = time.monotonic()
+        wanted = 1 if times else 0
+    begin_s = reported_s = time.monotonic()
     while publisher.subscriber_count < wanted:
         now_s = time.monotonic()
         if options.max_wait_s is not None and now_s - begin_s > options.max_wait_s:
             raise GraphError(
-                f"nobody subscribed to {publisher.topic} within {options.max_wait_s:g} s; -w 0 does not wait"
+                f"{publisher.topic} has no subscriber after {options.max_wait_s:g} s; "
+                "-w 0 publishes without waiting"
             )
-        if now_s >= said_s:
+        if now_s >= reported_s:
             write_line(f"Waiting for at least {wanted} matching subscription(s)...")
-            said_s = now_s + WAIT_LINE_S
+            reported_s = now_s + WAIT_LINE_S
         await asyncio.sleep(MATCH_POLL_S)

@@ -73,7 +73,7 @@ class ServiceClient:
 
     async def wait_until_available(self, timeout_s: float | None = None) -> None:
         """Wait until a server answers. Raises ServiceUnavailableError after the time."""
-        reason = f"nobody offers the service {self.service}"
+        reason = f"no node offers the service {self.service}"
         try:
             async with asyncio.timeout(timeout_s):
                 while True:
@@ -131,7 +131,7 @@ class ServiceClient:
             uri = await self._master.lookup_service(self.service)
         except UnknownNameError:
             raise ServiceUnavailableError(
-                f"nobody offers the service {self.service}: start its node, or check the name"
+                f"no node offers the service {self.service}: start its node, or check the name"
             ) from None
         try:
             address = parse_rpc_uri(uri, scheme="rosrpc")

@@ -160,7 +160,7 @@ class Endpoints:
         while not (types := await self._own.thread.run(lambda: self._own.service_types(service))):
             if loop.time() >= deadline_s:
                 raise ServiceUnavailableError(
-                    f"nobody offers the service {service}: start the node that does"
+                    f"no node offers the service {service}: start the node that does"
                 )
             await asyncio.sleep(LOOK_INTERVAL_S)
         return self._own.types.service_by_name(types[0])

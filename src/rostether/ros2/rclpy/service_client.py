@@ -91,7 +91,7 @@ class RclpyServiceClient:
             return TypeMismatchError(
                 f"{self.service} is {' and '.join(types)}, not {self._support.name}: call it with its type"
             )
-        return ServiceUnavailableError(f"nobody offers the service {self.service}: start the node that does")
+        return ServiceUnavailableError(f"no node offers the service {self.service}: start the node that does")
 
     def _send(self, cdr: bytes, answer: asyncio.Future[bytes]) -> Any:
         serialization = load_rclpy().serialization

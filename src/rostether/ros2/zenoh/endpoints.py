@@ -189,7 +189,7 @@ class Endpoints:
                 graph.unlisten(Kind.SERVER, service, heard.set)
         servers = graph.endpoints(Kind.SERVER, service)
         if not servers:
-            raise ServiceUnavailableError(f"nobody offers the service {service}")
+            raise ServiceUnavailableError(f"no node offers the service {service}")
         return servers
 
     def _own_gids(self, topic: str) -> set[bytes]:

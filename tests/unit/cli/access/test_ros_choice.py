@@ -5,12 +5,10 @@ from __future__ import annotations
 import click
 import pytest
 
+from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.ros_choice import (
     Middleware,
-    chosen_ros1,
-    chosen_ros2,
-    ros1_option,
-    ros2_option,
+    chosen_middleware,
     with_middleware,
 )
 from rostether.cli.main import main
@@ -74,10 +72,9 @@ def test_what_is_typed_goes_before_the_environment(
     seen: list[tuple[bool, Middleware | None]] = []
 
     @click.command(cls=Verb)
-    @ros1_option
-    @ros2_option
-    def command() -> None:
-        seen.append((chosen_ros1(), chosen_ros2()))
+    @graph_options()
+    def command(graph: GraphOptions) -> None:
+        seen.append((graph.uses_ros1, graph.ros2))
 
     command.main(arguments, standalone_mode=False)
     assert seen == [(ros1, ros2)]
@@ -85,6 +82,6 @@ def test_what_is_typed_goes_before_the_environment(
 
 def test_ros2_alone_takes_what_is_installed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("rostether.cli.access.ros_choice.find_spec", lambda name: None)
-    assert chosen_ros2({"ROS_VERSION": "2"}) is Middleware.ZENOH
+    assert chosen_middleware(environ={"ROS_VERSION": "2"}) is Middleware.ZENOH
     monkeypatch.setattr("rostether.cli.access.ros_choice.find_spec", lambda name: object())
-    assert chosen_ros2({"ROS_VERSION": "2"}) is Middleware.RCLPY
+    assert chosen_middleware(environ={"ROS_VERSION": "2"}) is Middleware.RCLPY

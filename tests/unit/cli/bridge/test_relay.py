@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from contract.graphs import SET_BOOL, STRING, TRUE, Inbox, agreeing, answer, string, until
+from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.ros2_access import Ros2Access
 from rostether.cli.access.ros_choice import Middleware
 from rostether.cli.bridge import relay as relay_command
@@ -93,7 +94,12 @@ async def test_a_relay(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFi
     await two.advertise_service("/enable", SET_BOOL, agreeing)
     choice = read_choice(["/chatter"], [], [], ["/switch", "/enable"])
     running = asyncio.ensure_future(
-        relay_between(environment, Middleware.ZENOH, choice, ConsoleReporter(), is_chosen=True)
+        relay_between(
+            environment,
+            GraphOptions(ros2=Middleware.ZENOH, master=master.uri),
+            choice,
+            ConsoleReporter(),
+        )
     )
     lines = ""
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 import pytest
 from websockets.asyncio.client import connect
 
-from rostether.cli.gateway.gateways import GatewayGraph, gateways, joined_patiently
+from rostether.cli.gateway.gateways import GatewayGraph, joined_patiently, rosbridge_gateway
 from rostether.cli.gateway.options import GatewayOptions
 from rostether.errors import GraphError, MasterUnreachableError, UnknownTypeError
 from rostether.graph.memory_graph import MemoryGraph
@@ -37,11 +37,12 @@ async def test_pages_are_answered_where_the_graph_carries_no_rosapi(fault: Excep
     log: list[tuple[Level, str]] = []
     on = GatewayGraph(Refusing(fault), TypeStore(Registry()))
     options = GatewayOptions(rosbridge="127.0.0.1:0")
-    async with gateways(options, on, lambda level, text: log.append((level, text))) as server:
-        assert server is not None
-        async with connect(server.uri) as client:
-            await client.send('{"op": "call_service", "service": "/rosapi/nodes"}')
-            assert json.loads(await client.recv())["values"] == {"nodes": ["/rosbridge_websocket"]}
+    async with (
+        rosbridge_gateway(options, on, lambda level, text: log.append((level, text))) as server,
+        connect(server.uri) as client,
+    ):
+        await client.send('{"op": "call_service", "service": "/rosapi/nodes"}')
+        assert json.loads(await client.recv())["values"] == {"nodes": ["/rosbridge_websocket"]}
     reason = f"rosbridge: rosapi's services are there for its clients alone: {fault}"
     assert (Level.INFO, reason) in log
 
@@ -69,16 +70,9 @@ async def test_it_is_told_who_can_connect(place: str, token: str, line: tuple[Le
     log: list[tuple[Level, str]] = []
     on = GatewayGraph(MemoryNetwork().join, TypeStore(Registry()))
     options = GatewayOptions(rosbridge=place, token=token)
-    async with gateways(options, on, lambda level, text: log.append((level, text))) as server:
-        assert server is not None
+    async with rosbridge_gateway(options, on, lambda level, text: log.append((level, text))) as server:
         assert log[0] == (Level.INFO, f"rosbridge: web pages and programs connect to {server.uri}")
         assert log[1:] == ([line] if line is not None else [])
-
-
-async def test_without_gateways_there_is_nothing() -> None:
-    on = GatewayGraph(MemoryNetwork().join, TypeStore(Registry()))
-    async with gateways(GatewayOptions(), on, lambda level, text: None) as server:
-        assert server is None
 
 
 async def test_a_master_that_is_away_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:

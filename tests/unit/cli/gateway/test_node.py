@@ -19,16 +19,17 @@ def test_a_port_of_its_own_is_in_the_name() -> None:
 
 
 def test_words_of_a_gateway() -> None:
-    assert read_gateway_words([]) == ("localhost", NodeWords())
-    place, words = read_gateway_words(["/a:=/b", "0.0.0.0:9091"])
+    assert read_gateway_words([], {}) == ("localhost", NodeWords())
+    place, words = read_gateway_words(["/a:=/b", "0.0.0.0:9091"], {"__name": "panel"})
     assert place == "0.0.0.0:9091"
     assert words.remappings == {"/a": "/b"}
+    assert words.name == "panel"
     with pytest.raises(click.UsageError, match="one place to listen on, not 9091 and 9092"):
-        read_gateway_words(["9091", "9092"])
+        read_gateway_words(["9091", "9092"], {})
     with pytest.raises(click.UsageError, match="_port:= is for the node in launch files"):
-        read_gateway_words(["_port:=9091"])
+        read_gateway_words(["_port:=9091"], {})
     with pytest.raises(ConfigError):
-        read_gateway_words(["a:=b c"])
+        read_gateway_words(["a:=b c"], {})
 
 
 async def test_a_second_gateway_ends_no_other_and_a_killed_one_is_no_obstacle() -> None:

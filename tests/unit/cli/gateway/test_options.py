@@ -59,4 +59,4 @@ def test_what_is_no_place(text: str) -> None:
 @pytest.mark.parametrize("command", ["rosbridge", "foxglove"])
 @pytest.mark.parametrize("origin", ["panel.example", "https:panel.example", "https://panel.example/page"])
 def test_what_is_no_origin(command: str, origin: str, shell: Shell) -> None:
-    assert "such as https://panel.example or" in shell.failure(command, "--origin", origin)
+    assert "write it as https://panel.example or" in shell.failure(command, "--origin", origin)

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
+from rostether.cli.launch.node_command import node_command
 from rostether.cli.launch.python_choice import PYTHON_VARIABLE, python_for
 from rostether.cli.launch.served_nodes import SERVED_NODES, replacement_line, served_nodes
 from rostether.cli.launch.shims import SHIM_MARK
-from rostether.cli.node.node_command import node_command
 from rostether.errors import ConfigError
 from unit.cli.command_shell import Shell
 from unit.cli.processes import read_until

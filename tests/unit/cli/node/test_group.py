@@ -107,7 +107,7 @@ def test_ping_once(talker: str, shell: Shell) -> None:
 
 
 def test_ping_average(talker: str, shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rostether.cli.node.ping.INTERVAL_S", 0.0)
+    monkeypatch.setattr("rostether.cli.node.ros1_ping.INTERVAL_S", 0.0)
     lines = shell.output("node", "ping", "-c", "3", "talker").splitlines()
     assert len(lines) == 6
     assert re.fullmatch(r"ping average: \d+\.\d{6}ms", lines[-1])

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from rostether.cli.param.ros2_param import parse_value
+from rostether.cli.param.ros2_params import parse_value
 from rostether.ros2.parameters.typed_value import ParameterType
 from unit.cli.command_shell import Shell
 from unit.cli.ros2.zenoh_world import ZenohWorld
@@ -47,7 +47,9 @@ def test_describe(world: ZenohWorld, shell: Shell) -> None:
     assert shell.output("param", "describe", "/far/board", "gain") == (
         "Parameter name: gain\n  Type: double\n  Constraints:\n"
     )
-    assert "say --ros2" in shell.failure("param", "describe", "--ros1", "/far/board", "gain", code=2)
+    assert "--ros2 shows those of a ROS 2 node" in shell.failure(
+        "param", "describe", "--ros1", "/far/board", "gain", code=2
+    )
 
 
 def test_dump_and_load(world: ZenohWorld, shell: Shell, tmp_path: Path) -> None:

@@ -134,7 +134,7 @@ def test_wrong_fields_name_the_right_ones(board: Ros1Graph, shell: Shell) -> Non
 def test_unknown_services_name_the_nearest(board: Ros1Graph, shell: Shell) -> None:
     for verb in ("type", "uri", "node", "args", "info", "call"):
         line = shell.failure("service", verb, "/setled")
-        assert line == "nobody offers the service /setled; did you mean /set_led?"
+        assert line == "no node offers the service /setled; did you mean /set_led?"
     assert "`rostether service list`" in shell.failure("service", "type", "/x")
 
 
@@ -171,7 +171,7 @@ def test_timeout(graph: LiveGraph, shell: Shell) -> None:
     serve(graph, "/hang", hang)
     assert "did not answer within 0.2 s" in shell.failure("service", "call", "--timeout", "0.2", "/hang")
     line = shell.failure("service", "call", "--wait", "--timeout", "0.2", "/nothing")
-    assert line == "nobody offered the service /nothing within 0.2 s"
+    assert line == "no node offers the service /nothing after 0.2 s"
 
 
 def test_wait_for_a_service(graph: LiveGraph, shell: Shell) -> None:

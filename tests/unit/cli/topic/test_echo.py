@@ -5,7 +5,7 @@ import threading
 import pytest
 
 from rostether.cli.shell.output import warn
-from rostether.cli.topic import chosen_topic as topic_choice
+from rostether.cli.topic import ros1_chosen_topic
 from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore
 from unit.cli.command_shell import STORE, LiveGraph, Shell
@@ -104,7 +104,7 @@ def warned(monkeypatch: pytest.MonkeyPatch) -> threading.Event:
         warn(text)
         event.set()
 
-    monkeypatch.setattr(topic_choice, "warn", warn_and_tell)
+    monkeypatch.setattr(ros1_chosen_topic, "warn", warn_and_tell)
     return event
 
 
@@ -168,9 +168,9 @@ def test_topic_that_nobody_publishes_is_said(
         publisher = graph.do(talker.advertise("/quiet", message_type, latch=True))
         call(graph, lambda: publisher.publish_raw([b"\x01"]))
 
-    monkeypatch.setattr("rostether.cli.topic.echo.SILENCE_WARNING_S", 0.0)
-    monkeypatch.setattr("rostether.cli.topic.echo.warn", hear)
+    monkeypatch.setattr("rostether.cli.topic.ros1_echo.SILENCE_WARNING_S", 0.0)
+    monkeypatch.setattr("rostether.cli.topic.ros1_echo.warn", hear)
     speaking = in_background(speak)
     assert "data: True" in shell.output("topic", "echo", "-n", "1", "/quiet")
     speaking.join(20)
-    assert warnings == ["WARNING: nobody publishes [/quiet] yet"]
+    assert warnings == ["WARNING: topic [/quiet] has no publisher yet"]

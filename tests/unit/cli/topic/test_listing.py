@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from rostether.cli.topic.chosen_topic import choose_topic
-from rostether.cli.topic.listing import TopicView
+from rostether.cli.topic.ros1_chosen_topic import choose_topic
+from rostether.cli.topic.ros1_view import TopicView
 from rostether.msgdef.interface import ANY_MESSAGE
 from rostether.msgdef.registry import Registry
 from rostether.ros1.node.node import Ros1Graph
@@ -87,8 +87,8 @@ def test_type(board: Ros1Graph, shell: Shell) -> None:
     assert (
         shell.output("topic", "type", "/ultrasound/header/stamp") == "sensor_msgs/Range header/stamp time\n"
     )
-    assert "nobody publishes" in shell.failure("topic", "type", "/ultrasound/nope")
-    assert "nobody publishes" in shell.failure("topic", "type", "/anything")
+    assert "has no publisher and no subscriber" in shell.failure("topic", "type", "/ultrasound/nope")
+    assert "has no publisher and no subscriber" in shell.failure("topic", "type", "/anything")
 
 
 def test_find(board: Ros1Graph, shell: Shell) -> None:

@@ -195,7 +195,7 @@ async def test_a_server_that_refuses_or_is_gone_is_unavailable(stage: Stage) -> 
 async def test_waiting_ends_when_the_server_comes(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(service_client, "POLL_INTERVAL_S", 0.01)
     client = ServiceClient("/later", SET_BOOL, stage.master)
-    with pytest.raises(ServiceUnavailableError, match="nobody offers the service /later"):
+    with pytest.raises(ServiceUnavailableError, match="no node offers the service /later"):
         await client.wait_until_available(0.05)
     waiting = asyncio.ensure_future(client.wait_until_available())
     uri = await stage.master.lookup_service("/switch")

@@ -1,4 +1,4 @@
-"""`rostether node kill` and `node cleanup`: ending nodes, and forgetting those that have ended unseen."""
+"""`node kill` and `node cleanup`: ending nodes, and forgetting those that have ended unseen."""
 
 from __future__ import annotations
 
@@ -6,32 +6,18 @@ import sys
 
 import click
 
-from rostether.cli.access.completions import complete_nodes
-from rostether.cli.access.options import master_option
-from rostether.cli.access.refusals import not_on_ros2
-from rostether.cli.access.ros_choice import chosen_ros2, ros1_option, ros2_option
+from rostether.cli.access.ros1_access import master_client, resolve
+from rostether.cli.node.ros1_calls import ask, node_client, node_names, ping, unknown_node
 from rostether.cli.shell.failures import EXIT_FAILED, one_line
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import Verb
 from rostether.errors import GraphError, UnknownNameError
+from rostether.ros1.environment import RosEnvironment
 
 
-@click.command(
-    "kill", cls=Verb, examples="rostether node kill /talker\nrostether node kill -a\nrostether node kill"
-)
-@click.argument("names", metavar="[NODE]...", nargs=-1, shell_complete=complete_nodes)
-@click.option("-a", "--all", "kill_all", is_flag=True, help="Shut down every node.")
-@master_option
-@ros1_option
-@ros2_option
-def kill(names: tuple[str, ...], kill_all: bool, master: str | None) -> None:
-    """Ask nodes to shut down; without a name, choose one from a list."""
-    if chosen_ros2() is not None:
-        raise not_on_ros2("node kill", "nobody can end a node of ROS 2 from outside; end its process")
-    if kill_all and names:
-        raise click.UsageError("--all shuts every node down: leave the names out")
-    chosen = run(_resolve_running(names, master))
+def kill(environment: RosEnvironment, names: tuple[str, ...], *, kill_all: bool) -> None:
+    """Ask nodes to shut down; without names, the user chooses one. Raises UnknownNameError."""
+    chosen = run(_resolve_running(environment, names))
     if not names and not kill_all:
         chosen = [_choose(chosen)] if chosen else []
     if not chosen:
@@ -39,7 +25,7 @@ def kill(names: tuple[str, ...], kill_all: bool, master: str | None) -> None:
         return
     listed = "".join(f"\n * {name}" for name in chosen)
     write_line(f"killing:{listed}" if len(chosen) > 1 else f"killing {chosen[0]}")
-    if failed := run(_kill(chosen, master)):
+    if failed := run(_kill(environment, chosen)):
         warn("ERROR: Failed to kill:\n" + "\n".join(f" * {name}: {reason}" for name, reason in failed))
         raise click.exceptions.Exit(EXIT_FAILED)
     write_line("killed")
@@ -59,12 +45,8 @@ def _choose(names: list[str]) -> str:
         warn(f"ERROR: please enter a number from 1 to {len(names)} (ctrl-C to cancel)")
 
 
-async def _resolve_running(names: tuple[str, ...], master: str | None) -> list[str]:
+async def _resolve_running(environment: RosEnvironment, names: tuple[str, ...]) -> list[str]:
     """Return the full names; of all nodes when none is given. Raises UnknownNameError for one unknown."""
-    from rostether.cli.access.ros1_access import master_client, read_environment, resolve
-    from rostether.cli.node.calls import node_names, unknown_node
-
-    environment = read_environment(master)
     async with master_client(environment) as client:
         running = await node_names(client)
     wanted = [resolve(name, environment) for name in names]
@@ -74,13 +56,10 @@ async def _resolve_running(names: tuple[str, ...], master: str | None) -> list[s
     return wanted or running
 
 
-async def _kill(names: list[str], master: str | None) -> list[tuple[str, str]]:
+async def _kill(environment: RosEnvironment, names: list[str]) -> list[tuple[str, str]]:
     """Ask each node to shut down; returns those that could not be asked, with the reason."""
-    from rostether.cli.access.ros1_access import master_client, read_environment
-    from rostether.cli.node.calls import ask, node_client
-
     failed = []
-    async with master_client(read_environment(master)) as client:
+    async with master_client(environment) as client:
         for name in names:
             try:
                 async with node_client(name, await client.lookup_node(name)) as peer:
@@ -97,16 +76,9 @@ async def _kill(names: list[str], master: str | None) -> list[tuple[str, str]]:
     return failed
 
 
-@click.command("cleanup", cls=Verb, examples="rostether node cleanup\nrostether node cleanup --yes")
-@click.option("-y", "--yes", is_flag=True, help="Do not ask.")
-@master_option
-@ros1_option
-@ros2_option
-def cleanup(yes: bool, master: str | None) -> None:
-    """Have the master forget nodes that do not answer, after asking whether it should."""
-    if chosen_ros2() is not None:
-        raise not_on_ros2("node cleanup", "ROS 2 forgets nodes that are gone by itself")
-    silent = run(_silent(master))
+def cleanup(environment: RosEnvironment, *, yes: bool) -> None:
+    """Have the master forget nodes that do not answer; `yes` does not ask first."""
+    silent = run(_silent(environment))
     if not silent:
         return
     write_line("Unable to contact the following nodes:")
@@ -116,7 +88,7 @@ def cleanup(yes: bool, master: str | None) -> None:
     if not yes and not _is_confirmed():
         write_line("aborting")
         return
-    run(_forget(silent, master))
+    run(_forget(environment, silent))
     write_line("done")
 
 
@@ -128,13 +100,10 @@ def _is_confirmed() -> bool:
     raise click.Abort
 
 
-async def _silent(master: str | None) -> dict[str, str]:
+async def _silent(environment: RosEnvironment) -> dict[str, str]:
     """Ping every node; returns the URI of each that did not answer."""
-    from rostether.cli.access.ros1_access import master_client, read_environment
-    from rostether.cli.node.calls import node_names, ping
-
     silent = {}
-    async with master_client(read_environment(master)) as client:
+    async with master_client(environment) as client:
         for name in await node_names(client):
             try:
                 uri = await client.lookup_node(name)
@@ -149,10 +118,7 @@ async def _silent(master: str | None) -> dict[str, str]:
     return silent
 
 
-async def _forget(nodes: dict[str, str], master: str | None) -> None:
-    from rostether.cli.access.ros1_access import master_client, read_environment
-
-    environment = read_environment(master)
+async def _forget(environment: RosEnvironment, nodes: dict[str, str]) -> None:
     async with master_client(environment) as client:
         publishers, subscribers, services = await client.system_state()
         for name, uri in nodes.items():

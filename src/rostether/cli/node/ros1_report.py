@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import asdict
 from typing import Any
 
-from rostether.cli.node.calls import Connection, Registrations
+from rostether.cli.node.ros1_calls import Connection, Registrations
 from rostether.msgdef.interface import ANY_TYPE
 
 _RULE = "-" * 80

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from rostether.cli.access.ros1_access import resolve
 from rostether.cli.shell.output import warn
-from rostether.cli.topic.listing import ANY_TYPE, UNKNOWN_TYPE, TopicView, fetch_topics
+from rostether.cli.topic.ros1_view import TopicView, fetch_topics
 from rostether.errors import ConfigError, DefinitionError
 from rostether.ros1.environment import RosEnvironment
 from rostether.serde.field_path import FieldPath
@@ -38,7 +38,7 @@ def resolve_with_field(text: str, environment: RosEnvironment) -> str:
 
 def choose_topic(name: str, topics: Sequence[TopicView], store: TypeStore) -> ChosenTopic | None:
     """Return the topic that a full name means: itself, else the longest topic that has such a field."""
-    known = {topic.name: topic.type for topic in topics if topic.type not in (UNKNOWN_TYPE, ANY_TYPE)}
+    known = {topic.name: topic.type for topic in topics if topic.known_type is not None}
     name = name.rstrip("/") or "/"
     if name in known:
         return ChosenTopic(name, known[name], "")
@@ -50,22 +50,22 @@ def choose_topic(name: str, topics: Sequence[TopicView], store: TypeStore) -> Ch
         except ConfigError:
             continue
         except DefinitionError:
-            # A type that is not known here may well have the field: its publisher will tell.
+            # A type that is not known here may well have the field: its publisher decides.
             pass
         return ChosenTopic(topic, known[topic], field)
     return None
 
 
-async def wait_for_topic(name: str, store: TypeStore, master: str | None) -> ChosenTopic:
-    """Return the topic that a full name means, as soon as somebody has told its type."""
-    warned = False
+async def wait_for_topic(name: str, store: TypeStore, environment: RosEnvironment) -> ChosenTopic:
+    """Return the topic that a full name means, as soon as its type is known."""
+    reported = False
     while True:
-        topics = await fetch_topics(master)
+        topics = await fetch_topics(environment)
         chosen = choose_topic(name, topics, store)
         if chosen is not None:
             return chosen
-        if not warned:
-            warned = True
+        if not reported:
+            reported = True
             warn(f"WARNING: topic [{name}] does not appear to be published yet")
             _explain_wrong_field(name, topics, store)
         await asyncio.sleep(POLL_S)
@@ -73,7 +73,7 @@ async def wait_for_topic(name: str, store: TypeStore, master: str | None) -> Cho
 
 def _explain_wrong_field(name: str, topics: Sequence[TopicView], store: TypeStore) -> None:
     for topic in topics:
-        if topic.type in (UNKNOWN_TYPE, ANY_TYPE) or not name.startswith(f"{topic.name}/"):
+        if topic.known_type is None or not name.startswith(f"{topic.name}/"):
             continue
         try:
             FieldPath(store.codec(topic.type), name[len(topic.name) + 1 :])

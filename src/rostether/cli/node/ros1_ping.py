@@ -1,63 +1,27 @@
-"""`rostether node ping`: does a node answer, and how quickly."""
+"""`node ping`: whether a node answers, and how quickly."""
 
 from __future__ import annotations
 
 import asyncio
 from typing import TYPE_CHECKING
 
-import click
-
-from rostether.cli.access.completions import complete_nodes
-from rostether.cli.access.options import master_option
-from rostether.cli.access.refusals import not_on_ros2
-from rostether.cli.access.ros_choice import chosen_ros2, ros1_option, ros2_option
-from rostether.cli.shell.failures import EXIT_FAILED, one_line
-from rostether.cli.shell.output import json_option, warn, write_json, write_line
-from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.access.ros1_access import master_client, resolve
+from rostether.cli.node import ros1_calls
+from rostether.cli.node.ros1_calls import NODE_TIMEOUT_S, find_node, node_names
+from rostether.cli.shell.failures import one_line
+from rostether.cli.shell.output import warn, write_json, write_line
 from rostether.errors import GraphError, MasterUnreachableError, UnknownNameError
+from rostether.ros1.environment import RosEnvironment
 
 if TYPE_CHECKING:
     from rostether.ros1.node.master_client import MasterClient
 
+# Between pings, as rosnode.
 INTERVAL_S = 1.0
-"""Between pings, as rosnode has it."""
 
 
-@click.command(
-    "ping",
-    cls=Verb,
-    examples="""
-    rostether node ping /board
-    rostether node ping -c 3 /board
-    rostether node ping --all
-    """,
-)
-@click.argument("name", metavar="[NODE]", required=False, shell_complete=complete_nodes)
-@click.option("-a", "--all", "ping_all", is_flag=True, help="Ping each node once.")
-@click.option("-c", "count", type=click.IntRange(min=1), metavar="COUNT", help="Stop after COUNT pings.")
-@json_option
-@master_option
-@ros1_option
-@ros2_option
-def ping(name: str | None, ping_all: bool, count: int | None, as_json: bool, master: str | None) -> None:
-    """See whether a node answers, once a second until Ctrl-C; exit code 1 when one does not."""
-    if chosen_ros2() is not None:
-        raise not_on_ros2(
-            "node ping", "a node of ROS 2 has no address; `rostether node info` shows whether it is there"
-        )
-    if ping_all and (name or count):
-        raise click.UsageError("--all pings each node once: leave the node's name and -c out")
-    if name is None and not ping_all:
-        raise click.UsageError("which node? `rostether node list` shows those that run; --all pings them all")
-    if not run(_ping_all(master, as_json) if name is None else _ping(name, count, master, as_json)):
-        raise click.exceptions.Exit(EXIT_FAILED)
-
-
-async def _ping(name: str, count: int | None, master: str | None, as_json: bool) -> bool:
-    from rostether.cli.access.ros1_access import master_client, read_environment, resolve
-
-    environment = read_environment(master)
+async def ping(environment: RosEnvironment, name: str, count: int | None, *, as_json: bool) -> bool:
+    """Ping a node once a second, `count` times or until it fails; return whether it always answered."""
     async with master_client(environment) as client:
         pinger = _Pinger(client, resolve(name, environment), as_json)
         if not as_json:
@@ -75,11 +39,9 @@ async def _ping(name: str, count: int | None, master: str | None, as_json: bool)
                 write_line(f"ping average: {average_ms:f}ms")
 
 
-async def _ping_all(master: str | None, as_json: bool) -> bool:
-    from rostether.cli.access.ros1_access import master_client, read_environment
-    from rostether.cli.node.calls import node_names
-
-    async with master_client(read_environment(master)) as client:
+async def ping_all(environment: RosEnvironment, *, as_json: bool) -> bool:
+    """Ping each node once; return whether all answered."""
+    async with master_client(environment) as client:
         names = await node_names(client)
         if not as_json:
             listed = "".join(f" * {name}\n" for name in names)
@@ -108,18 +70,14 @@ class _Pinger:
 
     async def find(self) -> None:
         """Look the node up. Raises UnknownNameError."""
-        from rostether.cli.node.calls import NODE_TIMEOUT_S, find_node
-
         self._uri = await find_node(self._master, self.name)
         if not self._as_json:
             write_line(f"pinging {self.name} with a timeout of {NODE_TIMEOUT_S}s")
 
     async def ping(self) -> bool:
-        """Ping once; a node that was started anew, at another address, is found again."""
-        from rostether.cli.node import calls as node_calls
-
+        """Ping once; a node that was restarted at another address is found again."""
         try:
-            reply_s = await node_calls.ping(self.name, self._uri)
+            reply_s = await ros1_calls.ping(self.name, self._uri)
         except MasterUnreachableError:
             raise
         except GraphError as error:
@@ -135,8 +93,6 @@ class _Pinger:
         return True
 
     async def _has_moved(self) -> bool:
-        from rostether.cli.node.calls import find_node
-
         uri = await find_node(self._master, self.name)
         if uri == self._uri:
             return False

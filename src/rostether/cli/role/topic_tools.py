@@ -14,7 +14,7 @@ from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
 from rostether.graph.typed_graph import TypedGraph
 from rostether.joining import anonymous_name
-from rostether.names.remap import parse_arguments
+from rostether.names.remap import Arguments, parse_arguments
 
 _CALL_LIMIT_S = 10.0  # a mux answers at once; a person waits no longer
 _arguments = click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="ARGUMENT...")
@@ -29,7 +29,7 @@ def relay(arguments: tuple[str, ...]) -> None:
     rest = _plain(arguments, 1, 2, "relay IN [OUT]")
     source, target = rest[0], rest[1] if len(rest) == 2 else f"{rest[0]}_relay"
 
-    async def main(graph: TypedGraph, _: list[str]) -> None:
+    async def main(graph: TypedGraph, _: Arguments) -> None:
         from rostether.nodes.forwarding import forward
 
         await forward(graph.raw, source, target, lazy=await _flag(graph, "lazy"))
@@ -62,7 +62,7 @@ def throttle(arguments: tuple[str, ...]) -> None:
     source, target = rest[1], rest[count] if len(rest) > count else f"{rest[1]}_throttle"
     limits = [_number(each) for each in rest[2:count]]
 
-    async def main(graph: TypedGraph, _: list[str]) -> None:
+    async def main(graph: TypedGraph, _: Arguments) -> None:
         from rostether.nodes.forwarding import ByteRate, MessageRate, forward
 
         ros_time = partial(_ros_time_s, graph)
@@ -84,7 +84,7 @@ def mux(arguments: tuple[str, ...]) -> None:
     """
     rest = _plain(arguments, 2, 1_000, "mux OUT IN...")
 
-    async def main(graph: TypedGraph, _: list[str]) -> None:
+    async def main(graph: TypedGraph, _: Arguments) -> None:
         from rostether.nodes.mux import Mux
 
         initial = await graph.get_param("~initial_topic", "")
@@ -139,7 +139,7 @@ def mux_list(arguments: tuple[str, ...]) -> None:
 
 
 def _call(arguments: tuple[str, ...], service: str, kind: str, topic: str | None = None) -> None:
-    async def main(graph: TypedGraph, _: list[str]) -> None:
+    async def main(graph: TypedGraph, _: Arguments) -> None:
         request = {} if topic is None else {"topic": topic}
         answer = await graph.call(
             graph.resolve(service), f"topic_tools/{kind}", request, timeout_s=_CALL_LIMIT_S

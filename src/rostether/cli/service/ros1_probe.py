@@ -42,7 +42,7 @@ def unknown_service(service: str, known: Iterable[str]) -> UnknownNameError:
 
     near = get_close_matches(service, list(known), n=1)
     hint = f"did you mean {near[0]}?" if near else "`rostether service list` shows those there are"
-    return UnknownNameError(f"nobody offers the service {service}; {hint}")
+    return UnknownNameError(f"no node offers the service {service}; {hint}")
 
 
 async def probe_type(client: MasterClient, service: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from rostether.cli.access.shown_definition import shown_definition
+from rostether.cli.msg.shown_definition import shown_definition
 from rostether.msgdef.ros2.primitives import PRIMITIVE_TYPES
 from rostether.msgdef.ros2.spec import DefaultValue, Ros2Message, Ros2Service, Ros2Type
 from rostether.ros2.native_registry import NativeRegistry, short_name

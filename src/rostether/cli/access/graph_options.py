@@ -1,0 +1,183 @@
+"""What a command line says about the graph it means, as one value."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import click
+
+from rostether.cli.access.ros_choice import ROS2_OPTION, Middleware, MiddlewareName, chosen_middleware
+from rostether.cli.shell.option_group import Function, option_group
+
+
+@dataclass(frozen=True, slots=True)
+class ZenohReach:
+    """How zenoh is reached: endpoints such as `tcp/192.168.1.7:7447`, and a `RouterChoice`."""
+
+    connect: tuple[str, ...] = ()
+    listen: tuple[str, ...] = ()
+    router: str = "auto"
+
+
+@dataclass(frozen=True, slots=True)
+class GraphOptions:
+    """The graph that a command line means.
+
+    Args:
+        ros1: Whether `--ros1` was typed.
+        ros2: The middleware of the ROS 2 graph, None for ROS 1 alone.
+        master: `--master`, None if it was not typed.
+        allow: Networks in CIDR form that may connect to this node.
+        arguments: ROS arguments such as `__name:=x`, by name.
+        zenoh: How zenoh is reached.
+        params_files: YAML files of ROS 2 parameters.
+    """
+
+    ros1: bool = False
+    ros2: Middleware | None = None
+    master: str | None = None
+    allow: tuple[str, ...] = ()
+    arguments: Mapping[str, str] = field(default_factory=dict)
+    zenoh: ZenohReach = field(default_factory=ZenohReach)
+    params_files: tuple[Path, ...] = ()
+
+    @property
+    def uses_ros1(self) -> bool:
+        """Whether the ROS 1 graph is meant, alone or beside ROS 2."""
+        return self.ros1 or self.ros2 is None
+
+    @property
+    def is_ros2_alone(self) -> bool:
+        """Whether the ROS 2 graph is meant and no other."""
+        return not self.uses_ros1
+
+
+TOOL_MASTER = "The ROS master, instead of ROS_MASTER_URI (http://localhost:11311)."
+SERVED_MASTER = "The ROS master to join; it is waited for."
+TOOL_ALLOW = "Which machines may connect to this node (where ROS_IP lets others in); may be repeated."
+SERVED_ALLOW = "Who may connect to what listens beyond loopback, such as 192.168.1.0/24; may be repeated."
+
+_ROS1_HELP = "Use the ROS 1 graph, also where a ROS 2 is sourced; with --ros2: both at once."
+ROS1_OPTION = click.option("--ros1", is_flag=True, help=_ROS1_HELP)
+_ROS_OPTIONS = (
+    ROS1_OPTION,
+    click.option(
+        ROS2_OPTION,
+        type=MiddlewareName(),
+        metavar="[zenoh|rclpy]",
+        help="Use the ROS 2 graph, over zenoh or an installed rclpy.",
+    ),
+)
+_REACH_OPTIONS = (
+    click.option(
+        "--zenoh-connect",
+        multiple=True,
+        metavar="ENDPOINT",
+        help="With --ros2 zenoh, a router to join, as tcp/192.168.1.7:7447; may be repeated.",
+    ),
+    click.option(
+        "--zenoh-listen",
+        multiple=True,
+        metavar="ENDPOINT",
+        help="With --ros2 zenoh, let others reach us there, as tcp/0.0.0.0:7447; may be repeated.",
+    ),
+)
+_SERVING_OPTIONS = (
+    click.option(
+        "--zenoh-router",
+        type=click.Choice(["auto", "never", "always"]),
+        default="auto",
+        show_default=True,
+        help="With --ros2 zenoh, be the router of this machine: when there is none, never, or always. A "
+        "router listens at localhost:7447; with always, only at --zenoh-listen where that is given.",
+    ),
+    click.option(
+        "--params-file",
+        "params_files",
+        multiple=True,
+        type=click.Path(path_type=Path, exists=True, dir_okay=False),
+        metavar="FILE",
+        help="With --ros2, a YAML file of parameters for the nodes; may be repeated.",
+    ),
+)
+
+
+def graph_options(
+    *,
+    master: str = TOOL_MASTER,
+    ros: bool = True,
+    allow: str = "",
+    zenoh: bool = False,
+    serving: bool = False,
+) -> Callable[[Function], Function]:
+    """Return a decorator that adds the options about the graph; the verb gets them as `graph`.
+
+    Args:
+        master: The help of `--master`, empty where there is no such option.
+        ros: Whether to add `--ros1` and `--ros2`; without them the graph is ROS 1.
+        allow: The help of `--allow`, empty where there is no such option.
+        zenoh: Whether to add `--zenoh-connect` and `--zenoh-listen`.
+        serving: Whether to add `--zenoh-router` and `--params-file` as well.
+    """
+    options: list[Callable[[Any], Any]] = []
+    if master:
+        options.append(click.option("--master", metavar="URI", help=master))
+    if ros:
+        options += _ROS_OPTIONS
+    if zenoh or serving:
+        options += _REACH_OPTIONS
+    if serving:
+        options += _SERVING_OPTIONS
+    if allow:
+        options.append(click.option("--allow", multiple=True, metavar="CIDR", help=allow))
+    return option_group("graph", _chosen_graph if ros else _ros1_graph, options)
+
+
+def ros_arguments() -> Mapping[str, str]:
+    """Return the ROS arguments such as `__name:=x` of the command that runs; `main` has put them aside."""
+    context = click.get_current_context(silent=True)
+    arguments = context.find_root().obj if context is not None else None
+    return arguments if isinstance(arguments, dict) else {}
+
+
+def _ros1_graph(
+    *,
+    master: str | None = None,
+    allow: tuple[str, ...] = (),
+    zenoh_connect: tuple[str, ...] = (),
+    zenoh_listen: tuple[str, ...] = (),
+    zenoh_router: str = "auto",
+    params_files: tuple[Path, ...] = (),
+) -> GraphOptions:
+    return GraphOptions(
+        master=master,
+        allow=allow,
+        arguments=ros_arguments(),
+        zenoh=ZenohReach(zenoh_connect, zenoh_listen, zenoh_router),
+        params_files=params_files,
+    )
+
+
+def _chosen_graph(
+    *,
+    ros1: bool = False,
+    ros2: str | None = None,
+    master: str | None = None,
+    allow: tuple[str, ...] = (),
+    zenoh_connect: tuple[str, ...] = (),
+    zenoh_listen: tuple[str, ...] = (),
+    zenoh_router: str = "auto",
+    params_files: tuple[Path, ...] = (),
+) -> GraphOptions:
+    options = _ros1_graph(
+        master=master,
+        allow=allow,
+        zenoh_connect=zenoh_connect,
+        zenoh_listen=zenoh_listen,
+        zenoh_router=zenoh_router,
+        params_files=params_files,
+    )
+    return replace(options, ros1=ros1, ros2=chosen_middleware(ros1=ros1, ros2=ros2))

@@ -1,0 +1,32 @@
+"""The gateways that run beside a bridge: `serve --rosbridge --foxglove`."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Sequence
+from contextlib import AsyncExitStack, asynccontextmanager
+from pathlib import Path
+
+from rostether.cli.access.graph_options import GraphOptions
+from rostether.cli.bridge.served_graphs import ServedGraphs
+from rostether.cli.gateway.gateways import Tell, gateway_graph, rosbridge_gateway
+from rostether.cli.gateway.options import GatewayOptions
+
+
+@asynccontextmanager
+async def served_gateways(
+    options: GatewayOptions,
+    graphs: ServedGraphs,
+    graph_options: GraphOptions,
+    msg_paths: Sequence[Path],
+    tell: Tell,
+) -> AsyncIterator[None]:
+    """Run the gateways that are wanted, if any. Raises as `rosbridge_gateway`."""
+    async with AsyncExitStack() as stack:
+        if options.rosbridge is not None:
+            graph = await stack.enter_async_context(gateway_graph(graphs, graph_options, msg_paths))
+            await stack.enter_async_context(rosbridge_gateway(options, graph, tell))
+        if options.foxglove is not None:
+            from rostether.cli.gateway.foxglove import served_foxglove
+
+            await stack.enter_async_context(served_foxglove(options, graphs, msg_paths, tell))
+        yield

@@ -1,0 +1,52 @@
+"""What `rostether node` asks of a graph, and the choice between ROS 1 and ROS 2."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from rostether.cli.access.graph_options import GraphOptions
+
+
+@dataclass(frozen=True, slots=True)
+class NodeListing:
+    """The options of `node list`."""
+
+    namespace: str = ""
+    uris_only: bool = False
+    with_uris: bool = False
+    count_nodes: bool = False
+    as_json: bool = False
+
+
+class Nodes(Protocol):
+    """The nodes of one graph. Each method is a whole command and raises RostetherError, UsageError."""
+
+    def list_nodes(self, wanted: NodeListing) -> None:
+        """Print the nodes."""
+
+    def info(self, names: tuple[str, ...], *, quiet: bool, with_hidden: bool, as_json: bool) -> None:
+        """Print what nodes publish, subscribe to and serve."""
+
+    def machine(self, name: str | None) -> None:
+        """Print the machines that nodes run on, or the nodes on one."""
+
+    def ping(self, name: str | None, count: int | None, *, as_json: bool) -> None:
+        """Ping a node once a second, or each node once where `name` is None."""
+
+    def kill(self, names: tuple[str, ...], *, kill_all: bool) -> None:
+        """Ask nodes to shut down."""
+
+    def cleanup(self, *, yes: bool) -> None:
+        """Forget nodes that do not answer; `yes` does not ask first."""
+
+
+def nodes_of(graph: GraphOptions) -> Nodes:
+    """Return the nodes of the graph that a command means."""
+    if graph.ros2 is None:
+        from rostether.cli.node.ros1_nodes import Ros1Nodes
+
+        return Ros1Nodes(graph)
+    from rostether.cli.node.ros2_nodes import Ros2Nodes
+
+    return Ros2Nodes(graph)

@@ -1,0 +1,131 @@
+"""`rostether node` on a ROS 1 graph, as rosnode does it."""
+
+from __future__ import annotations
+
+import click
+
+from rostether.cli.access.graph_options import GraphOptions
+from rostether.cli.access.refusals import refuse_ros2_only
+from rostether.cli.access.ros1_access import in_namespace, master_client, read_environment, resolve
+from rostether.cli.node import ros1_report
+from rostether.cli.node.nodes import NodeListing
+from rostether.cli.node.ros1_calls import ask, connections, find_node, node_client, node_names, registrations
+from rostether.cli.shell.failures import EXIT_FAILED
+from rostether.cli.shell.output import one_line, warn, write_json, write_line
+from rostether.cli.shell.running import run
+from rostether.errors import ConfigError, UnknownNameError
+from rostether.ros1.environment import RosEnvironment, parse_rpc_uri
+
+
+class Ros1Nodes:
+    """The nodes of a ROS 1 graph."""
+
+    def __init__(self, graph: GraphOptions) -> None:
+        self._environment = read_environment(graph)
+
+    def list_nodes(self, wanted: NodeListing) -> None:
+        """Print the nodes."""
+        with_uris = not wanted.count_nodes and (wanted.uris_only or wanted.with_uris or wanted.as_json)
+        listed = run(_list(self._environment, wanted.namespace, with_uris=with_uris))
+        if wanted.count_nodes:
+            write_line(str(len(listed)))
+            return
+        for name, uri in listed:
+            if wanted.as_json:
+                write_json({"node": name, "uri": uri or None})
+            elif wanted.with_uris:
+                write_line(f"{one_line(uri) or 'unknown address'} \t{one_line(name)}")
+            else:
+                write_line(one_line(uri or "unknown address" if wanted.uris_only else name))
+
+    def info(self, names: tuple[str, ...], *, quiet: bool, with_hidden: bool, as_json: bool) -> None:
+        """Print what nodes publish, subscribe to and serve, and their connections."""
+        refuse_ros2_only(with_hidden=with_hidden)
+        run(_info(self._environment, names, quiet=quiet, as_json=as_json))
+
+    def machine(self, name: str | None) -> None:
+        """Print the machines that nodes run on, or the nodes on one."""
+        hosts = run(_hosts(self._environment))
+        if name is None:
+            for host in sorted(set(hosts.values())):
+                write_line(host)
+            return
+        found = [node_name for node_name, host in hosts.items() if host == name]
+        for each in found:
+            write_line(each)
+        if not found:
+            warn(f"no node is on {name}; `rostether node machine` lists the machines by the names nodes use")
+            raise click.exceptions.Exit(EXIT_FAILED)
+
+    def ping(self, name: str | None, count: int | None, *, as_json: bool) -> None:
+        """Ping a node once a second, or each node once where `name` is None."""
+        from rostether.cli.node.ros1_ping import ping, ping_all
+
+        pinging = (
+            ping_all(self._environment, as_json=as_json)
+            if name is None
+            else ping(self._environment, name, count, as_json=as_json)
+        )
+        if not run(pinging):
+            raise click.exceptions.Exit(EXIT_FAILED)
+
+    def kill(self, names: tuple[str, ...], *, kill_all: bool) -> None:
+        """Ask nodes to shut down; without names, the user chooses one."""
+        from rostether.cli.node.ros1_kill import kill
+
+        kill(self._environment, names, kill_all=kill_all)
+
+    def cleanup(self, *, yes: bool) -> None:
+        """Have the master forget nodes that do not answer; `yes` does not ask first."""
+        from rostether.cli.node.ros1_kill import cleanup
+
+        cleanup(self._environment, yes=yes)
+
+
+async def _list(
+    environment: RosEnvironment, namespace: str = "", *, with_uris: bool
+) -> list[tuple[str, str]]:
+    prefix = resolve(namespace, environment) if namespace else "/"
+    listed = []
+    async with master_client(environment) as client:
+        for name in await node_names(client):
+            if in_namespace(name, prefix):
+                try:
+                    listed.append((name, await client.lookup_node(name) if with_uris else ""))
+                except UnknownNameError:
+                    # It left a moment ago.
+                    listed.append((name, ""))
+    return listed
+
+
+async def _info(environment: RosEnvironment, names: tuple[str, ...], *, quiet: bool, as_json: bool) -> None:
+    async with master_client(environment) as client:
+        for each in names:
+            name = resolve(each, environment)
+            uri = await find_node(client, name)
+            registered = await registrations(client, name)
+            if not as_json:
+                write_line(ros1_report.format_registrations(name, registered))
+            if quiet:
+                if as_json:
+                    write_json(ros1_report.to_record(name, uri, registered))
+                continue
+            if not as_json:
+                write_line(f"\ncontacting node {uri} ...")
+            async with node_client(name, uri) as peer:
+                pid = await ask(peer, "getPid")
+                connected = await connections(client, peer)
+            if as_json:
+                write_json(ros1_report.to_record(name, uri, registered, pid, connected))
+            else:
+                write_line(ros1_report.format_connections(pid, connected))
+
+
+async def _hosts(environment: RosEnvironment) -> dict[str, str]:
+    hosts = {}
+    for name, uri in await _list(environment, with_uris=True):
+        try:
+            hosts[name] = parse_rpc_uri(uri).host
+        except ConfigError:
+            continue
+    return hosts

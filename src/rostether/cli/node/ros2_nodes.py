@@ -1,0 +1,129 @@
+"""`rostether node` on a ROS 2 graph, with the output of `ros2 node`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from rostether.cli.access.graph_options import GraphOptions
+from rostether.cli.access.refusals import not_on_ros2, refuse_ros1_only
+from rostether.cli.access.ros2_tool_node import ToolNode, asked
+from rostether.cli.access.ros2_view import GraphView, is_hidden
+from rostether.cli.node.nodes import NodeListing
+from rostether.cli.shell.output import one_line, write_json, write_line
+from rostether.errors import UnknownNameError
+from rostether.ros2.endpoint_info import EndpointKind
+
+_SECTIONS = {
+    "Subscribers": EndpointKind.SUBSCRIPTION,
+    "Publishers": EndpointKind.PUBLISHER,
+    "Service Servers": EndpointKind.SERVER,
+    "Service Clients": EndpointKind.CLIENT,
+}
+_ACTION_SECTIONS = {"Action Servers": EndpointKind.SERVER, "Action Clients": EndpointKind.CLIENT}
+_ACTION_SERVICE = "/_action/send_goal"
+
+
+class Ros2Nodes:
+    """The nodes of a ROS 2 graph."""
+
+    def __init__(self, graph: GraphOptions) -> None:
+        refuse_ros1_only(master=graph.master)
+        self._graph = graph
+
+    def list_nodes(self, wanted: NodeListing) -> None:
+        """Print the nodes."""
+        refuse_ros1_only(uris_only=wanted.uris_only)
+        view = asked(self._graph, lambda tool: tool.look_well())
+        prefix = f"/{wanted.namespace.strip('/')}".rstrip("/") + "/"
+        names = [
+            name
+            for name in sorted(view.nodes)
+            if (wanted.with_uris or not is_hidden(name)) and f"{name}/".startswith(prefix)
+        ]
+        if wanted.count_nodes:
+            write_line(str(len(names)))
+            return
+        for name in names:
+            if wanted.as_json:
+                write_json({"node": name})
+            else:
+                write_line(one_line(name))
+
+    def info(self, names: tuple[str, ...], *, quiet: bool, with_hidden: bool, as_json: bool) -> None:
+        """Print what nodes publish, subscribe to, serve and call. Raises UnknownNameError."""
+        refuse_ros1_only(quiet=quiet)
+        full_names = [full_node_name(name) for name in names]
+
+        async def ask(tool: ToolNode) -> GraphView:
+            await tool.look_until(lambda seen: set(full_names) <= set(seen.nodes))
+            return await tool.look_well()
+
+        view = asked(self._graph, ask)
+        for name in full_names:
+            if name not in view.nodes:
+                raise unknown_node(name)
+            _write_info(name, _sections(view, name, with_hidden=with_hidden), as_json=as_json)
+
+    def machine(self, name: str | None) -> None:
+        """Refuse: there is no such command on ROS 2."""
+        raise not_on_ros2("node machine", "ROS 2 does not report where a node runs")
+
+    def ping(self, name: str | None, count: int | None, *, as_json: bool) -> None:
+        """Refuse: there is no such command on ROS 2."""
+        raise not_on_ros2(
+            "node ping", "a node of ROS 2 has no address; `rostether node info` shows whether it is there"
+        )
+
+    def kill(self, names: tuple[str, ...], *, kill_all: bool) -> None:
+        """Refuse: there is no such command on ROS 2."""
+        raise not_on_ros2("node kill", "a node of ROS 2 cannot be ended from outside; end its process")
+
+    def cleanup(self, *, yes: bool) -> None:
+        """Refuse: there is no such command on ROS 2."""
+        raise not_on_ros2("node cleanup", "ROS 2 forgets nodes that are gone by itself")
+
+
+def _write_info(name: str, sections: dict[str, list[tuple[str, list[str]]]], *, as_json: bool) -> None:
+    if as_json:
+        write_json({"node": name, **{_key(title): _records(found) for title, found in sections.items()}})
+        return
+    write_line(one_line(name))
+    for title, found in sections.items():
+        write_line(f"  {title}:")
+        write_line("\n".join(one_line(f"    {each}: {', '.join(types)}") for each, types in found))
+
+
+def full_node_name(name: str) -> str:
+    """Return a node's full name as it was meant: `board` is `/board`."""
+    return f"/{name.lstrip('/')}"
+
+
+def unknown_node(name: str) -> UnknownNameError:
+    """Return the error for a node that is not there."""
+    return UnknownNameError(f"Unable to find node '{name}'; `rostether node list` shows those there are")
+
+
+def _sections(view: GraphView, node: str, *, with_hidden: bool) -> dict[str, list[tuple[str, list[str]]]]:
+    found = {
+        title: [
+            (name, types) for name, types in view.of_node(kind, node) if with_hidden or not is_hidden(name)
+        ]
+        for title, kind in _SECTIONS.items()
+    }
+    return found | {title: list(_actions(view, kind, node)) for title, kind in _ACTION_SECTIONS.items()}
+
+
+def _actions(view: GraphView, kind: EndpointKind, node: str) -> Iterator[tuple[str, list[str]]]:
+    for name, types in view.of_node(kind, node):
+        if name.endswith(_ACTION_SERVICE):
+            plain = (each.replace("::dds_::", "/").replace("::", "/").rstrip("_") for each in types)
+            yield name.removesuffix(_ACTION_SERVICE), [each.removesuffix("_SendGoal") for each in plain]
+
+
+def _key(title: str) -> str:
+    return title.lower().replace(" ", "_")
+
+
+def _records(found: list[tuple[str, list[str]]]) -> list[dict[str, Any]]:
+    return [{"name": name, "type": types[0] if len(types) == 1 else types} for name, types in found]

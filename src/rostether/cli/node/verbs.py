@@ -1,0 +1,109 @@
+"""`rostether node list|info|ping|kill|cleanup|machine`: the nodes of a graph."""
+
+from __future__ import annotations
+
+import click
+
+from rostether.cli.access.completions import complete_nodes
+from rostether.cli.access.graph_options import GraphOptions, graph_options
+from rostether.cli.access.ros2_habits import daemon_habits
+from rostether.cli.node.nodes import NodeListing, nodes_of
+from rostether.cli.shell.option_group import option_group
+from rostether.cli.shell.output import json_option
+from rostether.cli.shell.verbs import Verb
+
+_listing_options = option_group(
+    "wanted",
+    NodeListing,
+    (
+        click.argument("namespace", default=""),
+        click.option("-u", "uris_only", is_flag=True, help="List addresses instead of names."),
+        click.option(
+            "-a",
+            "--all",
+            "with_uris",
+            is_flag=True,
+            help="List addresses and names; with --ros2 hidden nodes too.",
+        ),
+        click.option("-c", "--count-nodes", is_flag=True, help="Only print how many there are."),
+        json_option,
+    ),
+)
+
+
+@click.command(
+    "list", cls=Verb, examples="rostether node list\nrostether node list -a\nrostether node list /robot1"
+)
+@_listing_options
+@graph_options()
+@daemon_habits
+def list_nodes(wanted: NodeListing, graph: GraphOptions) -> None:
+    """List the nodes that run, all of them or those in a namespace."""
+    nodes_of(graph).list_nodes(wanted)
+
+
+@click.command("info", cls=Verb, examples="rostether node info /board\nrostether node info -q /board /rosout")
+@click.argument("nodes", metavar="NODE...", nargs=-1, required=True, shell_complete=complete_nodes)
+@click.option("-q", "--quiet", is_flag=True, help="Show what the master knows, do not ask the node itself.")
+@click.option("--include-hidden", "with_hidden", is_flag=True, help="With --ros2, hidden names (_name) too.")
+@json_option
+@graph_options()
+@daemon_habits
+def info(nodes: tuple[str, ...], quiet: bool, with_hidden: bool, as_json: bool, graph: GraphOptions) -> None:
+    """Show what a node publishes, subscribes to and serves, and its connections."""
+    nodes_of(graph).info(nodes, quiet=quiet, with_hidden=with_hidden, as_json=as_json)
+
+
+@click.command("machine", cls=Verb, examples="rostether node machine\nrostether node machine robot.local")
+@click.argument("name", required=False, metavar="[MACHINE]")
+@graph_options()
+@daemon_habits
+def machine(name: str | None, graph: GraphOptions) -> None:
+    """List the machines that nodes run on, or the nodes on one of them."""
+    nodes_of(graph).machine(name)
+
+
+@click.command(
+    "ping",
+    cls=Verb,
+    examples="""
+    rostether node ping /board
+    rostether node ping -c 3 /board
+    rostether node ping --all
+    """,
+)
+@click.argument("name", metavar="[NODE]", required=False, shell_complete=complete_nodes)
+@click.option("-a", "--all", "ping_all", is_flag=True, help="Ping each node once.")
+@click.option("-c", "count", type=click.IntRange(min=1), metavar="COUNT", help="Stop after COUNT pings.")
+@json_option
+@graph_options()
+def ping(name: str | None, ping_all: bool, count: int | None, as_json: bool, graph: GraphOptions) -> None:
+    """See whether a node answers, once a second until Ctrl-C; exit code 1 when one does not."""
+    nodes = nodes_of(graph)
+    if ping_all and (name or count):
+        raise click.UsageError("--all pings each node once: leave the node's name and -c out")
+    if name is None and not ping_all:
+        raise click.UsageError("which node? `rostether node list` shows those that run; --all pings them all")
+    nodes.ping(name, count, as_json=as_json)
+
+
+@click.command(
+    "kill", cls=Verb, examples="rostether node kill /talker\nrostether node kill -a\nrostether node kill"
+)
+@click.argument("names", metavar="[NODE]...", nargs=-1, shell_complete=complete_nodes)
+@click.option("-a", "--all", "kill_all", is_flag=True, help="Shut down every node.")
+@graph_options()
+def kill(names: tuple[str, ...], kill_all: bool, graph: GraphOptions) -> None:
+    """Ask nodes to shut down; without a name, choose one from a list."""
+    nodes = nodes_of(graph)
+    if kill_all and names:
+        raise click.UsageError("--all shuts every node down: leave the names out")
+    nodes.kill(names, kill_all=kill_all)
+
+
+@click.command("cleanup", cls=Verb, examples="rostether node cleanup\nrostether node cleanup --yes")
+@click.option("-y", "--yes", is_flag=True, help="Do not ask.")
+@graph_options()
+def cleanup(yes: bool, graph: GraphOptions) -> None:
+    """Have the master forget nodes that do not answer, after asking whether it should."""
+    nodes_of(graph).cleanup(yes=yes)

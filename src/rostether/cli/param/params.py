@@ -1,0 +1,78 @@
+"""What `rostether param` asks of a graph, and the choice between ROS 1 and ROS 2."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+from rostether.cli.access.graph_options import GraphOptions
+
+
+@dataclass(frozen=True, slots=True)
+class ParamListing:
+    """The options of `param list`."""
+
+    namespace: str = "/"
+    with_hidden: bool = False
+    with_types: bool = False
+    prefixes: tuple[str, ...] = ()
+    as_json: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class GetOptions:
+    """The options of `param get`."""
+
+    pretty: bool = False
+    hide_type: bool = False
+    verbose: bool = False
+    as_json: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class SetOptions:
+    """The options of `param set`."""
+
+    textfile: Path | None = None
+    binfile: Path | None = None
+    verbose: bool = False
+
+
+class Params(Protocol):
+    """The parameters of one graph. Each method is a whole command and raises RostetherError, UsageError.
+
+    A parameter of ROS 2 is typed as a node and a name, or as both in one full name.
+    """
+
+    def list_params(self, wanted: ParamListing) -> None:
+        """Print the names of parameters."""
+
+    def get(self, name: str, parameter: str | None, options: GetOptions) -> None:
+        """Print a parameter."""
+
+    def set_param(self, words: tuple[str, ...], options: SetOptions) -> None:
+        """Set what `words` say: NAME VALUE, or with ROS 2 NODE NAME VALUE."""
+
+    def delete(self, name: str, parameter: str | None, *, verbose: bool) -> None:
+        """Delete a parameter."""
+
+    def describe(self, node: str, names: tuple[str, ...], *, as_json: bool) -> None:
+        """Print type, limits and description of a node's parameters."""
+
+    def dump(self, file: Path | None, namespace: str, *, verbose: bool) -> None:
+        """Write parameters as YAML."""
+
+    def load(self, file: Path, namespace: str, *, verbose: bool) -> None:
+        """Set the parameters of a YAML file."""
+
+
+def params_of(graph: GraphOptions) -> Params:
+    """Return the parameters of the graph that a command means."""
+    if graph.ros2 is None:
+        from rostether.cli.param.ros1_params import Ros1Params
+
+        return Ros1Params(graph)
+    from rostether.cli.param.ros2_params import Ros2Params
+
+    return Ros2Params(graph)

@@ -1,0 +1,186 @@
+"""`rostether param` on a ROS 1 graph, as rosparam does it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rostether.cli.access.graph_options import GraphOptions
+from rostether.cli.access.refusals import refuse_ros2_only
+from rostether.cli.access.ros1_access import master_client, read_environment
+from rostether.cli.param.params import GetOptions, ParamListing, SetOptions
+from rostether.cli.param.ros1_names import not_set, param_name
+from rostether.cli.shell.input_files import read_bytes, read_text
+from rostether.cli.shell.output import one_line, warn, write_json, write_line
+from rostether.cli.shell.running import run
+from rostether.errors import ConfigError, InvalidNameError, UnknownNameError
+from rostether.ros1.environment import RosEnvironment
+
+if TYPE_CHECKING:
+    from rostether.graph.ports import ParamValue
+
+
+class Ros1Params:
+    """The parameters of a ROS 1 graph."""
+
+    def __init__(self, graph: GraphOptions) -> None:
+        self._environment = read_environment(graph)
+
+    def list_params(self, wanted: ParamListing) -> None:
+        """Print the names of parameters, of all or of a namespace."""
+        refuse_ros2_only(
+            with_hidden=wanted.with_hidden, with_types=wanted.with_types, prefixes=wanted.prefixes
+        )
+        for name in run(_names_below(self._environment, wanted.namespace)):
+            if wanted.as_json:
+                write_json({"name": name})
+            else:
+                write_line(one_line(name))
+
+    def get(self, name: str, parameter: str | None, options: GetOptions) -> None:
+        """Print a parameter, or all parameters of a namespace, in YAML."""
+        refuse_ros2_only(parameter=parameter, hide_type=options.hide_type)
+        from rostether.param_yaml import DOCUMENT_END, dump, pretty_lines
+
+        full_name, value = run(_fetch(self._environment, name))
+        if options.verbose:
+            write_line(f"getting parameter [{full_name}]")
+        if options.as_json:
+            write_json({"name": full_name, "value": _plain(value)})
+        elif options.pretty and isinstance(value, dict):
+            for line in pretty_lines(value):
+                write_line(line)
+        elif options.pretty and isinstance(value, str):
+            write_line(value)
+        else:
+            # As rosparam prints it: whatever has no document end of its own is followed by an empty line.
+            write_line(dump(value).removesuffix(f"\n{DOCUMENT_END}"))
+
+    def set_param(self, words: tuple[str, ...], options: SetOptions) -> None:
+        """Set a parameter to a value in YAML, or to the content of a file."""
+        name, *values = words
+        refuse_ros2_only(more=values[1:])
+        from rostether.param_yaml import looks_like_number, parse_value
+
+        if len(values) + (options.textfile is not None) + (options.binfile is not None) != 1:
+            raise click.UsageError("give a value, or a file with -t or -b")
+        content: Any
+        if options.textfile is not None:
+            content = read_text(options.textfile)
+        elif options.binfile is not None:
+            content = read_bytes(options.binfile)
+        else:
+            content = parse_value(values[0], "value")
+            if content == {}:
+                warn(
+                    "nothing to set: an empty mapping has no names; "
+                    f"`rostether param delete {name}` empties the namespace"
+                )
+            elif looks_like_number(content):
+                warn(f"{values[0]} is text in YAML; a number has a dot and a sign, such as 1.0e-3")
+        run(_store(self._environment, [(name, content)], verbose=options.verbose))
+
+    def delete(self, name: str, parameter: str | None, *, verbose: bool) -> None:
+        """Delete a parameter, or all parameters of a namespace."""
+        refuse_ros2_only(parameter=parameter)
+        full_name = run(_delete(self._environment, name))
+        if verbose:
+            write_line(
+                "deleted ENTIRE parameter server" if full_name == "/" else f"deleted parameter [{full_name}]"
+            )
+
+    def describe(self, node: str, names: tuple[str, ...], *, as_json: bool) -> None:
+        """Refuse: parameters of ROS 1 have no description."""
+        raise click.UsageError("parameters of ROS 1 have no description; --ros2 shows those of a ROS 2 node")
+
+    def dump(self, file: Path | None, namespace: str, *, verbose: bool) -> None:
+        """Write parameters to a YAML file; without a file, or with -, to stdout."""
+        from rostether.param_yaml import dump
+
+        if verbose:
+            write_line(f"dumping namespace [{namespace}] to file [{file}]")
+        text = dump(run(_fetch(self._environment, namespace))[1])
+        if file is None or str(file) == "-":
+            write_line(text.removesuffix("\n"))
+        else:
+            file.write_text(text, "utf-8")
+
+    def load(self, file: Path, namespace: str, *, verbose: bool) -> None:
+        """Set the parameters of a YAML file (- is stdin), in a namespace if one is given."""
+        from rostether.param_yaml import parse_documents
+
+        text = read_text(file)
+        run(_store(self._environment, list(parse_documents(text, namespace, str(file))), verbose=verbose))
+
+
+async def _names_below(environment: RosEnvironment, namespace: str) -> list[str]:
+    prefix = param_name(namespace, environment).rstrip("/") + "/"
+    async with master_client(environment) as client:
+        return sorted(name for name in await client.param_names() if name.startswith(prefix))
+
+
+async def _fetch(environment: RosEnvironment, name: str) -> tuple[str, Any]:
+    full_name = param_name(name, environment)
+    async with master_client(environment) as client:
+        try:
+            return full_name, await client.get_param(full_name)
+        except UnknownNameError:
+            raise await not_set(client, full_name) from None
+
+
+def _plain(value: Any) -> Any:
+    """Return a value as JSON can hold it; bytes stay: `write_json` encodes them."""
+    if isinstance(value, dict):
+        return {key: _plain(each) for key, each in value.items()}
+    if isinstance(value, list):
+        return [_plain(each) for each in value]
+    if isinstance(value, float):
+        from rostether.serde.plain_form import plain_value
+
+        return plain_value(value)
+    return value
+
+
+async def _delete(environment: RosEnvironment, name: str) -> str:
+    full_name = param_name(name, environment)
+    async with master_client(environment) as client:
+        if full_name == "/":
+            # The root always has a value: deleting it means emptying it.
+            await client.set_param("/", {})
+            return full_name
+        try:
+            await client.delete_param(full_name)
+        except UnknownNameError:
+            raise await not_set(client, full_name) from None
+    return full_name
+
+
+async def _store(environment: RosEnvironment, values: list[tuple[str, Any]], *, verbose: bool) -> None:
+    from rostether.param_yaml import leaves
+
+    settings: list[tuple[str, ParamValue]] = []
+    for name, value in values:
+        full_name = param_name(name, environment)
+        if full_name == "/" and not isinstance(value, dict):
+            raise ConfigError("/ can only be set to a mapping of names to values")
+        # All of them, before the first is set: a mistake in a file sets nothing.
+        settings += leaves(full_name, value)
+    _warn_of_illegal([name for name, _ in settings])
+    async with master_client(environment) as client:
+        for name, value in settings:
+            await client.set_param(name, value)
+            if verbose:
+                write_line(f"set parameter [{name}] to [{value!s}]")
+
+
+def _warn_of_illegal(names: list[str]) -> None:
+    from rostether.names.graph_name import validate_name
+
+    for name in names:
+        try:
+            validate_name(name)
+        except InvalidNameError as error:
+            warn(f"warning: {error}; it is set, but roscpp nodes refuse such names")
+            return

@@ -1,0 +1,304 @@
+"""`param` on a ROS 2 graph: the parameters of nodes, with the output of `ros2 param`.
+
+A parameter is a node and a name (`/board gain`), or both as one full name (`/board/gain`).
+"""
+
+from __future__ import annotations
+
+import re
+from array import array
+from collections.abc import Awaitable, Callable, Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from rostether.cli.access.graph_options import GraphOptions
+from rostether.cli.access.refusals import refuse_ros1_only
+from rostether.cli.access.ros2_tool_node import ToolNode, asked
+from rostether.cli.access.ros2_view import GraphView, is_hidden
+from rostether.cli.node.ros2_nodes import full_node_name
+from rostether.cli.param.params import GetOptions, ParamListing, SetOptions
+from rostether.cli.shell.output import one_line, warn, write_json, write_line
+from rostether.errors import ConfigError, GraphError, SerializationError, UnknownNameError
+from rostether.ros2.parameters.parameter_name import name_parts
+from rostether.ros2.parameters.typed_value import NOT_SET, ParameterType, TypedValue, typed_value
+
+if TYPE_CHECKING:
+    from rostether.ros2.parameters.client import ParameterClient
+
+T = TypeVar("T")
+
+_TYPE_WORDS = {
+    ParameterType.BOOL: "boolean",
+    ParameterType.INTEGER: "integer",
+    ParameterType.DOUBLE: "double",
+    ParameterType.STRING: "string",
+    ParameterType.BYTE_ARRAY: "byte array",
+    ParameterType.BOOL_ARRAY: "boolean array",
+    ParameterType.INTEGER_ARRAY: "integer array",
+    ParameterType.DOUBLE_ARRAY: "double array",
+    ParameterType.STRING_ARRAY: "string array",
+    ParameterType.NOT_SET: "not set",
+}
+_EXPONENT = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+")
+_LIST_SERVICE = "/list_parameters"
+
+
+async def _find_node(tool: ToolNode, node: str) -> None:
+    """Wait for a node that has parameters. Raises UnknownNameError."""
+    view = await tool.look_until(lambda seen: node in _nodes_with_parameters(seen))
+    if node in _nodes_with_parameters(view):
+        return
+    if node in view.nodes:
+        raise UnknownNameError(f"node {node} does not offer its parameters")
+    raise UnknownNameError(f"Node not found: there is no {node}; `rostether node list` shows those there are")
+
+
+def _nodes_with_parameters(view: GraphView) -> list[str]:
+    services = view.services(with_hidden=True)
+    return [name.removesuffix(_LIST_SERVICE) for name in services if name.endswith(_LIST_SERVICE)]
+
+
+def _asked_of(graph: GraphOptions, node: str, question: Callable[[ParameterClient], Awaitable[T]]) -> T:
+    from rostether.ros2.parameters.client import ParameterClient
+
+    async def ask(tool: ToolNode) -> T:
+        await _find_node(tool, node)
+        return await question(ParameterClient(tool.graph.raw))
+
+    return asked(graph, ask)
+
+
+def _located(graph: GraphOptions, name: str, parameter: str | None) -> tuple[str, str]:
+    """Return the node and the parameter that were typed, as two words or one. Raises UnknownNameError."""
+    if parameter is not None:
+        return full_node_name(name), parameter
+    full_name = full_node_name(name)
+
+    def owner(view: GraphView) -> str:
+        above = [node for node in _nodes_with_parameters(view) if full_name.startswith(f"{node}/")]
+        return max(above, key=len, default="")
+
+    node = owner(asked(graph, lambda tool: tool.look_until(lambda view: bool(owner(view)))))
+    if not node:
+        raise UnknownNameError(f"no node has a parameter {full_name}: type NODE NAME, as /board gain")
+    return node, ".".join(name_parts(full_name[len(node) :]))
+
+
+class Ros2Params:
+    """The parameters of a ROS 2 graph."""
+
+    def __init__(self, graph: GraphOptions) -> None:
+        refuse_ros1_only(master=graph.master)
+        self._graph = graph
+
+    def list_params(self, wanted: ParamListing) -> None:
+        """Print the names of a node's parameters, or of all nodes'."""
+        from rostether.ros2.parameters.client import ParameterClient
+
+        node = None if wanted.namespace == "/" else wanted.namespace
+
+        async def ask(tool: ToolNode) -> dict[str, dict[str, str]]:
+            if node is not None:
+                await _find_node(tool, full_node_name(node))
+                nodes = [full_node_name(node)]
+            else:
+                view = await tool.look_well()
+                nodes = [
+                    each for each in _nodes_with_parameters(view) if wanted.with_hidden or not is_hidden(each)
+                ]
+            client = ParameterClient(tool.graph.raw)
+            found: dict[str, dict[str, str]] = {}
+            for each in nodes:
+                try:
+                    names = [
+                        name for name in sorted(await client.names(each)) if _is_below(name, wanted.prefixes)
+                    ]
+                    types = await _types(client, each, names) if wanted.with_types else {}
+                except (GraphError, SerializationError) as error:
+                    warn(f"Exception while calling service of node '{each}': {error}")
+                    continue
+                found[each] = {name: types.get(name, "") for name in names}
+            return found
+
+        for owner, names in asked(self._graph, ask).items():
+            if wanted.as_json:
+                for name, kind in names.items():
+                    write_json({"node": owner, "name": name, **({"type": kind} if wanted.with_types else {})})
+                continue
+            if node is None:
+                write_line(one_line(f"{owner}:"))
+            for name, kind in names.items():
+                write_line(one_line(f"  {name} (type: {kind})" if wanted.with_types else f"  {name}"))
+
+    def get(self, name: str, parameter: str | None, options: GetOptions) -> None:
+        """Print a parameter with its type. Raises UnknownNameError."""
+        refuse_ros1_only(pretty=options.pretty, verbose=options.verbose)
+        node, path = _located(self._graph, name, parameter)
+        value = _asked_of(self._graph, node, lambda client: client.get(node, [path])).get(path, NOT_SET)
+        if value == NOT_SET:
+            raise UnknownNameError(
+                f"Parameter not set: node {node} has none named {path}; "
+                f"`rostether param list {node}` shows its own"
+            )
+        if options.as_json:
+            write_json({"node": node, "name": path, "value": value.value})
+        elif options.hide_type:
+            write_line(_shown(value))
+        else:
+            word = _TYPE_WORDS[value.type].removesuffix(" array").capitalize()
+            write_line(
+                f"{word} value{'s are' if isinstance(value.value, list | bytes) else ' is'}: {_shown(value)}"
+            )
+
+    def set_param(self, words: tuple[str, ...], options: SetOptions) -> None:
+        """Set the parameters of NODE NAME VALUE [NAME VALUE]..., or of one full name and its value."""
+        refuse_ros1_only(textfile=options.textfile, binfile=options.binfile, verbose=options.verbose)
+        if len(words) == 2:
+            node, path = _located(self._graph, words[0], None)
+            pairs = [(path, words[1])]
+        elif len(words) % 2:
+            node, pairs = full_node_name(words[0]), list(zip(words[1::2], words[2::2], strict=True))
+        else:
+            raise click.UsageError("give NODE NAME VALUE; more pairs of NAME VALUE may follow")
+        values = {name: parse_value(name, text) for name, text in pairs}
+        for name, value in values.items():
+            _set(self._graph, node, {name: value}, "Setting")
+            write_line(
+                one_line(f"{name}: Set parameter successful")
+                if len(values) > 1
+                else "Set parameter successful"
+            )
+
+    def delete(self, name: str, parameter: str | None, *, verbose: bool) -> None:
+        """Delete a parameter. Raises GraphError with the node's reason."""
+        refuse_ros1_only(verbose=verbose)
+        node, path = _located(self._graph, name, parameter)
+        _set(self._graph, node, {path: NOT_SET}, "Deleting")
+        write_line("Deleted parameter successfully")
+
+    def describe(self, node: str, names: tuple[str, ...], *, as_json: bool) -> None:
+        """Print what a node says of its parameters."""
+        from rostether.serde.plain_form import to_plain
+
+        owner = full_node_name(node)
+        for each in _asked_of(self._graph, owner, lambda client: client.describe(owner, names)):
+            if as_json:
+                write_json({"node": owner, **to_plain(each)})
+                continue
+            lines = [f"Parameter name: {each.name}", f"  Type: {_type_word(each.type)}"]
+            if each.description:
+                lines.append(f"  Description: {each.description}")
+            lines.append("  Constraints:")
+            if each.read_only:
+                lines.append("    Read only: true")
+            for limits in [*each.floating_point_range, *each.integer_range][:1]:
+                lines += [f"    Min value: {limits.from_value}", f"    Max value: {limits.to_value}"]
+                lines += [f"    Step: {limits.step}"] if limits.step else []
+            if each.additional_constraints:
+                lines.append(f"    Additional constraints: {each.additional_constraints}")
+            for line in lines:
+                write_line(one_line(line))
+
+    def dump(self, file: Path | None, namespace: str, *, verbose: bool) -> None:
+        """Print all parameters of the node `file` as a file for `--params-file` and `param load`."""
+        import yaml
+
+        refuse_ros1_only(namespace=namespace, verbose=verbose)
+        if file is None:
+            raise click.UsageError("type the node whose parameters are wanted")
+        owner = full_node_name(str(file))
+
+        async def ask(client: ParameterClient) -> dict[str, TypedValue]:
+            names = await client.names(owner)
+            return await client.get(owner, sorted(names)) if names else {}
+
+        tree: dict[str, Any] = {}
+        for name, value in _asked_of(self._graph, owner, ask).items():
+            place = tree
+            *above, last = name.split(".")
+            for part in above:
+                place = place.setdefault(part, {})
+            place[last] = list(value.value) if isinstance(value.value, bytes) else value.value
+        write_line(yaml.safe_dump({owner: {"ros__parameters": tree}}, default_flow_style=False))
+
+    def load(self, file: Path, namespace: str, *, verbose: bool) -> None:
+        """Set the parameters that the file `namespace` has for the node `file`. Raises ConfigError."""
+        from rostether.ros2.parameters.parameter_file import read_parameter_files
+
+        refuse_ros1_only(verbose=verbose)
+        if not namespace:
+            raise click.UsageError("type NODE FILE")
+        owner = full_node_name(str(file))
+        values = read_parameter_files([Path(namespace)]).for_node(owner)
+        if not values:
+            raise ConfigError(
+                f"{namespace} has no parameters for {owner}: write them below {owner}: ros__parameters:"
+            )
+
+        async def ask(client: ParameterClient) -> int:
+            failed = 0
+            for name, value in values.items():
+                try:
+                    await client.set(owner, {name: typed_value(name, value)})
+                    write_line(one_line(f"Set parameter {name} successful"))
+                except (GraphError, SerializationError) as error:
+                    failed += 1
+                    warn(one_line(f"Set parameter {name} failed: {error}"))
+            return failed
+
+        failed = _asked_of(self._graph, owner, ask)
+        if failed:
+            raise GraphError(f"{failed} of {len(values)} parameters could not be set")
+
+
+async def _types(client: ParameterClient, node: str, names: list[str]) -> dict[str, str]:
+    # Not from descriptions: rclpy has none of parameters that were never declared.
+    values = await client.get(node, names) if names else {}
+    return {name: _TYPE_WORDS[values.get(name, NOT_SET).type] for name in names}
+
+
+def _type_word(number: int) -> str:
+    return _TYPE_WORDS.get(ParameterType(number) if number in list(ParameterType) else NOT_SET.type, "")
+
+
+def _is_below(name: str, prefixes: Iterable[str]) -> bool:
+    wanted = list(prefixes)
+    return not wanted or any(name == each or name.startswith(f"{each}.") for each in wanted)
+
+
+def _shown(value: TypedValue) -> str:
+    """Return a value as Python's ROS 2 prints it."""
+    if isinstance(value.value, bytes):
+        return str([bytes([byte]) for byte in value.value])
+    codes = {ParameterType.INTEGER_ARRAY: "q", ParameterType.DOUBLE_ARRAY: "d"}
+    if value.type in codes:
+        numbers: Any = value.value
+        return str(array(codes[value.type], numbers))
+    return str(value.value)
+
+
+def parse_value(name: str, text: str) -> TypedValue:
+    """Return what a text means as `ros2 param set` takes it: what is no other value in YAML is a text."""
+    from rostether.bounded_yaml import YamlError, load
+
+    try:
+        value = load(text)
+        # YAML 1.1 takes 1e-3 for a text.
+        if isinstance(value, str) and _EXPONENT.fullmatch(value):
+            value = float(value)
+        if isinstance(value, bool | int | float | list):
+            return typed_value(name, value)
+    except (YamlError, SerializationError):
+        pass
+    return typed_value(name, text)
+
+
+def _set(graph: GraphOptions, node: str, values: dict[str, TypedValue], verb: str) -> None:
+    try:
+        _asked_of(graph, node, lambda client: client.set(node, values))
+    except GraphError as error:
+        if isinstance(error, UnknownNameError):
+            raise
+        raise GraphError(f"{verb} parameter failed: {error}") from None

@@ -1,0 +1,163 @@
+"""`rostether param list|get|set|delete|describe|dump|load`: reading and writing parameters."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from rostether.cli.access.completions import complete_params
+from rostether.cli.access.graph_options import GraphOptions, graph_options
+from rostether.cli.access.ros2_habits import daemon_habits
+from rostether.cli.param.params import GetOptions, ParamListing, SetOptions, params_of
+from rostether.cli.shell.option_group import option_group
+from rostether.cli.shell.output import json_option
+from rostether.cli.shell.verbs import Verb
+
+_verbose_option = click.option("-v", "--verbose", is_flag=True, help="Report what is done.")
+_listing_options = option_group(
+    "wanted",
+    ParamListing,
+    (
+        click.argument("namespace", default="/", shell_complete=complete_params),
+        click.option(
+            "--include-hidden-nodes", "with_hidden", is_flag=True, help="With --ros2, of hidden nodes too."
+        ),
+        click.option("--param-type", "with_types", is_flag=True, help="With --ros2, show types."),
+        click.option(
+            "--param-prefixes",
+            "prefixes",
+            multiple=True,
+            metavar="PREFIX",
+            help="With --ros2, those below PREFIX.",
+        ),
+        json_option,
+    ),
+)
+_get_options = option_group(
+    "options",
+    GetOptions,
+    (
+        click.option("-p", "pretty", is_flag=True, help="Print without quotes; not YAML-safe."),
+        click.option("--hide-type", is_flag=True, help="With --ros2, print the value alone."),
+        _verbose_option,
+        json_option,
+    ),
+)
+_set_options = option_group(
+    "options",
+    SetOptions,
+    (
+        click.option(
+            "-t", "--textfile", type=click.Path(path_type=Path), help="Set it to the contents of a text file."
+        ),
+        click.option(
+            "-b", "--binfile", type=click.Path(path_type=Path), help="Set it to the bytes of a file."
+        ),
+        _verbose_option,
+    ),
+)
+# `param set /x -5` sets minus five.
+_NEGATIVE_NUMBERS = {"ignore_unknown_options": True}
+
+
+@click.command("list", cls=Verb, examples="rostether param list\nrostether param list /board")
+@_listing_options
+@graph_options()
+@daemon_habits
+def list_params(wanted: ParamListing, graph: GraphOptions) -> None:
+    """List the names of parameters, of all or of a namespace; with --ros2, of a node."""
+    params_of(graph).list_params(wanted)
+
+
+@click.command("get", cls=Verb, examples="rostether param get /rosdistro\nrostether param get -p /")
+@click.argument("name", shell_complete=complete_params)
+@click.argument("parameter", metavar="[NAME]", required=False)
+@_get_options
+@graph_options()
+@daemon_habits
+def get(name: str, parameter: str | None, options: GetOptions, graph: GraphOptions) -> None:
+    """Print a parameter, or all parameters of a namespace, in YAML; with --ros2, type NODE NAME."""
+    params_of(graph).get(name, parameter, options)
+
+
+@click.command(
+    "set",
+    cls=Verb,
+    context_settings=_NEGATIVE_NUMBERS,
+    examples="""
+    rostether param set /blink_hz 2.5
+    rostether param set /arm "{joints: [0.1, deg(90)], name: left}"
+    rostether param set /robot_description -t robot.urdf
+    rostether param set --ros2 /board gain 0.5
+    """,
+)
+@click.argument("name", shell_complete=complete_params)
+@click.argument("value", required=False)
+@click.argument("more", nargs=-1, metavar="[VALUE]...")
+@_set_options
+@graph_options()
+@daemon_habits
+def set_param(
+    name: str, value: str | None, more: tuple[str, ...], options: SetOptions, graph: GraphOptions
+) -> None:
+    """Set a parameter to a value in YAML.
+
+    A mapping sets each parameter it names and leaves the others of the namespace as they are.
+    With --ros2, type NODE NAME VALUE.
+    """
+    params_of(graph).set_param((name, *((value,) if value is not None else ()), *more), options)
+
+
+@click.command("delete", cls=Verb, examples="rostether param delete /blink_hz")
+@click.argument("name", shell_complete=complete_params)
+@click.argument("parameter", metavar="[NAME]", required=False)
+@_verbose_option
+@graph_options()
+@daemon_habits
+def delete(name: str, parameter: str | None, verbose: bool, graph: GraphOptions) -> None:
+    """Delete a parameter, or all parameters of a namespace; with --ros2, type NODE NAME."""
+    params_of(graph).delete(name, parameter, verbose=verbose)
+
+
+@click.command("describe", cls=Verb, examples="rostether param describe --ros2 /board gain")
+@click.argument("node")
+@click.argument("names", metavar="NAME...", nargs=-1, required=True)
+@json_option
+@graph_options()
+@daemon_habits
+def describe(node: str, names: tuple[str, ...], as_json: bool, graph: GraphOptions) -> None:
+    """Show the type, the limits and the description of a ROS 2 node's parameters."""
+    params_of(graph).describe(node, names, as_json=as_json)
+
+
+@click.command("dump", cls=Verb, examples="rostether param dump settings.yaml\nrostether param dump - /board")
+@click.argument("file", required=False, type=click.Path(path_type=Path, allow_dash=True))
+@click.argument("namespace", default="")
+@_verbose_option
+@graph_options()
+@daemon_habits
+def dump_params(file: Path | None, namespace: str, verbose: bool, graph: GraphOptions) -> None:
+    """Write parameters to a YAML file; without a file, or with -, to stdout.
+
+    With --ros2, type the node instead of the file: its parameters go to stdout.
+    """
+    params_of(graph).dump(file, namespace, verbose=verbose)
+
+
+@click.command(
+    "load",
+    cls=Verb,
+    examples="rostether param load settings.yaml\nrostether param load settings.yaml /board",
+)
+@click.argument("file", type=click.Path(path_type=Path, allow_dash=True))
+@click.argument("namespace", default="")
+@_verbose_option
+@graph_options()
+@daemon_habits
+def load(file: Path, namespace: str, verbose: bool, graph: GraphOptions) -> None:
+    """Set the parameters of a YAML file (- is stdin), in a namespace if one is given.
+
+    With --ros2, type NODE FILE.
+    """
+    params_of(graph).load(file, namespace, verbose=verbose)

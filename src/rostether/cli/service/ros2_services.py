@@ -1,0 +1,130 @@
+"""`rostether service` on a ROS 2 graph, with the output of `ros2 service`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rostether.cli.access.graph_options import GraphOptions
+from rostether.cli.access.refusals import not_on_ros2, refuse_ros1_only
+from rostether.cli.access.ros2_tool_node import ToolNode, asked
+from rostether.cli.access.ros2_view import SERVICE_KINDS, GraphView
+from rostether.cli.service.services import CallOptions, ServiceListing
+from rostether.cli.shell.output import one_line, write_json, write_line
+from rostether.cli.shell.running import run
+from rostether.errors import UnknownNameError
+from rostether.ros2.endpoint_info import EndpointKind
+from rostether.ros2.native_registry import short_name
+
+
+class Ros2Services:
+    """The services of a ROS 2 graph."""
+
+    def __init__(self, graph: GraphOptions) -> None:
+        refuse_ros1_only(master=graph.master)
+        self._graph = graph
+
+    def list_services(self, wanted: ServiceListing) -> None:
+        """Print the services."""
+        view = asked(self._graph, lambda tool: tool.look_well())
+        names = view.services(with_hidden=wanted.with_hidden)
+        if wanted.namespace is not None:
+            prefix = f"/{wanted.namespace.strip('/')}".rstrip("/") + "/"
+            names = [name for name in names if f"{name}/".startswith(prefix)]
+        if wanted.count_services:
+            write_line(str(len(names)))
+            return
+        for name in names:
+            types, nodes = view.types([EndpointKind.SERVER], name), servers_of(view, name)
+            if wanted.as_json:
+                record = {"service": name, "type": types[0] if len(types) == 1 else types, "nodes": nodes}
+                write_json(record)
+            else:
+                shown = f" [{', '.join(types)}]" if wanted.show_types else ""
+                write_line(one_line(f"{name}{shown}{' ' + ','.join(nodes) if wanted.nodes else ''}"))
+
+    def uri_of(self, service: str) -> None:
+        """Refuse: there is no such command on ROS 2."""
+        raise not_on_ros2(
+            "service uri", "services of ROS 2 have no URI; `rostether service info` shows what there is"
+        )
+
+    def type_of(self, service: str) -> None:
+        """Print the type of a service, or each of them."""
+        name, view = _view_of(self._graph, service)
+        for each in view.types([EndpointKind.SERVER], name):
+            write_line(one_line(each))
+
+    def node_of(self, service: str) -> None:
+        """Print the nodes that offer a service."""
+        name, view = _view_of(self._graph, service)
+        for each in servers_of(view, name):
+            write_line(one_line(each))
+
+    def args(self, service: str, msg_paths: tuple[Path, ...]) -> None:
+        """Print the names of a service's arguments."""
+        from rostether.ros2.native_registry import NativeRegistry
+
+        name, view = _view_of(self._graph, service)
+        registry = NativeRegistry.from_environment(msg_paths)
+        definition = registry.ros2_service(view.types([EndpointKind.SERVER], name)[0])
+        write_line(" ".join(field.name for field in definition.request.fields))
+
+    def info(self, service: str, msg_paths: tuple[Path, ...], *, as_json: bool) -> None:
+        """Print a service's type, and how many call and offer it."""
+        name, view = _view_of(self._graph, service)
+        types = view.types([EndpointKind.SERVER], name)
+        ends = {kind: view.of(kind, name) for kind in SERVICE_KINDS}
+        if as_json:
+            nodes = {kind: [end.node_name for end in found] for kind, found in ends.items()}
+            write_json(
+                {
+                    "service": name,
+                    "type": types[0] if len(types) == 1 else types,
+                    "servers": nodes[EndpointKind.SERVER],
+                    "clients": nodes[EndpointKind.CLIENT],
+                }
+            )
+            return
+        write_line(f"Type: {types[0] if len(types) == 1 else types}")
+        write_line(f"Clients count: {len(ends[EndpointKind.CLIENT])}")
+        write_line(f"Services count: {len(ends[EndpointKind.SERVER])}")
+
+    def find(self, type_name: str) -> None:
+        """Print the services of a type."""
+        view = asked(self._graph, lambda tool: tool.look_well())
+        for name in view.services():
+            if short_name(type_name) in map(short_name, view.types([EndpointKind.SERVER], name)):
+                write_line(one_line(name))
+
+    def call(self, service: str, values: tuple[str, ...], options: CallOptions) -> None:
+        """Call a service as `ros2 service call` does."""
+        from rostether.cli.service.ros2_call import call
+
+        refuse_ros1_only(verbose=options.verbose)
+        run(call(self._graph, service, values, options))
+
+
+def servers_of(view: GraphView, service: str) -> list[str]:
+    """Return the nodes that offer a service."""
+    return sorted({end.node_name for end in view.of(EndpointKind.SERVER, service)})
+
+
+def _view_of(graph: GraphOptions, service: str) -> tuple[str, GraphView]:
+    """Return a service's full name and the graph it is in. Raises UnknownNameError."""
+
+    async def ask(tool: ToolNode) -> tuple[str, GraphView]:
+        name = tool.graph.resolve(service)
+        await tool.look_until(lambda seen: bool(seen.of(EndpointKind.SERVER, name)))
+        return name, await tool.look_well()
+
+    name, view = asked(graph, ask)
+    if not view.of(EndpointKind.SERVER, name):
+        raise unknown_service(name)
+    return name, view
+
+
+def unknown_service(name: str) -> UnknownNameError:
+    """Return the error for a service that no node offers."""
+    return UnknownNameError(
+        f"Unknown service '{name}': no node offers it; `rostether service list` shows those there are"
+    )

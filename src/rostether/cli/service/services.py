@@ -1,0 +1,72 @@
+"""What `rostether service` asks of a graph, and the choice between ROS 1 and ROS 2."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+from rostether.cli.access.graph_options import GraphOptions
+
+
+@dataclass(frozen=True, slots=True)
+class ServiceListing:
+    """The options of `service list`."""
+
+    namespace: str | None = None
+    nodes: bool = False
+    show_types: bool = False
+    count_services: bool = False
+    with_hidden: bool = False
+    as_json: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class CallOptions:
+    """The options of `service call`; without a time limit it waits as long as the server lives."""
+
+    verbose: bool = False
+    wait: bool = False
+    timeout_s: float | None = None
+    rate_hz: float | None = None
+    as_json: bool = False
+    msg_paths: tuple[Path, ...] = ()
+
+
+class Services(Protocol):
+    """The services of one graph. Each method is a whole command and raises RostetherError, UsageError."""
+
+    def list_services(self, wanted: ServiceListing) -> None:
+        """Print the services."""
+
+    def type_of(self, service: str) -> None:
+        """Print the type of a service."""
+
+    def uri_of(self, service: str) -> None:
+        """Print the URI of a service."""
+
+    def node_of(self, service: str) -> None:
+        """Print the node that offers a service."""
+
+    def args(self, service: str, msg_paths: tuple[Path, ...]) -> None:
+        """Print the names of a service's arguments."""
+
+    def info(self, service: str, msg_paths: tuple[Path, ...], *, as_json: bool) -> None:
+        """Print which node offers a service, its type and its arguments."""
+
+    def find(self, type_name: str) -> None:
+        """Print the services of a type."""
+
+    def call(self, service: str, values: tuple[str, ...], options: CallOptions) -> None:
+        """Call a service and print its response."""
+
+
+def services_of(graph: GraphOptions) -> Services:
+    """Return the services of the graph that a command means."""
+    if graph.ros2 is None:
+        from rostether.cli.service.ros1_services import Ros1Services
+
+        return Ros1Services(graph)
+    from rostether.cli.service.ros2_services import Ros2Services
+
+    return Ros2Services(graph)

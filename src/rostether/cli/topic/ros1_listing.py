@@ -1,0 +1,146 @@
+"""`topic list|info|type|find` on a ROS 1 graph, with rostopic's output."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from rostether.cli.access.graph_options import GraphOptions
+from rostether.cli.access.ros1_access import in_namespace, master_client, read_environment, resolve
+from rostether.cli.shell.output import one_line, write_json, write_line
+from rostether.cli.shell.running import run
+from rostether.cli.topic.requests import TopicListing
+from rostether.cli.topic.ros1_chosen_topic import choose_topic, resolve_with_field
+from rostether.cli.topic.ros1_view import TopicView, fetch_topics, node_uris, unknown_topic
+from rostether.ros1.environment import RosEnvironment, parse_rpc_uri
+
+
+def list_topics(graph: GraphOptions, wanted: TopicListing) -> None:
+    """Print the topics."""
+    environment = read_environment(graph)
+    topics = run(fetch_topics(environment))
+    if wanted.namespace is not None and (within := resolve(wanted.namespace, environment)) != "/":
+        topics = [topic for topic in topics if in_namespace(topic.name, within)]
+    if wanted.publishers:
+        topics = [topic for topic in topics if topic.publishers]
+    if wanted.subscribers:
+        topics = [topic for topic in topics if topic.subscribers]
+    if wanted.as_json:
+        for topic in topics:
+            write_json(
+                {
+                    "topic": topic.name,
+                    "type": topic.known_type,
+                    "publishers": topic.publishers,
+                    "subscribers": topic.subscribers,
+                }
+            )
+    elif wanted.count_topics:
+        write_line(str(len(topics)))
+    elif wanted.show_types and not wanted.verbose:
+        for topic in topics:
+            write_line(f"{topic.name} [{topic.type}]")
+    elif wanted.by_host:
+        for host, found in run(_by_host(topics, environment)).items():
+            write_line(f"Host [{host}]:")
+            _write_list(found, wanted, "  ")
+    else:
+        _write_list(topics, wanted, "")
+
+
+def _write_list(topics: Iterable[TopicView], wanted: TopicListing, indent: str) -> None:
+    if not wanted.verbose:
+        write_line("\n".join(indent + topic.name for topic in topics))
+        return
+    if not wanted.subscribers:
+        write_line(f"\n{indent}Published topics:")
+        for topic in topics:
+            _write_count(topic, len(topic.publishers), "publisher", indent)
+    if not wanted.publishers:
+        write_line(f"{indent}\n{indent}Subscribed topics:")
+        for topic in topics:
+            _write_count(topic, len(topic.subscribers), "subscriber", indent)
+    write_line()
+
+
+def _write_count(topic: TopicView, count: int, what: str, indent: str) -> None:
+    if count:
+        write_line(f"{indent} * {topic.name} [{topic.type}] {count} {what}{'s' if count > 1 else ''}")
+
+
+async def _by_host(topics: list[TopicView], environment: RosEnvironment) -> dict[str, list[TopicView]]:
+    async with master_client(environment) as client:
+        uris = await node_uris(
+            client, {node for topic in topics for node in [*topic.publishers, *topic.subscribers]}
+        )
+    hosts = {node: parse_rpc_uri(uri).host for node, uri in uris.items() if uri is not None}
+    grouped: dict[str, list[TopicView]] = {}
+    for host in sorted(set(hosts.values())):
+        for topic in topics:
+            publishers = [node for node in topic.publishers if hosts.get(node) == host]
+            subscribers = [node for node in topic.subscribers if hosts.get(node) == host]
+            if publishers or subscribers:
+                view = TopicView(topic.name, topic.type, publishers, subscribers)
+                grouped.setdefault(host, []).append(view)
+    return grouped
+
+
+def info(graph: GraphOptions, topic: str, *, as_json: bool) -> None:
+    """Print a topic's type, and the nodes that publish and subscribe to it. Raises UnknownNameError."""
+    view, uris = run(_fetch_one(topic, read_environment(graph)))
+    if as_json:
+        write_json(
+            {
+                "topic": view.name,
+                "type": view.known_type,
+                "publishers": [{"node": node, "uri": uris[node]} for node in view.publishers],
+                "subscribers": [{"node": node, "uri": uris[node]} for node in view.subscribers],
+            }
+        )
+        return
+    write_line(f"Type: {view.type}\n")
+    for title, nodes in (("Publishers", view.publishers), ("Subscribers", view.subscribers)):
+        write_line(f"{title}: " if nodes else f"{title}: None")
+        for node in nodes:
+            write_line(one_line(f" * {node} ({uris[node] or f'unknown address {node}'})"))
+        write_line()
+    # rostopic ends with one line more.
+    write_line()
+
+
+async def _fetch_one(topic: str, environment: RosEnvironment) -> tuple[TopicView, dict[str, str | None]]:
+    name = resolve(topic, environment)
+    for view in await fetch_topics(environment):
+        if view.name == name:
+            async with master_client(environment) as client:
+                return view, await node_uris(client, {*view.publishers, *view.subscribers})
+    raise unknown_topic(name)
+
+
+def type_of(graph: GraphOptions, topic: str, msg_paths: tuple[Path, ...]) -> None:
+    """Print the type of a topic, or of a field in it. Raises UnknownNameError."""
+    from rostether.msgdef.registry import Registry
+    from rostether.serde.field_path import FieldPath
+    from rostether.serde.store import TypeStore
+
+    environment = read_environment(graph)
+    name = resolve_with_field(topic, environment)
+    store = TypeStore(Registry.from_environment(msg_paths))
+    chosen = choose_topic(name, run(fetch_topics(environment)), store)
+    if chosen is None:
+        raise unknown_topic(name)
+    if not chosen.field:
+        write_line(chosen.type)
+    else:
+        field_type = FieldPath(store.codec(chosen.type), chosen.field).type
+        write_line(f"{chosen.type} {chosen.field} {field_type}")
+
+
+def find(graph: GraphOptions, type_name: str, *, as_json: bool) -> None:
+    """Print the topics of a type."""
+    for topic in run(fetch_topics(read_environment(graph))):
+        if topic.type == type_name:
+            if as_json:
+                write_json({"topic": topic.name})
+            else:
+                write_line(topic.name)
