@@ -13,6 +13,7 @@ from typing import TypeVar
 
 import pytest
 
+from children import pytest_configure, pytest_runtest_teardown, pytest_sessionfinish  # noqa: F401 - hooks
 from interop.ros1_peers import missing_robot, missing_ros1, missing_roscpp
 from interop_web.web_peers import missing_web
 from unit.boards.simavr.programs import missing_simavr

@@ -11,14 +11,13 @@ import subprocess
 import sys
 import tempfile
 import time
-import xmlrpc.client
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from docs.page import Step, missing_lines, programs, steps
+from interop.machines import own_loopback
 from interop.ros1_peers import free_port
 from unit.firmware.sketches import users_cache
 
@@ -35,21 +34,26 @@ NOT_TYPED = ("make test", "git clone", "cd ", "pip ", "pipx ", "sudo ")
 
 
 @pytest.fixture
-def alone(page: Path) -> Iterator[None]:
-    """Pages that name ports, as readers want them, never run two at once on one machine."""
-    if not SHARING.search(_typed(page)):
-        yield
-        return
+def network(page: Path) -> Iterator[tuple[str, ...]]:
+    """Have a loopback where the ports that a page names are free; yields how its commands begin there.
+
+    Without network namespaces, pages that name ports run one after another.
+    """
+    with own_loopback() as entering:
+        if entering is not None or not SHARING.search(_typed(page)):
+            yield entering or ()
+            return
     with (Path(tempfile.gettempdir()) / f"rostether-docs-{os.getuid()}.lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
-        yield
+        yield ()
 
 
 class Terminal:
     """Types commands as a reader would, each in a process group of its own."""
 
-    def __init__(self, folder: Path, home: Path) -> None:
+    def __init__(self, folder: Path, home: Path, network: tuple[str, ...]) -> None:
         self._folder = folder
+        self._network = network
         self._home = home
         self._running: list[subprocess.Popen[bytes]] = []
         self._environment = {
@@ -70,7 +74,7 @@ class Terminal:
         printed = self._home / f"output-{time.monotonic_ns()}"
         with printed.open("wb") as output:
             process = subprocess.Popen(
-                ["bash", "-c", command],
+                [*self._network, "bash", "-c", command],
                 cwd=self._folder,
                 env=self._environment,
                 stdin=subprocess.DEVNULL,
@@ -94,8 +98,6 @@ class Terminal:
                 pytest.fail(f"`{command}` did not end; it printed:\n{printed.read_text(errors='replace')}")
             time.sleep(0.02)
         if leave_running:
-            if not expected:
-                self._wait_for_board(deadline)
             assert process.poll() is None, f"`{command}` ended:\n{printed.read_text(errors='replace')}"
             return
         status = self._end(process)
@@ -103,16 +105,6 @@ class Terminal:
             f"`{command}` gave {status}:\n{printed.read_text(errors='replace')}"
         )
         assert "Traceback" not in printed.read_text(errors="replace")
-
-    def _wait_for_board(self, deadline: float) -> None:
-        """Wait as a reader does who watches the demo until its board is there."""
-        master: Any = xmlrpc.client.ServerProxy(self._environment["ROS_MASTER_URI"])
-        while time.monotonic() < deadline:
-            with contextlib.suppress(OSError):
-                if any(topic == "/ultrasound" for topic, _ in master.getPublishedTopics("/test", "")[2]):
-                    return
-            time.sleep(0.05)
-        pytest.fail("no board came up")
 
     @staticmethod
     def _end(process: subprocess.Popen[bytes]) -> int:
@@ -128,10 +120,11 @@ class Terminal:
             pytest.fail(f"Ctrl-C did not end {process.args!r}")
 
     def close(self) -> None:
-        """End what was left running, the last first."""
-        for process in reversed(self._running):
-            if process.poll() is None:
-                self._end(process)
+        """End what was left running, the last first, however each of them ends."""
+        with contextlib.ExitStack() as ending:
+            for process in self._running:
+                if process.poll() is None:
+                    ending.callback(self._end, process)
 
 
 def _name(page: Path) -> str:
@@ -150,13 +143,12 @@ def _typed(page: Path) -> str:
 
 
 @pytest.mark.timeout(300)
-@pytest.mark.usefixtures("alone")
 @pytest.mark.parametrize("page", [pytest.param(page, marks=_needs(page), id=_name(page)) for page in PAGES])
-def test_page(page: Path, tmp_path: Path) -> None:
+def test_page(page: Path, network: tuple[str, ...], tmp_path: Path) -> None:
     # Only the README speaks to someone who stands in a clone; others may name one, ~/rostether.
     if "~/rostether" in page.read_text():
         (tmp_path / "rostether").symlink_to(REPOSITORY)
-    terminal = Terminal(REPOSITORY if page.name == "README.md" else tmp_path, tmp_path)
+    terminal = Terminal(REPOSITORY if page.name == "README.md" else tmp_path, tmp_path, network)
     for name, text in programs(page).items():
         (tmp_path / name).write_text(text)
     try:
@@ -170,7 +162,11 @@ def _type_step(terminal: Terminal, step: Step) -> None:
     commands = [command for command in step.commands if not command.startswith(NOT_TYPED)]
     for command in commands:
         last = command is commands[-1]
-        terminal.type(command, step.expected if last else (), leave_running=last and step.leave_running)
+        expected = step.expected if last else ()
+        if command.endswith(" demo") and not expected:
+            # The reader watches until the demo's board is there.
+            expected = ("Setup publisher on ultrasound",)
+        terminal.type(command, expected, leave_running=last and step.leave_running)
 
 
 def test_command_reference_is_up_to_date() -> None:

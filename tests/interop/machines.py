@@ -75,6 +75,26 @@ class Machines:
 
 
 @contextmanager
+def own_loopback() -> Iterator[tuple[str, ...] | None]:
+    """Have a loopback where every port is free. Yields the beginning of a command that runs on it.
+
+    None: the system allows no network namespace.
+    """
+    holder = subprocess.Popen(
+        [*_UNSHARE, "sh", "-ec", "ip link set lo up; echo ready; exec sleep infinity"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+    )
+    try:
+        assert holder.stdout is not None
+        is_ready = holder.stdout.readline() == b"ready\n"
+        yield (*_ENTER, "--wd=.", "--target", str(holder.pid)) if is_ready else None
+    finally:
+        holder.kill()
+        holder.communicate(timeout=60)
+
+
+@contextmanager
 def machines(*names: str) -> Iterator[Machines]:
     """Have machines as long as the block lasts; what runs on them is to be ended by who started it."""
     script = "echo ready; exec sleep infinity"

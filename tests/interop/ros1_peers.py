@@ -22,6 +22,7 @@ from collections.abc import AsyncIterator, Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from children import MARK
 from rostether.errors import GraphError
 from rostether.ros1.node.master_client import MasterClient
 
@@ -118,6 +119,7 @@ def roscpp_peer() -> Path:
 def ros_environment(master_uri: str, home: Path) -> dict[str, str]:
     """Return the environment Debian's tools run in: nothing of ours, nothing of the user's."""
     return {
+        MARK: os.environ[MARK],
         "PATH": "/usr/sbin:/usr/bin:/sbin:/bin",
         "HOME": str(home),
         "ROS_HOME": str(home / ".ros"),

@@ -11,6 +11,7 @@ import sys
 import time
 from pathlib import Path
 
+from children import MARK
 from unit.firmware.sketches import users_cache
 
 PATIENCE_S = 60.0
@@ -68,6 +69,7 @@ class Terminals:
         self._cwd = home
         # The Python of the tests is that of the machine here: one without a real rospy.
         self._environment = {
+            MARK: os.environ[MARK],
             "PATH": f"{Path(sys.executable).parent}:/usr/bin:/bin",
             "HOME": str(home),
             "XDG_CACHE_HOME": users_cache(),

@@ -35,10 +35,7 @@ class BagReader:
             start = bytes(self._view[: len(MAGIC)])
             if start != MAGIC:
                 raise RecordingError(f"{path} {_what_else(start)}")
-            try:
-                self._content = read_content(self._view, damage)
-            except RecordingError as error:
-                raise RecordingError(f"{path}: {error}") from None
+            self._content = read_content(self._view, damage)
         except BaseException:
             self.close()
             raise

@@ -1,0 +1,93 @@
+"""What tests start has the usual signals, and ends with the tests."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+TESTS = Path(__file__).parents[1]
+PATIENCE_S = 60.0
+IGNORED = (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP)
+SIGNALS = """
+import subprocess, sys
+
+CODE = "import signal; print([signal.getsignal(n) in (0, signal.default_int_handler) for n in (1, 2, 3)])"
+
+def test_signals():
+    done = subprocess.run([sys.executable, "-c", CODE], capture_output=True, text=True)
+    assert done.stdout == "[True, True, True]\\n"
+"""
+LEAVING = """
+import subprocess, time
+
+def test_leaving():
+    left = subprocess.Popen(["sleep", "600"], start_new_session=True)
+    with open("pid", "w") as file:
+        print(left.pid, file=file)
+    WHAT_NEXT
+"""
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
+
+
+def start(folder: Path, test: str, *options: str, ignores: bool = False) -> subprocess.Popen[str]:
+    """Start pytest with one test, in a folder of its own."""
+    (folder / "test_it.py").write_text(test)
+
+    def ignore() -> None:
+        for number in IGNORED:
+            signal.signal(number, signal.SIG_IGN)
+
+    return subprocess.Popen(
+        [sys.executable, "-m", "pytest", "-p", "children", "-c", "/dev/null", *options, "test_it.py"],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(TESTS)},
+        stdout=subprocess.PIPE,
+        text=True,
+        preexec_fn=ignore if ignores else None,
+    )
+
+
+def wait_until_gone(pid: int) -> None:
+    """Wait until a process has ended; a zombie has."""
+    deadline = time.monotonic() + PATIENCE_S
+    while time.monotonic() < deadline:
+        try:
+            if ") Z " in Path(f"/proc/{pid}/stat").read_text():
+                return
+        except OSError:
+            return
+        time.sleep(0.01)
+    pytest.fail(f"{pid} still runs")
+
+
+def test_children_get_the_usual_signals(tmp_path: Path) -> None:
+    printed, _ = start(tmp_path, SIGNALS, ignores=True).communicate(timeout=PATIENCE_S)
+    assert "1 passed" in printed, printed
+
+
+def test_what_a_failed_test_left_running_is_ended(tmp_path: Path) -> None:
+    printed, _ = start(tmp_path, LEAVING.replace("WHAT_NEXT", "1 / 0")).communicate(timeout=PATIENCE_S)
+    assert "test_it.py left running: sleep 600" in printed
+    assert "1 failed, 1 error" in printed
+    wait_until_gone(int((tmp_path / "pid").read_text()))
+
+
+@pytest.mark.parametrize("options", [(), ("-n1",)])
+def test_sigterm_ends_the_tests_and_what_they_started(tmp_path: Path, options: tuple[str, ...]) -> None:
+    running = start(tmp_path, LEAVING.replace("WHAT_NEXT", "time.sleep(600)"), *options)
+    pid_file = tmp_path / "pid"
+    deadline = time.monotonic() + PATIENCE_S
+    while not pid_file.exists() or not pid_file.read_text().endswith("\n"):
+        assert time.monotonic() < deadline, "the test did not start"
+        time.sleep(0.01)
+    running.terminate()
+    printed, _ = running.communicate(timeout=PATIENCE_S)
+    assert "KeyboardInterrupt" in printed
+    wait_until_gone(int(pid_file.read_text()))

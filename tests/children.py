@@ -1,0 +1,72 @@
+"""The processes that tests start: they get the usual signals, and none outlives its test file.
+
+A variable of the environment marks them. So they are found although they run in sessions of their own, their
+parents have ended, or the test process was killed.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import secrets
+import signal
+import sys
+from collections.abc import Generator
+from pathlib import Path
+from types import FrameType
+
+import pytest
+
+# Each test process adds its name to the value: "CONTROLLER.WORKER." marks what a worker has started.
+MARK = "STARTED_BY_TESTS"
+# CI systems let what they start in the background ignore the first two, nohup the third.
+_OFTEN_IGNORED = ("SIGINT", "SIGQUIT", "SIGHUP")
+
+
+def pytest_configure() -> None:
+    """Give children the usual signals, and mark them. SIGTERM ends the tests as Ctrl-C does."""
+    for name in _OFTEN_IGNORED:
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) is signal.SIG_IGN:
+            # This process goes on ignoring it. Its children do not: they inherit SIG_IGN, but no handler.
+            signal.signal(number, _ignore)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    os.environ[MARK] = f"{os.environ.get(MARK, '')}{secrets.token_hex(4)}."
+
+
+def _ignore(_number: int, _frame: FrameType | None) -> None:
+    pass
+
+
+def end_left_running() -> list[str]:
+    """Kill what this test process, or a test process that it started, left running; returns command lines.
+
+    Only on Linux.
+    """
+    if sys.platform != "linux":
+        return []
+    mark = f"{MARK}={os.environ[MARK]}".encode()
+    ended = []
+    for folder in Path("/proc").glob("[0-9]*"):
+        # Other users' processes cannot be read. The environment of a zombie is empty.
+        with contextlib.suppress(OSError):
+            variables = (folder / "environ").read_bytes().split(b"\0")
+            if int(folder.name) != os.getpid() and any(each.startswith(mark) for each in variables):
+                command = (folder / "cmdline").read_bytes().rstrip(b"\0").replace(b"\0", b" ")
+                os.kill(int(folder.name), signal.SIGKILL)
+                ended.append(command.decode(errors="replace"))
+    return ended
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_teardown(item: pytest.Item, nextitem: pytest.Item | None) -> Generator[None]:
+    """End what the tests and fixtures of a file left running, and fail the last of these tests."""
+    yield
+    if (nextitem is None or nextitem.path != item.path) and (ended := end_left_running()):
+        pytest.fail(f"{item.path.name} left running: {'; '.join(ended)}", pytrace=False)
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_sessionfinish() -> None:
+    """End what an interrupted test, or a test process that was killed, left running."""
+    end_left_running()
