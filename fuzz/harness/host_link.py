@@ -115,6 +115,8 @@ def _play(data: bytes) -> None:
     for received, pause_s, is_taken in steps(data):
         now_s += pause_s
         board.begin_step()
+        # In a negotiation a reset board has already told what it has.
+        was_settled = link.is_settled
         events = [*link.handle_timer(now_s), *link.receive_data(received, now_s)]
         for event in events:
             board.take(event)
@@ -127,7 +129,7 @@ def _play(data: bytes) -> None:
         assert logs <= LOGS.saved + LOGS.per_s * now_s + 1, "more log lines than a board may bring"
         allowed = control_rate.TIME_REQUESTS
         assert times <= allowed.saved + allowed.per_s * now_s + 1, "more time requests than may be"
-        if received == _TIME_FRAME and events and isinstance(events[-1], DeviceReset):
+        if was_settled and received == _TIME_FRAME and events and isinstance(events[-1], DeviceReset):
             board.check_reset()
         else:
             board.check_limits()

@@ -11,6 +11,7 @@ from rostether.bridge.endpoints import EndpointTable
 from rostether.bridge.findings.required import RequiredTopics
 from rostether.bridge.reporter import Notices, Reporter
 from rostether.bridge.settings import DEFAULT_SETTINGS, BridgeSettings
+from rostether.bridge.setup_lines import SetupLines
 from rostether.devices.settings import NO_SETTINGS, DeviceSettings
 from rostether.errors import RostetherError
 from rostether.graph.ports import Graph
@@ -36,6 +37,7 @@ class BoardNode:
         self.device = device
         self.notices = Notices(reporter, graph.node_name, clock)
         self.notices.to_graph = graph.log
+        self.setup = SetupLines(self.notices, clock)
         self.endpoints = EndpointTable(
             EndpointFactory(graph, store, self.notices, self.settings, device, clock), self.notices
         )

@@ -21,7 +21,6 @@ from rostether.bridge.outbox import Outbox
 from rostether.bridge.parameter_relay import ParameterRelay
 from rostether.bridge.reading_pause import ReadingPause
 from rostether.bridge.second_look import SecondLook
-from rostether.bridge.setup_lines import SetupLines
 from rostether.bridge.stamps import Stamps
 from rostether.errors import TransportError
 from rostether.graph.ports import Level
@@ -92,7 +91,8 @@ class Session:
         self._timer: asyncio.TimerHandle | None = None
         self._timer_due_s = 0.0
         self._pause = ReadingPause(transport, node.notices.defect)
-        self._setup = SetupLines(node.notices)
+        self._setup = node.setup
+        self._setup.connected()
         self._was_reset = False
         self._second_look = SecondLook(self.link, self._handle)
         self._held = HeldEvents(node.store.registry, self._act, self._fail)

@@ -1,6 +1,11 @@
-"""What established hosts say while a board announces its endpoints: people and scripts look for it."""
+"""What established hosts say while a board announces its endpoints: people and scripts look for it.
+
+A board that connects again and again, or changes its topics all the time, says no more than they can read.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 from rostether.bridge.reporter import Notices
 from rostether.graph.ports import Level
@@ -12,13 +17,31 @@ from rostether.rosserial.events import (
     TopicRole,
 )
 
+# Lines said at once: twice those of the largest board, which has 256 endpoints.
+SAVED_LINES = 600
+# Beyond them, one line in so many seconds.
+LINE_PERIOD_S = 5.0
+# Once lines are left out, so many must have been saved up again: a part of a board's topics tells nothing.
+RESUME_LINES = 60
+# How often it is said how many lines were left out.
+SUMMARY_PERIOD_S = 60.0
+
 
 class SetupLines:
-    """The lines of one connection."""
+    """The lines of one board, over all of its connections; `clock` in seconds."""
 
-    def __init__(self, notices: Notices) -> None:
+    def __init__(self, notices: Notices, clock: Callable[[], float]) -> None:
         self._notices = notices
+        self._clock = clock
         self._noted_sizes: set[TopicRole] = set()
+        self._room = float(SAVED_LINES)
+        self._counted_s = clock()
+        self._left_out = 0
+        self._summed_s = float("-inf")
+
+    def connected(self) -> None:
+        """Note that a connection begins."""
+        self._noted_sizes.clear()
 
     def note_size(self, event: TopicAnnounced) -> None:
         """Say how large the board's buffer is, once for each direction."""
@@ -40,7 +63,25 @@ class SetupLines:
     def refused(self, event: AnnouncementRefused) -> None:
         """Say why a topic is not served."""
         name = event.topic_name or "a topic without a name"
-        self._notices.say(Level.ERROR, f"{name} [{event.message_type}] is not bridged: {event.reason}")
+        self._say(f"{name} [{event.message_type}] is not bridged: {event.reason}", Level.ERROR)
 
-    def _say(self, text: str) -> None:
-        self._notices.say(Level.INFO, text)
+    def _say(self, text: str, level: Level = Level.INFO) -> None:
+        now_s = self._clock()
+        self._room = min(self._room + (now_s - self._counted_s) / LINE_PERIOD_S, float(SAVED_LINES))
+        self._counted_s = now_s
+        if self._room < (RESUME_LINES if self._left_out else 1):
+            self._leave_out(now_s)
+            return
+        self._room -= 1
+        self._left_out = 0
+        self._notices.say(level, text)
+
+    def _leave_out(self, now_s: float) -> None:
+        self._left_out += 1
+        if now_s - self._summed_s >= SUMMARY_PERIOD_S:
+            self._summed_s = now_s
+            self._notices.say(
+                Level.WARN,
+                "the board announces its topics again and again: these lines are left out "
+                f"({self._left_out} so far); check its power and cable, and whether two boards have one name",
+            )

@@ -31,7 +31,7 @@ from rostether.recording.bag_records import (
     u32_field,
     u64_field,
 )
-from rostether.recording.compression import NONE, decompress
+from rostether.recording.compression import MAX_CHUNK_BYTES, NONE, check_unpacked_size, decompress
 from rostether.recording.recorded import Connection
 
 MAX_CONNECTIONS = 100_000
@@ -119,6 +119,8 @@ def _by_index(data: Buffer, position: int, chunk_count: int) -> BagContent:
             content.chunks.append(_indexed_chunk(data, fields, data[start:position]))
     if len(content.chunks) != chunk_count:
         raise RecordingError(f"it names {len(content.chunks)} of {chunk_count} chunks")
+    packed = (chunk.size_bytes for chunk in content.chunks if chunk.compression != NONE)
+    check_unpacked_size(sum(min(each, MAX_CHUNK_BYTES) for each in packed), len(data))
     unknown = {number for chunk in content.chunks for number in chunk.counts} - content.connections.keys()
     if unknown:
         raise RecordingError(f"it does not tell of connection {min(unknown)}")
@@ -143,7 +145,11 @@ def _indexed_chunk(data: Buffer, fields: Fields, counts: Buffer) -> Chunk:
 
 
 def search(data: Buffer, position: int, damage: str, content: BagContent | None = None) -> BagContent:
-    """Walk over the chunks from a position, up to the last whose end is there."""
+    """Walk over the chunks from a position, up to the last whose end is there.
+
+    Raises RecordingError where they would unpack to more than any recorder writes.
+    """
+    check_unpacked_size(_packed_bytes(data, position), len(data))
     content = content or BagContent(damage=damage)
     content.whole_bytes = position
     try:
@@ -166,6 +172,17 @@ def search(data: Buffer, position: int, damage: str, content: BagContent | None 
     except RecordingError as error:
         content.damage = f"{content.damage}; {error}"
     return content
+
+
+def _packed_bytes(data: Buffer, position: int) -> int:
+    """Return how much the packed chunks from a position say that they hold."""
+    total = 0
+    with contextlib.suppress(RecordingError):
+        while position < len(data):
+            fields, _, position = read_record(data, position)
+            if op_of(fields) == OP_CHUNK and fields.get(b"compression", b"") != NONE.encode():
+                total += min(u32_field(fields, b"size"), MAX_CHUNK_BYTES)
+    return total
 
 
 def _end_of_open_chunk(data: Buffer, position: int) -> int:

@@ -35,7 +35,10 @@ class BagReader:
             start = bytes(self._view[: len(MAGIC)])
             if start != MAGIC:
                 raise RecordingError(f"{path} {_what_else(start)}")
-            self._content = read_content(self._view, damage)
+            try:
+                self._content = read_content(self._view, damage)
+            except RecordingError as error:
+                raise RecordingError(f"{path}: {error}") from None
         except BaseException:
             self.close()
             raise

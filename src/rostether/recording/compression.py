@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bz2
+from collections.abc import Callable
 from typing import Any, TypeAlias
 
 from rostether.errors import ConfigError, RecordingError
@@ -21,6 +22,13 @@ ZSTD = "zstd"
 MAX_CHUNK_BYTES = 256 << 20
 """Recorders make chunks of a megabyte, or of one message when that is larger. A few bytes can unpack to any
 size, and must not eat the memory."""
+
+MAX_UNPACKED_BYTES = 1 << 30
+MAX_RATIO = 1000
+"""Packed chunks hold at most as many times their file's size, or MAX_UNPACKED_BYTES; 2 to 50 are usual."""
+
+_STEP_BYTES = 4 << 20
+"""A signal interrupts between two steps; this one takes some 50 ms."""
 
 
 def check_compression(name: str) -> None:
@@ -70,16 +78,42 @@ def decompress(name: str, data: Buffer, size_bytes: int) -> bytes | memoryview:
     return plain
 
 
-def _unpacked(name: str, data: Buffer, size_bytes: int) -> bytes:
-    # One byte more than there may be shows that there is more.
-    if name == BZ2:
-        return bz2.BZ2Decompressor().decompress(data, max_length=size_bytes + 1)
-    if name == LZ4:
-        return bytes(_lz4_frame().LZ4FrameDecompressor().decompress(data, max_length=size_bytes + 1))
+def check_unpacked_size(unpacked_bytes: int, file_bytes: int) -> None:
+    """Raise RecordingError where a file's packed chunks hold more than those of any recorder."""
+    if unpacked_bytes > max(MAX_UNPACKED_BYTES, MAX_RATIO * file_bytes):
+        raise RecordingError(
+            f"its {file_bytes} bytes would unpack to {unpacked_bytes}, more than {MAX_RATIO} times as many; "
+            "it seems made to fill memory, so it is not read"
+        )
+
+
+def _unpacked(name: str, data: Buffer, size_bytes: int) -> Buffer:
+    read = _reader(name, data)
+    if size_bytes < _STEP_BYTES:
+        # One byte more than there may be shows that there is more.
+        return read(size_bytes + 1)
+    plain = bytearray()
+    while len(plain) <= size_bytes and (part := read(_STEP_BYTES)):
+        plain += part
+    return memoryview(plain)
+
+
+def _reader(name: str, data: Buffer) -> Callable[[int], bytes]:
+    """Return what unpacks the next bytes, at most as many as it is asked for; none at the end."""
     if name == ZSTD:
-        with _zstandard().ZstdDecompressor().stream_reader(data) as stream:
-            return bytes(stream.read(size_bytes + 1))
-    raise RecordingError(f"a chunk is compressed by {name!r}, which nobody knows")
+        stream = _zstandard().ZstdDecompressor().stream_reader(data)
+        return lambda size: bytes(stream.read(size))
+    if name not in (BZ2, LZ4):
+        raise RecordingError(f"a chunk is compressed by {name!r}, which nobody knows")
+    decompressor = bz2.BZ2Decompressor() if name == BZ2 else _lz4_frame().LZ4FrameDecompressor()
+    rest: list[Buffer] = [data]
+
+    def read(size: int) -> bytes:
+        if decompressor.eof:
+            return b""
+        return bytes(decompressor.decompress(rest.pop() if rest else b"", max_length=size))
+
+    return read
 
 
 def _lz4_frame() -> Any:

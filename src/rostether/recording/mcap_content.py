@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from rostether.errors import RecordingError
 from rostether.recording.chunk_order import Entry
-from rostether.recording.compression import decompress
+from rostether.recording.compression import MAX_CHUNK_BYTES, check_unpacked_size, decompress
 from rostether.recording.mcap_decoding import (
     decode_channel,
     decode_chunk,
@@ -152,6 +153,8 @@ def _by_summary(data: Buffer) -> McapContent:
     if unknown:
         raise RecordingError(f"its index does not tell of channel {min(unknown)}")
     content.chunks = [_indexed(data, each) for each in indexes]
+    packed = (each.size_bytes for each in content.chunks if each.compression)
+    check_unpacked_size(sum(min(each, MAX_CHUNK_BYTES) for each in packed), len(data))
     content.counts = dict(statistics.counts)
     if statistics.message_count:
         content.span_ns = (statistics.start_ns, statistics.end_ns)
@@ -181,7 +184,11 @@ def _stored(chunk: Chunk, channels: frozenset[int] | None) -> StoredChunk:
 
 
 def search(data: Buffer, damage: str) -> McapContent:
-    """Walk over the file, up to the last record that is whole."""
+    """Walk over the file, up to the last record that is whole.
+
+    Raises RecordingError where its chunks would unpack to more than any recorder writes.
+    """
+    check_unpacked_size(_packed_bytes(data), len(data))
     content = McapContent(damage=damage)
     loose: list[int] = []
     position = len(MAGIC)
@@ -222,6 +229,17 @@ def search(data: Buffer, damage: str) -> McapContent:
             content.damage = f"{content.damage}; {error}"
     content.chunks.sort(key=lambda chunk: chunk.start_ns)
     return content
+
+
+def _packed_bytes(data: Buffer) -> int:
+    """Return how much the packed chunks say that they hold."""
+    total, position = 0, len(MAGIC)
+    with contextlib.suppress(RecordingError):
+        while position < len(data):
+            op, start, position = read_record(data, position)
+            if op == OP_CHUNK and (chunk := decode_chunk(data, start, position)).compression:
+                total += min(chunk.size_bytes, MAX_CHUNK_BYTES)
+    return total
 
 
 def _add_cut_chunk(content: McapContent, data: Buffer, position: int) -> None:

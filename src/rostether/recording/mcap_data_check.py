@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from rostether.errors import RecordingError
-from rostether.recording.compression import decompress
+from rostether.recording.compression import MAX_CHUNK_BYTES, check_unpacked_size, decompress
 from rostether.recording.mcap_content import McapContent
 from rostether.recording.mcap_decoding import (
     decode_channel,
@@ -59,6 +59,7 @@ class DataCheck:
         self.span: tuple[int, int] | None = None
         self.kinds: dict[int, int] = {}
         self.chunks: dict[int, FoundChunk] = {}
+        self._packed_bytes = 0
         self._data = data
         self._tell = tell
 
@@ -98,6 +99,10 @@ class DataCheck:
         chunk = decode_chunk(data, start, end)
         found = self.chunks[position] = FoundChunk(chunk, position, end - position, indexes_end=end)
         where = f"the chunk at byte {position}"
+        if chunk.compression:
+            self._packed_bytes += min(chunk.size_bytes, MAX_CHUNK_BYTES)
+            # The summary may be silent about chunks that are there.
+            check_unpacked_size(self._packed_bytes, len(data))
         try:
             plain = decompress(
                 chunk.compression, memoryview(data)[chunk.data_start : chunk.data_end], chunk.size_bytes

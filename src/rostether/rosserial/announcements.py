@@ -26,7 +26,7 @@ class Announcements:
         """Take a packet on reserved id `kind`; return what the device has, None if that is not known."""
         info = TopicInfo.read(payload)
         if info is None:
-            return None, [FrameDiscarded(DiscardReason.PACKET, payload)]
+            return None, [FrameDiscarded(DiscardReason.PACKET, payload, kind)]
         fault = info.fault()
         if fault is not None:
             discarded = FrameDiscarded(DiscardReason.REFUSED, payload)

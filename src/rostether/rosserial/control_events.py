@@ -20,7 +20,7 @@ def control_event(topic_id: int, payload: bytes) -> HostEvent:
     reader = _READERS.get(topic_id)
     if reader is None:
         return FrameDiscarded(DiscardReason.UNEXPECTED, payload)
-    return reader(payload) or FrameDiscarded(DiscardReason.PACKET, payload)
+    return reader(payload) or FrameDiscarded(DiscardReason.PACKET, payload, topic_id)
 
 
 def _log(payload: bytes) -> LogReceived | None:

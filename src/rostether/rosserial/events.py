@@ -10,7 +10,7 @@ ParameterTimedOut, StopReceived, FrameDiscarded, UnknownTopicId.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import TypeAlias
 
@@ -145,10 +145,14 @@ class ParameterRequested:
 
 @dataclass(frozen=True, slots=True)
 class FrameDiscarded:
-    """Bytes that were not believed: `data` is what came, in order, never also part of a frame."""
+    """Bytes that were not believed: `data` is what came, in order, never also part of a frame.
+
+    `topic_id` says on which reserved id a packet came whose layout is wrong.
+    """
 
     reason: DiscardReason
     data: bytes
+    topic_id: int | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True, slots=True)

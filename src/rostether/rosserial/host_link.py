@@ -39,7 +39,7 @@ from rostether.rosserial.host_link_config import HostLinkConfig as HostLinkConfi
 from rostether.rosserial.host_output import HostOutput
 from rostether.rosserial.link_statistics import LinkStatistics
 from rostether.rosserial.negotiation import Negotiation
-from rostether.rosserial.packets import TIME_BYTES, ParameterResponse
+from rostether.rosserial.packets import TIME_REQUEST_BYTES, ParameterResponse
 from rostether.rosserial.presence import Presence, Verdict
 from rostether.rosserial.protocol_detector import ProtocolDetector
 from rostether.rosserial.topic_answers import TimeRequestMeaning
@@ -249,8 +249,8 @@ class HostLink:
 
     def _on_time_requests(self, payloads: list[bytes], now_s: float, events: list[HostEvent]) -> None:
         for payload in payloads:
-            if len(payload) != TIME_BYTES:
-                self._report(FrameDiscarded(DiscardReason.PACKET, payload), now_s, events)
+            if len(payload) not in TIME_REQUEST_BYTES:
+                self._report(FrameDiscarded(DiscardReason.PACKET, payload, ids.TIME), now_s, events)
                 continue
             self.statistics.time_requests += 1
             events.append(TimeRequested())

@@ -31,6 +31,9 @@ MAX_BUFFER_BYTES = 1 << 20
 
 TIME_BYTES = 8
 
+TIME_REQUEST_BYTES = (0, TIME_BYTES)
+"""A request says nothing: some firmware sends it empty, and the established host answers that."""
+
 _NAME = re.compile(r"(?!.*//)[A-Za-z~/][A-Za-z0-9_/]*\Z", re.ASCII)
 _TYPE = re.compile(r"[A-Za-z][A-Za-z0-9_]*/[A-Za-z][A-Za-z0-9_]*\Z", re.ASCII)
 _MD5SUM = re.compile(r"[0-9a-f]{32}\Z", re.ASCII)

@@ -29,6 +29,9 @@ from rostether.transports.transport import Transport
 MAX_CONNECTIONS = 256
 # One host may run a hundred simulated boards, but must leave room for the boards of others.
 MAX_CONNECTIONS_PER_HOST = 128
+# Connections that have not proven their key yet, of one address and of all; the oldest gives way to the next.
+MAX_UNPROVEN_PER_HOST = 16
+MAX_UNPROVEN = 128
 # Connects that the kernel holds while we are busy: all boards of a machine come at once after a restart.
 _BACKLOG = 64
 # A board on Wi-Fi answers within a second or is not there.
@@ -119,6 +122,9 @@ class TcpListener:
         self._allow = allow
         self._greeting = greeting
         self._greetings: set[asyncio.Task[None]] = set()
+        # In the order in which they came.
+        self._unproven: dict[TcpTransport, None] = {}
+        self._boards: set[TcpTransport] = set()
         self._max_connections = max_connections
         self._max_connections_per_host = max_connections_per_host
         self._transports: set[TcpTransport] = set()
@@ -198,37 +204,68 @@ class TcpListener:
             transport.abort()
             return
         self._transports.add(transport)
-        self._per_host[transport.host] += 1
         if self._greeting is None:
-            self._on_transport(transport)
+            self._admit(transport)
             return
+        self._make_room(transport.host)
+        self._unproven[transport] = None
         task = asyncio.get_running_loop().create_task(self._greet(transport, self._greeting))
         self._greetings.add(task)
         task.add_done_callback(self._greetings.discard)
 
+    def _make_room(self, host: str) -> None:
+        """End the oldest that has proven nothing, where its address or all together hold too many."""
+        same = [each for each in self._unproven if each.host == host]
+        if len(same) >= MAX_UNPROVEN_PER_HOST:
+            self._end_unproven(same[0], f"{host} has {MAX_UNPROVEN_PER_HOST} connections without a proof")
+        elif len(self._unproven) >= MAX_UNPROVEN:
+            self._end_unproven(next(iter(self._unproven)), f"{MAX_UNPROVEN} connections are without a proof")
+
+    def _end_unproven(self, transport: TcpTransport, reason: str) -> None:
+        del self._unproven[transport]
+        self._refusals.refuse(transport.peer, reason)
+        transport.abort()
+
     async def _greet(self, transport: TcpTransport, greeting: Greeting) -> None:
+        reason: str | None
         try:
             transport.proof = await greeting.exchange(transport)
+            reason = self._fullness(transport.host)
         except RostetherError as error:
-            self._refusals.refuse(transport.peer, str(error))
-            transport.abort()
+            reason = str(error)
+        if transport not in self._unproven:
+            # It has given way meanwhile, and was reported.
+            return
+        del self._unproven[transport]
+        if reason is None:
+            self._admit(transport)
         else:
-            self._on_transport(transport)
+            self._refusals.refuse(transport.peer, reason)
+            transport.abort()
 
     def _refusal_reason(self, host: str, own_host: str) -> str | None:
         if self._server is None:
             return "it is closing"
         if not self._allow.allows_connection(host, own_host):
             return "its address is not among those allowed"
-        if len(self._transports) >= self._max_connections:
+        return self._fullness(host)
+
+    def _fullness(self, host: str) -> str | None:
+        if len(self._boards) >= self._max_connections:
             return f"{self._max_connections} boards are connected already"
         if self._per_host[host] >= self._max_connections_per_host:
             return f"{host} has {self._max_connections_per_host} connections already"
         return None
 
+    def _admit(self, transport: TcpTransport) -> None:
+        self._boards.add(transport)
+        self._per_host[transport.host] += 1
+        self._on_transport(transport)
+
     def _forget(self, transport: TcpTransport) -> None:
-        if transport in self._transports:
-            self._transports.remove(transport)
+        self._transports.discard(transport)
+        if transport in self._boards:
+            self._boards.remove(transport)
             self._per_host[transport.host] -= 1
             if not self._per_host[transport.host]:
                 del self._per_host[transport.host]

@@ -143,6 +143,16 @@ async def test_parameters_are_answered_missing_ones_too(bridge: Bridge) -> None:
     assert len(bridge.reporter.having("missing")) == 1
 
 
+async def test_an_empty_time_request_is_answered_as_any_other(bridge: Bridge) -> None:
+    board = await bridge.connect(CHATTER)
+    await bridge.settled()
+    answered = len(board.received[ids.TIME])
+    for number in range(3):
+        board.send(ids.TIME, b"")
+        await until(lambda least=answered + number: len(board.received[ids.TIME]) > least, "the answer")  # type: ignore[misc]
+    assert bridge.node.health.find(asyncio.get_running_loop().time()) == []
+
+
 @pytest.mark.parametrize("buffer_size", [0, 11])
 async def test_a_board_whose_buffer_takes_no_answer_is_served_further(
     bridge: Bridge, buffer_size: int

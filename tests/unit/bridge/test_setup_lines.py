@@ -2,10 +2,23 @@ from __future__ import annotations
 
 import pytest
 
-from rostether.bridge.setup_lines import SetupLines
+from rostether.bridge.setup_lines import (
+    LINE_PERIOD_S,
+    RESUME_LINES,
+    SAVED_LINES,
+    SUMMARY_PERIOD_S,
+    SetupLines,
+)
 from rostether.graph.ports import Level
 from rostether.rosserial.events import ServiceRole
 from unit.bridge.nodes import World, publisher, service, subscriber
+
+
+class Clock:
+    now_s = 0.0
+
+    def __call__(self) -> float:
+        return self.now_s
 
 
 @pytest.fixture
@@ -14,7 +27,7 @@ async def world() -> World:
 
 
 async def test_a_buffers_size_is_said_once_for_each_direction(world: World) -> None:
-    lines = SetupLines(world.notices)
+    lines = SetupLines(world.notices, Clock())
     for event in (publisher("a"), publisher("b"), subscriber("c"), subscriber("d")):
         lines.note_size(event)
     assert world.reporter.texts == [
@@ -24,7 +37,7 @@ async def test_a_buffers_size_is_said_once_for_each_direction(world: World) -> N
 
 
 async def test_endpoints_are_said_as_established_hosts_say_them(world: World) -> None:
-    lines = SetupLines(world.notices)
+    lines = SetupLines(world.notices, Clock())
     lines.topic(publisher("ultrasound", "sensor_msgs/Range"))
     lines.topic(subscriber("led_out", "std_msgs/Byte"))
     lines.service(service(ServiceRole.SERVER))
@@ -36,3 +49,31 @@ async def test_endpoints_are_said_as_established_hosts_say_them(world: World) ->
         "Setup service client on switch [std_srvs/SetBool]",
     ]
     assert {level for level, _, _ in world.reporter.lines} == {Level.INFO}
+
+
+async def test_a_board_that_reconnects_all_day_says_few_lines(world: World) -> None:
+    clock = Clock()
+    lines = SetupLines(world.notices, clock)
+    for _ in range(20_000):
+        lines.connected()
+        for name in "abcdefgh":
+            lines.note_size(publisher(name))
+            lines.topic(publisher(name))
+        clock.now_s += 0.5
+    hours = clock.now_s / 3600
+    said = world.reporter.having("Setup publisher")
+    assert len(said) <= SAVED_LINES + hours * 3600 / LINE_PERIOD_S
+    summaries = world.reporter.having("again and again: these lines are left out (")
+    assert 1 < len(summaries) <= clock.now_s / SUMMARY_PERIOD_S + 1
+
+
+async def test_a_board_that_calms_down_says_all_of_its_lines_again(world: World) -> None:
+    clock = Clock()
+    lines = SetupLines(world.notices, clock)
+    for _ in range(SAVED_LINES + 10):
+        lines.topic(publisher("a"))
+    world.reporter.lines.clear()
+    clock.now_s += LINE_PERIOD_S * RESUME_LINES
+    for name in "bcd":
+        lines.topic(publisher(name))
+    assert [text.split()[3] for text in world.reporter.texts] == ["b", "c", "d"]

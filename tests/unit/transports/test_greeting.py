@@ -13,7 +13,7 @@ from typing import cast
 import pytest
 
 from rostether.errors import ConfigError, TransportError, TransportOpenError
-from rostether.transports import greeting
+from rostether.transports import greeting, tcp
 from rostether.transports.address import TcpAddress, parse_address
 from rostether.transports.opening import open_transport
 from rostether.transports.tcp import TcpListener
@@ -187,3 +187,29 @@ async def test_a_plain_board_at_a_tls_listener_is_refused(certificates: Path) ->
 async def test_files_that_cannot_be_read_are_named(text: str, reason: str) -> None:
     with pytest.raises(ConfigError, match=reason):
         await TcpListener.start(cast(TcpAddress, parse_address(text)), Arrivals())
+
+
+async def test_silent_connections_of_one_address_keep_nobody_out(
+    key: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(greeting, "PSK_LIMIT_S", 600.0)
+    async with listening(f"tcp://:0?psk={key}") as (listener, arrivals, port):
+        silent = [await asyncio.open_connection("127.0.0.1", port) for _ in range(200)]
+        await until(lambda: listener.connection_count <= 16)
+        await carry(arrivals, f"tcp://:{port}?connect=yes&psk={key}")
+        for _, writer in silent:
+            writer.close()
+
+
+async def test_an_address_that_is_silent_leaves_the_places_of_others(
+    key: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tcp, "MAX_UNPROVEN_PER_HOST", 2)
+    async with listening(f"tcp://0.0.0.0:0?psk={key}") as (listener, _, port):
+        other = await asyncio.open_connection("127.0.0.1", port, local_addr=("127.0.0.2", 0))
+        assert (await other[0].readline()).startswith(b"RSPSK1 ")
+        silent = [await asyncio.open_connection("127.0.0.1", port) for _ in range(20)]
+        await until(lambda: listener.connection_count == 3)
+        assert {each.host for each in listener._unproven} == {"127.0.0.1", "127.0.0.2"}
+        for _, writer in [other, *silent]:
+            writer.close()

@@ -1,4 +1,4 @@
-"""Announcements that a board cannot have meant: its RAM was overwritten, or its sketch is wrong."""
+"""Control packets that a board cannot have meant: its RAM was overwritten, or its sketch is wrong."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections import OrderedDict
 
 from rostether.bridge.findings.finding import Code, Finding, error
 from rostether.bridge.findings.noise import show
+from rostether.rosserial import topic_id as ids
 from rostether.rosserial.events import AnnouncementRefused, DiscardReason, FrameDiscarded
 from rostether.rosserial.packets import TopicInfo
 
@@ -16,11 +17,18 @@ MAX_KEPT = 64
 """More than fit one board; one that makes up ever new ones is not followed for ever."""
 
 
+_PACKETS: dict[int | None, str] = {
+    ids.TIME: "time requests",
+    ids.LOG: "log lines",
+    ids.PARAMETER: "parameter requests",
+}
+
+
 class Announcements:
     """What of one connection's announcements makes no sense."""
 
     def __init__(self) -> None:
-        self._garbled: OrderedDict[bytes, int] = OrderedDict()
+        self._garbled: OrderedDict[tuple[int | None, bytes], int] = OrderedDict()
         self._garbled_count = 0
         self._refused: OrderedDict[tuple[str, str], AnnouncementRefused] = OrderedDict()
 
@@ -34,9 +42,10 @@ class Announcements:
             self._garbled_count += 1
         elif event.reason is not DiscardReason.PACKET:
             return
-        self._garbled[payload] = self._garbled.get(payload, 0) + 1
+        packet = event.topic_id, payload
+        self._garbled[packet] = self._garbled.get(packet, 0) + 1
         # Noise does not come twice alike.
-        if event.reason is DiscardReason.PACKET and self._garbled[payload] >= MIN_COUNT:
+        if event.reason is DiscardReason.PACKET and self._garbled[packet] >= MIN_COUNT:
             self._garbled_count += 1
         while len(self._garbled) > MAX_KEPT:
             self._garbled.popitem(last=False)
@@ -50,12 +59,12 @@ class Announcements:
         """Judge."""
         findings = []
         if self._garbled_count >= MIN_COUNT:
-            payload = max(self._garbled, key=lambda each: self._garbled[each])
+            topic_id, payload = max(self._garbled, key=lambda each: self._garbled[each])
+            what = _PACKETS.get(topic_id, "names or md5sums in the announcements")
             findings.append(
                 error(
                     Code.RAM_OVERFLOW,
-                    "names or md5sums in the announcements are damaged inside the board "
-                    f"({_describe(payload)}) "
+                    f"{what} are damaged inside the board ({_describe(payload)}) "
                     "though their checksums are right: its RAM is overwritten",
                     "use fewer topics and smaller buffers (ros::NodeHandle_<ArduinoHardware, 6, 6, 150, "
                     "150>), keep texts "
@@ -91,5 +100,5 @@ def _has_damage(text: str) -> bool:
 def _describe(payload: bytes) -> str:
     info = TopicInfo.read(payload)
     if info is None:
-        return show(payload)
+        return show(payload) if payload else "empty"
     return f"topic {info.topic_name!r}, type {info.message_type!r}, md5sum {info.md5sum!r}"[:200]

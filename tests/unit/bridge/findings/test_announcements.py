@@ -4,6 +4,7 @@ from dataclasses import replace
 
 from rostether.bridge.findings.announcements import MAX_KEPT, Announcements, is_overwritten
 from rostether.bridge.findings.finding import Code
+from rostether.rosserial import topic_id as ids
 from rostether.rosserial.events import AnnouncementRefused, DiscardReason, FrameDiscarded
 from rostether.rosserial.packets import TopicInfo
 
@@ -40,6 +41,14 @@ def test_lengths_that_were_overwritten() -> None:
     announcements.discarded(packet)
     announcements.discarded(packet)
     assert [each.code for each in announcements.find()] == [Code.RAM_OVERFLOW]
+
+
+def test_it_is_said_which_packets_are_damaged() -> None:
+    announcements = Announcements()
+    for _ in range(3):
+        announcements.discarded(FrameDiscarded(DiscardReason.PACKET, b"", ids.LOG))
+    (finding,) = announcements.find()
+    assert finding.seen.startswith("log lines are damaged inside the board (empty) though")
 
 
 def test_a_readable_name_that_is_wrong_is_the_sketch() -> None:

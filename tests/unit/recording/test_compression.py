@@ -1,0 +1,94 @@
+from __future__ import annotations
+
+import bz2
+from pathlib import Path
+
+import pytest
+
+from rostether.errors import RecordingError
+from rostether.msgdef.registry import Registry
+from rostether.recording import compression
+from rostether.recording.checking import check
+from rostether.recording.compression import BZ2, LZ4, ZSTD, check_unpacked_size, compress, decompress
+from rostether.recording.files import create_recording, open_recording
+from unit.recording.bags import connection, text
+
+SIZES = (0, 1, compression._STEP_BYTES - 1, compression._STEP_BYTES, 3 * compression._STEP_BYTES + 5)
+
+
+def packed(name: str, data: bytes) -> bytes:
+    if name == ZSTD:
+        zstandard = pytest.importorskip("zstandard")
+        return bytes(zstandard.ZstdCompressor().compress(data))
+    if name == LZ4:
+        pytest.importorskip("lz4.frame")
+    return compress(name, data)
+
+
+@pytest.mark.parametrize("name", [BZ2, LZ4, ZSTD])
+@pytest.mark.parametrize("size", SIZES)
+def test_a_chunk_is_unpacked_in_steps(name: str, size: int) -> None:
+    data = (bytes(range(251)) * (size // 251 + 1))[:size]
+    stored = packed(name, data)
+    assert bytes(decompress(name, memoryview(stored), size)) == data
+    for wrong in (size - 1, size + 1):
+        with pytest.raises(RecordingError, match=r"bytes in place of|is broken"):
+            decompress(name, stored, max(wrong, 0) if size else 1)
+    if size > 100:
+        with pytest.raises(RecordingError):
+            decompress(name, stored[: len(stored) // 2], size)
+
+
+def test_how_much_a_file_may_unpack_to() -> None:
+    check_unpacked_size(compression.MAX_UNPACKED_BYTES, 1)
+    check_unpacked_size(compression.MAX_RATIO * (10 << 20), 10 << 20)
+    with pytest.raises(RecordingError, match="would unpack to"):
+        check_unpacked_size(compression.MAX_UNPACKED_BYTES + 1, 1 << 20)
+
+
+@pytest.mark.parametrize("name", ["a.bag", "a.mcap"])
+@pytest.mark.parametrize("closes", [True, False])
+def test_a_recording_that_would_fill_memory_is_refused_at_once(
+    tmp_path: Path, name: str, closes: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("lz4.frame")
+    path = tmp_path / name
+    writer = create_recording(path, compression=LZ4, chunk_bytes=1 << 20)
+    number = writer.add_connection(connection("/a"))
+    for index in range(8):
+        writer.write(number, index, [text("x" * 1_000_000)])
+    writer.close()
+    if not closes:
+        path.write_bytes(path.read_bytes()[:-100])
+    assert sum(open_recording(path).counts.values()) == 8
+    monkeypatch.setattr(compression, "MAX_UNPACKED_BYTES", 7_000_000)
+    monkeypatch.setattr(compression, "MAX_RATIO", 10)
+    with pytest.raises(RecordingError, match=rf"{name}.* would unpack to"):
+        open_recording(path)
+    with pytest.raises(RecordingError, match="would unpack to"):
+        check(path, Registry())
+
+
+def test_a_signal_comes_through_between_two_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Python handles signals between two calls of a library, so none unpacks a large chunk at once."""
+    sizes = []
+    original = bz2.BZ2Decompressor
+
+    class Watched:
+        def __init__(self) -> None:
+            self._inner = original()
+
+        @property
+        def eof(self) -> bool:
+            return self._inner.eof
+
+        def decompress(self, data: bytes, max_length: int) -> bytes:
+            sizes.append(max_length)
+            return self._inner.decompress(data, max_length)
+
+    size = 5 * compression._STEP_BYTES
+    stored = bz2.compress(bytes(size))
+    monkeypatch.setattr(bz2, "BZ2Decompressor", Watched)
+    assert len(decompress(BZ2, stored, size)) == size
+    assert max(sizes) <= compression._STEP_BYTES
+    assert len(sizes) >= 5
