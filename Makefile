@@ -11,7 +11,7 @@ help:
 	@echo "make test-fast  the tests that need no other program: no compiler, simulator or ROS"
 	@echo "make test-pythons  the unit, property and contract tests under every Python here, from 3.11 on"
 	@echo "make test-fresh  what CI does, in a new Debian 12 made by mmdebstrap (root, 20 minutes)"
-	@echo "make check  ruff, mypy and import-linter"
+	@echo "make check  ruff, mypy, import-linter and reuse"
 	@echo "make bench  measure the data path, beside a bare relay"
 	@echo "make fuzz   look for inputs that break a promise, ten minutes a target (SECONDS=600)"
 	@echo "make soak   serve boards on lines that fail all the time, for MINUTES=10"
@@ -42,6 +42,7 @@ check: $(VENV)/.dev
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
+	$(BIN)/reuse lint --quiet
 
 bench: $(VENV)/.dev
 	scripts/install-peers
@@ -65,9 +66,9 @@ $(VENV)/.installed: pyproject.toml
 		{ echo "pip could not install what rostether needs; is the network up?" >&2; exit 1; }
 	touch $@
 
-$(VENV)/.dev: $(VENV)/.installed
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[dev,uvloop]"
-	touch $@
+$(VENV)/.dev: pyproject.toml .ci/requirements.txt
+	scripts/install-dev "$(PYTHON)" $(VENV)
+	touch $(VENV)/.installed $@
 
 clean:
 	rm -rf $(VENV) .venvs site build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis
