@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import deque
-from collections.abc import AsyncGenerator, Mapping, Sequence
+from collections.abc import AsyncGenerator, Callable, Mapping, Sequence
 
 from rostether.errors import RostetherError, SerializationError, TypeMismatchError, UnknownTypeError
 from rostether.graph.ports import Graph
@@ -81,6 +81,8 @@ class MessageStream:
         """Messages that came faster than the loop took them."""
         self.misfit_count = 0
         """Messages that did not have their type's layout."""
+        self.on_misfit: Callable[[SerializationError], None] | None = None
+        """Called with the reason for each of them."""
         self._graph = graph
         self._types = types
         self._type_name = type_name
@@ -121,8 +123,10 @@ class MessageStream:
                     self._queued_bytes -= len(payload)
                     try:
                         message = codec.decode(payload)
-                    except SerializationError:
+                    except SerializationError as error:
                         self.misfit_count += 1
+                        if self.on_misfit is not None:
+                            self.on_misfit(error)
                         continue
                     yield message
                 if self._error is not None:

@@ -8,7 +8,6 @@ import os
 import shutil
 import sys
 from collections.abc import Callable, Coroutine, Sequence
-from contextlib import aclosing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -24,6 +23,7 @@ from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.picture_files import encode, picture_format, save
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
+from rostether.cli.topic.misfit_notice import shown_messages
 from rostether.errors import ConfigError, GraphError, SerializationError, first_error
 
 if TYPE_CHECKING:
@@ -142,7 +142,7 @@ async def _plot_ros1(
             stream = graph.messages(topic)
             codec: Codec | None = None
             paths: dict[str, FieldPath | None] = {}
-            async with aclosing(aiter(stream)) as messages:
+            async with shown_messages(stream) as messages:
                 async for message in messages:
                     if stream.codec is not codec:
                         assert stream.codec is not None
@@ -177,7 +177,7 @@ async def _plot_ros2(
         async def follow_one(name: str) -> None:
             chosen = await choose_topic(tool, name)
             path = None if chosen.field is None else chosen.field.path
-            async with aclosing(aiter(tool.graph.messages(chosen.topic, chosen.type))) as messages:
+            async with shown_messages(tool.graph.messages(chosen.topic, chosen.type)) as messages:
                 async for message in messages:
                     session.take(name, message, path)
 

@@ -11,6 +11,7 @@ from typing import Any
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.ros1_access import joined, read_environment, resolve
 from rostether.cli.shell.output import warn, write_line
+from rostether.cli.topic.misfit_notice import shown_messages
 from rostether.cli.topic.ros1_chosen_topic import wait_for_topic
 from rostether.errors import ConfigError
 from rostether.graph.typed_graph import TypedGraph
@@ -54,7 +55,7 @@ class TopicMeter:
         """Call `add` with every decoded message; what it raises ends the reports."""
 
         async def listen() -> None:
-            async with aclosing(aiter(self.graph.messages(name))) as messages:
+            async with shown_messages(self.graph.messages(name)) as messages:
                 async for message in messages:
                     add(message)
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import sys
-from contextlib import aclosing
 from typing import TYPE_CHECKING, Any
 
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.ros1_access import joined, read_environment
 from rostether.cli.shell.output import warn, write_json, write_line
 from rostether.cli.shell.running import run
+from rostether.cli.topic.misfit_notice import shown_messages
 from rostether.cli.topic.requests import EchoOptions
 from rostether.cli.topic.ros1_chosen_topic import resolve_with_field, wait_for_topic
 from rostether.errors import GraphError, SerializationError
@@ -44,7 +44,7 @@ async def _echo(graph_options: GraphOptions, topic: str, options: EchoOptions) -
         hint = asyncio.ensure_future(_hint_at_silence(graph, chosen.topic, printer))
         try:
             stream = graph.messages(chosen.topic)
-            async with aclosing(aiter(stream)) as messages:
+            async with shown_messages(stream) as messages:
                 async for message in messages:
                     assert stream.codec is not None
                     printer.show(message, stream.codec)

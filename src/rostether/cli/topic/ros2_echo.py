@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import sys
-from contextlib import aclosing
 from typing import TYPE_CHECKING, Any
 
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.ros2_tool_node import tool_node
 from rostether.cli.shell.output import warn, write_json, write_line
 from rostether.cli.shell.running import run
+from rostether.cli.topic.misfit_notice import shown_messages
 from rostether.cli.topic.requests import EchoOptions
 from rostether.cli.topic.ros2_chosen_topic import ChosenTopic, choose_topic
 from rostether.cli.topic.ros2_message_text import DEFAULT_TRUNCATE_LENGTH, MessageText, TextStyle
@@ -41,8 +41,7 @@ async def _echo(graph: GraphOptions, topic: str, type_name: str | None, options:
 async def _print(tool: ToolNode, topic: str, type_name: str | None, options: EchoOptions) -> None:
     chosen = await choose_topic(tool, topic, type_name, options.field)
     printer = _Printer(tool, chosen, options)
-    stream = tool.graph.messages(chosen.topic, chosen.type)
-    async with aclosing(aiter(stream)) as messages:
+    async with shown_messages(tool.graph.messages(chosen.topic, chosen.type)) as messages:
         async for message in messages:
             printer.show(message)
             if printer.is_done:
