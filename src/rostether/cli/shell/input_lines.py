@@ -11,6 +11,7 @@ from collections.abc import AsyncIterator
 MAX_LINE_BYTES = 1 << 16
 _READ_BYTES = 1 << 16
 _BACKGROUND_S = 1.0
+_FILE_PAUSE_S = 0.01
 
 
 async def input_lines() -> AsyncIterator[str]:
@@ -36,6 +37,8 @@ async def _read(descriptor: int) -> bytes:
         try:
             loop.add_reader(descriptor, ready.set)
         except PermissionError:
+            # Without a pause /dev/zero, which has no end, would keep the loop from everything else.
+            await asyncio.sleep(_FILE_PAUSE_S)
             break
         try:
             await ready.wait()

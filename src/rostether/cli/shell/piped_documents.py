@@ -12,25 +12,36 @@ from rostether.errors import ConfigError
 
 SEPARATOR = "---"
 
-MAX_LINE_BYTES = 64 << 20
+MAX_DOCUMENT_BYTES = 64 << 20
 """Longer than any message in the field as text; without a limit a pipe could fill memory."""
 
 
 async def piped_documents(stream: TextIO) -> AsyncIterator[str]:
     """Yield the text of each document at the `---` that ends it, the last one at the end; no empty ones.
 
-    The loop goes on while a pipe is silent. Raises ConfigError for a line beyond all measure.
+    The loop goes on while a pipe is silent. Raises ConfigError for a document beyond all measure.
     """
     lines: list[str] = []
+    size = 0
     async for line in _lines(stream):
         if line.rstrip() != SEPARATOR:
             lines.append(line)
+            size += len(line)
+            if size > MAX_DOCUMENT_BYTES:
+                raise _too_long()
             continue
         if text := _joined(lines):
             yield text
         lines.clear()
+        size = 0
     if text := _joined(lines):
         yield text
+
+
+def _too_long() -> ConfigError:
+    return ConfigError(
+        f"a document has more than {MAX_DOCUMENT_BYTES} bytes; write {SEPARATOR} between messages"
+    )
 
 
 def _joined(lines: list[str]) -> str:
@@ -42,10 +53,10 @@ async def _lines(stream: TextIO) -> AsyncIterator[str]:
     descriptor = _pipe_descriptor(stream)
     if descriptor is None:
         # Files and /dev/null never keep anyone waiting, and the loop cannot watch them.
-        for line in stream:
+        while line := stream.readline(MAX_DOCUMENT_BYTES + 1):
             yield line
         return
-    reader = asyncio.StreamReader(limit=MAX_LINE_BYTES)
+    reader = asyncio.StreamReader(limit=MAX_DOCUMENT_BYTES)
     transport, _ = await asyncio.get_running_loop().connect_read_pipe(
         lambda: asyncio.StreamReaderProtocol(reader), os.fdopen(os.dup(descriptor), "rb")
     )
@@ -53,7 +64,7 @@ async def _lines(stream: TextIO) -> AsyncIterator[str]:
         while line_bytes := await reader.readline():
             yield line_bytes.decode("utf-8", "surrogateescape")
     except ValueError:
-        raise ConfigError(f"the pipe holds a line of more than {MAX_LINE_BYTES} bytes") from None
+        raise _too_long() from None
     finally:
         transport.close()
         # The next command of a shell's `(a; b) < pipe` has the same open pipe.

@@ -38,7 +38,7 @@ async def test_each_document_comes_when_its_separator_has_come(pipe: tuple[TextI
 async def test_a_line_beyond_all_measure_is_refused(
     pipe: tuple[TextIO, BinaryIO], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("rostether.cli.shell.piped_documents.MAX_LINE_BYTES", 100)
+    monkeypatch.setattr("rostether.cli.shell.piped_documents.MAX_DOCUMENT_BYTES", 100)
     stream, end = pipe
     end.write(b"x" * 1000)
     with pytest.raises(ConfigError, match="more than 100 bytes"):
@@ -66,3 +66,13 @@ async def test_documents_of_a_file(text: str, documents: list[str], tmp_path: Pa
 async def test_nothing_comes_from_the_null_device() -> None:
     with Path(os.devnull).open() as stream:
         assert [each async for each in piped_documents(stream)] == []
+
+
+@pytest.mark.parametrize("path", ["/dev/zero", "many lines"])
+async def test_a_document_without_end_is_refused(
+    path: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rostether.cli.shell.piped_documents.MAX_DOCUMENT_BYTES", 100)
+    (tmp_path / "many lines").write_text("a: 1\n" * 100)
+    with (tmp_path / path).open() as file, pytest.raises(ConfigError, match="write --- between"):
+        [text async for text in piped_documents(file)]
