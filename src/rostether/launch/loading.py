@@ -33,18 +33,20 @@ def load_launch(
     text: bytes | None = None,
     programs: Mapping[tuple[str, str], Sequence[str]] | None = None,
     served_packages: Iterable[str] = (),
+    runs_commands: bool = True,
 ) -> LaunchPlan:
     """Read launch files one after the other into one plan.
 
     `arguments` are those of the command line; `packages` are folders by name. `text` is a launch file that
     has no path, read last. `programs` are command lines of ours for (package, program), as
     `$(find xacro)/xacro` names them where the package is not installed; $(find) knows it then, and
-    `served_packages`. Raises LaunchError with file and line.
+    `served_packages`. Without `runs_commands` parameters with `command=` are empty texts, and nothing is
+    executed. Raises LaunchError with file and line.
     """
     programs = programs or {}
     served = frozenset(served_packages) | {package for package, _ in programs}
     surroundings = Surroundings(environ, packages, served)
-    loader = _Loader(TagReader(surroundings), programs)
+    loader = _Loader(TagReader(surroundings), programs, runs_commands=runs_commands)
     namespace = as_namespace(arguments.get("__ns") or environ.get("ROS_NAMESPACE") or "/")
     for path in paths:
         loader.load_root(_read(str(path)), str(path), namespace, arguments)
@@ -54,9 +56,15 @@ def load_launch(
 
 
 class _Loader:
-    def __init__(self, reader: TagReader, programs: Mapping[tuple[str, str], Sequence[str]]) -> None:
+    def __init__(
+        self,
+        reader: TagReader,
+        programs: Mapping[tuple[str, str], Sequence[str]],
+        *,
+        runs_commands: bool,
+    ) -> None:
         self.reader = reader
-        self._parameters = ParameterTags(reader, programs)
+        self._parameters = ParameterTags(reader, programs, runs_commands=runs_commands)
         self._nodes = NodeTags(reader, self._parameters)
         self._node_names: dict[str, Element] = {}
         self._machines: set[str] = set()

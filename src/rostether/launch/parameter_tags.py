@@ -30,12 +30,21 @@ _SCRIPT_SUFFIX = ".py"
 class ParameterTags:
     """Reads both tags; `programs` are command lines of ours for programs of packages that we serve.
 
+    Without `runs_commands` a parameter with `command=` is an empty text.
+
     All methods raise LaunchError, ConfigError.
     """
 
-    def __init__(self, reader: TagReader, programs: Mapping[tuple[str, str], Sequence[str]]) -> None:
+    def __init__(
+        self,
+        reader: TagReader,
+        programs: Mapping[tuple[str, str], Sequence[str]],
+        *,
+        runs_commands: bool = True,
+    ) -> None:
         self._reader = reader
         self._programs = programs
+        self._runs_commands = runs_commands
 
     def param(self, element: Element, scope: Scope) -> None:
         """Set a parameter, or keep a private one for the nodes that follow."""
@@ -114,7 +123,7 @@ class ParameterTags:
                 return convert(_read_text(text), type_name)
             case "binfile":
                 return _read_bytes(text)
-        return convert(self._output_of(text), type_name)
+        return convert(self._output_of(text), type_name) if self._runs_commands else ""
 
     def _output_of(self, command: str) -> str:
         words = _split(command)

@@ -184,6 +184,18 @@ def test_a_command_that_prints_without_end_is_ended(monkeypatch: pytest.MonkeyPa
     assert loads('<param name="p" command="echo short"/>').parameters == {"/p": "short\n"}
 
 
+def test_reading_runs_commands_only_where_their_output_is_wanted(tmp_path: Path) -> None:
+    mark = tmp_path / "ran"
+    body = f'<param name="p" type="int" command="touch {mark}"/><arg name="a" default="1"/>'
+    plan = loads(body, runs_commands=False)
+    assert plan.parameters == {"/p": ""}
+    assert plan.argument_names == frozenset(("a",))
+    assert not mark.exists()
+    with pytest.raises(LaunchError):
+        loads(body)
+    assert mark.exists()
+
+
 @pytest.mark.parametrize("source", ["textfile", "binfile"])
 def test_a_file_without_end_is_refused(source: str) -> None:
     with pytest.raises(LaunchError, match="is larger than"):

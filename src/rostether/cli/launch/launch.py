@@ -192,7 +192,10 @@ def launch(options: LaunchOptions, words: tuple[str, ...], graph: GraphOptions) 
             packages = package_folders({}, package) | packages
     near = _nearest(packages)
     environ = _environ_for(near)
-    plan = _load(sources, packages, environ)
+    # Who asks what a file would do does not expect its programs to run; only the parameters need them.
+    only_lists = options.lists_nodes or options.lists_arguments or options.lists_files
+    runs_commands = not (only_lists or options.args_of is not None or options.file_of is not None)
+    plan = _load(sources, packages, environ, runs_commands=runs_commands)
     locate = _locator(packages, near)
     if options.lists_nodes:
         _print(listing.node_lines(plan))
@@ -237,7 +240,9 @@ def launch(options: LaunchOptions, words: tuple[str, ...], graph: GraphOptions) 
                 options.pid_file.unlink(missing_ok=True)
 
 
-def _load(sources: LaunchSources, packages: Mapping[str, Path], environ: Mapping[str, str]) -> LaunchPlan:
+def _load(
+    sources: LaunchSources, packages: Mapping[str, Path], environ: Mapping[str, str], *, runs_commands: bool
+) -> LaunchPlan:
     from rostether.cli.access.graph_options import ros_arguments
     from rostether.cli.launch.served_nodes import served_nodes
     from rostether.cli.launch.served_programs import served_programs
@@ -251,6 +256,7 @@ def _load(sources: LaunchSources, packages: Mapping[str, Path], environ: Mapping
         text=read_bytes(STDIN) if sources.reads_stdin else None,
         programs=served_programs(),
         served_packages={package for package, _ in served_nodes()},
+        runs_commands=runs_commands,
     )
 
 
