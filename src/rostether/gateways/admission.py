@@ -7,11 +7,12 @@ browsers send tells which page it is. Programs send none.
 from __future__ import annotations
 
 import hmac
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from ipaddress import ip_address
 from typing import Protocol
 from urllib.parse import SplitResult, parse_qs, urlsplit
+
+from rostether.transports.own_names import OwnNames
 
 ANY_PAGE = "*"
 
@@ -24,19 +25,21 @@ _BEARER = "bearer"
 class PageRule:
     """Which pages may connect: this machine's to this machine, and those of the address connected to.
 
-    `origins` are pages that the user named, such as `https://panel.example` (`*`: all), `own_names` names of
-    this machine besides its addresses. A gateway for a viewer names the viewer's own `viewer_site`: its pages
-    and desktop applications may connect too, and so may the viewer that this machine serves, to any machine.
+    `origins` are pages that the user named, such as `https://panel.example` (`*`: all), `own_names` this
+    machine's names. A gateway for a viewer names the viewer's own `viewer_site`: its pages may connect too,
+    and so may the viewer that this machine serves, to any machine.
     """
 
     origins: Sequence[str] = ()
-    own_names: Collection[str] = ()
+    own_names: OwnNames = field(default_factory=OwnNames)
     viewer_site: str = ""
 
     def admits(self, origin: str | None, host: str) -> bool:
-        """Tell whether a page may connect; `host` is the Host that it asked, `origin` may be missing."""
-        if origin is None or ANY_PAGE in self.origins:
+        """Tell whether a page, or a program without an `origin`, may connect to this Host."""
+        if ANY_PAGE in self.origins:
             return True
+        if origin is None:
+            return not host or self.own_names.include(host)
         if any(origin in (each, each.rstrip("/")) for each in self.origins):
             return True
         try:
@@ -50,16 +53,20 @@ class PageRule:
         if name in _LOOPBACK_NAMES and server in _LOOPBACK_NAMES:
             return True
         # A name that somebody else's name server resolves to us must not count as ours.
-        return bool(name) and name == server and (name in self.own_names or _is_address(name))
+        return bool(name) and name == server and self.own_names.include(name)
 
     def _is_viewer(self, page: SplitResult) -> bool:
         name = page.hostname or ""
         if page.scheme not in _WEB_SCHEMES:
-            # "null" is what any page may make of itself; file: and the like only a program can.
-            return bool(page.scheme)
+            return False
         if page.scheme == "https" and (name == self.viewer_site or name.endswith(f".{self.viewer_site}")):
             return True
         return name in _LOOPBACK_NAMES
+
+
+def is_of_program(origin: str | None) -> bool:
+    """Tell whether an Origin is of no web page: it is missing, or of a scheme such as `file:`."""
+    return origin is None or (":" in origin and not origin.startswith(("http:", "https:")))
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,16 +110,13 @@ def single_header(headers: Headers, name: str) -> str | None:
     return values[0] if len(values) == 1 else "null"
 
 
+def foreign_host(host: str) -> str:
+    """Return why a request to another machine's name is refused."""
+    return f"{host!r:.200} is no name of this machine: use its address, set ROS_HOSTNAME, or use a --token"
+
+
 def is_same_secret(given: str, wanted: str) -> bool:
     """Tell whether two texts are equal, in a time that does not depend on where they differ."""
     return hmac.compare_digest(
         given.encode("utf-8", "surrogatepass"), wanted.encode("utf-8", "surrogatepass")
     )
-
-
-def _is_address(host: str) -> bool:
-    try:
-        ip_address(host)
-    except ValueError:
-        return False
-    return True

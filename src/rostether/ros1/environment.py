@@ -76,7 +76,8 @@ class RosEnvironment:
 
     `master_uri_is_set` tells a chosen master from the default; `advertised_host` goes into the URIs we
     register; `listen_hosts` are the addresses our servers bind, `admission` says who may connect to them,
-    `limits` how much they may bring; `namespace` is global.
+    `limits` how much they may bring; `own_names` are names of this machine that the user gave; `namespace` is
+    global.
     """
 
     master_uri: str = DEFAULT_MASTER_URI
@@ -87,6 +88,7 @@ class RosEnvironment:
     package_path: tuple[Path, ...] = ()
     admission: Admission = field(default=EVERYBODY, compare=False)
     limits: GraphLimits = DEFAULT_GRAPH_LIMITS
+    own_names: tuple[str, ...] = ()
 
     @classmethod
     def read(cls, environ: Mapping[str, str] | None = None) -> RosEnvironment:
@@ -115,7 +117,12 @@ class RosEnvironment:
                         f"ROS_IP={host!r:.200} is no IP address; a host name goes into ROS_HOSTNAME"
                     )
                 advertised = _network_address() if _is_wildcard(host) else host
-                return replace(environment, advertised_host=advertised, listen_hosts=_listen_hosts(host))
+                return replace(
+                    environment,
+                    advertised_host=advertised,
+                    listen_hosts=_listen_hosts(host),
+                    own_names=(host,),
+                )
         return environment
 
     @property
@@ -138,7 +145,12 @@ class RosEnvironment:
         advertised = self.advertised_host
         if is_loopback(advertised):
             advertised = _network_address() if _is_wildcard(address) else address
-        return replace(self, advertised_host=advertised, listen_hosts=_listen_hosts(address))
+        return replace(
+            self,
+            advertised_host=advertised,
+            listen_hosts=_listen_hosts(address),
+            own_names=(*self.own_names, address),
+        )
 
     def allowing(self, networks: Iterable[str]) -> RosEnvironment:
         """Return this environment with servers for these networks only (`--allow`); none given: as it is.

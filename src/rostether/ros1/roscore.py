@@ -53,6 +53,7 @@ class Roscore:
             advertised_host=environment.advertised_host,
             admission=environment.admission,
             limits=environment.limits,
+            own_names=environment.own_names,
         )
         core = cls(master, environment, respawn_pause_s=respawn_pause_s)
         try:

@@ -33,6 +33,7 @@ class ServerConnection(asyncio.Protocol):
         admit: Callable[[ServerConnection, asyncio.Transport], bool] = lambda _connection, _transport: True,
         *,
         max_body_bytes: int = MAX_BODY_BYTES,
+        is_own_host: Callable[[str], bool] = lambda _host: True,
     ) -> None:
         self._answer = answer
         self._has_room = has_room
@@ -41,7 +42,7 @@ class ServerConnection(asyncio.Protocol):
         self._waits_for_turn = False
         self._admit = admit
         self._on_lost = on_lost
-        self._http = HttpServerSide(max_body_bytes=max_body_bytes)
+        self._http = HttpServerSide(max_body_bytes=max_body_bytes, is_own_host=is_own_host)
         self._transport: asyncio.Transport | None = None
         self._task: asyncio.Future[bytes] | None = None
         self._is_congested = False

@@ -15,6 +15,7 @@ from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.ros1.long_work import SLICE_S
 from rostether.ros1.xmlrpc_connection import ServerConnection
 from rostether.ros1.xmlrpc_methods import Dispatch, MethodTable
+from rostether.transports.own_names import OwnNames
 from rostether.transports.sockets import system_bind_errors
 
 # A client that reuses its connection does so within seconds; roscpp drops its own after 30 s.
@@ -32,8 +33,9 @@ _BIND_ATTEMPTS = 5
 class XmlRpcServer:
     """Serves `dispatch` on `port` (0: a free one) of every address in `hosts`.
 
-    `uri` is the URI to advertise, made of `advertised_host` and the port. Besides the methods given,
-    `system.multicall` and `system.listMethods` are there.
+    `uri` is the URI to advertise, made of `advertised_host` and the port. Requests to names that are neither
+    the machine's nor among `own_names` are refused. Besides the methods given, `system.multicall` and
+    `system.listMethods` are there.
     """
 
     def __init__(
@@ -47,7 +49,9 @@ class XmlRpcServer:
         idle_timeout_s: float = IDLE_TIMEOUT_S,
         first_byte_limit_s: float = FIRST_BYTE_LIMIT_S,
         limits: GraphLimits = DEFAULT_GRAPH_LIMITS,
+        own_names: Iterable[str] = (),
     ) -> None:
+        self._own_names = OwnNames((advertised_host, *hosts, *own_names))
         self._methods = MethodTable(dispatch, limits.body_bytes)
         self._hosts = [connect_host(host) for host in hosts]
         self._advertised_host = advertised_host
@@ -127,6 +131,7 @@ class XmlRpcServer:
             self._take_turn,
             self._admit,
             max_body_bytes=self._limits.body_bytes,
+            is_own_host=self._own_names.include,
         )
 
     def _admit(self, connection: ServerConnection, transport: asyncio.Transport) -> bool:

@@ -2,10 +2,13 @@
 
 h11 does the framing (Content-Length, chunked, HTTP/1.0 and 1.1, keep-alive); this adds what ROS peers need:
 limits, one exchange at a time, `Expect: 100-continue`, and no browsers: a web page can make a browser POST to
-a loopback port, and only a browser sends an `Origin` header, so a request with one is refused.
+a loopback port, and only a browser sends an `Origin` header, so a request with one is refused. So is one that
+asks for a host of another name: see `transports.own_names`.
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import h11
 
@@ -20,6 +23,8 @@ SMALL_CHUNKS = 1024
 # What is read of a request in one go: a head, some chunks, an end. Below a millisecond.
 EVENTS_AT_ONCE = 64
 
+_XML_TYPES = (b"text/xml", b"application/xml")
+_TYPE = b"content-type"
 _TEXT_XML = (b"Content-Type", b"text/xml")
 _TINY_CHUNKS = f"the document comes in chunks of less than {MIN_CHUNK_BYTES} bytes: send larger ones"
 _REASONS = {
@@ -38,8 +43,11 @@ class HttpStatusError(RemoteProtocolError):
 class HttpServerSide:
     """One connection's server half: `receive_data`, then `next_request` and `send_response` in turns."""
 
-    def __init__(self, *, max_body_bytes: int = MAX_BODY_BYTES) -> None:
+    def __init__(
+        self, *, max_body_bytes: int = MAX_BODY_BYTES, is_own_host: Callable[[str], bool] = lambda _host: True
+    ) -> None:
         self._connection = h11.Connection(h11.SERVER)
+        self._is_own_host = is_own_host
         self._max_body_bytes = max_body_bytes
         self._body = bytearray()
         self._chunk_count = 0
@@ -121,7 +129,13 @@ class HttpServerSide:
             self._refuse(403, "requests from web pages are refused")
         elif headers.get(b"content-encoding", b"identity") != b"identity":
             self._refuse(400, "compressed requests are not understood")
-        elif b"xml" not in headers.get(b"content-type", b"text/xml").lower():
+        elif not self._is_own_host(host := headers.get(b"host", b"localhost").decode("latin-1")):
+            self._refuse(
+                403,
+                f"{host!r:.200} is no name of this machine: use its address, or start with ROS_HOSTNAME or "
+                "--listen set to this name",
+            )
+        elif any(_media_type(value) not in _XML_TYPES for name, value in request.headers if name == _TYPE):
             # What a web page can send unasked is a form or plain text; some ROS clients give no type.
             self._refuse(415, "an XML-RPC request has the Content-Type text/xml")
         elif int(headers.get(b"content-length", b"0")) > self._max_body_bytes:
@@ -225,6 +239,10 @@ class HttpClientSide:
         if is_done and not self._connection.trailing_data[0]:
             self._connection.start_next_cycle()
         return bytes(self._body)
+
+
+def _media_type(value: bytes) -> bytes:
+    return value.partition(b";")[0].strip().lower()
 
 
 def _has_tiny_chunks(count: int, body_bytes: int) -> bool:

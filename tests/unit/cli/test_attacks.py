@@ -26,7 +26,8 @@ MANY_VALUES = (
 
 def request(body: bytes) -> bytes:
     return (
-        b"POST / HTTP/1.1\r\nHost: x\r\nContent-Type: text/xml\r\nContent-Length: %d\r\n\r\n" % len(body)
+        b"POST / HTTP/1.1\r\nHost: localhost\r\nContent-Type: text/xml\r\nContent-Length: %d\r\n\r\n"
+        % len(body)
         + body
     )
 

@@ -4,6 +4,7 @@ import pytest
 from websockets.datastructures import Headers
 
 from rostether.gateways.admission import PageRule, Token, single_header
+from rostether.transports.own_names import OwnNames
 
 REBOUND = "stranger.example"
 """A name whose owner lets it lead to this machine once the page is there."""
@@ -31,16 +32,30 @@ REBOUND = "stranger.example"
 def test_pages_whose_address_is_ours_may_connect(
     origin: str | None, host: str, viewer_site: str, is_admitted: bool
 ) -> None:
-    assert PageRule((), ("robot",), viewer_site).admits(origin, host) is is_admitted
+    assert PageRule((), OwnNames(("robot",)), viewer_site).admits(origin, host) is is_admitted
 
 
 @pytest.mark.parametrize(
     "origin",
-    ["https://viewer.example", "https://app.viewer.example", "viewer://app", "http://localhost:3000"],
+    ["https://viewer.example", "https://app.viewer.example", "http://localhost:3000"],
 )
 def test_a_viewer_may_connect_where_a_gateway_is_made_for_it(origin: str) -> None:
     assert PageRule(viewer_site="viewer.example").admits(origin, "robot:1")
     assert not PageRule().admits(origin, "robot:1")
+
+
+@pytest.mark.parametrize("origin", ["file://", "chrome-extension://abcdef", "viewer://app", "data:x"])
+def test_what_is_no_web_page_must_be_named(origin: str) -> None:
+    assert not PageRule(viewer_site="viewer.example").admits(origin, "localhost:1")
+    assert PageRule((origin,)).admits(origin, "localhost:1")
+
+
+def test_a_program_asks_for_a_name_of_this_machine() -> None:
+    rule = PageRule(own_names=OwnNames(("robot",)))
+    for host in ("", "robot:1", "localhost:1", "10.0.0.7:1", "[::1]:1"):
+        assert rule.admits(None, host)
+    assert not rule.admits(None, REBOUND)
+    assert PageRule(("*",)).admits(None, REBOUND)
 
 
 def test_pages_that_were_named_may_connect() -> None:

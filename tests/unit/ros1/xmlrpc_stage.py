@@ -44,7 +44,7 @@ class RawClient:
         return cls(*await asyncio.open_connection("127.0.0.1", server.port))
 
     async def answer(self) -> object:
-        http = HttpClientSide("x")
+        http = HttpClientSide("localhost")
         http.send_request(b"")
         while True:
             data = await self.reader.read(65536)
@@ -58,7 +58,7 @@ class RawClient:
 
 
 def request(method: str, *params: object) -> bytes:
-    return HttpClientSide("x").send_request(dump_call(method, params))
+    return HttpClientSide("localhost").send_request(dump_call(method, params))
 
 
 async def later(value: object) -> object:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -39,7 +40,7 @@ def in_pieces(data: bytes) -> Iterable[list[bytes]]:
     yield [data[: len(data) // 2], data[len(data) // 2 :]]
 
 
-def refused(request: bytes, **limits: int) -> tuple[bytes, HttpServerSide]:
+def refused(request: bytes, **limits: Any) -> tuple[bytes, HttpServerSide]:
     server = HttpServerSide(**limits)
     server.receive_data(request)
     assert server.next_request() is None
@@ -322,3 +323,37 @@ def test_much_at_once_is_read_in_parts() -> None:
         if body is not None:
             break
     assert body == b"x" * 500
+
+
+@pytest.mark.parametrize(
+    "content_type",
+    [
+        b"text/plain; a=xml",
+        b"application/x-www-form-urlencoded;xml",
+        b"xml",
+        b"text/xml2",
+        b"text/plain\r\nContent-Type: text/xml",
+    ],
+)
+def test_a_type_that_only_mentions_xml_is_refused(content_type: bytes) -> None:
+    answer, _ = refused(b"POST / HTTP/1.1\r\nHost: x\r\nContent-Type: " + content_type + b"\r\n\r\n")
+    assert answer.startswith(b"HTTP/1.1 415 ")
+
+
+@pytest.mark.parametrize("content_type", [b"text/xml", b"Text/XML; charset=utf-8", b"application/xml"])
+def test_types_of_xml_are_taken(content_type: bytes) -> None:
+    server = HttpServerSide()
+    server.receive_data(
+        b"POST / HTTP/1.1\r\nHost: x\r\nContent-Length: 1\r\nContent-Type: " + content_type + b"\r\n\r\nx"
+    )
+    assert server.next_request() == b"x"
+
+
+def test_a_request_to_another_machines_name_is_refused() -> None:
+    request = b"POST / HTTP/1.1\r\nHost: rebound.example:11311\r\nContent-Length: 0\r\n\r\n"
+    answer, _ = refused(request, is_own_host=lambda host: host == "robot:11311")
+    assert answer.startswith(b"HTTP/1.1 403 ")
+    assert b"'rebound.example:11311' is no name of this machine" in answer
+    server = HttpServerSide(is_own_host=lambda host: host == "robot:11311")
+    server.receive_data(request.replace(b"rebound.example", b"robot"))
+    assert server.next_request() == b""

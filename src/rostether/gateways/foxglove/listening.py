@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import errno
+import os
 import socket
 from collections.abc import Callable
 
@@ -28,7 +29,9 @@ class Listening:
     ) -> None:
         self._settings = settings
         self._make_user = make_user
-        self._admission = Admission(settings.origins, settings.token)
+        self._admission = Admission(
+            settings.origins, settings.token, (settings.host, os.environ.get("ROS_HOSTNAME", ""))
+        )
         self.door = Door(settings.allow, settings.limits.clients, tell_refused)
         """Counts the connections, and tells of those that are refused."""
         self._servers: list[asyncio.Server] = []

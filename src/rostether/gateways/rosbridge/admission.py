@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import hashlib
-import socket
+import os
 from typing import Any
 
 from rostether.gateways.admission import PageRule, Token, is_same_secret
 from rostether.gateways.rosbridge.settings import RosbridgeSettings
+from rostether.transports.own_names import OwnNames
 
 MAX_CLOCK_OFFSET_S = 5.0
 """How old a MAC may be, as in rosauth: who has overheard one cannot use it later."""
@@ -17,13 +18,14 @@ class Admission:
     """The rules of one server."""
 
     def __init__(self, settings: RosbridgeSettings) -> None:
-        own_name = socket.gethostname().lower()
-        self._pages = PageRule(settings.origins, (own_name, f"{own_name}.local", settings.host))
+        self._pages = PageRule(
+            settings.origins, OwnNames((settings.host, os.environ.get("ROS_HOSTNAME", "")))
+        )
         self._token = Token(settings.token)
         self._path = settings.path.strip("/")
 
     def allows_origin(self, origin: str | None, host_header: str) -> bool:
-        """Tell whether a page may connect; programs that are no browsers name no origin."""
+        """Tell whether a page, or a program without an origin, may connect to this host."""
         return self._pages.admits(origin, host_header)
 
     def allows_path(self, path: str) -> bool:

@@ -19,7 +19,7 @@ from websockets.http11 import Request as HttpRequest
 from websockets.http11 import Response
 
 from rostether.errors import RostetherError, TransportOpenError
-from rostether.gateways.admission import single_header
+from rostether.gateways.admission import foreign_host, single_header
 from rostether.gateways.door import Door, peer_name
 from rostether.gateways.encryption import server_encryption
 from rostether.gateways.rosbridge.admission import Admission
@@ -191,11 +191,16 @@ class RosbridgeServer:
 
     async def _admit(self, connection: ServerConnection, request: HttpRequest) -> Response | None:
         origin = single_header(request.headers, "Origin")
-        if not self._admission.allows_origin(origin, single_header(request.headers, "Host") or ""):
-            return self._refuse(
-                connection,
-                f"the page {origin!r:.200} is of another host; `--origin {origin:.200}` lets it in",
-            )
+        host = single_header(request.headers, "Host") or ""
+        authorization = single_header(request.headers, "Authorization") or ""
+        if not self._admission.allows_origin(origin, host):
+            if origin is not None:
+                return self._refuse(
+                    connection,
+                    f"the page {origin!r:.200} is of another host; `--origin {origin:.200}` lets it in",
+                )
+            if not (self._admission.wants_token and self._admission.knows_token(request.path, authorization)):
+                return self._refuse(connection, foreign_host(host))
         if not self._admission.allows_path(request.path):
             return self._refuse(
                 connection, f"nothing is served at {request.path!r:.200}", HTTPStatus.NOT_FOUND

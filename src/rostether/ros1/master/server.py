@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from rostether.ros1.admission import EVERYBODY, Admission
 from rostether.ros1.environment import DEFAULT_MASTER_PORT, LOOPBACK
@@ -31,6 +31,7 @@ class MasterServer:
         advertised_host: str,
         admission: Admission = EVERYBODY,
         limits: GraphLimits = DEFAULT_GRAPH_LIMITS,
+        own_names: Iterable[str] = (),
     ) -> None:
         self._node_calls = NodeCallQueue(self._drop_gone)
         self.api = MasterApi(self._node_calls, self._stop, limits)
@@ -41,6 +42,7 @@ class MasterServer:
             advertised_host=advertised_host,
             admission=admission,
             limits=limits,
+            own_names=own_names,
         )
         self._stopped = asyncio.Event()
         self._closing: asyncio.Task[None] | None = None
@@ -55,14 +57,16 @@ class MasterServer:
         advertised_host: str = "",
         admission: Admission = EVERYBODY,
         limits: GraphLimits = DEFAULT_GRAPH_LIMITS,
+        own_names: Iterable[str] = (),
     ) -> MasterServer:
         """Start a master on one or several addresses; port 0 takes a free one.
 
-        `advertised_host` goes into its URI, the first address by default. Raises GraphError when the port is
+        `advertised_host` goes into its URI, the first address by default; `own_names` are more names by which
+        nodes may call it. Raises GraphError when the port is
         taken, ConfigError when an address is not this machine's.
         """
         hosts = (host,) if isinstance(host, str) else tuple(host)
-        master = cls(hosts, port, advertised_host or hosts[0], admission, limits)
+        master = cls(hosts, port, advertised_host or hosts[0], admission, limits, own_names)
         await master._listen()
         return master
 

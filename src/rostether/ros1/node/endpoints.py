@@ -59,6 +59,7 @@ class Endpoints:
             advertised_host=environment.advertised_host,
             admission=environment.admission,
             limits=environment.limits,
+            own_names=environment.own_names,
         )
         self._is_open = False
         self.watches: ParameterWatches

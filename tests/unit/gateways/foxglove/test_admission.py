@@ -15,8 +15,6 @@ from rostether.gateways.foxglove.admission import Admission
         "http://localhost:3000",
         "http://127.0.0.1:8080",
         "http://[::1]:8080",
-        "file://",
-        "foxglove://app",
         "http://10.0.0.7:80",
     ],
 )
@@ -31,6 +29,9 @@ def test_viewers_may_connect(origin: str | None) -> None:
         "",
         "https://evil.example",
         "null",
+        "file://",
+        "foxglove://app",
+        "chrome-extension://abcdef",
         "http://app.foxglove.dev",
         "https://foxglove.dev.evil.example",
         "https://evilfoxglove.dev",
@@ -51,6 +52,29 @@ def test_the_user_may_allow_pages() -> None:
     assert Admission(origins=["https://panel.example/"]).refusal("/", headers) is None
     assert Admission(origins=["*"]).refusal("/", Headers({"Origin": "null"})) is None
     assert Admission(origins=["https://other.example"]).refusal("/", headers) is not None
+
+
+@pytest.mark.parametrize("origin", ["file://", "chrome-extension://abcdef"])
+def test_programs_and_extensions_need_the_token_or_to_be_named(origin: str) -> None:
+    headers = Headers({"Origin": origin, "Host": "localhost:8765"})
+    assert Admission().refusal("/?token=", headers) is not None
+    assert Admission(token="s3cret").refusal("/", headers) is not None
+    assert Admission(token="s3cret").refusal("/?token=s3cret", headers) is None
+    assert Admission(origins=[origin]).refusal("/", headers) is None
+
+
+def test_a_page_needs_more_than_the_token() -> None:
+    headers = Headers({"Origin": "https://evil.example", "Host": "localhost:8765"})
+    assert Admission(token="s3cret").refusal("/?token=s3cret", headers) is not None
+
+
+def test_another_machines_name_is_refused() -> None:
+    headers = Headers({"Host": "rebound.example:8765"})
+    refusal = Admission().refusal("/?token=", headers)
+    assert refusal is not None
+    assert "'rebound.example:8765' is no name of this machine" in refusal
+    assert Admission(own_names=["rebound.example"]).refusal("/", headers) is None
+    assert Admission(token="s3cret").refusal("/?token=s3cret", headers) is None
 
 
 def test_the_token_is_asked_for() -> None:

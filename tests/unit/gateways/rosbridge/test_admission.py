@@ -16,6 +16,8 @@ NOW_S = 1_700_000_000.0
     ("origin", "host", "is_let_in"),
     [
         (None, "localhost:9090", True),
+        (None, "192.168.1.7:9090", True),
+        (None, "evil.example:9090", False),
         ("http://localhost:8000", "127.0.0.1:9090", True),
         ("http://127.0.0.1", "localhost:9090", True),
         ("https://[::1]:8443", "localhost:9090", True),

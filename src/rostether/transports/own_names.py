@@ -1,0 +1,74 @@
+"""The names of this machine, by which the `Host` of an HTTP request is judged.
+
+A web page may have its own name resolve to our address (DNS rebinding). For the browser its requests then go
+to the page's own server, but their `Host` is still the page's name. A request to an address cannot be one.
+"""
+
+from __future__ import annotations
+
+import ipaddress
+import socket
+from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
+
+_HOSTS = Path("/etc/hosts")
+_RESOLVER = Path("/etc/resolv.conf")
+
+
+class OwnNames:
+    """This machine's names and `names` given by the user."""
+
+    def __init__(self, names: Iterable[str] = ()) -> None:
+        self._names = {_plain(name) for name in names if name}
+
+    def include(self, host: str) -> bool:
+        """Tell whether a Host header (`name`, `name:port`, `[::1]:port`, an address) means this machine."""
+        name = host.strip()
+        if name.count(":") == 1 or "]:" in name:
+            name = name.rpartition(":")[0]
+        name = _plain(name)
+        return (
+            is_address(name)
+            or name == "localhost"
+            or name.endswith(".localhost")
+            or name in self._names
+            or name in _machine_names()
+        )
+
+
+def is_address(host: str) -> bool:
+    """Tell whether a host is an IP address; an IPv6 one may be in brackets."""
+    try:
+        ipaddress.ip_address(host.strip("[]"))
+    except ValueError:
+        return False
+    return True
+
+
+def _plain(name: str) -> str:
+    return name.lower().rstrip(".")
+
+
+@cache
+def _machine_names() -> frozenset[str]:
+    """Return the machine's names as its own files have them; a resolver may be slow, or somebody else's."""
+    own = _plain(socket.gethostname())
+    label = own.partition(".")[0]
+    names = {own, label, f"{label}.local"}
+    for fields in _fields(_RESOLVER):
+        if fields[0] in ("search", "domain"):
+            names.update(f"{label}.{_plain(domain)}" for domain in fields[1:])
+    for fields in _fields(_HOSTS):
+        aliases = {_plain(alias) for alias in fields[1:]}
+        if aliases & names or (is_address(fields[0]) and ipaddress.ip_address(fields[0]).is_loopback):
+            names |= aliases
+    return frozenset(names)
+
+
+def _fields(path: Path) -> list[list[str]]:
+    try:
+        lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
+    except OSError:
+        return []
+    return [fields for line in lines[:10_000] if (fields := line.partition("#")[0].split())]
