@@ -144,7 +144,7 @@ async def test_every_answer_of_the_master_has_a_limit(method: str, args: list[st
         for number in range(200):
             name = f"/{number}{'x' * 100}"
             await client.call("setParam", "/node", name, 1)
-            await client.call("registerPublisher", "/node", name, "std_msgs/Empty", "http://127.0.0.1:1/")
+            await client.call("registerPublisher", "/node", name, "std_msgs/Empty", master.uri)
         with pytest.raises(GraphError, match="would take more than 20000 bytes"):
             await client.call(method, "/node", *args)
         assert await client.call_status("getParam", "/node", f"/0{'x' * 100}") == (
