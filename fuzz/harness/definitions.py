@@ -101,7 +101,7 @@ def _parse(text: str) -> None:
     except RostetherError:
         return
     assert len(parts) <= MAX_PARTS + 1, "more parts than may be"
-    assert text.count(f"\n{SEPARATOR}\n") >= len(parts) - 1 or text.startswith(SEPARATOR)
+    assert text.count(SEPARATOR) >= len(parts) - 1, "more parts than are marked"
 
 
 def _check(spec: MessageSpec) -> None:

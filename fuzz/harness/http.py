@@ -75,6 +75,7 @@ def run(data: bytes) -> None:
 
 def _serve(stream: bytes, parts: tuple[bytes, ...]) -> None:
     server, served = HttpServerSide(max_body_bytes=MAX_BODY_BYTES), 0
+    most_bytes = MAX_BODY_BYTES + max(map(len, parts))
     for part in parts:
         if server.ended:
             break
@@ -86,7 +87,7 @@ def _serve(stream: bytes, parts: tuple[bytes, ...]) -> None:
             served += 1
             assert len(body) <= MAX_BODY_BYTES, "a body larger than may be"
             server.send_response(b"<x/>")
-        assert server.body_bytes <= MAX_BODY_BYTES + len(part), "more of a body is kept than may be"
+        assert server.body_bytes <= most_bytes, "more of a body is kept than may be"
         server.data_to_send()
     head = re.split(rb"\r?\n\r?\n", stream, maxsplit=1)[0].lower()
     first = head.split(b" ", 1)[0]
