@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from rostether.bridge.board_node import BoardNode
+from rostether.bridge.free_memory import give_back_memory
 from rostether.bridge.identity import numbered
 from rostether.bridge.reporter import reason_of
 from rostether.bridge.session import Session
@@ -18,6 +19,8 @@ NODE_CLOSE_LIMIT_S = 0.8
 # A healthy board speaks every 2.5 s. A connection that was silent for longer, while the same host connects
 # anew, belongs to a board that was switched off without a word.
 HALF_OPEN_S = 3.0
+# Boards that leave one after the other are followed by one release of memory.
+RELEASE_AFTER_S = 2.0
 # A board that hangs up and connects again at once is the same one: news of both may come in one turn.
 FAREWELL_S = 0.02
 
@@ -49,6 +52,8 @@ class BoardRegistry:
         self._clock = clock
         self._boards: dict[str, Board] = {}
         self._dismissed: set[str] = set()
+        self._releasing: asyncio.TimerHandle | None = None
+        self._is_closed = False
 
     def __iter__(self) -> Iterator[Board]:
         """Yield the boards that have a node now, connected or not."""
@@ -119,6 +124,9 @@ class BoardRegistry:
 
     async def close(self) -> None:
         """Take every board out of the graph, in less than a second."""
+        self._is_closed = True
+        if self._releasing is not None:
+            self._releasing.cancel()
         for board in list(self._boards.values()):
             self._leave(board)
         leaving = [board.leaving for board in self._boards.values() if board.leaving is not None]
@@ -154,3 +162,12 @@ class BoardRegistry:
             node.notices.say(Level.WARN, f"the node may still be listed: {reason_of(error)}")
         finally:
             self._boards.pop(board.name, None)
+            self._release_soon()
+
+    def _release_soon(self) -> None:
+        if self._releasing is None and not self._is_closed:
+            self._releasing = asyncio.get_running_loop().call_later(RELEASE_AFTER_S, self._release)
+
+    def _release(self) -> None:
+        self._releasing = None
+        give_back_memory()

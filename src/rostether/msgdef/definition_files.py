@@ -98,13 +98,17 @@ def find_definitions(msg_paths: Iterable[Path], package_path: Iterable[Path]) ->
     return found
 
 
+# Boards and peers make up names of packages without end.
+MAX_LISTED_PACKAGES = 1024
+
+
 @functools.cache
 def bundled_packages() -> frozenset[str]:
     """Return the names of the packages whose definitions we bring along."""
     return frozenset(entry.name for entry in BUNDLED_FOLDER.iterdir() if entry.is_dir())
 
 
-@functools.cache
+@functools.lru_cache(maxsize=MAX_LISTED_PACKAGES)
 def bundled_names(package: str, kind: Kind) -> frozenset[str]:
     """Return the type names of one kind that we bring along for a package; empty for an unknown package."""
     if package not in bundled_packages():

@@ -191,7 +191,7 @@ def _other_types(type_: FieldType) -> Iterator[FieldType]:
         yield FieldType(type_.base, is_array=not type_.is_array or type_.length is not None)
 
 
-@functools.cache
+@functools.lru_cache(maxsize=256)  # peers name types without end
 def _other_bases(base: str) -> tuple[str, ...]:
     return tuple(other for group in _ALTERNATIVES if base in group for other in group if other != base)
 

@@ -56,6 +56,20 @@ async def test_a_lost_board_keeps_its_node_for_the_grace_period() -> None:
     assert node.is_closed
 
 
+async def test_boards_that_leave_give_their_memory_back_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    released: list[int] = []
+    monkeypatch.setattr("rostether.bridge.board_registry.give_back_memory", lambda: released.append(1))
+    monkeypatch.setattr("rostether.bridge.board_registry.RELEASE_AFTER_S", 0.05)
+    boards = BoardRegistry(0.0, lambda: 0.0)
+    for name in ("/arm", "/leg", "/eye"):
+        board, _ = await served(boards, name)
+        boards.lose(board, board.session)
+    await until(lambda: released, "the release")
+    assert not list(boards)
+    assert released == [1]
+    await boards.close()
+
+
 async def test_a_board_that_comes_before_the_news_that_it_left_is_the_same() -> None:
     boards = BoardRegistry(60.0, lambda: 0.0)
     board, _ = await served(boards, "/arm")

@@ -7,6 +7,7 @@ import pytest
 
 from rostether.errors import DefinitionError
 from rostether.msgdef.definition_files import (
+    MAX_LISTED_PACKAGES,
     Kind,
     PackageFiles,
     bundled_file,
@@ -141,6 +142,12 @@ def test_bundled_files_are_there_and_only_by_their_exact_name() -> None:
         assert bundled_file(package, Kind.MESSAGE, name) is None
     assert bundled_names("std_msgs", Kind.SERVICE) == frozenset()
     assert bundled_names("unknown", Kind.MESSAGE) == frozenset()
+
+
+def test_names_that_a_board_makes_up_are_not_kept_for_ever() -> None:
+    for number in range(2 * MAX_LISTED_PACKAGES):
+        bundled_names(f"made_up_{number}", Kind.MESSAGE)
+    assert bundled_names.cache_info().currsize <= MAX_LISTED_PACKAGES
 
 
 def test_bundled_definitions_hold_no_prose() -> None:

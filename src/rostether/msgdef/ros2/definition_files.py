@@ -14,7 +14,7 @@ from enum import Enum, auto
 from pathlib import Path
 
 from rostether.errors import ConfigError
-from rostether.msgdef.definition_files import Kind
+from rostether.msgdef.definition_files import MAX_LISTED_PACKAGES, Kind
 from rostether.packages.package_xml import MAX_PACKAGE_XML_BYTES, parse_package_xml
 
 BUNDLED_FOLDER = Path(__file__).with_name("share")
@@ -115,7 +115,7 @@ def declared_by(file: Path) -> Declared:
     return Declared.UNSAID
 
 
-@functools.cache
+@functools.lru_cache(maxsize=MAX_LISTED_PACKAGES)
 def bundled_names(distro: str, package: str, kind: Kind) -> Mapping[str, Path]:
     """Return the files of one kind that we bring along for a package by type name.
 
