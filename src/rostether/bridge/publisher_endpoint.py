@@ -109,7 +109,11 @@ class PublisherEndpoint:
 
     def _publish(self, publisher: Publisher, payloads: list[bytes]) -> None:
         if not publisher.publish_raw(payloads) and self._line is not None:
-            self._line.congested(partial(publisher.drained, self._settings.drain_pause_s))
+            self._line.congested(partial(self._pause, publisher))
+
+    async def _pause(self, publisher: Publisher) -> None:
+        while not publisher.publish_raw([]):
+            await publisher.drained(self._settings.drain_pause_s)
 
     def _keep_rate(self, rate: MessageRate, payloads: list[bytes]) -> list[bytes]:
         admitted = rate.admit(len(payloads))

@@ -17,7 +17,7 @@ class BridgeSettings:
     meanwhile, and unconfigures itself without one after 11 s.
     `queued_calls`: how many callers may wait for one board's service before the next is refused at once.
     `parameter_timeout_s`: boards wait 1 s for a parameter unless the sketch says otherwise.
-    `drain_pause_s`: how long a slow subscriber may pause a board that can be paused.
+    `drain_pause_s`: how long a board is paused at a time for a slow subscriber.
     `frame_bytes`: the largest payload of a frame from a board; the length field can say no more by default.
     `endpoints`: how many a board may announce. The established library has at most 50.
     `messages_hz`: how many messages a second a board may bring into the graph, all topics together (None:

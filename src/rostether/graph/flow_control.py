@@ -1,23 +1,25 @@
-"""Back-pressure of one publication: whose backlog slows the publisher down, and for how long.
+"""Back-pressure of one publication: when a subscriber's backlog pauses the publisher, and for how long.
 
-Each subscriber's flow is in one of three states; its backlog is what was published and has not left yet.
+A subscriber's backlog is what was published and has not left yet. While it is above the subscriber's mark,
+the publisher is asked to pause (`publish_raw` returns False).
 
-    state      event                            next
-    FLOWING    backlog above high water         CONGESTED   (publish_raw now returns False)
-    CONGESTED  backlog at or below low water    FLOWING
-    CONGESTED  `drained` timed out              SLOW        (pauses nobody, loses its oldest messages)
-    SLOW       backlog at or below low water    FLOWING
-    SLOW       took a high-water mark's worth   CONGESTED
-               within the time of a pause
+    event                                       mark
+    at first, and whenever little is left       high water
+    a pause is over, and it took something      stays: the publisher goes on at the subscriber's pace
+    a pause is over, and it took next to        one step up, a small one while its node reads the same topic
+    nothing                                     from others; at the limit of the queue nobody waits any more,
+                                                and the oldest messages go
+    it takes something after that               one step below the limit
 
-The last line is for a subscriber that keeps up but was kept from running for a moment: without it, a flood
-would not be slowed down again until that subscriber had caught up with a flood.
+So who reads, however slowly others let it, loses nothing; who hangs pauses the publisher STEPS times.
+A node that many flood may read one connection for seconds before it turns to the next.
 """
 
 from __future__ import annotations
 
 import asyncio
-from enum import Enum
+from collections.abc import Callable
+from dataclasses import dataclass
 
 DEFAULT_QUEUE_BYTES = 4 << 20
 """What waits for one subscriber before its oldest messages go: 0.3 s of the fastest flood we carry
@@ -29,11 +31,14 @@ HIGH_WATER_BYTES = 256 << 10
 LOW_WATER_SHARE = 4
 """Flow goes on when this fraction of the high-water mark is left, so that it does not flap."""
 
+STEPS = 32
+"""Three seconds of the bridge's pauses: so long may a busy system keep a healthy subscriber from running."""
 
-class _State(Enum):
-    FLOWING = "flowing"
-    CONGESTED = "congested"
-    SLOW = "slow"
+SMALL_STEPS = 300
+"""Half a minute of them: a node that reads others for longer will not come back to this one."""
+
+LEAST_TAKEN_BYTES = 16 << 10
+"""Who takes less in a pause hangs: 160 kB/s in the bridge's, where dozens of floods share one subscriber."""
 
 
 class PublicationFlow:
@@ -46,11 +51,11 @@ class PublicationFlow:
 
     @property
     def is_open(self) -> bool:
-        """Whether nobody who keeps up otherwise is behind."""
+        """Whether the publisher need not pause."""
         return not self._congested
 
     async def drained(self, timeout_s: float) -> None:
-        """Wait until nobody is congested; who was before and still is after the time counts as slow."""
+        """Wait until nobody is congested, or until a pause is over; `is_open` says whether another is due."""
         if not self._congested:
             return
         before = list(self._congested)
@@ -59,7 +64,7 @@ class PublicationFlow:
                 await self._open.wait()
         except TimeoutError:
             for flow in before:
-                flow.give_up(timeout_s)
+                flow.end_pause()
 
     def _note(self, flow: SubscriberFlow, *, is_congested: bool) -> None:
         if is_congested:
@@ -71,53 +76,80 @@ class PublicationFlow:
                 self._open.set()
 
 
-class SubscriberFlow:
-    """The state of one subscriber."""
+@dataclass(slots=True, weakref_slot=True)
+class Reader:
+    """A node that reads one topic, from several publishers perhaps: counts how often it took something."""
 
-    def __init__(self, publication: PublicationFlow, high_water_bytes: int = HIGH_WATER_BYTES) -> None:
+    takes: int = 0
+
+
+class SubscriberFlow:
+    """The mark of one subscriber; `measure` returns its backlog, of which its queue holds `limit_bytes`."""
+
+    def __init__(
+        self,
+        publication: PublicationFlow,
+        measure: Callable[[], int],
+        limit_bytes: int = DEFAULT_QUEUE_BYTES,
+        reader: Reader | None = None,
+    ) -> None:
+        self.reader = reader or Reader()
         self._publication = publication
-        self._high_water_bytes = high_water_bytes
-        self._low_water_bytes = high_water_bytes // LOW_WATER_SHARE
-        self._state = _State.FLOWING
-        # Of a slow one: what it takes, and since when; a new count begins after each pause's time.
-        self._pause_s = 0.0
-        self._counted_bytes = 0
-        self._counted_since_s = 0.0
+        self._measure = measure
+        self._limit_bytes = limit_bytes
+        self._high_water_bytes = min(HIGH_WATER_BYTES, limit_bytes // 2)
+        rise_bytes = limit_bytes - self._high_water_bytes
+        self._step_bytes = max(rise_bytes // STEPS, 1)
+        self._small_step_bytes = max(rise_bytes // SMALL_STEPS, 1)
+        self._mark_bytes = self._high_water_bytes
+        self._is_congested = False
+        self._before_pause_bytes = 0
+        self._before_pause_takes = 0
 
     @property
-    def is_slow(self) -> bool:
-        """Whether it has been given up on until its backlog is gone."""
-        return self._state is _State.SLOW
+    def hangs(self) -> bool:
+        """Whether it took next to nothing in all the pauses that were made for it."""
+        return self._mark_bytes >= self._limit_bytes
 
-    def note_backlog(self, backlog_bytes: int) -> None:
-        """Take the backlog after each change of it."""
-        if backlog_bytes > self._high_water_bytes:
-            if self._state is _State.FLOWING:
-                self._state = _State.CONGESTED
-                self._publication._note(self, is_congested=True)
-        elif self._state is not _State.FLOWING and backlog_bytes <= self._low_water_bytes:
+    def update(self) -> None:
+        """Look at the backlog after each change of it."""
+        backlog_bytes = self._measure()
+        if backlog_bytes <= self._high_water_bytes // LOW_WATER_SHARE:
             self.end()
+        elif backlog_bytes > self._mark_bytes and not self._is_congested and not self.hangs:
+            self._is_congested = True
+            self._begin_pause(backlog_bytes)
+            self._publication._note(self, is_congested=True)
 
-    def note_taken(self, taken_bytes: int, now_s: float) -> None:
-        """Take how many bytes left the backlog towards the subscriber; tell it before the backlog."""
-        if self._state is _State.SLOW:
-            if now_s - self._counted_since_s > self._pause_s:
-                self._counted_since_s = now_s
-                self._counted_bytes = 0
-            self._counted_bytes += taken_bytes
-            if self._counted_bytes >= self._high_water_bytes:
-                self._state = _State.CONGESTED
-                self._publication._note(self, is_congested=True)
+    def note_taken(self) -> None:
+        """Learn that the subscriber took some of the backlog."""
+        self.reader.takes += 1
+        if self.hangs:
+            self._mark_bytes = self._limit_bytes - self._step_bytes
+        self.update()
 
-    def give_up(self, pause_s: float) -> None:
-        """Count it as slow if it is still congested after a pause of that length."""
-        if self._state is _State.CONGESTED:
-            self._state = _State.SLOW
-            self._pause_s = pause_s
-            self._counted_since_s = float("-inf")
-            self._publication._note(self, is_congested=False)
+    def end_pause(self) -> None:
+        """The time of a pause is over: the next one begins if the backlog is still above the mark."""
+        if not self._is_congested:
+            return
+        backlog_bytes = self._measure()
+        if self._before_pause_bytes - backlog_bytes < LEAST_TAKEN_BYTES:
+            reads_others = self.reader.takes != self._before_pause_takes
+            self._mark_bytes += self._small_step_bytes if reads_others else self._step_bytes
+        self._begin_pause(backlog_bytes)
+        if backlog_bytes <= self._mark_bytes or self.hangs:
+            self._reopen()
 
     def end(self) -> None:
-        """Forget it: it flows again, or its subscriber is gone."""
-        self._state = _State.FLOWING
-        self._publication._note(self, is_congested=False)
+        """Forget it: little is left, or its subscriber is gone."""
+        self._mark_bytes = self._high_water_bytes
+        self._reopen()
+
+    def _begin_pause(self, backlog_bytes: int) -> None:
+        self._before_pause_bytes = backlog_bytes
+        self._before_pause_takes = self.reader.takes
+
+    def _reopen(self) -> None:
+        if self._is_congested:
+            self._is_congested = False
+            self._publication._note(self, is_congested=False)

@@ -10,7 +10,6 @@ from collections.abc import Callable, Container, Mapping, Sequence
 from rostether.graph.callbacks import call_contained
 from rostether.graph.flow_control import (
     DEFAULT_QUEUE_BYTES,
-    HIGH_WATER_BYTES,
     PublicationFlow,
     SubscriberFlow,
 )
@@ -172,7 +171,7 @@ class _Link:
         self._limit_bytes = queue_bytes
         self._queue: deque[bytes] = deque()
         self._bytes = 0
-        self._flow = SubscriberFlow(publisher.flow, min(HIGH_WATER_BYTES, queue_bytes // 2))
+        self._flow = SubscriberFlow(publisher.flow, lambda: self._bytes, queue_bytes)
         self._is_new = True
         self._is_scheduled = False
         publisher.links.append(self)
@@ -187,7 +186,7 @@ class _Link:
         while self._bytes > self._limit_bytes and len(self._queue) > 1:
             self._bytes -= len(self._queue.popleft())
             dropped += 1
-        self._flow.note_backlog(self._bytes)
+        self._flow.update()
         self.deliver_soon()
         return dropped
 
@@ -213,7 +212,7 @@ class _Link:
             payloads = list(self._queue)
             self._queue.clear()
             self._bytes = 0
-            self._flow.note_backlog(0)
+            self._flow.update()
             self._subscriber.take(payloads)
 
 

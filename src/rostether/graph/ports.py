@@ -94,7 +94,7 @@ class Publisher(Protocol):
         """
 
     async def drained(self, timeout_s: float) -> None:
-        """Wait until no subscriber is above its high-water mark; who is not by then counts as slow."""
+        """Wait until little waits for every subscriber, `timeout_s` at most: one pause of the source."""
 
     async def close(self) -> None:
         """Unadvertise. Idempotent."""

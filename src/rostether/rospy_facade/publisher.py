@@ -27,7 +27,7 @@ MAX_WAIT_S = 1.0
 """How long it waits at most: a graph that is shutting down takes nothing any more."""
 
 MAX_PAUSE_S = 0.1
-"""How long a subscriber that is behind may hold a program up, until it counts as slow and loses messages."""
+"""How long a subscriber that is behind may hold a program up at a time."""
 
 
 class SubscribeListener:

@@ -125,8 +125,8 @@ async def test_a_slow_subscriber_of_either_graph_is_felt() -> None:
     for _ in range(100):
         is_open = publisher.publish_raw([string("x" * 10000)])
     assert not is_open
-    await publisher.drained(0.001)
-    assert publisher.publish_raw([string("")])
+    while not publisher.publish_raw([]):
+        await publisher.drained(0.001)
     for _ in range(500):
         publisher.publish_raw([string("x" * 10000)])
     assert publisher.dropped_count > 0

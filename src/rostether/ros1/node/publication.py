@@ -165,7 +165,7 @@ class Publisher:
         self._publication.watchers.append(on_subscriber)
 
     async def drained(self, timeout_s: float) -> None:
-        """Wait until no subscriber is above its high-water mark; who is not by then counts as slow."""
+        """Wait until little waits for every subscriber, `timeout_s` at most: one pause of the source."""
         await self._publication.drained(timeout_s)
 
     async def close(self) -> None:

@@ -5,16 +5,22 @@ from __future__ import annotations
 import asyncio
 from collections import deque
 from collections.abc import Callable, Mapping
+from weakref import WeakValueDictionary
 
-from rostether.graph.flow_control import HIGH_WATER_BYTES, PublicationFlow, SubscriberFlow
+from rostether.graph.flow_control import PublicationFlow, Reader, SubscriberFlow
 from rostether.ros1.tcpros_connection import CLOSE_GRACE_S, ConnectionRecord, limit_unsent
 from rostether.tcpros.message_framing import measure_oldest
 
 SLOW_REPORT_INTERVAL_S = 10.0
 """Who falls behind and catches up all the time would fill the log; the line says how many are lost so far."""
 
-_WRITE_BYTES = 256 << 10
-"""How much of a queue is joined for one write: more would only wait in the transport, undroppable."""
+_WRITE_BYTES = 64 << 10
+"""How much of a queue is joined for one write: more would only wait in the transport, undroppable, and a slow
+subscriber would take part of it for long before it is seen to take anything."""
+
+
+# Of all publications in this process, by caller id and topic.
+_readers: WeakValueDictionary[tuple[str, str], Reader] = WeakValueDictionary()
 
 
 class SubscriberConnection(asyncio.Protocol):
@@ -43,10 +49,10 @@ class SubscriberConnection(asyncio.Protocol):
         self._transport = transport
         self._greeting = greeting
         self._limit_bytes = queue_bytes
-        self._flow = SubscriberFlow(flow, min(HIGH_WATER_BYTES, queue_bytes // 2))
+        reader = _readers.setdefault((self.record.peer, topic), Reader())
+        self._flow = SubscriberFlow(flow, self._backlog_bytes, queue_bytes, reader)
         self._queue: deque[tuple[bytes, int]] = deque()
         self._queued_bytes = 0
-        self._written_bytes = 0  # of the queue, since the socket last took all
         self._loop = asyncio.get_running_loop()
         self._takes_more = True
         self._is_losing = False
@@ -66,12 +72,13 @@ class SubscriberConnection(asyncio.Protocol):
         self.record.byte_count += len(data)
         self.record.message_count += count
         if self._takes_more:
+            self._flow.reader.takes += 1
             self._transport.write(data)
             return 0
         self._queue.append((data, count))
         self._queued_bytes += len(data)
         dropped = self._drop_oldest() if self._queued_bytes > self._limit_bytes else 0
-        self._note_backlog()
+        self._flow.update()
         return dropped
 
     async def close(self) -> None:
@@ -92,12 +99,10 @@ class SubscriberConnection(asyncio.Protocol):
     def pause_writing(self) -> None:
         """Queue from now on: the socket is full."""
         self._takes_more = False
-        self._note_backlog()
+        self._flow.update()
 
     def resume_writing(self) -> None:
         """Write the queue, oldest first, until the socket is full again."""
-        self._flow.note_taken(self._written_bytes, self._loop.time())
-        self._written_bytes = 0
         self._takes_more = True
         while self._queue and self._takes_more:
             parts = []
@@ -107,11 +112,10 @@ class SubscriberConnection(asyncio.Protocol):
                 parts.append(data)
                 size_bytes += len(data)
             self._queued_bytes -= size_bytes
-            self._written_bytes += size_bytes
             self._transport.write(parts[0] if len(parts) == 1 else b"".join(parts))
         if not self._queue:
             self._is_losing = False
-        self._note_backlog()
+        self._flow.note_taken()
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Forget it."""
@@ -124,8 +128,8 @@ class SubscriberConnection(asyncio.Protocol):
         self._queue.clear()
         self._queued_bytes = 0
 
-    def _note_backlog(self) -> None:
-        self._flow.note_backlog(self._queued_bytes + self._transport.get_write_buffer_size())
+    def _backlog_bytes(self) -> int:
+        return self._queued_bytes + self._transport.get_write_buffer_size()
 
     def _drop_oldest(self) -> int:
         """Make the queue fit its limit again, or leave the newest message alone in it."""

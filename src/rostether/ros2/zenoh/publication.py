@@ -123,7 +123,7 @@ class Publication:
         return queue.is_open
 
     async def drained(self, timeout_s: float) -> None:
-        """Wait until what waits for a full link is little; if it is not by then, it pauses nobody more."""
+        """Wait until what waits for a full link is little, `timeout_s` at most."""
         await self._queue.drained(timeout_s)
 
     async def close(self) -> None:

@@ -22,7 +22,7 @@ from concurrent.futures import Executor
 from dataclasses import dataclass
 
 from rostether.errors import SerializationError
-from rostether.graph.flow_control import HIGH_WATER_BYTES, PublicationFlow, SubscriberFlow
+from rostether.graph.flow_control import PublicationFlow, SubscriberFlow
 
 JOB_BYTES = 64 << 10
 """What a thread puts at a time, as much as a batch of zenoh's; the rest may lose its oldest meanwhile."""
@@ -82,7 +82,7 @@ class PutQueue:
         self._waiting: deque[bytes] = deque()
         self._waiting_bytes = 0
         self._flow = PublicationFlow()
-        self._backlog = SubscriberFlow(self._flow, min(HIGH_WATER_BYTES, limit_bytes // 2))
+        self._backlog = SubscriberFlow(self._flow, lambda: self._waiting_bytes, limit_bytes)
         self._job: asyncio.Future[Puts] | None = None
         self._wary: asyncio.TimerHandle | None = None
         self._long_s = float("-inf")
@@ -101,7 +101,7 @@ class PutQueue:
         while self._waiting_bytes > self._limit_bytes and len(self._waiting) > 1:
             self._waiting_bytes -= len(self._waiting.popleft())
             self.dropped_count += 1
-        self._backlog.note_backlog(self._waiting_bytes)
+        self._backlog.update()
         if self._job is None:
             self._go_on()
 
@@ -119,7 +119,7 @@ class PutQueue:
             self._wary = loop.call_later(WARY_S, self._calm_down)
 
     async def drained(self, timeout_s: float) -> None:
-        """Wait until little waits; if it does not by then, it pauses nobody more."""
+        """Wait until little waits, `timeout_s` at most."""
         await self._flow.drained(timeout_s)
 
     async def finish(self) -> None:
@@ -147,7 +147,7 @@ class PutQueue:
             taken.append(self._waiting.popleft())
             taken_bytes += len(taken[-1])
         self._waiting_bytes -= taken_bytes
-        self._backlog.note_backlog(self._waiting_bytes)
+        self._backlog.update()
         self._job = asyncio.get_running_loop().run_in_executor(self._threads, self._put, taken)
         self._job.add_done_callback(self._job_done)
 
@@ -161,6 +161,7 @@ class PutQueue:
         if self._is_ended:
             return
         if self._waiting:
+            self._backlog.note_taken()
             self._go_on()
         elif self._wary is None:
             self.is_idle = True
