@@ -40,9 +40,14 @@ def run(main: Coroutine[Any, Any, T], *, is_service: bool = False, uvloop: bool 
     show_library_logs()
     if is_service:
         allow_many_descriptors()
+    try:
+        loop_factory = _loop_factory(uvloop)
+    except ConfigError:
+        main.close()
+        raise
     ending = _Ending(EXIT_DONE if is_service else EXIT_TERMINATED)
     try:
-        with asyncio.Runner(loop_factory=_loop_factory(uvloop)) as runner:
+        with asyncio.Runner(loop_factory=loop_factory) as runner:
             return runner.run(ending.run(main))
     except (KeyboardInterrupt, asyncio.CancelledError) as error:
         if ending.exit_code is None and isinstance(error, asyncio.CancelledError):

@@ -105,7 +105,8 @@ async def test_a_port_that_another_process_has() -> None:
     master, slave = os.openpty()
     path = os.ttyname(slave)
     os.close(slave)
-    holder = subprocess.Popen(["sleep", "60"], stdin=open(path, "rb"))  # noqa: SIM115, PTH123
+    with open(path, "rb") as port:  # noqa: PTH123
+        holder = subprocess.Popen(["sleep", "60"], stdin=port)
     try:
         code, out, _ = await doctor(path)
         assert code == 1

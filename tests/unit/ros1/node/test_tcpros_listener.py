@@ -71,6 +71,7 @@ async def test_who_says_nothing_is_hung_up_on() -> None:
     peer.writer.write(b"\x10\0")
     assert await peer.is_hung_up()
     await peer.close()
+    await listener.close()
 
 
 async def test_a_crowd_that_says_nothing_keeps_nobody_out(
