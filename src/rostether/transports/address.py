@@ -153,7 +153,7 @@ _KNOWN_OPTIONS = {
     "udp": ("connect", "bind", "allow"),
     "pty": (),
     "xbee": ("baud", "peers"),
-    "sim": ("board", "uart", "seed", *SIM_WORDS),
+    "sim": ("board", "baud", "uart", "seed", *SIM_WORDS),
 }
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):(.*)", re.DOTALL)
 _HOST_PORT = re.compile(r"[^\s:]+:[0-9]{1,5}")
@@ -195,6 +195,8 @@ def parse_address(text: str) -> Address:
             path, peers = _require_path(text, place), reader.xbee_peers()
             return XbeeAddress(path, reader.baud(), peers, name=name, ns=ns)
         case _:
+            # Checked as in a serial port's address, and ignored: a simulated line follows the sketch.
+            reader.baud()
             path, board, words = _require_path(text, place), options.get("board", "uno"), sim_words(options)
             return SimAddress(path, board, words, reader.uart(), reader.seed(), name=name, ns=ns)
 
