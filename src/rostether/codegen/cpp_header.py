@@ -23,8 +23,9 @@ def header(full_name: str, includes: Iterable[str], sheltered: Iterable[str], cl
         f"#ifndef {guard}",
         f"#define {guard}",
         "",
-        f"#include <{_MESSAGE_HEADER}>",
-        *(f"#include <{path}>" for path in sorted(set(includes))),
+        # In quotes: scripts that move an established library below another folder rewrite these.
+        f'#include "{_MESSAGE_HEADER}"',
+        *(f'#include "{path}"' for path in sorted(set(includes))),
         "",
         *_set_aside(names),
         f"namespace {namespace} {{",

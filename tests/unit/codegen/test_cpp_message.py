@@ -55,7 +55,7 @@ def test_a_message() -> None:
     name = "sensor_msgs/Range"
     text = message_header(registry.message(name), registry.message_type(name).md5sum)
     assert RANGE_CLASS in text
-    assert "\n#include <ros/message.h>\n#include <std_msgs/Header.h>\n" in text
+    assert '\n#include "ros/message.h"\n#include "std_msgs/Header.h"\n' in text
     assert text.count("ROS_sensor_msgs_Range_H_") == 2
     assert all(line == line.rstrip() for line in text.splitlines())
 
@@ -77,7 +77,7 @@ def test_arrays() -> None:
     ):
         assert lines in text
     assert "a_length{0}, a{nullptr}" in text.replace("\n      , ", ", ")
-    assert "#include <pkg/X.h>\n" in text
+    assert '#include "pkg/X.h"\n' in text
 
 
 def test_an_array_without_elements_is_no_member() -> None:
