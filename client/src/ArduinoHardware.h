@@ -1,2 +1,2 @@
 // Sketches for the established library include this beside <ros.h>, which has all of it.
-#include <ros.h>
+#include "ros.h"

@@ -2,4 +2,4 @@
 #if !defined(ROSSERIAL_ARDUINO_TCP)
 #define ROSSERIAL_ARDUINO_TCP
 #endif
-#include <ros.h>
+#include "ros.h"

@@ -20,11 +20,11 @@ void loop() {
   text.data = "hello world!";
   chatter.publish(&text);
 
-  nh.logdebug("for who writes the sketch");
+  nh.logdebug("a detail");
   nh.loginfo("all is well");
-  nh.logwarn("something is unusual");
-  nh.logerror("something does not work");
-  nh.logfatal("nothing works any more");
+  nh.logwarn("unusual");
+  nh.logerror("broken");
+  nh.logfatal("nothing works");
 
   nh.spinOnce();
   delay(500);

@@ -6,7 +6,7 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "float64.h"
+#include "ros/float64.h"
 
 namespace ros {
 

@@ -3,7 +3,7 @@
 
 #include <stdint.h>
 
-#include "reader.h"
+#include "ros/reader.h"
 
 namespace ros {
 

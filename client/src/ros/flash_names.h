@@ -3,8 +3,8 @@
 
 #include <stddef.h>
 
-#include "flash.h"
-#include "frame_writer.h"
+#include "ros/flash.h"
+#include "ros/frame_writer.h"
 
 namespace ros {
 
@@ -12,14 +12,17 @@ namespace ros {
 struct FlashNames {
   const char* both;
 
-  // Bytes of the two as strings on the wire; an md5sum is 32 digits.
-  size_t length() const { return 4 + ROS_FLASH_LENGTH(both) + 4 + 32; }
+  size_t typeLength() const { return ROS_FLASH_LENGTH(both); }
+  // Bytes of the two as strings on the wire.
+  size_t length() const { return 4 + typeLength() + 4 + MD5_DIGITS; }
   void write(FrameWriter& writer) const {
-    FlashText text = {both};
-    writer.string(text);
-    text.address += ROS_FLASH_LENGTH(both) + 1;
-    writer.string(text);
+    const size_t type_length = typeLength();
+    writer.flashString(both, type_length);
+    writer.flashString(both + type_length + 1, MD5_DIGITS);
   }
+
+ private:
+  static const uint8_t MD5_DIGITS = 32;
 };
 
 }  // namespace ros

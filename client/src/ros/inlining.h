@@ -3,6 +3,13 @@
 #define ROS_INLINING_H_
 
 #define ROS_NOINLINE __attribute__((noinline))
+// A function of its own that knows its object only as `this`. With the object's address built in, as GCC does where there is
+// only one, each access takes an AVR four bytes of code in place of two.
+#if defined(__GNUC__) && !defined(__clang__)
+#define ROS_APART __attribute__((noinline, noclone))
+#else
+#define ROS_APART __attribute__((noinline))
+#endif
 // Everything that the function calls, and is not ROS_NOINLINE, becomes part of it.
 #define ROS_FLATTEN __attribute__((flatten))
 

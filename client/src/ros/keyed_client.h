@@ -20,7 +20,7 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "sha256.h"
+#include "ros/sha256.h"
 
 namespace ros {
 

@@ -4,8 +4,8 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "arrays.h"
-#include "field_kind.h"
+#include "ros/arrays.h"
+#include "ros/field_kind.h"
 
 namespace ros {
 

@@ -10,15 +10,15 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "arrays.h"
-#include "buffer_writer.h"
-#include "duration.h"
-#include "flash.h"
-#include "flash_names.h"
-#include "length_counter.h"
-#include "reader.h"
-#include "time.h"
-#include "writer.h"
+#include "ros/arrays.h"
+#include "ros/buffer_writer.h"
+#include "ros/duration.h"
+#include "ros/flash.h"
+#include "ros/flash_names.h"
+#include "ros/length_counter.h"
+#include "ros/reader.h"
+#include "ros/time.h"
+#include "ros/writer.h"
 
 // Name and md5sum of a message: getType and getMD5 for the sketch, and the same texts in flash for the wire.
 #define ROS_MESSAGE_TYPE(type, md5)                \

@@ -5,12 +5,12 @@
 #include <stdint.h>
 
 // A sketch with a Hardware of its own may include this header alone.
-#include "node_handle_base.h"
-#include "parameters.h"
-#include "publisher.h"
-#include "service_client.h"
-#include "service_server.h"
-#include "subscriber.h"
+#include "ros/node_handle_base.h"
+#include "ros/parameters.h"
+#include "ros/publisher.h"
+#include "ros/service_client.h"
+#include "ros/service_server.h"
+#include "ros/subscriber.h"
 
 namespace ros {
 
@@ -31,20 +31,20 @@ class NodeHandle_ : public NodeHandleBase_ {
   static const uint16_t INPUT_BYTES = INPUT_SIZE < 16 ? 16 : INPUT_SIZE;
   static_assert(INPUT_SIZE <= 0xffff - FRAME_OVERHEAD_BYTES, "no frame is longer than 65535 bytes");
 
-  NodeHandle_() : stalled_(false) {}
-  explicit NodeHandle_(const Hardware& hardware) : hardware_(hardware), stalled_(false) {}
+  NodeHandle_() {}
+  explicit NodeHandle_(const Hardware& hardware) : hardware_(hardware) {}
 
   Hardware* getHardware() { return &hardware_; }
 
   void initNode() {
     hardware_.init();
-    begin(buffer_, sizeof buffer_);
+    start(buffer_, sizeof buffer_);
   }
   // For hardware that is opened by name: "/dev/ttyUSB0", "192.168.0.7:11411".
   template <class Port>
   void initNode(Port port) {
     hardware_.init(port);
-    begin(buffer_, sizeof buffer_);
+    start(buffer_, sizeof buffer_);
   }
 
   int spinOnce() override {
@@ -82,14 +82,11 @@ class NodeHandle_ : public NodeHandleBase_ {
   ROS_NOINLINE int8_t spinOn() {
     const uint16_t began_ms = milliseconds();
     for (;;) {
-      while (window_.wantsMore()) {
-        const int byte = hardware_.read();
-        if (byte < 0) return rest(true);
-        window_.append(static_cast<uint8_t>(byte));
-      }
+      if (!window_.fill(hardware_)) return rest(true);
       const uint8_t found = window_.examine();
       if (found) {
         const int8_t result = work(found, began_ms);
+        if (result == SPIN_TIMEOUT) rest(true);
         if (result != GO_ON) return result;
       } else if (!window_.wantsMore()) {
         return SPIN_OK;
@@ -101,23 +98,16 @@ class NodeHandle_ : public NodeHandleBase_ {
 
   template <class H>
   auto transmit(H& hardware, uint8_t* bytes, uint16_t count, int) -> decltype(hardware.writable(), bool()) {
-    uint16_t progress_ms = milliseconds();
     for (;;) {
       uint16_t room = static_cast<uint16_t>(hardware.writable());
-      if (room) {
-        if (room > count) room = count;
-        hardware.write(bytes, room);
-        stalled_ = false;
-        count = static_cast<uint16_t>(count - room);
-        if (!count) return true;
-        bytes += room;
-        progress_ms = milliseconds();
-      } else if (stalled_ || since(progress_ms, milliseconds()) > STALL_MS) {
-        // The next frame does not wait for it again.
-        stalled_ = true;
-        window_.countDropped();
-        return false;
-      }
+      if (!room) room = awaitRoom(hardware);
+      if (!room) return false;
+      if (room > count) room = count;
+      hardware.write(bytes, room);
+      stalled_ = false;
+      count = static_cast<uint16_t>(count - room);
+      if (!count) return true;
+      bytes += room;
       receive();
     }
   }
@@ -127,10 +117,26 @@ class NodeHandle_ : public NodeHandleBase_ {
     return true;
   }
 
+  // Reads on until the transmitter takes bytes again; returns how many, or 0 if it does not.
+  template <class H>
+  ROS_APART uint16_t awaitRoom(H& hardware) {
+    const uint16_t began_ms = milliseconds();
+    for (;;) {
+      receive();
+      const uint16_t room = static_cast<uint16_t>(hardware.writable());
+      // After a stall the next frame does not wait for it again.
+      if (!room && !stalled_) stalled_ = since(began_ms, milliseconds()) > STALL_MS;
+      if (room || stalled_) {
+        if (!room) window_.countDropped();
+        return room;
+      }
+    }
+  }
+
   uint16_t milliseconds() { return static_cast<uint16_t>(hardware_.time()); }
 
   // What the last message points to is left alone as long as the sketch may look at it.
-  void receive() {
+  ROS_APART void receive() {
     while (!window_.held() && window_.room()) {
       const int byte = hardware_.read();
       if (byte < 0) return;
@@ -140,7 +146,6 @@ class NodeHandle_ : public NodeHandleBase_ {
   }
 
   Hardware hardware_;
-  bool stalled_;
   uint8_t buffer_[INPUT_BYTES + FRAME_OVERHEAD_BYTES];
 };
 

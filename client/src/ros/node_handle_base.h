@@ -6,15 +6,13 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "clock.h"
-#include "endpoint.h"
-#include "flash.h"
-#include "frame_writer.h"
-#include "inlining.h"
-#include "receive_window.h"
-#include "time.h"
-#include "topic_id.h"
-#include "wire_format.h"
+#include "ros/endpoint.h"
+#include "ros/flash.h"
+#include "ros/frame_writer.h"
+#include "ros/inlining.h"
+#include "ros/time.h"
+#include "ros/topic_id.h"
+#include "ros/wire_format.h"
 
 namespace ros {
 
@@ -28,23 +26,11 @@ class ServiceServer;
 template <class Request, class Response>
 class ServiceClient;
 
-// What a node keeps. Without constructors, so that one loop zeroes it all: an AVR would spend 80 bytes of code on it.
-struct NodeState {
-  ReceiveWindow window_;
-  Endpoint* endpoints_;
-  Clock clock_;
-  uint16_t spin_timeout_ms_;
-  uint16_t requested_ms_;
-  uint16_t heard_ms_;
-  uint16_t user_topics_;
-  uint8_t unanswered_;
-  uint8_t depth_;
-  bool connected_;
-  bool awaiting_time_;
-};
-
-class NodeHandleBase_ : public FrameSink, protected NodeState {
+class NodeHandleBase_ : public FrameWriter {
  public:
+  // Hands bytes to the line. False once the line has stopped taking them; the rest of the frame is then lost.
+  virtual bool transmit(uint8_t* bytes, uint16_t count) = 0;
+
   // Reads what came in and runs the callbacks for it. SPIN_OK; SPIN_ERR when the host asked for the topics;
   // SPIN_TIMEOUT when it ended with bytes left because its time was over.
   virtual int spinOnce() = 0;
@@ -86,19 +72,19 @@ class NodeHandleBase_ : public FrameSink, protected NodeState {
   }
 
   // Tells the host of all topics and services.
-  void negotiateTopics() {
-    introduce();
+  ROS_APART void negotiateTopics() {
+    for (Endpoint* endpoint = endpoints_; endpoint; endpoint = endpoint->next_) endpoint->driver_(*endpoint, *this, nullptr);
     connected_ = true;
   }
 
-  void requestSyncTime() {
+  ROS_APART void requestSyncTime() {
     requested_ms_ = shortTime();
     awaiting_time_ = true;
-    FrameWriter writer(*this, ID_TIME, 8);
+    begin(ID_TIME, 8);
     // A Time, which the host does not look at.
-    writer.count(0);
-    writer.count(0);
-    writer.finish();
+    count(0);
+    count(0);
+    finish();
   }
 
   void logdebug(const char* text) { log(0, text); }
@@ -115,13 +101,13 @@ class NodeHandleBase_ : public FrameSink, protected NodeState {
 
   // `text` is a const char* or a FlashText.
   template <class Text>
-  void log(uint8_t level, Text text) {
+  ROS_APART void log(uint8_t level, Text text) {
     const size_t length = 5 + lengthOf(text);
     if (isTooLong(length)) return;
-    FrameWriter writer(*this, ID_LOG, static_cast<uint16_t>(length));
-    writer.put(&level, 1);
-    writer.string(text);
-    writer.finish();
+    begin(ID_LOG, static_cast<uint16_t>(length));
+    byte(level);
+    string(text);
+    finish();
   }
 
   // Values of the host's parameter server. False, and a warning in the host's log, if within `timeout_ms` it did not
@@ -135,14 +121,14 @@ class NodeHandleBase_ : public FrameSink, protected NodeState {
 
   // Sends a message. Bytes sent; 0 if no host is there; -1 if it is too long for a frame or the line did not take it.
   template <class M>
-  int send(uint16_t id, const M& message) {
+  ROS_APART int send(uint16_t id, const M& message) {
     if (!reach()) return 0;
     const typename WireFormat<M>::Written written(message);
     const size_t length = written.length();
     if (isTooLong(length)) return -1;
-    FrameWriter writer(*this, id, static_cast<uint16_t>(length));
-    written.write(writer);
-    return writer.finish() ? static_cast<int>(length + FRAME_OVERHEAD_BYTES) : -1;
+    begin(id, static_cast<uint16_t>(length));
+    written.write(*this);
+    return finish() ? static_cast<int>(length + FRAME_OVERHEAD_BYTES) : -1;
   }
 
   // For drivers: whether the message read is one, and all of it; if so, what it points to is kept until they return.
@@ -155,15 +141,18 @@ class NodeHandleBase_ : public FrameSink, protected NodeState {
     return true;
   }
 
-  // For drivers: tells the host of a half of an endpoint that sends, or of one that receives.
-  template <class M>
-  void announceSender(uint8_t role, const char* topic, uint16_t id, M* message) {
+  // For drivers: tells the host of an endpoint, or of one half of a service. `role` is the announcement's topic id.
+  template <class Names>
+  ROS_APART void announce(const Endpoint& endpoint, uint8_t role, Names names) {
+    begin(role, static_cast<uint16_t>(2 + 4 + strlen(endpoint.topic_) + names.length() + 4));
+    const uint16_t id = endpoint.id_;
+    // A service sends on the id behind the one it receives on.
+    word(role == ID_SERVICE_SERVER || role == ID_SERVICE_CLIENT ? id + 1 : id);
+    string(endpoint.topic_);
+    names.write(*this);
     // Messages to the host are streamed: only the frame's length field bounds them.
-    announce(role, topic, id, WireFormat<M>::names(message), 0xffff);
-  }
-  template <class M>
-  void announceReceiver(uint8_t role, const char* topic, uint16_t id, M* message) {
-    announce(role, topic, id, WireFormat<M>::names(message), window_.largestPayload());
+    count(role % 2 ? window_.largestPayload() : 0xffff);
+    finish();
   }
 
   // For drivers: ends the spinOnce under way, so that what the message points to outlasts it until the next.
@@ -195,10 +184,10 @@ class NodeHandleBase_ : public FrameSink, protected NodeState {
  protected:
   static const uint16_t SYNC_PERIOD_MS = 2200;
 
-  NodeHandleBase_() : NodeState() { spin_timeout_ms_ = SPIN_TIMEOUT_MS; }
+  NodeHandleBase_() { spin_timeout_ms_ = SPIN_TIMEOUT_MS; }
 
   // Starts anew: the next spinOnce introduces the node.
-  void begin(uint8_t* buffer, uint16_t buffer_bytes) {
+  ROS_APART void start(uint8_t* buffer, uint16_t buffer_bytes) {
     window_.open(buffer, buffer_bytes);
     contactAnew();
   }
@@ -207,6 +196,7 @@ class NodeHandleBase_ : public FrameSink, protected NodeState {
   void contactAnew() {
     connected_ = false;
     unanswered_ = 0;
+    due_ = NOTHING_DUE;
     requested_ms_ = static_cast<uint16_t>(shortTime() - SYNC_PERIOD_MS);
   }
 
@@ -215,56 +205,68 @@ class NodeHandleBase_ : public FrameSink, protected NodeState {
   static uint16_t since(uint16_t then_ms, uint16_t now_ms) { return static_cast<uint16_t>(now_ms - then_ms); }
 
   static const int8_t GO_ON = 1;
-  // Handles what was found among the bytes that came in: what spinOnce should return, or GO_ON to read more.
-  ROS_NOINLINE int8_t work(uint8_t found, uint16_t began_ms) {
-    for (; found; found = window_.examine()) {
-      if (found & ReceiveWindow::FOREIGN && !connected_ && since(requested_ms_, shortTime()) > ANSWER_PAUSE_MS) requestSyncTime();
-      if (found & ReceiveWindow::WHOLE) {
+  // Handles what `examine` found among the bytes that came in: what spinOnce should return, or GO_ON to read more.
+  ROS_APART int8_t work(uint8_t found, uint16_t began_ms) {
+    do {
+      if (window_.tookForeign() && !connected_ && !due_) due_ = PROBED;
+      if (found == ReceiveWindow::WHOLE) {
         if (depth_ == MAX_DEPTH) return SPIN_OK;
         ++depth_;
-        const bool went_on = dispatch();
+        dispatch();
         --depth_;
-        if (!went_on) return SPIN_ERR;
       }
       if (window_.held()) return SPIN_OK;
-      if (since(began_ms, shortTime()) > spin_timeout_ms_) {
-        rest(true);
-        return SPIN_TIMEOUT;
-      }
-    }
+      if (since(began_ms, shortTime()) > spin_timeout_ms_) return SPIN_TIMEOUT;
+      found = window_.examine();
+    } while (found);
     return GO_ON;
   }
 
   // What is to be done when no byte waits: what spinOnce should return.
-  ROS_NOINLINE int8_t rest(bool heard) {
+  ROS_APART int8_t rest(bool heard) {
     const uint16_t now_ms = shortTime();
     if (heard) {
       heard_ms_ = now_ms;
     } else if (!window_.empty() && since(heard_ms_, now_ms) >= GAP_MS) {
       window_.drop();
-      const int8_t result = work(window_.examine(), now_ms);
-      return result == GO_ON ? SPIN_OK : result;
+      work(window_.examine(), now_ms);
     }
-    if (contactIsDue(now_ms)) keepInTouch();
-    return SPIN_OK;
+    return contactIsDue(now_ms) ? keepInTouch(now_ms) : SPIN_OK;
   }
   // Whether `rest` is needed if no byte was heard.
   bool restless(uint16_t now_ms) const { return !window_.empty() || contactIsDue(now_ms); }
 
-  // Asks the host for its time, every SYNC_PERIOD_MS, and introduces the node as long as none has answered.
-  void keepInTouch() {
-    clock_.at(time());
-    if (unanswered_ == MAX_UNANSWERED) connected_ = false;
-    if (!connected_) introduce();
-    if (unanswered_ < MAX_UNANSWERED) ++unanswered_;
+  // Does what the host waits for. What it asked several times it is answered once: a sketch that sleeps finds all its
+  // requests at once, and an answer to each would look like one reset after the other. Without a request, asks for the
+  // time; a host that answers and does not ask for the topics is there, and has not seen that the board started anew.
+  ROS_APART int8_t keepInTouch(uint16_t now_ms) {
+    const uint8_t due = due_;
+    due_ = NOTHING_DUE;
+    if (due == PROBED && since(requested_ms_, now_ms) <= ANSWER_PAUSE_MS) return SPIN_OK;
+    if (due == ANSWER_DUE) {
+      requestSyncTime();
+      negotiateTopics();
+      unanswered_ = 0;
+      return SPIN_ERR;
+    }
+    if (due == INTRODUCTION_DUE) {
+      negotiateTopics();
+    } else if (unanswered_ == MAX_UNANSWERED) {
+      connected_ = false;
+    } else {
+      ++unanswered_;
+    }
     requestSyncTime();
+    return SPIN_OK;
   }
-  bool contactIsDue(uint16_t now_ms) const { return since(requested_ms_, now_ms) >= SYNC_PERIOD_MS; }
+  bool contactIsDue(uint16_t now_ms) const { return due_ || since(requested_ms_, now_ms) >= SYNC_PERIOD_MS; }
 
   // For bytes that come in while the node transmits.
   void heardNow() { heard_ms_ = shortTime(); }
 
  private:
+  enum Due { NOTHING_DUE, PROBED, INTRODUCTION_DUE, ANSWER_DUE };
+
   // With SYNC_PERIOD_MS: 11 s without an answer, and the host is gone.
   static const uint8_t MAX_UNANSWERED = 4;
   // A gap of this length within a frame means that the rest was lost: longer than a network's hiccups, short enough
@@ -282,7 +284,7 @@ class NodeHandleBase_ : public FrameSink, protected NodeState {
     return flash;
   }
 
-  bool add(Endpoint& endpoint, uint8_t ids) {
+  ROS_APART bool add(Endpoint& endpoint, uint8_t ids) {
     if (endpoint.id_) return true;
     Endpoint** last = &endpoints_;
     while (*last) last = &(*last)->next_;
@@ -291,10 +293,6 @@ class NodeHandleBase_ : public FrameSink, protected NodeState {
     user_topics_ = static_cast<uint16_t>(user_topics_ + ids);
     if (connected_) endpoint.driver_(endpoint, *this, nullptr);
     return true;
-  }
-
-  void introduce() {
-    for (Endpoint* endpoint = endpoints_; endpoint; endpoint = endpoint->next_) endpoint->driver_(*endpoint, *this, nullptr);
   }
 
   // Counts what no frame can hold.
@@ -314,57 +312,49 @@ class NodeHandleBase_ : public FrameSink, protected NodeState {
   static size_t lengthOf(FlashText text) { return ROS_FLASH_LENGTH(text.address); }
   static size_t lengthOf(const char* text) { return strlen(text); }
 
-  template <class Names>
-  void announce(uint8_t role, const char* topic, uint16_t id, Names names, uint16_t buffer_bytes) {
-    FrameWriter writer(*this, role, static_cast<uint16_t>(2 + 4 + strlen(topic) + names.length() + 4));
-    writer.put(&id, 2);
-    writer.string(topic);
-    names.write(writer);
-    writer.count(buffer_bytes);
-    writer.finish();
-  }
-
-  // Handles the frame at the front; false if it was the host's question for the topics.
-  bool dispatch() {
+  // Handles the frame at the front.
+  void dispatch() {
     const ReceiveWindow::Taken frame(window_);
     const uint16_t id = frame.id();
     if (id == ID_PUBLISHER) {
-      requestSyncTime();
-      negotiateTopics();
-      unanswered_ = 0;
-      return false;
-    }
-    if (id == ID_TIME && frame.length() == 8) {
+      due_ = ANSWER_DUE;
+    } else if (id == ID_TIME && frame.length() == 8) {
       takeTime(frame.payload());
     } else if (id == ID_TX_STOP) {
       connected_ = false;
     } else {
-      Reader reader = frame.reader();
-      deliver(id, reader);
+      frame.read(reader_);
+      deliver(id);
     }
-    return true;
   }
 
-  ROS_NOINLINE void takeTime(const uint8_t* host) {
+  ROS_APART void takeTime(const uint8_t* host) {
     const uint32_t now_ms = time();
     // The host looked at its clock halfway between question and answer.
     const uint16_t answer_ms = awaiting_time_ ? since(requested_ms_, static_cast<uint16_t>(now_ms)) / 2 : 0;
-    clock_.follow(host, now_ms - answer_ms, now_ms);
+    clock_.follow(host, now_ms - answer_ms);
     awaiting_time_ = false;
     unanswered_ = 0;
-    connected_ = true;
+    if (!connected_ && due_ < INTRODUCTION_DUE) due_ = INTRODUCTION_DUE;
   }
 
-  void deliver(uint16_t id, Reader& reader) {
+  void deliver(uint16_t id) {
     for (Endpoint* endpoint = endpoints_; endpoint; endpoint = endpoint->next_) {
       if (endpoint->id_ == id) {
-        endpoint->driver_(*endpoint, *this, &reader);
+        endpoint->driver_(*endpoint, *this, &reader_);
         return;
       }
     }
     window_.countDropped();
   }
 };
+
+ROS_APART inline void FrameWriter::flush() {
+  uint8_t* const start = chunk();
+  if (sending_) sending_ = static_cast<NodeHandleBase_*>(this)->transmit(start, static_cast<uint16_t>(to_ - start));
+  to_ = start;
+  room_ = chunk_bytes_;
+}
 
 }  // namespace ros
 

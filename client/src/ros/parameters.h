@@ -6,7 +6,7 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "node_handle_base.h"
+#include "ros/node_handle_base.h"
 
 namespace ros {
 
@@ -24,11 +24,9 @@ class ParameterRequest : public Endpoint {
 
   bool ask(NodeHandleBase_& node, uint32_t timeout_ms) {
     const NodeHandleBase_::Visit visit(node, *this);
-    {
-      FrameWriter writer(node, ID_PARAMETER_REQUEST, static_cast<uint16_t>(4 + strlen(topic_)));
-      writer.string(topic_);
-      writer.finish();
-    }
+    node.begin(ID_PARAMETER_REQUEST, static_cast<uint16_t>(4 + strlen(topic_)));
+    node.string(topic_);
+    node.finish();
     const uint32_t began_ms = node.time();
     while (state_ == WAITING && node.time() - began_ms < timeout_ms) node.spinOnce();
     if (state_ == FOUND) return true;

@@ -3,7 +3,7 @@
 
 #include <stdint.h>
 
-#include "node_handle_base.h"
+#include "ros/node_handle_base.h"
 
 namespace ros {
 
@@ -34,7 +34,7 @@ class Publisher : public Endpoint {
   template <class M>
   static void drive(Endpoint& self, NodeHandleBase_& node, Reader* reader) {
     if (reader) return;
-    node.announceSender(ID_PUBLISHER, self.topic_, self.id_, static_cast<M*>(static_cast<Publisher&>(self).msg_));
+    node.announce(self, ID_PUBLISHER, WireFormat<M>::names(static_cast<M*>(static_cast<Publisher&>(self).msg_)));
   }
 };
 

@@ -13,20 +13,30 @@
 #endif
 #include <string.h>
 
-#include "arrays.h"
-#include "field_kind.h"
-#include "float64.h"
+#include "ros/arrays.h"
+#include "ros/field_kind.h"
+#include "ros/float64.h"
 
 namespace ros {
 
 class Reader {
  public:
+  Reader() = default;
   // Reads `length` bytes; the arena [arena, arena_end) is used up from its end downwards.
-  Reader(uint8_t* buffer, size_t length, uint8_t* arena, uint8_t* arena_end)
-      : next_(buffer), remaining_(length), arena_(arena), arena_end_(arena_end), ok_(true), heap_(false) {}
+  Reader(uint8_t* buffer, size_t length, uint8_t* arena, uint8_t* arena_end) { open(buffer, length, arena, arena_end); }
   // Trusts the bytes, and keeps what needs an arena on the heap (on an AVR it refuses that instead).
   explicit Reader(uint8_t* buffer)
       : next_(buffer), remaining_(SIZE_MAX / 2), arena_(nullptr), arena_end_(nullptr), ok_(true), heap_(true) {}
+
+  // Begins to read, as with the first constructor.
+  void open(uint8_t* buffer, size_t length, uint8_t* arena, uint8_t* arena_end) {
+    next_ = buffer;
+    remaining_ = length;
+    arena_ = arena;
+    arena_end_ = arena_end;
+    ok_ = true;
+    heap_ = false;
+  }
 
   bool ok() const { return ok_; }
   // Whether the bytes were this message, no fewer and no more.

@@ -14,9 +14,9 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "inlining.h"
-#include "reader.h"
-#include "topic_id.h"
+#include "ros/inlining.h"
+#include "ros/reader.h"
+#include "ros/topic_id.h"
 
 namespace ros {
 
@@ -35,6 +35,19 @@ class ReceiveWindow {
   // Whether more is to be read before `examine` can learn something new.
   bool wantsMore() const { return end_ != goal_; }
   void append(uint8_t byte) { *end_++ = byte; }
+  // Appends what the hardware has; whether that was all that is wanted.
+  template <class Hardware>
+  bool fill(Hardware& hardware) {
+    uint8_t* end = end_;
+    const uint8_t* const goal = goal_;
+    while (end != goal) {
+      const int byte = hardware.read();
+      if (byte < 0) break;
+      *end++ = static_cast<uint8_t>(byte);
+    }
+    end_ = end;
+    return end == goal;
+  }
   // For bytes beyond what is wanted, to be kept for later.
   bool room() { return end_ != limit_ || compact(); }
   void appendBacklog(uint8_t byte) {
@@ -44,17 +57,16 @@ class ReceiveWindow {
 
   enum Finding {
     NOTHING = 0,
-    NOISE = 1,    // bytes that were no frame, and are dropped
-    FOREIGN = 2,  // the same, but the beginning of a frame of another protocol version
-    WHOLE = 4     // a whole, undamaged frame is at the front
+    NOISE = 1,  // bytes that were no frame, and are dropped
+    WHOLE = 2   // a whole, undamaged frame is at the front
   };
-  // Looks at what came in; returns what it found, as a sum.
-  ROS_NOINLINE uint8_t examine() {
+  // Looks at what came in.
+  ROS_APART uint8_t examine() {
     uint8_t found = NOTHING;
     while (begin_ != end_) {
-      const uint16_t wanted = judge(found);
+      const uint16_t wanted = judge();
       if (wanted <= have()) {
-        if (wanted) return found | WHOLE;
+        if (wanted) return WHOLE;
       } else {
         // Inside a callback there may be less room than the frame needs, and what is waited for there comes behind it.
         if (wanted > space()) compact();
@@ -64,10 +76,17 @@ class ReceiveWindow {
         }
       }
       drop();
-      found |= NOISE;
+      found = NOISE;
     }
     forget();
     return found;
+  }
+
+  // Whether the beginning of a frame of another protocol version was among what was dropped since the last call.
+  bool tookForeign() {
+    const bool foreign = is_foreign_;
+    is_foreign_ = false;
+    return foreign;
   }
 
   // Gives up on the frame at the front.
@@ -82,6 +101,18 @@ class ReceiveWindow {
   ROS_NOINLINE void countDropped() { ++dropped_; }
   // Frames that were begun and not taken, since the start (modulo 65536).
   uint16_t dropped() const { return dropped_; }
+
+  // Lends room at the limit for bytes that go out, at most `wanted` and no more than half of what there is, so that what
+  // comes in meanwhile finds room as well. 0 if there is too little, or if the last message may lie there.
+  uint16_t lend(uint16_t wanted) {
+    uint16_t room = static_cast<uint16_t>(limit_ - end_) / 2;
+    if (room < LEAST_LENT_BYTES || held_) return 0;
+    if (room > wanted) room = wanted;
+    limit_ -= room;
+    return room;
+  }
+  uint8_t* lentRoom() const { return limit_; }
+  void takeBack(uint16_t lent) { limit_ += lent; }
 
   // Keeps what the frame's arrays took of the arena, until the frame is done with.
   void keepArena(uint8_t* arena_end) { limit_ = arena_end; }
@@ -113,7 +144,7 @@ class ReceiveWindow {
     uint16_t length() const { return word(frame_ + 2); }
     uint8_t* payload() const { return frame_ + FRAME_HEADER_BYTES; }
     // The bytes of its message, with the room to read as arena.
-    Reader reader() const { return Reader(payload(), length(), window_.end_, window_.limit_); }
+    void read(Reader& reader) const { reader.open(payload(), length(), window_.end_, window_.limit_); }
 
    private:
     ReceiveWindow& window_;
@@ -125,19 +156,20 @@ class ReceiveWindow {
  private:
   // Sync and version.
   static const uint8_t FIRST_LOOK_BYTES = 2;
+  static const uint8_t LEAST_LENT_BYTES = 16;
 
   static uint16_t word(const uint8_t* bytes) { return static_cast<uint16_t>(bytes[0] | bytes[1] << 8); }
   uint16_t have() const { return static_cast<uint16_t>(end_ - begin_); }
   uint16_t space() const { return static_cast<uint16_t>(limit_ - begin_); }
 
   // Bytes a frame that begins like this needs before more can be said of it, no more than there are if it is whole
-  // and undamaged, 0 if it is no frame. Adds to what is found.
-  uint16_t judge(uint8_t& found) const {
+  // and undamaged, 0 if it is no frame.
+  ROS_APART uint16_t judge() {
     const uint8_t* frame = begin_;
     if (frame[0] != FRAME_SYNC) return 0;
     if (have() < FIRST_LOOK_BYTES) return FIRST_LOOK_BYTES;
     if (frame[1] != FRAME_VERSION) {
-      found |= FOREIGN;
+      is_foreign_ = true;
       return 0;
     }
     if (have() < FRAME_OVERHEAD_BYTES) return FRAME_OVERHEAD_BYTES;
@@ -168,6 +200,7 @@ class ReceiveWindow {
   uint16_t largest_payload_;
   uint16_t dropped_;
   bool held_;
+  bool is_foreign_;
 };
 
 }  // namespace ros

@@ -3,7 +3,7 @@
 
 #include <stdint.h>
 
-#include "node_handle_base.h"
+#include "ros/node_handle_base.h"
 
 namespace ros {
 
@@ -34,10 +34,8 @@ class ServiceClient : public Endpoint {
   static void drive(Endpoint& self, NodeHandleBase_& node, Reader* reader) {
     ServiceClient& client = static_cast<ServiceClient&>(self);
     if (!reader) {
-      Request request;
-      Response response;
-      node.announceSender(ID_SERVICE_CLIENT, self.topic_, self.id_ + 1, &request);
-      node.announceReceiver(ID_SERVICE_CLIENT + 1, self.topic_, self.id_, &response);
+      node.announce(self, ID_SERVICE_CLIENT, WireFormat<Request>::names());
+      node.announce(self, ID_SERVICE_CLIENT + 1, WireFormat<Response>::names());
     } else if (client.response_) {
       WireFormat<Response>::read(*reader, *client.response_);
       if (!node.accept(*reader)) return;

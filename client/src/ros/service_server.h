@@ -1,8 +1,8 @@
 #ifndef ROS_SERVICE_SERVER_H_
 #define ROS_SERVICE_SERVER_H_
 
-#include "callback.h"
-#include "node_handle_base.h"
+#include "ros/callback.h"
+#include "ros/node_handle_base.h"
 
 namespace ros {
 
@@ -20,17 +20,18 @@ class ServiceServer : public Endpoint {
 
  private:
   static void drive(Endpoint& self, NodeHandleBase_& node, Reader* reader) {
+    if (reader) return static_cast<ServiceServer&>(self).answer(node, *reader);
+    node.announce(self, ID_SERVICE_SERVER, WireFormat<Response>::names());
+    node.announce(self, ID_SERVICE_SERVER + 1, WireFormat<Request>::names());
+  }
+  // Apart, so that an announcement has no messages on the stack.
+  ROS_NOINLINE void answer(NodeHandleBase_& node, Reader& reader) {
     Request request;
+    WireFormat<Request>::read(reader, request);
+    if (!node.accept(reader)) return;
     Response response;
-    if (!reader) {
-      node.announceSender(ID_SERVICE_SERVER, self.topic_, self.id_ + 1, &response);
-      node.announceReceiver(ID_SERVICE_SERVER + 1, self.topic_, self.id_, &request);
-      return;
-    }
-    WireFormat<Request>::read(*reader, request);
-    if (!node.accept(*reader)) return;
-    static_cast<ServiceServer&>(self).callback_(request, response);
-    node.send(self.id_ + 1, response);
+    callback_(request, response);
+    node.send(id_ + 1, response);
   }
 
   Callback<Object, const Request&, Response&> callback_;

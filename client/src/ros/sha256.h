@@ -5,7 +5,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "flash.h"
+#include "ros/flash.h"
 
 namespace ros {
 

@@ -3,7 +3,7 @@
 
 #include <stdint.h>
 
-#include "duration.h"
+#include "ros/duration.h"
 
 namespace ros {
 

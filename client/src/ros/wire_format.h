@@ -1,5 +1,5 @@
 // How a node measures, writes, reads and names a message: generated ones by their fields, older ones by their
-// virtual functions.
+// virtual functions, and any other class by functions of the same names.
 #ifndef ROS_WIRE_FORMAT_H_
 #define ROS_WIRE_FORMAT_H_
 
@@ -7,14 +7,14 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "field_kind.h"
-#include "flash_names.h"
-#include "frame_writer.h"
-#include "inlining.h"
-#include "length_counter.h"
-#include "msg.h"
-#include "reader.h"
-#include "writer.h"
+#include "ros/field_kind.h"
+#include "ros/flash_names.h"
+#include "ros/frame_writer.h"
+#include "ros/inlining.h"
+#include "ros/length_counter.h"
+#include "ros/msg.h"
+#include "ros/reader.h"
+#include "ros/writer.h"
 
 namespace ros {
 
@@ -23,7 +23,8 @@ struct WireFormat {
   // All messages of one of these are sent and read alike.
   typedef M Class;
 
-  static FlashNames names(const M*) { return M::flashNames(); }
+  static FlashNames names() { return M::flashNames(); }
+  static FlashNames names(const M*) { return names(); }
 
   // The serialized form, as long as it is needed for: its length and its bytes.
   class Written {
@@ -47,9 +48,25 @@ struct WireFormat {
   static void read(Reader& reader, M& message) { M::_fields(reader, message); }
 };
 
+// What a message that brings its own `serialize` and `deserialize` is handled as: all of Msg alike, any other as what it is.
+template <bool is_msg, class M>
+struct OwnForm {
+  typedef Msg Class;
+};
+template <class M>
+struct OwnForm<false, M> {
+  typedef M Class;
+};
+template <class M>
+struct IsMsg {
+  static char test(const Msg*);
+  static long test(...);
+  static const bool value = sizeof(test(static_cast<M*>(nullptr))) == 1;
+};
+
 template <class M>
 struct WireFormat<M, false> {
-  typedef Msg Class;
+  typedef typename OwnForm<IsMsg<M>::value, M>::Class Class;
 
   struct Names {
     const char* type;
@@ -61,14 +78,18 @@ struct WireFormat<M, false> {
       writer.string(md5);
     }
   };
-  static Names names(M* message) {
+  static Names names() {
+    M message;
+    return names(&message);
+  }
+  static Names names(Class* message) {
     const Names names = {message->getType(), message->getMD5()};
     return names;
   }
 
   class Written {
    public:
-    explicit Written(const Msg& message) : length_(static_cast<size_t>(message.serialize(bytes_))) {}
+    explicit Written(const Class& message) : length_(static_cast<size_t>(message.serialize(bytes_))) {}
     size_t length() const { return length_; }
     void write(FrameWriter& frame) const { frame.put(bytes_, length_); }
 
@@ -82,7 +103,7 @@ struct WireFormat<M, false> {
     size_t length_;
   };
 
-  static void read(Reader& reader, Msg& message) { reader.unbounded(message); }
+  static void read(Reader& reader, Class& message) { reader.unbounded(message); }
 };
 
 }  // namespace ros

@@ -5,8 +5,8 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "arrays.h"
-#include "field_kind.h"
+#include "ros/arrays.h"
+#include "ros/field_kind.h"
 
 namespace ros {
 

@@ -1,7 +1,7 @@
 #ifndef TF_TF_H_
 #define TF_TF_H_
 
-#include <geometry_msgs/Quaternion.h>
+#include "geometry_msgs/Quaternion.h"
 #include <math.h>
 
 namespace tf {

@@ -1,9 +1,9 @@
 #ifndef TF_TRANSFORM_BROADCASTER_H_
 #define TF_TRANSFORM_BROADCASTER_H_
 
-#include <geometry_msgs/TransformStamped.h>
-#include <ros.h>
-#include <tf/tfMessage.h>
+#include "geometry_msgs/TransformStamped.h"
+#include "ros.h"
+#include "tf/tfMessage.h"
 
 namespace tf {
 

@@ -21,6 +21,8 @@ WARNINGS = ("-std=gnu++11", "-Wall", "-Wextra", "-Werror")
 # clang's sanitizers are packages of their own: it traps instead, and takes char for unsigned, as an ARM does.
 COMPILERS = {
     "gcc": ("g++", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"),
+    # As on an AVR, where chunks lie in the room that the receive window lends.
+    "gcc-small": ("g++", "-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-DROS_SMALL_MEMORY"),
     "clang": ("clang++", "-fsanitize=undefined", "-fsanitize-trap=all", "-funsigned-char"),
 }
 KEPT_S = 3600.0  # other test processes may be running an older program

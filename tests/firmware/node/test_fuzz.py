@@ -13,8 +13,9 @@ FRAMES = 100_000
 
 @pytest.mark.gcc
 @pytest.mark.timeout(300)
-def test_any_frame_leaves_the_node_whole(test_library: Path) -> None:
-    program = built("gcc", "fuzz", test_library, "-O1", "-g1")
+@pytest.mark.parametrize("compiler", ["gcc", "gcc-small"])
+def test_any_frame_leaves_the_node_whole(compiler: str, test_library: Path) -> None:
+    program = built(compiler, "fuzz", test_library, "-O1", "-g1")
     said = run(program, "1", str(FRAMES), timeout_s=120)
     frames, delivered = [int(word) for word in said.split() if word.isdigit()][:2]
     # Damage that most messages survive, or that none does, would prove nothing.

@@ -9,7 +9,9 @@ import pytest
 from firmware.node.programs import COMPILERS, EXTRAS, built, run
 
 CONCEPTS = [each.stem.removeprefix("test_") for each in sorted((EXTRAS / "node").glob("test_*.cpp"))]
-COMPILER_NAMES = [pytest.param(name, marks=getattr(pytest.mark, name)) for name in COMPILERS]
+COMPILER_NAMES = [
+    pytest.param(name, marks=getattr(pytest.mark, name.partition("-")[0])) for name in COMPILERS
+]
 
 
 @pytest.mark.parametrize("concept", CONCEPTS)

@@ -36,6 +36,14 @@ TEST(time_sync, an_answer_to_no_question_is_taken_as_it_is) {
   EXPECT_EQUAL(since(board.node.now(), 1700000500), 0);
 }
 
+TEST(time_sync, days_without_a_host_pass_between_two_looks) {
+  Board<> board;
+  board.meet(1700000000);
+  board.line.now_ms += 40UL * 86400 * 1000 + 250;
+  EXPECT_EQUAL(board.node.now().sec, 1700000000u + 40 * 86400);
+  EXPECT_EQUAL(board.node.now().nsec, 250000000u);
+}
+
 TEST(time_sync, nanoseconds_are_kept_and_carried) {
   Board<> board;
   board.meet();
@@ -80,6 +88,7 @@ TEST(time_sync, it_never_goes_back_when_answers_are_late) {
 TEST(time_sync, it_stands_still_rather_than_go_back_a_little) {
   Board<> board;
   board.meet(1700000100);
+  EXPECT_EQUAL(since(board.node.now(), 1700000100), 0);
   board.line.send(Board<>::time(1700000097));
   board.node.spinOnce();
   EXPECT_EQUAL(since(board.node.now(), 1700000100), 0);
@@ -92,6 +101,7 @@ TEST(time_sync, it_stands_still_rather_than_go_back_a_little) {
 TEST(time_sync, a_host_whose_clock_was_set_back_is_followed) {
   Board<> board;
   board.meet(1700000100);
+  EXPECT_EQUAL(since(board.node.now(), 1700000100), 0);
   board.line.send(Board<>::time(1700000080));
   board.node.spinOnce();
   EXPECT_EQUAL(since(board.node.now(), 1700000080), 0);

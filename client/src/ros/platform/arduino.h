@@ -18,7 +18,7 @@
 #include <WProgram.h>
 #endif
 
-#include "serial_port.h"
+#include "ros/platform/serial_port.h"
 
 #if !defined(SERIAL_PORT)
 #if defined(USE_TEENSY_HW_SERIAL) || defined(USE_STM32_HW_SERIAL)

@@ -14,8 +14,8 @@
 
 #include <Arduino.h>
 
-#include "arduino_network.h"
-#include "reconnection.h"
+#include "ros/platform/arduino_network.h"
+#include "ros/platform/reconnection.h"
 
 template <class NetworkClient>
 class ArduinoTcpHardware {

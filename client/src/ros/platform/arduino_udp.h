@@ -14,8 +14,8 @@
 
 #include <Arduino.h>
 
-#include "../frame_writer.h"
-#include "arduino_network.h"
+#include "ros/frame_writer.h"
+#include "ros/platform/arduino_network.h"
 
 template <class NetworkUdp>
 class ArduinoUdpHardware {

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "reconnection.h"
+#include "ros/platform/reconnection.h"
 
 namespace ros {
 

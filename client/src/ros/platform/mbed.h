@@ -11,7 +11,7 @@
 
 #include <mbed.h>
 
-#include "byte_ring.h"
+#include "ros/platform/byte_ring.h"
 
 #if !defined(MBEDTX) || !defined(MBEDRX)
 #define ROS_MBED_TX USBTX

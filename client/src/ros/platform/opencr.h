@@ -3,7 +3,7 @@
 #ifndef ROS_PLATFORM_OPENCR_H_
 #define ROS_PLATFORM_OPENCR_H_
 
-#include "arduino.h"
+#include "ros/platform/arduino.h"
 
 #if !defined(ROS_INPUT_SIZE)
 #define ROS_INPUT_SIZE 1024

@@ -3,37 +3,37 @@
 #ifndef ROS_PLATFORM_PLATFORM_H_
 #define ROS_PLATFORM_PLATFORM_H_
 
-#include "../node_handle.h"
+#include "ros/node_handle.h"
 
 #if defined(ROS_NO_PLATFORM)
 #elif defined(ROSSERIAL_ARDUINO_TCP)
-#include "arduino_tcp.h"
+#include "ros/platform/arduino_tcp.h"
 #define ROS_HARDWARE ArduinoHardware
 #elif defined(ROSSERIAL_ARDUINO_UDP)
-#include "arduino_udp.h"
+#include "ros/platform/arduino_udp.h"
 #define ROS_HARDWARE ArduinoHardware
 #elif defined(__OPENCR__)
-#include "opencr.h"
+#include "ros/platform/opencr.h"
 #define ROS_HARDWARE ArduinoHardware
 #elif defined(ARDUINO)
-#include "arduino.h"
+#include "ros/platform/arduino.h"
 #define ROS_HARDWARE ArduinoHardware
 #elif defined(__MBED__)
-#include "mbed.h"
+#include "ros/platform/mbed.h"
 #define ROS_HARDWARE MbedHardware
 #elif defined(USE_HAL_DRIVER)
-#include "stm32_hal.h"
+#include "ros/platform/stm32_hal.h"
 #define ROS_HARDWARE STM32Hardware
 #elif defined(PART_TM4C123GH6PM) || defined(PART_TM4C1294NCPDT) || defined(TARGET_IS_TM4C123_RA1) || \
     defined(TARGET_IS_TM4C123_RA3) || defined(TARGET_IS_TM4C123_RB1) || defined(TARGET_IS_TM4C123_RB2) ||   \
     defined(TARGET_IS_TM4C129_RA0) || defined(TARGET_IS_TM4C129_RA1) || defined(TARGET_IS_TM4C129_RA2)
-#include "tivac.h"
+#include "ros/platform/tivac.h"
 #define ROS_HARDWARE TivaCHardware
 #elif defined(_WIN32)
-#include "windows_port.h"
+#include "ros/platform/windows_port.h"
 #define ROS_HARDWARE WindowsHardware
 #elif defined(__unix__) || defined(__APPLE__)
-#include "posix.h"
+#include "ros/platform/posix.h"
 #define ROS_HARDWARE EmbeddedLinuxHardware
 #else
 #error "ros_lib knows no such platform: define ROS_NO_PLATFORM and give ros::NodeHandle_ a Hardware class (platform/platform.h)"

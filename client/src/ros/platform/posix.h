@@ -9,8 +9,8 @@
 
 #include <stdlib.h>
 
-#include "posix_tcp.h"
-#include "posix_tty.h"
+#include "ros/platform/posix_tcp.h"
+#include "ros/platform/posix_tty.h"
 
 #if !defined(DEFAULT_PORT)
 #define DEFAULT_PORT "/dev/ttyAM1"

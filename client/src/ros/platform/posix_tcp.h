@@ -11,8 +11,8 @@
 #include <string.h>
 #include <sys/socket.h>
 
-#include "posix_clock.h"
-#include "tcp_pipe.h"
+#include "ros/platform/posix_clock.h"
+#include "ros/platform/tcp_pipe.h"
 
 namespace ros {
 

@@ -11,9 +11,9 @@
 #include <sys/ioctl.h>
 #include <termios.h>
 
-#include "host_link.h"
-#include "posix_baud.h"
-#include "posix_clock.h"
+#include "ros/platform/host_link.h"
+#include "ros/platform/posix_baud.h"
+#include "ros/platform/posix_clock.h"
 
 namespace ros {
 

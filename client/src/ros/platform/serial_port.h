@@ -40,7 +40,7 @@ class SerialPort {
     }
   }
   int read() { return stream_->read(); }
-  void write(const uint8_t* bytes, int count) { stream_->write(bytes, static_cast<size_t>(count)); }
+  void write(const uint8_t* bytes, int count) { write<Class>(bytes, static_cast<size_t>(count), 0); }
   // Bytes that write takes at once: any number where the port does not know, and write waits as long as it must.
   int writable() { return isOther() ? control_(stream_, 0) : room(port(), 0); }
 
@@ -77,6 +77,18 @@ class SerialPort {
   template <class Port>
   static int room(Port&, long) {
     return ANY_ROOM;
+  }
+
+#if defined(__AVR__)
+  // A port that has no more than Print's way to write many bytes, each by a call: without going through that.
+  template <class Port, size_t (Print::*)(const uint8_t*, size_t) = &Port::write>
+  void write(const uint8_t* bytes, size_t count, int) {
+    for (; count; --count) stream_->write(*bytes++);
+  }
+#endif
+  template <class Port>
+  void write(const uint8_t* bytes, size_t count, long) {
+    stream_->write(bytes, count);
   }
 
   Stream* stream_;

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "host_link.h"
+#include "ros/platform/host_link.h"
 
 namespace ros {
 

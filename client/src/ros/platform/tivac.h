@@ -22,7 +22,7 @@ extern "C" {
 #include <inc/hw_memmap.h>
 }
 
-#include "byte_ring.h"
+#include "ros/platform/byte_ring.h"
 
 #if !defined(ROSSERIAL_BAUDRATE)
 #define ROSSERIAL_BAUDRATE 57600

@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "host_link.h"
+#include "ros/platform/host_link.h"
 
 namespace ros {
 

@@ -8,9 +8,9 @@
 
 #include <stdlib.h>
 
-#include "windows_tcp.h"
+#include "ros/platform/windows_tcp.h"
 
-#include "windows_com.h"
+#include "ros/platform/windows_com.h"
 
 #if !defined(DEFAULT_PORT)
 #define DEFAULT_PORT "localhost"

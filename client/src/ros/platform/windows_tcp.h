@@ -7,7 +7,7 @@
 #include <ws2tcpip.h>
 #include <windows.h>
 
-#include "tcp_pipe.h"
+#include "ros/platform/tcp_pipe.h"
 
 #if defined(_MSC_VER)
 #pragma comment(lib, "ws2_32.lib")

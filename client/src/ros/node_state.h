@@ -1,0 +1,63 @@
+#ifndef ROS_NODE_STATE_H_
+#define ROS_NODE_STATE_H_
+
+#include <stdint.h>
+
+#include "ros/clock.h"
+#include "ros/reader.h"
+#include "ros/receive_window.h"
+
+#if defined(__AVR__) && !defined(ROS_SMALL_MEMORY)
+#define ROS_SMALL_MEMORY
+#endif
+
+namespace ros {
+
+class Endpoint;
+
+// What a node keeps. Without constructors, so that one loop zeroes it all: an AVR would spend 80 bytes of code on it.
+// What is used most comes first: an AVR reaches 63 bytes from an object's start with short instructions.
+struct NodeState {
+// The most that goes to the line at once, a chunk. On a network each becomes a packet, and most frames should fit into one.
+#if defined(ROS_SMALL_MEMORY)
+  // The window lends the room of a chunk: that much is left for chunks where it cannot.
+  typedef uint8_t chunk_length;
+  static const chunk_length SPARE_BYTES = 8;
+#if defined(ROSSERIAL_ARDUINO_TCP) || defined(ROSSERIAL_ARDUINO_UDP)
+  static const chunk_length CHUNK_BYTES = 240;
+#else
+  static const chunk_length CHUNK_BYTES = 64;
+#endif
+#else
+  typedef uint16_t chunk_length;
+  static const chunk_length SPARE_BYTES = 1024;
+  static const chunk_length CHUNK_BYTES = SPARE_BYTES;
+#endif
+
+  // The frame that is being sent.
+  uint8_t* to_;
+  chunk_length room_;
+  chunk_length chunk_bytes_;
+  uint8_t sum_;
+  bool sending_;
+  // The frame that came in.
+  ReceiveWindow window_;
+  Reader reader_;
+  uint16_t spin_timeout_ms_;
+  uint16_t requested_ms_;
+  uint16_t heard_ms_;
+  uint8_t unanswered_;
+  uint8_t depth_;
+  uint8_t due_;
+  bool connected_;
+  bool awaiting_time_;
+  bool stalled_;
+  Endpoint* endpoints_;
+  uint16_t user_topics_;
+  Clock clock_;
+  uint8_t spare_[SPARE_BYTES];
+};
+
+}  // namespace ros
+
+#endif
