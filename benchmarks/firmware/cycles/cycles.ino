@@ -6,6 +6,7 @@
 #include <ros.h>
 #include <sensor_msgs/Imu.h>
 #include <sensor_msgs/Range.h>
+#include <std_msgs/Empty.h>
 #include <std_msgs/Int16.h>
 #include <std_msgs/String.h>
 
@@ -38,10 +39,13 @@ ros::Publisher odometries("odometries", &odometry);
 
 volatile int last_number;
 volatile char last_letter;
+volatile uint8_t ticks_heard;
 void hearNumber(const std_msgs::Int16& message) { last_number = message.data; }
 void hearText(const std_msgs::String& message) { last_letter = message.data[0]; }
+void hearTick(const std_msgs::Empty&) { ticks_heard = 1; }
 ros::Subscriber<std_msgs::Int16> numbers("numbers", &hearNumber);
 ros::Subscriber<std_msgs::String> words("words", &hearText);
+ros::Subscriber<std_msgs::Empty> ticks("ticks", &hearTick);
 
 static void begin() {
 #if defined(NEUTRAL_HARDWARE)
@@ -79,12 +83,19 @@ void setup() {
   nh.initNode();
   nh.subscribe(numbers);
   nh.subscribe(words);
+  nh.subscribe(ticks);
   nh.advertise(texts);
   nh.advertise(ranges);
   nh.advertise(imus);
   nh.advertise(odometries);
+  // The first words of a board, and its answer to a host that asks for the topics.
+  begin();
   nh.spinOnce();
-  nh.negotiateTopics();
+  end();
+  arrive(0, nullptr, 0);
+  begin();
+  nh.spinOnce();
+  end();
 
   text.data = "hello world!";
   range.header.frame_id = "/ultrasound";
@@ -119,6 +130,10 @@ void setup() {
   end();
   const uint8_t number[] = {0x34, 0x12};
   arrive(numbers.id_, number, sizeof number);
+  begin();
+  nh.spinOnce();
+  end();
+  arrive(ticks.id_, nullptr, 0);
   begin();
   nh.spinOnce();
   end();
