@@ -12,6 +12,7 @@ from rostether.bridge.reporter import Notices
 from rostether.bridge.service_client_endpoint import ServiceClientEndpoint
 from rostether.bridge.service_server_endpoint import ServiceServerEndpoint
 from rostether.bridge.settings import BridgeSettings
+from rostether.bridge.stamps import has_header
 from rostether.bridge.subscriber_endpoint import SubscriberEndpoint
 from rostether.devices.settings import NO_SETTINGS, DeviceSettings
 from rostether.errors import TypeMismatchError
@@ -58,7 +59,14 @@ class EndpointFactory:
         layout = self._store.layout(info.message_type)
         if event.role is TopicRole.PUBLISHER:
             return PublisherEndpoint(
-                info, message_type, layout, self._graph, self._notices, self._settings, self._rate
+                info,
+                message_type,
+                layout,
+                self._graph,
+                self._notices,
+                self._settings,
+                self._rate,
+                has_header=has_header(self._store.registry, info.message_type),
             )
         return SubscriberEndpoint(
             info, message_type, layout, self._graph, self._notices, self._queue_depths.get(name)

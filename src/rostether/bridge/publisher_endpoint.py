@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from functools import partial
+from struct import Struct
 
 from rostether.bridge.board_line import BoardLine
 from rostether.bridge.message_rate import MessageRate
@@ -20,6 +21,9 @@ HELD_BYTES = 256 * 1024
 # Each held message costs this much beside its payload.
 MESSAGE_OVERHEAD_BYTES = 64
 _SYNC = bytes((SYNC,))
+# Header.seq, the first field of a message that begins with a Header.
+_SEQUENCE = Struct("<I")
+_SEQUENCES = 1 << 32
 # How long a flood waits for a topic to be advertised before its oldest messages go.
 SETUP_PAUSE_S = 1.0
 
@@ -36,6 +40,8 @@ class PublisherEndpoint:
         notices: Notices,
         settings: BridgeSettings,
         rate: MessageRate | None = None,
+        *,
+        has_header: bool = False,
     ) -> None:
         self.info = info
         self.message_count = 0
@@ -48,6 +54,8 @@ class PublisherEndpoint:
         self._notices = notices
         self._settings = settings
         self._rate = rate
+        self._has_header = has_header
+        self._sequence = 0
         self._line: BoardLine | None = None
         self._publisher: Publisher | None = None
         self._opened = asyncio.Event()
@@ -108,12 +116,25 @@ class PublisherEndpoint:
             self._publish(self._publisher, payloads)
 
     def _publish(self, publisher: Publisher, payloads: list[bytes]) -> None:
+        if self._has_header:
+            payloads = self._count(payloads)
         if not publisher.publish_raw(payloads) and self._line is not None:
             self._line.congested(partial(self._pause, publisher))
 
     async def _pause(self, publisher: Publisher) -> None:
         while not publisher.publish_raw([]):
             await publisher.drained(self._settings.drain_pause_s)
+
+    def _count(self, payloads: list[bytes]) -> list[bytes]:
+        """Return the messages with the topic's own count as Header.seq, as rospy and roscpp publish them."""
+        first = self._sequence + 1
+        self._sequence = (self._sequence + len(payloads)) % _SEQUENCES
+        pack, size = _SEQUENCE.pack, _SEQUENCE.size
+        if self._sequence < first:
+            return [
+                pack(number % _SEQUENCES) + payload[size:] for number, payload in enumerate(payloads, first)
+            ]
+        return [pack(number) + payload[size:] for number, payload in enumerate(payloads, first)]
 
     def _keep_rate(self, rate: MessageRate, payloads: list[bytes]) -> list[bytes]:
         admitted = rate.admit(len(payloads))

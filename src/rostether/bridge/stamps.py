@@ -64,3 +64,13 @@ def stamp_offset(registry: Registry, type_name: str) -> int | None:
     inner = registry.message(first.base).fields
     holds_header = bool(inner) and inner[0].type.base == _HEADER and not inner[0].type.is_array
     return _COUNT_BYTES + _SEQUENCE_BYTES if holds_header else None
+
+
+def has_header(registry: Registry, type_name: str) -> bool:
+    """Whether a type begins with a field `header`, which is what ROS clients count messages in."""
+    fields = registry.message(type_name).fields
+    return (
+        bool(fields)
+        and (fields[0].name, fields[0].type.base) == ("header", _HEADER)
+        and not fields[0].type.is_array
+    )

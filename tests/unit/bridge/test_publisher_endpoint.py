@@ -8,6 +8,7 @@ import pytest
 from rostether.bridge.message_rate import MessageRate
 from rostether.bridge.publisher_endpoint import HELD_BYTES, PublisherEndpoint
 from rostether.bridge.settings import DEFAULT_SETTINGS
+from rostether.bridge.stamps import has_header
 from rostether.graph.ports import Graph
 from unit.bridge.doubles import FakeLine, until
 from unit.bridge.nodes import STORE, World, text, topic_info
@@ -27,6 +28,7 @@ def endpoint(
         world.notices,
         DEFAULT_SETTINGS,
         rate,
+        has_header=has_header(STORE.registry, type_name),
     )
 
 
@@ -192,3 +194,21 @@ async def test_what_does_not_fit_is_looked_into_where_it_stood(world: World) -> 
     await until(lambda: len(heard) == 3, "three messages")
     assert heard == [text("before"), text("swallowed"), text("after")]
     assert chatter.misfit_count == 2
+
+
+async def test_messages_with_a_header_are_counted_as_ros_clients_count_them(world: World) -> None:
+    heard = await world.listen("/chatter", "sensor_msgs/Range")
+    line, ranges = FakeLine(), endpoint(world, "sensor_msgs/Range")
+    payload = STORE.codec("sensor_msgs/Range").encode({"header": {"frame_id": "sonar"}, "range": 0.5})
+    ranges.attach(line, ranges.info)
+    line.receivers[125]([payload])
+    await ranges.open()
+    line.receivers[125]([payload, payload])
+    ranges.detach()
+    ranges.attach(line, ranges.info)
+    line.receivers[125]([payload])
+    ranges._sequence = 2**32 - 2
+    line.receivers[125]([payload] * 3)
+    await until(lambda: len(heard) == 7, "seven messages")
+    assert [int.from_bytes(each[:4], "little") for each in heard] == [1, 2, 3, 4, 2**32 - 1, 0, 1]
+    assert {each[4:] for each in heard} == {payload[4:]}

@@ -4,7 +4,7 @@ import struct
 
 import pytest
 
-from rostether.bridge.stamps import Stamps, stamp_offset
+from rostether.bridge.stamps import Stamps, has_header, stamp_offset
 from rostether.rosserial.clock_estimate import ClockEstimate
 from rostether.rostime import Time
 from unit.bridge.nodes import STORE, topic_info
@@ -55,3 +55,17 @@ def test_types_without_a_stamp_cost_nothing() -> None:
     stamps = Stamps(ClockEstimate(), lambda: Time(1, 0))
     stamps.announced(topic_info(), STORE.registry)
     assert stamps.offsets == {}
+
+
+@pytest.mark.parametrize(
+    ("type_name", "expected"),
+    [
+        ("sensor_msgs/Imu", True),
+        ("std_msgs/Header", False),
+        ("std_msgs/String", False),
+        ("std_msgs/Empty", False),
+        ("tf/tfMessage", False),
+    ],
+)
+def test_what_ros_clients_count(type_name: str, expected: bool) -> None:
+    assert has_header(STORE.registry, type_name) is expected
