@@ -134,6 +134,10 @@ class TransportClosedError(TransportError):
     """The pipe ended: unplugged, hung up, or closed by us."""
 
 
+class PeerClosedError(TransportClosedError):
+    """The peer closed the connection in order, as a program that ends; a board that resets cannot."""
+
+
 class TransportTimeoutError(TransportError, TimeoutError):
     """The peer did not answer in time."""
 

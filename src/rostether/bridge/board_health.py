@@ -10,6 +10,7 @@ from rostether.bridge.findings.line_watch import LineWatch
 from rostether.bridge.findings.required import RequiredTopics
 from rostether.bridge.findings.resets import Resets
 from rostether.bridge.reporter import Notices
+from rostether.errors import PeerClosedError, TransportError
 from rostether.graph.ports import Level
 from rostether.rosserial.clock_estimate import ClockEstimate
 from rostether.rosserial.link_statistics import LinkStatistics
@@ -38,6 +39,7 @@ class BoardHealth:
         self.required = required if required is not None else RequiredTopics()
         self._notices = notices
         self._resets = Resets()
+        self._was_closed = False
         self._ledger = FindingLedger()
         self._endpoints = EndpointFindings(
             endpoints, lambda type_name: store.layout(type_name).smallest_size_bytes
@@ -45,7 +47,10 @@ class BoardHealth:
 
     def connected(self, baud: int | None, statistics: LinkStatistics, now_s: float) -> LineWatch:
         """Begin to watch a connection."""
-        if self.connection_count and self.watch is not None and self.watch.was_alive:
+        was_alive = self.watch is not None and self.watch.was_alive
+        if self._was_closed:
+            self._resets = Resets()
+        elif self.connection_count and was_alive:
             # A board with USB of its own takes its port along when it resets.
             self._resets.happened(now_s)
         self.connection_count += 1
@@ -54,6 +59,10 @@ class BoardHealth:
         self.required.forget()
         self.watch = LineWatch(baud, self._resets, statistics, now_s)
         return self.watch
+
+    def disconnected(self, error: TransportError | None) -> None:
+        """Note how a connection ended: programs that follow each other are no resets of a board."""
+        self._was_closed = isinstance(error, PeerClosedError)
 
     def find(self, now_s: float) -> list[Finding]:
         """Return what is wrong now, errors first. Called about once a second."""

@@ -230,6 +230,7 @@ class Supervisor:
             if isinstance(address, TcpAddress) and address.listens:
                 timer = asyncio.get_running_loop().call_later(SPEECHLESS_S, _end_if_speechless, session)
             error = await session.wait_ended()
+            node.health.disconnected(error)
             if board.leaving is not None:
                 ended = SessionError if board.is_dismissed else NodeEndedError
                 raise ended(f"node {board.name} was shut down from outside")

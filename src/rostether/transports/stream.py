@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING, cast
 
-from rostether.errors import TransportClosedError, TransportError
+from rostether.errors import PeerClosedError, TransportClosedError, TransportError
 from rostether.transports.sockets import explain_reason
 from rostether.transports.tls import HANDSHAKE_LIMIT_S
 from rostether.transports.transport import Receiver
@@ -201,8 +201,11 @@ class StreamTransport(asyncio.BaseProtocol):
         wire.close()
 
     def _explain_loss(self, exc: Exception | None) -> TransportError:
-        reason = f" ({explain_reason(exc)})" if exc is not None else ""
-        return TransportClosedError(f"{self._peer} ended the connection{reason}; it may connect again")
+        if exc is None:
+            return PeerClosedError(f"{self._peer} ended the connection; it may connect again")
+        return TransportClosedError(
+            f"{self._peer} ended the connection ({explain_reason(exc)}); it may connect again"
+        )
 
     def _apply_reading(self) -> None:
         wire = self._wire

@@ -8,7 +8,7 @@ from contextlib import asynccontextmanager
 
 import pytest
 
-from rostether.errors import TransportClosedError, TransportOpenError, TransportTimeoutError
+from rostether.errors import PeerClosedError, TransportClosedError, TransportOpenError, TransportTimeoutError
 from rostether.transports.address import TcpAddress, parse_address
 from rostether.transports.tcp import (
     MAX_CONNECTIONS,
@@ -134,7 +134,7 @@ async def test_tell_when_the_board_hangs_up() -> None:
             board.close()
             board.write(b"too late")
             error = await host_seen.until_lost()
-            assert isinstance(error, TransportClosedError)
+            assert isinstance(error, PeerClosedError)
             assert host.peer in str(error)
             assert bytes(host_seen.data) == b"bye"
             assert await board_seen.until_lost() is None
@@ -151,7 +151,7 @@ async def test_tell_when_the_connection_is_reset() -> None:
         _, host_seen = await arrivals.next_started()
         raw.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\x01\0\0\0\0\0\0\0")
         raw.close()
-        assert isinstance(await host_seen.until_lost(), TransportClosedError)
+        assert type(await host_seen.until_lost()) is TransportClosedError
 
 
 async def test_a_receiver_that_starts_after_the_end_learns_of_it() -> None:
