@@ -8,7 +8,7 @@ from typing import Any
 from websockets.asyncio.client import ClientConnection, connect
 
 from interop.ros1_peers import Ros1Peers
-from rostether.cli.bridge.serving import joining_ros1
+from rostether.cli.access.ros1_access import joining_ros1
 from rostether.cli.gateway.gateways import ros1_gateway_graph, rosbridge_gateway
 from rostether.cli.gateway.options import GatewayOptions
 from rostether.msgdef.registry import Registry

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Iterable
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
@@ -99,34 +98,6 @@ def _graph(ctx: click.Context) -> GraphOptions:
 
 def _nodes(view: GraphView) -> Iterable[str]:
     return (node for node in view.nodes if not node.rpartition("/")[2].startswith("_"))
-
-
-def complete_package_folders(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
-    """Return the packages on disk, and those whose nodes we serve, that begin with what was typed."""
-    from rostether.cli.launch.served_nodes import served_nodes
-
-    ours = {package for package, _ in served_nodes()}
-    return [name for name in sorted({*_packages_here(), *ours}) if name.startswith(incomplete)]
-
-
-def complete_programs(context: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
-    """Return the programs of the package typed before that begin with what was typed."""
-    from rostether.cli.launch.served_nodes import served_nodes
-    from rostether.packages.executables import programs
-
-    package = context.params.get("package", "")
-    found = {kind for role, kind in served_nodes() if role == package}
-    if folder := _packages_here().get(package):
-        found.update(each.name for each in programs(folder))
-    return [name for name in sorted(found) if name.startswith(incomplete)]
-
-
-def _packages_here() -> dict[str, Path]:
-    import os
-
-    from rostether.packages.locate import package_folders
-
-    return package_folders(os.environ, Path.cwd())
 
 
 def _complete(

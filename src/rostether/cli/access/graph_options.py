@@ -9,8 +9,16 @@ from typing import Any
 
 import click
 
-from rostether.cli.access.ros_choice import ROS2_OPTION, Middleware, MiddlewareName, chosen_middleware
+from rostether.cli.access.ros_choice import (
+    ANY_MIDDLEWARE,
+    ROS2_OPTION,
+    Middleware,
+    MiddlewareName,
+    chosen_middleware,
+    is_middleware,
+)
 from rostether.cli.shell.option_group import Function, option_group
+from rostether.cli.shell.optional_value import OptionalValueOption
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +74,9 @@ _ROS_OPTIONS = (
     ROS1_OPTION,
     click.option(
         ROS2_OPTION,
+        cls=OptionalValueOption,
+        alone=ANY_MIDDLEWARE,
+        is_value=is_middleware,
         type=MiddlewareName(),
         metavar="[zenoh|rclpy]",
         help="Use the ROS 2 graph, over zenoh or an installed rclpy.",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import AsyncIterator, Iterable
 from contextlib import asynccontextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,7 @@ from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.master_client import MasterClient
 
 if TYPE_CHECKING:
+    from rostether.graph.ports import JoinGraph
     from rostether.graph.typed_graph import TypedGraph
     from rostether.serde.store import TypeStore
 
@@ -104,6 +106,13 @@ async def joined(
             await node.close()
     except MasterUnreachableError as error:
         raise no_master(environment, error) from error
+
+
+def joining_ros1(environment: RosEnvironment) -> JoinGraph:
+    """Return what makes ROS 1 nodes under an environment."""
+    from rostether.ros1.node.node import join_ros1
+
+    return partial(join_ros1, environment=environment)
 
 
 def no_master(environment: RosEnvironment, error: MasterUnreachableError) -> MasterUnreachableError:

@@ -43,18 +43,9 @@ class MiddlewareName(click.Choice[str]):
         return value
 
 
-def _is_middleware(word: str) -> bool:
+def is_middleware(word: str) -> bool:
+    """Tell whether a word names a middleware, so that it is the value of the `--ros2` before it."""
     return word in list(Middleware) or word.lower() in _OF_RCLPY or word.startswith("rmw_")
-
-
-def with_middleware(arguments: list[str]) -> list[str]:
-    """Add the value to a `--ros2` without one: the next word is its value only if it names a middleware."""
-    named = [
-        f"{each}={ANY_MIDDLEWARE}" if each == ROS2_OPTION and not _is_middleware(following) else each
-        for each, following in zip(arguments, [*arguments[1:], ""], strict=False)
-    ]
-    end = arguments.index("--") if "--" in arguments else len(arguments)
-    return named[:end] + arguments[end:]
 
 
 def chosen_middleware(

@@ -59,7 +59,7 @@ async def recording_graph(
             await warn_without_router()
         join = access.join
         if graph.uses_ros1:
-            from rostether.cli.bridge.serving import joining_ros1
+            from rostether.cli.access.ros1_access import joining_ros1
             from rostether.graph.joint_join import JointJoin
 
             join = JointJoin([joining_ros1(read_environment(graph)), join])

@@ -8,10 +8,17 @@ from rostether.cli.access.graph_options import SERVED_ALLOW, GraphOptions, graph
 from rostether.cli.access.master_choice import master_answers
 from rostether.cli.access.options import listen_option
 from rostether.cli.access.ros1_access import read_environment
-from rostether.cli.access.ros_choice import ROS2_OPTION, Middleware, MiddlewareName
+from rostether.cli.access.ros_choice import (
+    ANY_MIDDLEWARE,
+    ROS2_OPTION,
+    Middleware,
+    MiddlewareName,
+    is_middleware,
+)
 from rostether.cli.bridge.limit_options import GRAPH_LIMITS, limit_option, read_graph_limits
 from rostether.cli.bridge.zenoh_router import serve_router
 from rostether.cli.shell.option_group import ignored_options
+from rostether.cli.shell.optional_value import OptionalValueOption
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -46,6 +53,9 @@ _roscore_options = ignored_options(
 @click.option(
     ROS2_OPTION,
     "ros2",
+    cls=OptionalValueOption,
+    alone=ANY_MIDDLEWARE,
+    is_value=is_middleware,
     type=MiddlewareName(),
     metavar="[zenoh]",
     help="Run the zenoh router of ROS 2 instead.",

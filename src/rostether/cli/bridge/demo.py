@@ -16,14 +16,14 @@ import click
 
 from rostether.bridge.reporter import Reporter
 from rostether.bridge.supervisor import Supervisor
+from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.master_choice import used_master
-from rostether.cli.access.ros1_access import read_environment
+from rostether.cli.access.ros1_access import joining_ros1, read_environment
 from rostether.cli.access.ros_choice import Middleware
 from rostether.cli.bridge.demo_view import DemoView, RecentLines, our_command
 from rostether.cli.bridge.device_options import config_option, read_devices
-from rostether.cli.bridge.lines import ConsoleReporter
-from rostether.cli.bridge.serving import bridge, joining_ros1
+from rostether.cli.bridge.serving import bridge
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import (
     SERVED_ALLOW,
     SERVED_MASTER,
@@ -18,11 +19,9 @@ from rostether.cli.access.graph_options import (
 )
 from rostether.cli.access.master_choice import used_master
 from rostether.cli.access.options import listen_option, msg_path_option
-from rostether.cli.access.ros1_access import master_client, read_environment
+from rostether.cli.access.ros1_access import joining_ros1, master_client, read_environment
 from rostether.cli.access.ros2_access import ros2_access
 from rostether.cli.access.ros_choice import Middleware
-from rostether.cli.bridge.lines import ConsoleReporter
-from rostether.cli.bridge.serving import joining_ros1
 from rostether.cli.service.ros1_probe import probe_type
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb

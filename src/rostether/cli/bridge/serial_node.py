@@ -17,12 +17,13 @@ from typing import TYPE_CHECKING, Protocol
 
 import click
 
+from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import SERVED_ALLOW, GraphOptions, graph_options
 from rostether.cli.access.master_choice import used_master
 from rostether.cli.access.options import listen_option
+from rostether.cli.access.ros1_access import joining_ros1
 from rostether.cli.bridge.device_options import config_option, read_devices
-from rostether.cli.bridge.lines import ConsoleReporter
-from rostether.cli.bridge.serving import bridge, joining_ros1, loopback_lines, read_links
+from rostether.cli.bridge.serving import bridge, loopback_lines, read_links
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
 from rostether.devices.device_book import DeviceBook

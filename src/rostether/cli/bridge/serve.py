@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import (
     SERVED_ALLOW,
     SERVED_MASTER,
@@ -19,8 +20,9 @@ from rostether.cli.access.graph_options import (
 )
 from rostether.cli.access.options import listen_option, msg_path_option
 from rostether.cli.access.ros1_access import read_environment
+from rostether.cli.access.served_graphs import served_graphs
+from rostether.cli.bag.line_capture import record_limit_option, recorded
 from rostether.cli.bag.record_options import BagRecording, bag_recording_options, bags_recorded
-from rostether.cli.bag.recording import record_limit_option, recorded
 from rostether.cli.board.simulated_links import simulated
 from rostether.cli.bridge.announcing import announced, check_mdns
 from rostether.cli.bridge.device_options import (
@@ -31,8 +33,6 @@ from rostether.cli.bridge.device_options import (
     unchosen_lines,
 )
 from rostether.cli.bridge.limit_options import BRIDGE_LIMITS, GRAPH_LIMITS, limit_option, read_limits
-from rostether.cli.bridge.lines import ConsoleReporter
-from rostether.cli.bridge.served_graphs import served_graphs
 from rostether.cli.bridge.serving import bridge, loopback_lines, read_links
 from rostether.cli.gateway.options import GatewayOptions, gateway_options
 from rostether.cli.gateway.served import served_gateways

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING
 
 from rostether.cli.shell.library_logs import show_library_logs
@@ -62,13 +61,6 @@ def loopback_lines(environment: RosEnvironment | None, links: Sequence[Address])
             "--listen 0.0.0.0, or ROS_IP with our address, lets them"
         )
     return lines
-
-
-def joining_ros1(environment: RosEnvironment) -> JoinGraph:
-    """Return what makes ROS 1 nodes under an environment."""
-    from rostether.ros1.node.node import join_ros1
-
-    return partial(join_ros1, environment=environment)
 
 
 @asynccontextmanager

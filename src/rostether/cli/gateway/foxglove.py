@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import (
     SERVED_ALLOW,
     SERVED_MASTER,
@@ -20,8 +21,7 @@ from rostether.cli.access.graph_options import (
     graph_options,
 )
 from rostether.cli.access.options import msg_path_option
-from rostether.cli.bridge.lines import ConsoleReporter
-from rostether.cli.bridge.served_graphs import ServedGraphs
+from rostether.cli.access.served_graphs import ServedGraphs
 from rostether.cli.gateway.gateways import GatewayGraph, Tell, joined_as, ros1_gateway_graph, tell_reach
 from rostether.cli.gateway.node import NodeWords, read_gateway_words
 from rostether.cli.gateway.options import access_options, read_place

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from rostether.cli.access.graph_options import GraphOptions, ZenohReach
 from rostether.cli.access.ros1_access import master_client
 from rostether.cli.access.ros2_access import ros2_access
-from rostether.cli.bridge.served_graphs import ServedGraphs
+from rostether.cli.access.served_graphs import ServedGraphs
 from rostether.cli.gateway.node import IsLive, NodeWords, asking_ros1, check_free
 from rostether.cli.gateway.options import DEFAULT_PLACE, GatewayOptions, read_place
 from rostether.cli.service.ros1_probe import look_up, probe_type

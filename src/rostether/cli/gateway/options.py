@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection
 from dataclasses import dataclass
 
 import click
 
 from rostether.cli.shell.option_group import option_group
+from rostether.cli.shell.optional_value import OptionalValueOption
 from rostether.errors import ConfigError
 
 ROSBRIDGE_OPTION = "--rosbridge"
 FOXGLOVE_OPTION = "--foxglove"
-OPTIONS_WITH_PLACES = (ROSBRIDGE_OPTION, FOXGLOVE_OPTION)
 DEFAULT_PLACE = "localhost"
 TOKEN_VARIABLE = "ROSTETHER_TOKEN"  # noqa: S105 - the name of a variable
 
@@ -37,18 +36,9 @@ class GatewayOptions:
     foxglove: str | None = None
 
 
-def with_places(arguments: list[str], known: Collection[str]) -> list[str]:
-    """Give gateways' options that stand alone their value: the word behind counts if it is [HOST:]PORT."""
-    end = arguments.index("--") if "--" in arguments else len(arguments)
-    named: list[str] = []
-    for index, each in enumerate(arguments):
-        if each in OPTIONS_WITH_PLACES and each in known and index < end:
-            following = arguments[index + 1] if index + 1 < end else ""
-            if not _PLACE.fullmatch(following):
-                named.append(f"{each}={DEFAULT_PLACE}")
-                continue
-        named.append(each)
-    return named
+def is_place(word: str) -> bool:
+    """Tell whether a word is [HOST:]PORT, so that it is the value of the gateway's option before it."""
+    return _PLACE.fullmatch(word) is not None
 
 
 def read_place(text: str, default_port: int) -> tuple[str, int]:
@@ -83,11 +73,17 @@ _ACCESS_OPTIONS = (
 _PLACE_OPTIONS = (
     click.option(
         ROSBRIDGE_OPTION,
+        cls=OptionalValueOption,
+        alone=DEFAULT_PLACE,
+        is_value=is_place,
         metavar="[HOST:PORT]",
         help="Serve web pages with roslibjs, as rosbridge does (localhost:9090).",
     ),
     click.option(
         FOXGLOVE_OPTION,
+        cls=OptionalValueOption,
+        alone=DEFAULT_PLACE,
+        is_value=is_place,
         metavar="[HOST:PORT]",
         help="Serve Foxglove, as foxglove_bridge does (localhost:8765).",
     ),

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import (
     SERVED_ALLOW,
     SERVED_MASTER,
@@ -18,8 +19,7 @@ from rostether.cli.access.graph_options import (
     graph_options,
 )
 from rostether.cli.access.options import msg_path_option
-from rostether.cli.bridge.lines import ConsoleReporter
-from rostether.cli.bridge.serving import joining_ros1
+from rostether.cli.access.ros1_access import joining_ros1
 from rostether.cli.gateway.gateways import (
     ROSBRIDGE_NODE,
     Tell,
@@ -43,7 +43,7 @@ from rostether.errors import ConfigError
 from rostether.names.remap import Arguments
 
 if TYPE_CHECKING:
-    from rostether.cli.bridge.served_graphs import ServedGraphs
+    from rostether.cli.access.served_graphs import ServedGraphs
     from rostether.gateways.rosbridge.server import RosbridgeServer
     from rostether.gateways.rosbridge.settings import RosbridgeSettings
     from rostether.graph.typed_graph import TypedGraph

@@ -7,7 +7,7 @@ from contextlib import AsyncExitStack, asynccontextmanager
 from pathlib import Path
 
 from rostether.cli.access.graph_options import GraphOptions
-from rostether.cli.bridge.served_graphs import ServedGraphs
+from rostether.cli.access.served_graphs import ServedGraphs
 from rostether.cli.gateway.gateways import Tell, gateway_graph, rosbridge_gateway
 from rostether.cli.gateway.options import GatewayOptions
 

@@ -7,10 +7,10 @@ from contextlib import AbstractAsyncContextManager
 from pathlib import Path
 from typing import Protocol
 
+from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.ros1_access import read_environment
-from rostether.cli.bridge.lines import ConsoleReporter
-from rostether.cli.bridge.served_graphs import ServedGraphs, served_graphs
+from rostether.cli.access.served_graphs import ServedGraphs, served_graphs
 from rostether.cli.gateway.gateways import Tell
 from rostether.cli.shell.running import run
 from rostether.graph.ports import Level

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from rostether.cli.access.completions import complete_package_folders
+from rostether.cli.launch.completions import complete_package_folders
 from rostether.cli.launch.packages_here import packages_here
 from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.verbs import LazyGroup, Verb, VerbEntry

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 
 import click
 
-from rostether.cli.access.completions import complete_package_folders, complete_programs
+from rostether.cli.launch.completions import complete_package_folders, complete_programs
 from rostether.cli.launch.node_command import node_command
 from rostether.cli.launch.packages_here import packages_here
 from rostether.cli.launch.served_nodes import replacement_line, served_nodes

@@ -115,7 +115,7 @@ def window_program(package: str, name: str, environ: Mapping[str, str]) -> Path 
 
 
 def _exists(words: tuple[str, ...]) -> bool:
-    from rostether.cli.main import VERBS
     from rostether.cli.role.group import ROLES
+    from rostether.cli.verb_table import VERBS
 
     return words[1] in ROLES if words[0] == "role" else words[0] in VERBS

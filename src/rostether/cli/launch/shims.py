@@ -46,7 +46,7 @@ SHIMS = {
 
 def available_shims() -> dict[str, tuple[str, ...]]:
     """Return the shims whose verb there is."""
-    from rostether.cli.main import VERBS
+    from rostether.cli.verb_table import VERBS
 
     return {name: words for name, words in SHIMS.items() if words[0] in VERBS}
 

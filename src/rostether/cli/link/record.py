@@ -13,7 +13,7 @@ from rostether.cli.access.graph_options import (
     graph_options,
 )
 from rostether.cli.access.options import listen_option, msg_path_option
-from rostether.cli.bag.recording import record_limit_option
+from rostether.cli.bag.line_capture import record_limit_option
 from rostether.cli.bridge.serve import serve
 from rostether.cli.shell.verbs import Verb
 

@@ -10,7 +10,7 @@ import click
 from rostether.cli.shell.verbs import LazyGroup, VerbEntry
 
 _LIBRARIES = "rostether.cli.launch.make_libraries"
-_SERVERS = "rostether.cli.role.rosserial_server"
+_SERVERS = "rostether.cli.bridge.rosserial_server"
 _TOPICS = "rostether.cli.role.topic_tools"
 _JOINTS = "rostether.cli.role.joint_state"
 _STATIC = "rostether.cli.robot.tf_static"
@@ -49,7 +49,7 @@ ROLES = {
         "rostether.cli.gateway.foxglove:foxglove_bridge", "Serve Foxglove, like foxglove_bridge."
     ),
     "rosapi-node": VerbEntry(
-        "rostether.cli.role.rosapi:rosapi_node", "Tell by services what is on the graph, like rosapi_node."
+        "rostether.cli.gateway.rosapi:rosapi_node", "Tell by services what is on the graph, like rosapi_node."
     ),
     "rosbridge-websocket": VerbEntry(
         "rostether.cli.gateway.rosbridge:rosbridge_websocket", "Serve web pages, like rosbridge_websocket."

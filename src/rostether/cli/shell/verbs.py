@@ -11,8 +11,7 @@ from typing import Any
 import click
 from click.shell_completion import CompletionItem
 
-from rostether.cli.access.ros_choice import with_middleware
-from rostether.cli.gateway.options import with_places
+from rostether.cli.shell.optional_value import OptionalValueOption
 
 HELP_WIDTH = 100
 """Columns of help text at most: longer lines are hard to read on wide terminals."""
@@ -36,13 +35,13 @@ class Verb(click.Command):
         self.examples = dedent(examples).strip("\n")
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Read the arguments; `–once`, as printed books and PDFs have it, is `--once`.
-
-        `--ros2` may stand alone or before the name of a middleware, `--rosbridge` alone or before a place.
-        """
+        """Read the arguments; `–once`, as printed books and PDFs show it, is `--once`."""
         known = {option for parameter in self.get_params(ctx) for option in parameter.opts}
-        plain = with_places([_plain_dashes(each, known) for each in args], known)
-        return super().parse_args(ctx, with_middleware(plain) if "--ros2" in known else plain)
+        plain = [_plain_dashes(each, known) for each in args]
+        for parameter in self.get_params(ctx):
+            if isinstance(parameter, OptionalValueOption):
+                plain = parameter.insert_value(plain)
+        return super().parse_args(ctx, plain)
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the examples below the options, line by line as given."""

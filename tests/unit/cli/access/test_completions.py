@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 
 import click
 import pytest
@@ -60,21 +59,3 @@ def test_a_master_that_hangs_costs_a_moment(shell: Shell, monkeypatch: pytest.Mo
     with socket.create_server(("127.0.0.1", 0)) as silent:
         monkeypatch.setenv("ROS_MASTER_URI", f"http://127.0.0.1:{silent.getsockname()[1]}")
         assert completions.complete_services(CONTEXT, PARAMETER, "") == []
-
-
-def test_packages_and_their_programs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delenv("ROS_PACKAGE_PATH", raising=False)
-    folder = tmp_path / "rosy_arm"
-    folder.mkdir()
-    (folder / "package.xml").write_text("<package><name>rosy_arm</name></package>")
-    (folder / "move.py").write_text("#!/usr/bin/env python3\n")
-    monkeypatch.chdir(tmp_path)
-    assert completions.complete_package_folders(CONTEXT, PARAMETER, "rosy") == ["rosy_arm"]
-    assert "rosserial_python" in completions.complete_package_folders(CONTEXT, PARAMETER, "ros")
-    context = click.Context(click.Command("run"))
-    context.params["package"] = "rosy_arm"
-    assert completions.complete_programs(context, PARAMETER, "m") == ["move.py"]
-    context.params["package"] = "topic_tools"
-    assert completions.complete_programs(context, PARAMETER, "re") == ["relay"]
-    context.params["package"] = "nothing"
-    assert completions.complete_programs(context, PARAMETER, "") == []

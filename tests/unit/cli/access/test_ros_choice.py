@@ -7,11 +7,13 @@ import pytest
 
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.ros_choice import (
+    ANY_MIDDLEWARE,
     Middleware,
     chosen_middleware,
-    with_middleware,
+    is_middleware,
 )
 from rostether.cli.main import main
+from rostether.cli.shell.optional_value import insert_value
 from rostether.cli.shell.verbs import Verb
 
 
@@ -29,7 +31,7 @@ from rostether.cli.shell.verbs import Verb
     ],
 )
 def test_the_word_behind_ros2_counts_only_as_a_middleware(typed: list[str], read: list[str]) -> None:
-    assert with_middleware(typed) == read
+    assert insert_value(typed, "--ros2", ANY_MIDDLEWARE, is_middleware) == read
 
 
 @pytest.mark.parametrize("name", ["dds", "CycloneDDS", "rmw_fastrtps_cpp"])

@@ -10,11 +10,11 @@ from typing import Any
 import pytest
 
 from contract.graphs import SET_BOOL, STRING, TRUE, Inbox, agreeing, answer, string, until
+from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.ros2_access import Ros2Access
 from rostether.cli.access.ros_choice import Middleware
 from rostether.cli.bridge import relay as relay_command
-from rostether.cli.bridge.lines import ConsoleReporter
 from rostether.cli.bridge.relay import finding_types, read_choice, relay_between
 from rostether.errors import UnknownTypeError
 from rostether.graph.memory_network import MemoryNetwork

@@ -2,11 +2,10 @@ from __future__ import annotations
 
 import pytest
 
-from rostether.cli.gateway.options import read_place, with_places
+from rostether.cli.gateway.options import is_place, read_place
+from rostether.cli.shell.optional_value import insert_value
 from rostether.errors import ConfigError
 from unit.cli.command_shell import Shell
-
-KNOWN = {"--rosbridge"}
 
 
 @pytest.mark.parametrize(
@@ -26,11 +25,7 @@ KNOWN = {"--rosbridge"}
     ],
 )
 def test_a_place_behind_the_option_is_taken_and_nothing_else(typed: list[str], read: list[str]) -> None:
-    assert with_places(typed, KNOWN) == read
-
-
-def test_commands_without_the_option_are_left_alone() -> None:
-    assert with_places(["--rosbridge"], set()) == ["--rosbridge"]
+    assert insert_value(typed, "--rosbridge", "localhost", is_place) == read
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ import pytest_asyncio
 
 from interop.ros1_peers import free_port
 from rostether import Device
-from rostether.cli.role.rosserial_server import _serial_link, _socket_link, _udp_link
+from rostether.cli.bridge.rosserial_server import _serial_link, _socket_link, _udp_link
 from rostether.graph.typed_graph import TypedGraph
 from rostether.joining import join
 from rostether.ros1.master.server import MasterServer

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from rostether.cli.bridge.serving import joining_ros1
+from rostether.cli.access.ros1_access import joining_ros1
 from rostether.cli.gateway.gateways import check_rosbridge, ros1_gateway_graph
 from rostether.cli.gateway.rosbridge import node_parameters, read_settings
 from rostether.cli.role.node import NODE_SETTINGS, node_environment, run_role

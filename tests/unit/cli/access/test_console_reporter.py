@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from rostether.cli.bridge.lines import ConsoleReporter
+from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.graph.ports import Level
 
 
@@ -32,7 +32,7 @@ def test_one_board_needs_no_name_and_verbose_shows_more(capsys: pytest.CaptureFi
 
 def test_lines_that_nobody_reads_stop_nothing() -> None:
     code = """
-from rostether.cli.bridge.lines import ConsoleReporter
+from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.graph.ports import Level
 input()
 reporter = ConsoleReporter()
