@@ -6,9 +6,9 @@ import asyncio
 from dataclasses import dataclass
 from pathlib import Path
 
-from rostether.boards.simavr.simulated_board import SimulatedBoard
 from rostether.firmware.build import BuildOptions, build_sketch, find_board
 from rostether.rosserial.frame import encode_frame
+from rostether.simulation.simavr.simulated_board import SimulatedBoard
 
 SKETCH = Path(__file__).parent / "firmware" / "cycles"
 PATIENCE_S = 60.0
@@ -58,7 +58,7 @@ async def _count(neutral: bool) -> dict[Operation, int]:
         events = board.events()
         event = asyncio.ensure_future(anext(events))
         await asyncio.sleep(0)
-        await board.tell("run")
+        await board.send_command("run")
         async with asyncio.timeout(PATIENCE_S):
             for operation in OPERATIONS:
                 if not neutral and operation in ARRIVALS:

@@ -20,7 +20,7 @@ from pathlib import Path
 from rostether.graph.ports import Publisher
 from rostether.joining import join
 from rostether.msgdef.registry import Registry
-from rostether.recording.bag_writer import BagWriter
+from rostether.recording.bag.writer import BagWriter
 from rostether.recording.files import open_recording
 from rostether.recording.recorded import Connection
 from rostether.ros1.master.server import MasterServer

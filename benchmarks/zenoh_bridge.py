@@ -13,7 +13,7 @@ from rostether.bridge.supervisor import Supervisor
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.ros2.environment import Ros2Environment
-from rostether.ros2.type_support import Ros2Types
+from rostether.ros2.types.type_support import Ros2Types
 from rostether.ros2.zenoh.configuration import Reach, RouterChoice
 from rostether.ros2.zenoh.session import ZenohSession
 from rostether.serde.store import TypeStore

@@ -119,7 +119,7 @@ _ALL = (
     Plant(
         "session-call-ends-the-caller",
         "session",
-        "rostether.bridge.service_client_endpoint",
+        "rostether.bridge.endpoint.service_client",
         "except Exception as error:  # noqa: BLE001 - the board waits, and calls again",
         "except TypeError as error:",
     ),
@@ -211,21 +211,21 @@ _ALL = (
     Plant(
         "toml-depth-unbounded",
         "devices_toml",
-        "rostether.devices.devices_toml",
+        "rostether.ports.devices_toml",
         'table.names_to_numbers("queue_depths", 1, MAX_QUEUE_DEPTH)',
         'table.names_to_numbers("queue_depths", 1, 1 << 40)',
     ),
     Plant(
         "toml-odd-address-raises",
         "devices_toml",
-        "rostether.devices.devices_toml",
+        "rostether.ports.devices_toml",
         "    except ValueError:\n        return False\n    return True",
         "    except TypeError:\n        return False\n    return True",
     ),
     Plant(
         "toml-long-number-raises",
         "devices_toml",
-        "rostether.devices.devices_toml",
+        "rostether.ports.devices_toml",
         "except (ValueError, RecursionError) as error:",
         "except (tomllib.TOMLDecodeError, RecursionError) as error:",
     ),

@@ -16,8 +16,8 @@ import pytest
 from children import pytest_configure, pytest_runtest_teardown, pytest_sessionfinish  # noqa: F401 - hooks
 from interop.ros1_peers import missing_robot, missing_ros1, missing_roscpp
 from interop_web.web_peers import missing_web
-from unit.boards.simavr.programs import missing_simavr
 from unit.codegen.compilers import COMPILERS, missing_compiler
+from unit.simulation.simavr.programs import missing_simavr
 
 
 def missing_program(program: str, package: str) -> str:

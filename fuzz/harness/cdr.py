@@ -12,7 +12,7 @@ from rostether.msgdef.full_text import split_full_text
 from rostether.msgdef.interface import MessageType
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
-from rostether.ros2.type_support import Ros2Types
+from rostether.ros2.types.type_support import Ros2Types
 from rostether.serde.cdr.converter import CdrConverter
 from rostether.serde.layout import Layout
 from rostether.serde.store import TypeStore

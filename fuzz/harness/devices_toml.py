@@ -7,10 +7,10 @@ import random
 
 from fuzz.grammar import near
 from fuzz.lowering import lowered
-from rostether.devices import toml_table
-from rostether.devices.board_identity import BoardIdentity
-from rostether.devices.devices_toml import MAX_GRACE_S, MAX_QUEUE_DEPTH, parse_devices_toml
 from rostether.errors import RostetherError
+from rostether.ports import toml_table
+from rostether.ports.board_identity import BoardIdentity
+from rostether.ports.devices_toml import MAX_GRACE_S, MAX_QUEUE_DEPTH, parse_devices_toml
 from rostether.transports.address import MAX_BAUD
 
 MAX_ENTRIES = 12

@@ -21,7 +21,7 @@ def seeds() -> list[bytes]:
     for key in (KEY, OTHER_KEY):
         listener, connector = ListenerHello({None: key}, NONCES[0]), ConnectorHello(key, NONCES[1])
         connector.receive(listener.greeting)
-        answer = connector.take_answer()
+        answer = connector.pop_answer()
         found += [b"\x80" + listener.greeting + answer[:40], b"\x80" + answer[:100]]
     return found
 

@@ -18,9 +18,11 @@ import cbor2
 
 from fuzz.grammar import near
 from fuzz.lowering import lowered
-from rostether.gateways.rosbridge import client_services, client_topics, fragments, surroundings
+from rostether.gateways.rosbridge import client_services, client_topics, fragments
+from rostether.gateways.rosbridge import gateway_context as surroundings
 from rostether.gateways.rosbridge.admission import Admission
 from rostether.gateways.rosbridge.fragments import split_fragments
+from rostether.gateways.rosbridge.gateway_context import GatewayContext
 from rostether.gateways.rosbridge.message_forms import MessageForms
 from rostether.gateways.rosbridge.offered_services import OfferedServices
 from rostether.gateways.rosbridge.png_packing import pack_png
@@ -28,7 +30,6 @@ from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi
 from rostether.gateways.rosbridge.service_types import ServiceTypes
 from rostether.gateways.rosbridge.session import Session
 from rostether.gateways.rosbridge.settings import RosbridgeSettings
-from rostether.gateways.rosbridge.surroundings import Surroundings
 from rostether.gateways.rosbridge.values import Style
 from rostether.gateways.shared_subscriptions import SharedSubscriptions
 from rostether.graph.memory_network import MemoryNetwork
@@ -249,7 +250,7 @@ async def _converse(lines: list[str]) -> None:
     publisher.publish(data="hello")
     await talker.serve("/enable", "std_srvs/SetBool", _enable)
     graph = await network.join("/gateway")
-    around = Surroundings(
+    around = GatewayContext(
         graph,
         _STORE,
         _SETTINGS,

@@ -74,9 +74,9 @@ async def _joined_ros2(
     environ: Mapping[str, str] | None,
 ) -> AsyncIterator[TypedGraph]:
     # Not at import: programs on ROS 1 alone need none of it.
-    from rostether.ros2.native_registry import NativeRegistry
-    from rostether.ros2.native_types import NativeTypes
     from rostether.ros2.session import open_ros2
+    from rostether.ros2.types.native_registry import NativeRegistry
+    from rostether.ros2.types.native_types import NativeTypes
 
     registry = NativeRegistry.from_environment(msg_paths, environ)
     async with open_ros2(middleware, NativeTypes(registry), environ) as join_graph:

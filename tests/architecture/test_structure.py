@@ -22,7 +22,7 @@ REVIEWED_LONG_FILES = {
 }
 NAMES_THAT_SAY_NOTHING = {"util", "utils", "helper", "helpers", "manager", "common", "misc", "base"}
 # `core` is the verb that every ROS user knows, and modules are called as rospy's programs import them.
-ALLOWED = {PACKAGE / "cli" / "bridge" / "core.py", *(PACKAGE / "rospy_facade" / "modules").rglob("*.py")}
+ALLOWED = {PACKAGE / "cli" / "bridge" / "core.py", *(PACKAGE / "rospy" / "modules").rglob("*.py")}
 HEAVY = {
     "numpy",
     "rosbags",

@@ -13,7 +13,7 @@ from rostether.graph.ports import JoinGraph
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.ros2.rclpy.context import RclpyContext
-from rostether.ros2.type_support import Ros2Types
+from rostether.ros2.types.type_support import Ros2Types
 
 
 @asynccontextmanager

@@ -12,7 +12,7 @@ from rostether.graph.ports import Graph, JoinGraph
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.ros2.environment import Ros2Environment
-from rostether.ros2.type_support import Ros2Types
+from rostether.ros2.types.type_support import Ros2Types
 from rostether.ros2.zenoh.configuration import Reach, RouterChoice
 from rostether.ros2.zenoh.session import ZenohSession
 

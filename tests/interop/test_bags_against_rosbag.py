@@ -21,8 +21,8 @@ from interop.node_stage import Stage, stage_on
 from interop.ros1_peers import Peer
 from rostether.graph.ports import Publisher
 from rostether.msgdef.registry import Registry
-from rostether.recording.bag_reader import BagReader
-from rostether.recording.bag_writer import BagWriter
+from rostether.recording.bag.reader import BagReader
+from rostether.recording.bag.writer import BagWriter
 from rostether.recording.files import open_recording
 from rostether.recording.recorded import Connection
 from rostether.serde.store import TypeStore

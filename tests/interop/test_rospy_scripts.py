@@ -13,8 +13,8 @@ from typing import Any
 import pytest
 
 from interop.ros1_peers import DEBIAN_PYTHON, Peer, Ros1Peers
-from rostether.rospy_facade.actions.comm_states import WAYS
-from rostether.rospy_facade.environment import node_environment
+from rostether.rospy.actionlib.comm_states import WAYS
+from rostether.rospy.environment import node_environment
 from unit.recording.bags import write_bag
 
 SCRIPTS = Path(__file__).parent / "rospy_scripts"

@@ -11,7 +11,7 @@ import pytest
 from rostether.msgdef.interface import MessageType
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
-from rostether.ros2.type_support import Ros2Types
+from rostether.ros2.types.type_support import Ros2Types
 from rostether.serde.cdr.converter import CdrConverter
 from rostether.serde.codec import Codec
 from rostether.serde.store import TypeStore

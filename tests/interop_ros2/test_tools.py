@@ -15,7 +15,7 @@ from rostether.cli.topic.ros2_message_text import MessageText
 from rostether.cli.topic.ros2_typed_values import ValueForm
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
-from rostether.ros2.native_registry import NativeRegistry
+from rostether.ros2.types.native_registry import NativeRegistry
 from rostether.rostime import Time
 from rostether.serde.store import TypeStore
 

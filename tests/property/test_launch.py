@@ -8,10 +8,10 @@ from hypothesis import strategies as st
 from rostether.errors import ConfigError, LaunchError
 from rostether.launch.loading import load_launch
 from rostether.launch.scope import Scope
-from rostether.launch.substitution import Surroundings, substitute
+from rostether.launch.substitution import LaunchContext, substitute
 from rostether.launch.values import convert
 
-SURROUNDINGS = Surroundings({"HOME": "/home/x"}, {})
+SURROUNDINGS = LaunchContext({"HOME": "/home/x"}, {})
 WORDS = st.sampled_from(
     [
         "$(",

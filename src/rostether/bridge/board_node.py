@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from rostether.bridge.board_health import BoardHealth
-from rostether.bridge.endpoint_factory import EndpointFactory
-from rostether.bridge.endpoints import EndpointTable
-from rostether.bridge.findings.required import RequiredTopics
+from rostether.bridge.endpoint.factory import EndpointFactory
+from rostether.bridge.endpoint.table import EndpointTable
+from rostether.bridge.health.board_health import BoardHealth
+from rostether.bridge.health.findings.required import RequiredTopics
 from rostether.bridge.reporter import Notices, Reporter
 from rostether.bridge.settings import DEFAULT_SETTINGS, BridgeSettings
 from rostether.bridge.setup_lines import SetupLines
-from rostether.devices.settings import NO_SETTINGS, DeviceSettings
 from rostether.errors import RostetherError
 from rostether.graph.ports import Graph
+from rostether.ports.settings import NO_SETTINGS, DeviceSettings
 from rostether.rosserial.host_link_config import HostLinkConfig
 from rostether.rosserial.packets import TopicInfo
 from rostether.serde.store import TypeStore

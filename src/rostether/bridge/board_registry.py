@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from rostether.bridge.board_node import BoardNode
-from rostether.bridge.free_memory import give_back_memory
+from rostether.bridge.health.free_memory import give_back_memory
 from rostether.bridge.identity import numbered
 from rostether.bridge.reporter import reason_of
 from rostether.bridge.session import Session
@@ -159,7 +159,7 @@ class BoardRegistry:
         except TimeoutError:
             pass
         except Exception as error:  # noqa: BLE001 - its name is free again all the same
-            node.notices.say(Level.WARN, f"the node may still be listed: {reason_of(error)}")
+            node.notices.report(Level.WARN, f"the node may still be listed: {reason_of(error)}")
         finally:
             self._boards.pop(board.name, None)
             self._release_soon()

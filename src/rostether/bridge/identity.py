@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import re
 
-from rostether.devices.board_identity import BoardIdentity
-from rostether.devices.settings import NO_SETTINGS, DeviceSettings
 from rostether.names.graph_name import join as join_names
+from rostether.ports.board_identity import BoardIdentity
+from rostether.ports.settings import NO_SETTINGS, DeviceSettings
 from rostether.transports.address import Address, PtyAddress, SerialAddress
 from rostether.transports.board_keys import NO_PROOF, Proof
 

@@ -17,4 +17,4 @@ _LEVELS = {
 
 def relay_log(level: LogLevel, text: str, notices: Notices) -> None:
     """Pass on one log line."""
-    notices.say(_LEVELS[level], text)
+    notices.report(_LEVELS[level], text)

@@ -8,10 +8,9 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from typing import NamedTuple, Protocol
 
-from rostether.bridge.access_check import check_parameter
+from rostether.bridge.endpoint.access import check_parameter
 from rostether.bridge.reporter import Notices, reason_of
 from rostether.bridge.settings import BridgeSettings
-from rostether.devices.settings import ANY_ACCESS, Access
 from rostether.errors import (
     AccessDeniedError,
     GraphError,
@@ -20,6 +19,7 @@ from rostether.errors import (
     UnknownNameError,
 )
 from rostether.graph.ports import Graph, Level, ParamValue
+from rostether.ports.settings import ANY_ACCESS, Access
 
 # A board waits for each answer before it asks again; more than a few waiting questions are damage.
 MAX_WAITING = 16

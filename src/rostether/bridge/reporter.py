@@ -91,7 +91,7 @@ class Notices:
         self._clock = clock
         self._episodes: OrderedDict[str, list[float]] = OrderedDict()
 
-    def say(self, level: Level, text: str) -> None:
+    def report(self, level: Level, text: str) -> None:
         """Report a line."""
         self._reporter.line(level, printable(text), node=self.node)
         if self.to_graph is not None:
@@ -115,7 +115,7 @@ class Notices:
         if len(self._episodes) > MAX_KINDS:
             self._episodes.popitem(last=False)
         said = text if isinstance(text, str) else text()
-        self.say(level, f"{said} (and {unsaid} more the last time)" if unsaid else said)
+        self.report(level, f"{said} (and {unsaid} more the last time)" if unsaid else said)
 
     def defect(self, error: Exception) -> None:
         """Report that a part of a session failed."""

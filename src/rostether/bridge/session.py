@@ -13,15 +13,15 @@ from collections.abc import Awaitable, Callable
 from typing import Any
 
 from rostether.bridge.board_node import BoardNode
-from rostether.bridge.findings.line_watch import NO_ANSWER_S
-from rostether.bridge.held_events import HeldEvents
-from rostether.bridge.lane import Lane
+from rostether.bridge.endpoint.rescan import Rescan
+from rostether.bridge.health.findings.line_watch import NO_ANSWER_S
 from rostether.bridge.log_relay import relay_log
-from rostether.bridge.outbox import Outbox
+from rostether.bridge.outbound.held_events import HeldEvents
+from rostether.bridge.outbound.outbox import Outbox
+from rostether.bridge.outbound.reading_pause import ReadingPause
+from rostether.bridge.outbound.stamps import Stamps
+from rostether.bridge.outbound.topic_queue import TopicQueue
 from rostether.bridge.parameter_relay import ParameterRelay
-from rostether.bridge.reading_pause import ReadingPause
-from rostether.bridge.second_look import SecondLook
-from rostether.bridge.stamps import Stamps
 from rostether.errors import TransportError
 from rostether.graph.ports import Level
 from rostether.rosserial import topic_id as ids
@@ -94,7 +94,7 @@ class Session:
         self._setup = node.setup
         self._setup.connected()
         self._was_reset = False
-        self._second_look = SecondLook(self.link, self._handle)
+        self._second_look = Rescan(self.link, self._handle)
         self._held = HeldEvents(node.store.registry, self._act, self._fail)
         self._ended: asyncio.Future[TransportError | None] = self._loop.create_future()
         self._handlers: dict[type[Any], Callable[[Any], None]] = {
@@ -178,9 +178,9 @@ class Session:
         """Read nothing from the board until `wait()` ends; False, and nothing awaited, if it cannot pause."""
         return not self._ended.done() and self._pause.until(wait)
 
-    def look_inside(self, payload: bytes) -> None:
+    def rescan(self, payload: bytes) -> None:
         """Handle what noise has swallowed: the frames in a message that does not have its type's layout."""
-        self._second_look.take(payload, self._loop.time())
+        self._second_look.rescan(payload, self._loop.time())
         self._after_link()
 
     def call_started(self) -> None:
@@ -221,13 +221,13 @@ class Session:
         elif not self._held.keep(MessagesReceived(topic_id, payloads)):
             self.unbridged_count += len(payloads)
         if topic_id in self._stamps.offsets:
-            self._stamps.take(topic_id, payloads, self._loop.time())
+            self._stamps.track(topic_id, payloads, self._loop.time())
 
     def _handle(self, event: HostEvent) -> None:
         if type(event) is MessagesReceived:
             self._carry(event.topic_id, event.payloads)
             return
-        self.watch.take(event, self._loop.time())
+        self.watch.handle_event(event, self._loop.time())
         if not self._held.hold_back(event):
             self._act(event)
 
@@ -298,9 +298,9 @@ class Session:
     def _tell(self, _event: object) -> None:
         """Say at once what is wrong, without waiting for the next look."""
         now_s = self._loop.time()
-        self.node.health.tell(self.node.health.find(now_s), now_s)
+        self.node.health.report(self.node.health.find(now_s), now_s)
 
-    def _report_dropped(self, lane: Lane, count: int) -> None:
+    def _report_dropped(self, lane: TopicQueue, count: int) -> None:
         self._notices.episode(
             f"overflow {lane.topic}",
             Level.WARN,

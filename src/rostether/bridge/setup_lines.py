@@ -49,23 +49,23 @@ class SetupLines:
             return
         self._noted_sizes.add(event.role)
         what = "publish" if event.role is TopicRole.PUBLISHER else "subscribe"
-        self._say(f"Note: {what} buffer size is {event.info.buffer_size} bytes")
+        self._report(f"Note: {what} buffer size is {event.info.buffer_size} bytes")
 
     def topic(self, event: TopicAnnounced) -> None:
         """Say that a topic is served."""
-        self._say(f"Setup {event.role.value} on {event.info.topic_name} [{event.info.message_type}]")
+        self._report(f"Setup {event.role.value} on {event.info.topic_name} [{event.info.message_type}]")
 
     def service(self, event: ServiceAnnounced) -> None:
         """Say that a service is served."""
         what = "server" if event.role is ServiceRole.SERVER else "client"
-        self._say(f"Setup service {what} on {event.name} [{event.type}]")
+        self._report(f"Setup service {what} on {event.name} [{event.type}]")
 
     def refused(self, event: AnnouncementRefused) -> None:
         """Say why a topic is not served."""
         name = event.topic_name or "a topic without a name"
-        self._say(f"{name} [{event.message_type}] is not bridged: {event.reason}", Level.ERROR)
+        self._report(f"{name} [{event.message_type}] is not bridged: {event.reason}", Level.ERROR)
 
-    def _say(self, text: str, level: Level = Level.INFO) -> None:
+    def _report(self, text: str, level: Level = Level.INFO) -> None:
         now_s = self._clock()
         self._room = min(self._room + (now_s - self._counted_s) / LINE_PERIOD_S, float(SAVED_LINES))
         self._counted_s = now_s
@@ -74,13 +74,13 @@ class SetupLines:
             return
         self._room -= 1
         self._left_out = 0
-        self._notices.say(level, text)
+        self._notices.report(level, text)
 
     def _leave_out(self, now_s: float) -> None:
         self._left_out += 1
         if now_s - self._summed_s >= SUMMARY_PERIOD_S:
             self._summed_s = now_s
-            self._notices.say(
+            self._notices.report(
                 Level.WARN,
                 "the board announces its topics again and again: these lines are left out "
                 f"({self._left_out} so far); check its power and cable, and whether two boards have one name",

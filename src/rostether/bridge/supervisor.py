@@ -13,20 +13,16 @@ from typing import Protocol
 
 from rostether.bridge.board_node import BoardNode
 from rostether.bridge.board_registry import Board, BoardRegistry
-from rostether.bridge.diagnostics import BoardView, view_board
-from rostether.bridge.discovery import Discovery
-from rostether.bridge.health_round import HealthRound
+from rostether.bridge.health.diagnostics import BoardView, view_board
+from rostether.bridge.health.health_round import HealthRound
 from rostether.bridge.identity import hardware_id, identify_peer, node_name
-from rostether.bridge.link_keeper import LinkKeeper, identify_address, way_back
-from rostether.bridge.machine_ports import THIS_MACHINE, MachinePorts
 from rostether.bridge.peer_entry import BOARD_ENTRY
+from rostether.bridge.ports.discovery import Discovery
+from rostether.bridge.ports.link_keeper import LinkKeeper, identify_address, way_back
+from rostether.bridge.ports.machine_ports import THIS_MACHINE, MachinePorts
 from rostether.bridge.reporter import LimitedReporter, Reporter, SilentReporter, reason_of
 from rostether.bridge.session import Session
 from rostether.bridge.settings import DEFAULT_SETTINGS, BridgeSettings
-from rostether.devices.board_identity import BoardIdentity
-from rostether.devices.device_book import DeviceBook
-from rostether.devices.known_boards import KnownBoards
-from rostether.devices.settings import DeviceSettings
 from rostether.errors import (
     MasterUnreachableError,
     NodeEndedError,
@@ -37,6 +33,10 @@ from rostether.errors import (
 from rostether.graph.ports import NAME_TAKEN, Graph, JoinGraph, Level
 from rostether.names.graph_name import join as join_names
 from rostether.names.graph_name import validate_name
+from rostether.ports.board_identity import BoardIdentity
+from rostether.ports.device_book import DeviceBook
+from rostether.ports.known_boards import KnownBoards
+from rostether.ports.settings import DeviceSettings
 from rostether.serde.store import TypeStore
 from rostether.transports.address import Address, SerialAddress, TcpAddress, UdpAddress, XbeeAddress
 from rostether.transports.backoff import Backoff

@@ -11,7 +11,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from rostether.device.endpoints import OnMessage, Publisher, Subscriber
+from rostether.device.endpoint_handles import OnMessage, Publisher, Subscriber
 from rostether.device.line import DeviceLine
 from rostether.device.parameters import DeviceParam, ParameterRequests
 from rostether.device.services import Handler, ServiceClient, ServiceServer

@@ -12,7 +12,7 @@ from collections import deque
 from collections.abc import Awaitable, Callable, Iterable, Mapping
 from typing import Any, TypeAlias, cast
 
-from rostether.device.endpoints import Fields, encode
+from rostether.device.endpoint_handles import Fields, encode
 from rostether.device.line import DeviceLine
 from rostether.errors import RostetherError, ServiceTimeoutError, ServiceUnavailableError
 from rostether.rosserial.device_endpoints import ServiceIds

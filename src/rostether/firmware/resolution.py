@@ -32,7 +32,7 @@ class Shelf:
         self._ros = ros
         self.used: list[Library] = []
 
-    def take(self, headers: Sequence[str]) -> list[Library]:
+    def libraries_for(self, headers: Sequence[str]) -> list[Library]:
         """Return the libraries that serve headers, each once."""
         taken: dict[Path, Library] = {}
         wants_ros = False
@@ -78,7 +78,7 @@ async def _complete(compiler: Compiler, unit: Unit, shelf: Shelf, sketch: Sketch
     fixed = list(unit.includes)
     for _ in range(MAX_ROUNDS):
         scan = await compiler.scan(unit.sources, unit.includes)
-        new = shelf.take(scan.missing)
+        new = shelf.libraries_for(scan.missing)
         new = [each for each in new if each not in unit.libraries]
         found = [] if sketch is None or sketch.owns_folder else _sources_of(scan.files, sketch, unit.sources)
         if not new and not found:

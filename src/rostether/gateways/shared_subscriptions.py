@@ -85,7 +85,7 @@ class SharedSubscription:
             self._is_closed = True
             await self._source.remove(self)
 
-    def take(self, batch: Batch) -> None:
+    def deliver(self, batch: Batch) -> None:
         """Hand a batch on; an error of the taker's stays here."""
         if not self._is_closed:
             call_contained(f"taker of {self.topic}", self._on_batch, batch)
@@ -174,7 +174,7 @@ class _Source:
             # Who has left has taken back what it latched; newer words of the others have come meanwhile.
             node_name = batch.connection.node_name
             if (there is None or node_name in there) and self._latched.get(node_name) is batch:
-                share.take(batch)
+                share.deliver(batch)
 
     async def remove(self, share: SharedSubscription) -> None:
         self._shares = tuple(each for each in self._shares if each is not share)
@@ -229,4 +229,4 @@ class _Source:
             self._latched[connection.node_name] = Batch(connection, payloads[-1:])
         batch = Batch(connection, payloads)
         for share in self._shares:
-            share.take(batch)
+            share.deliver(batch)

@@ -152,12 +152,12 @@ class MemorySubscriber:
                 link.close()
             self._on_close(self)
 
-    def take_connection(self, fields: Mapping[str, str]) -> None:
+    def deliver_connection(self, fields: Mapping[str, str]) -> None:
         """Hand a new publisher's fields on."""
         if self._on_connection is not None:
             call_contained(f"on_connection of {self.topic}", self._on_connection, fields)
 
-    def take(self, payloads: Sequence[bytes]) -> None:
+    def deliver(self, payloads: Sequence[bytes]) -> None:
         """Hand a batch on; an error of the callback stays here."""
         call_contained(f"on_messages of {self.topic}", self._on_messages, payloads)
 
@@ -207,13 +207,13 @@ class _Link:
             return
         if self._is_new:
             self._is_new = False
-            self._subscriber.take_connection(self._publisher.header_fields())
+            self._subscriber.deliver_connection(self._publisher.header_fields())
         if self._queue and not self._subscriber.is_paused:
             payloads = list(self._queue)
             self._queue.clear()
             self._bytes = 0
             self._flow.update()
-            self._subscriber.take(payloads)
+            self._subscriber.deliver(payloads)
 
 
 def _agree(left: str, right: str) -> bool:

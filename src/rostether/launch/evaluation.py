@@ -15,7 +15,7 @@ from rostether.errors import LaunchError
 from rostether.expression.compiler import FUNCTIONS, MATH, compile_expression
 from rostether.launch.scope import Scope
 from rostether.launch.substitution import (
-    Surroundings,
+    LaunchContext,
     anonymous_name,
     argument_value,
     environment_variable,
@@ -44,7 +44,7 @@ _EXTRA: Mapping[str, Any] = {
 }
 
 
-def evaluate(expression: str, scope: Scope, surroundings: Surroundings) -> str:
+def evaluate(expression: str, scope: Scope, context: LaunchContext) -> str:
     """Return the text of an expression's value. Raises LaunchError, ConfigError."""
     if "__" in expression:
         raise LaunchError(f"$(eval {expression}) may not hold a double underscore")
@@ -53,7 +53,7 @@ def evaluate(expression: str, scope: Scope, surroundings: Surroundings) -> str:
         return convert(argument_value(name, scope), "auto")
 
     def optional_variable(name: str, default: str = "") -> str:
-        return surroundings.environ.get(name, default)
+        return context.environ.get(name, default)
 
     # Arguments hide Python's functions and are hidden by mathematics: `e` and `pi` are always numbers.
     names: dict[str, Any] = {
@@ -64,9 +64,9 @@ def evaluate(expression: str, scope: Scope, surroundings: Surroundings) -> str:
         "true": True,
         "false": False,
         "arg": argument,
-        "env": lambda name: environment_variable(name, surroundings),
+        "env": lambda name: environment_variable(name, context),
         "optenv": optional_variable,
-        "find": lambda package: package_folder(package, surroundings),
+        "find": lambda package: package_folder(package, context),
         "anon": lambda base_name: anonymous_name(base_name, scope),
         "dirname": lambda: folder_of(scope.file),
     }

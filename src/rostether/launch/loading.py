@@ -15,7 +15,7 @@ from rostether.launch.node_tag import NodeTags
 from rostether.launch.parameter_tags import ParameterTags
 from rostether.launch.plan import DeclaredArgument, LaunchPlan
 from rostether.launch.scope import Scope, as_namespace
-from rostether.launch.substitution import Surroundings, explain_unreadable
+from rostether.launch.substitution import LaunchContext, explain_unreadable
 from rostether.launch.tag_reader import TagReader
 from rostether.launch.xml_tree import MAX_FILE_BYTES, Element, parse_launch_xml
 
@@ -45,8 +45,8 @@ def load_launch(
     """
     programs = programs or {}
     served = frozenset(served_packages) | {package for package, _ in programs}
-    surroundings = Surroundings(environ, packages, served)
-    loader = _Loader(TagReader(surroundings), programs, runs_commands=runs_commands)
+    context = LaunchContext(environ, packages, served)
+    loader = _Loader(TagReader(context), programs, runs_commands=runs_commands)
     namespace = as_namespace(arguments.get("__ns") or environ.get("ROS_NAMESPACE") or "/")
     for path in paths:
         loader.load_root(_read(str(path)), str(path), namespace, arguments)

@@ -132,7 +132,7 @@ class ParameterTags:
         words = [*self._program(words[0]), *words[1:]]
         try:
             with subprocess.Popen(  # noqa: S603 - running it is what command= is for
-                words, stdout=subprocess.PIPE, env=dict(self._reader.surroundings.environ)
+                words, stdout=subprocess.PIPE, env=dict(self._reader.context.environ)
             ) as process:
                 assert process.stdout is not None
                 try:
@@ -168,7 +168,7 @@ class ParameterTags:
         return [word]
 
     def _search_path(self) -> str | None:
-        return self._reader.surroundings.environ.get("PATH")
+        return self._reader.context.environ.get("PATH")
 
 
 def _split(text: str) -> list[str]:

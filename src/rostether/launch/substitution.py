@@ -32,7 +32,7 @@ _NOT_IN_NAMES = re.compile(r"[.:-]")
 
 
 @dataclass(frozen=True, slots=True)
-class Surroundings:
+class LaunchContext:
     """What a launch file may ask of the machine.
 
     `packages` are folders by package name. `served` are packages of ours that are no folders: they are found
@@ -48,27 +48,27 @@ SERVED_ROOT = "/rostether-serves"
 """Stands for the folder of packages that we serve without files."""
 
 
-def substitute(text: str, scope: Scope, surroundings: Surroundings) -> str:
+def substitute(text: str, scope: Scope, context: LaunchContext) -> str:
     """Return a text with its substitution arguments put in. Raises LaunchError."""
     if "$" not in text:
         return text
     if text.startswith(_EVAL_PREFIX) and text.endswith(")"):
         from rostether.launch.evaluation import evaluate
 
-        return evaluate(text[len(_EVAL_PREFIX) : -1], scope, surroundings)
+        return evaluate(text[len(_EVAL_PREFIX) : -1], scope, context)
     for found in _substitutions(text):
-        text = _put_in(text, found, scope, surroundings)
+        text = _put_in(text, found, scope, context)
     for found in _substitutions(text):
         if found.split()[0] == "find":
-            text = _put_in_package(text, found, surroundings)
+            text = _put_in_package(text, found, context)
     return text
 
 
-def environment_variable(name: str, surroundings: Surroundings) -> str:
+def environment_variable(name: str, context: LaunchContext) -> str:
     """Return an environment variable's value. Raises LaunchError when it is not set."""
-    if name not in surroundings.environ:
+    if name not in context.environ:
         raise LaunchError(f"the environment variable {name} is not set; set it, or use $(optenv {name})")
-    return surroundings.environ[name]
+    return context.environ[name]
 
 
 def argument_value(name: str, scope: Scope) -> str:
@@ -98,13 +98,13 @@ def folder_of(file: str) -> str:
     return str(Path(file).parent.absolute())
 
 
-def package_folder(name: str, surroundings: Surroundings) -> str:
+def package_folder(name: str, context: LaunchContext) -> str:
     """Return the folder of a package. Raises LaunchError when there is none."""
-    if name in surroundings.packages:
-        return str(surroundings.packages[name])
-    if name in surroundings.served:
+    if name in context.packages:
+        return str(context.packages[name])
+    if name in context.served:
         return f"{SERVED_ROOT}/{name}"
-    near = get_close_matches(name, surroundings.packages, n=1)
+    near = get_close_matches(name, context.packages, n=1)
     hint = f"did you mean {near[0]}?" if near else "add the folder that holds it to ROS_PACKAGE_PATH"
     raise LaunchError(f"there is no package {name!r}; {hint}")
 
@@ -117,16 +117,16 @@ def explain_unreadable(file: str, error: OSError) -> LaunchError:
     return LaunchError(f"cannot read {file!r}: {error.strerror or error}")
 
 
-def _put_in(text: str, found: str, scope: Scope, surroundings: Surroundings) -> str:
+def _put_in(text: str, found: str, scope: Scope, context: LaunchContext) -> str:
     command, *words = found.split()
     value: str | None = None
     match command:
         case "env":
-            value = environment_variable(_only(found, words), surroundings)
+            value = environment_variable(_only(found, words), context)
         case "optenv":
             if not words:
                 raise LaunchError(f"$({found}) needs the name of an environment variable")
-            value = surroundings.environ.get(words[0], " ".join(words[1:]))
+            value = context.environ.get(words[0], " ".join(words[1:]))
         case "dirname":
             value = folder_of(scope.file)
         case "anon":
@@ -144,8 +144,8 @@ def _put_in(text: str, found: str, scope: Scope, surroundings: Surroundings) -> 
     return text.replace(f"$({found})", value)
 
 
-def _put_in_package(text: str, found: str, surroundings: Surroundings) -> str:
-    folder = package_folder(_only(found, found.split()[1:]), surroundings)
+def _put_in_package(text: str, found: str, context: LaunchContext) -> str:
+    folder = package_folder(_only(found, found.split()[1:]), context)
     before, _, after = text.partition(f"$({found})")
     # A path need not begin with a slash: `$(find pkg)urdf/a.urdf` lies in the package too.
     joint = "/" if after and not after.startswith(("/", " ", "$")) else ""

@@ -17,7 +17,7 @@ from rostether.launch.plan import (
     LaunchPlan,
 )
 from rostether.launch.scope import Scope, as_namespace
-from rostether.launch.substitution import Surroundings, substitute
+from rostether.launch.substitution import LaunchContext, substitute
 from rostether.launch.values import check, truth
 from rostether.launch.xml_tree import Element
 from rostether.names.graph_name import SEPARATOR, canonical, is_legal_name, join, namespace_of
@@ -61,14 +61,14 @@ class TagReader:
     All methods raise LaunchError; where it has no place in a file yet, the loader gives it the element's.
     """
 
-    def __init__(self, surroundings: Surroundings) -> None:
-        self.surroundings = surroundings
+    def __init__(self, context: LaunchContext) -> None:
+        self.context = context
         self.draft = Draft()
         self._substituted_chars = 0
 
     def substitute(self, text: str, scope: Scope) -> str:
         """Return a text with its substitution arguments put in."""
-        result = substitute(text, scope, self.surroundings)
+        result = substitute(text, scope, self.context)
         if result is not text:
             self._substituted_chars += len(result)
             if self._substituted_chars > MAX_SUBSTITUTED_CHARS:

@@ -8,9 +8,10 @@ from pathlib import Path
 
 from rostether.errors import RecordingError, RostetherError, UnknownTypeError
 from rostether.msgdef.registry import Registry
-from rostether.recording import bag_checking, mcap_checking
+from rostether.recording.bag import checking as bag_checking
 from rostether.recording.decoding import Decoder
 from rostether.recording.files import is_bag, is_mcap, open_recording
+from rostether.recording.mcap import checking as mcap_checking
 from rostether.recording.recorded import Connection
 from rostether.serde.layout import Layout
 

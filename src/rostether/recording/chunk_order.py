@@ -86,13 +86,13 @@ def in_order(
         until_ns = heap[0][0] if heap else 1 << 64
         if following < len(chunks):
             until_ns = min(until_ns, chunks[following].start_ns)
-        yield chunk.take()
+        yield chunk.pop()
         while chunk.advance():
             # Alone until then, so without the heap.
             if chunk.time_ns >= until_ns:
                 heappush(heap, (chunk.time_ns, rank, chunk))
                 break
-            yield chunk.take()
+            yield chunk.pop()
         else:
             del opened[rank]
             open_bytes -= chunk.held_bytes
@@ -154,7 +154,7 @@ class _Open(Generic[_Chunk]):
         self._passed += 1
         return True
 
-    def take(self) -> tuple[int, int, bytes]:
+    def pop(self) -> tuple[int, int, bytes]:
         """Return number, time and payload of the message it is at."""
         if self._plain is None:
             self._open()

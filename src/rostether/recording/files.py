@@ -7,16 +7,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rostether.errors import ConfigError
-from rostether.recording.bag_reader import BagReader
-from rostether.recording.bag_records import MAGIC
-from rostether.recording.bag_writer import DEFAULT_CHUNK_BYTES, BagWriter
+from rostether.recording.bag.reader import BagReader
+from rostether.recording.bag.records import MAGIC
+from rostether.recording.bag.writer import DEFAULT_CHUNK_BYTES, BagWriter
 from rostether.recording.compression import NONE
 from rostether.recording.recorded import RecordingReader, RecordingWriter
 from rostether.recording.regular_file import require_regular_file
 
 if TYPE_CHECKING:
-    from rostether.recording.unfit_messages import UnfitMessages
-    from rostether.ros2.type_support import Ros2Types
+    from rostether.recording.ros2.unfit_messages import UnfitMessages
+    from rostether.ros2.types.type_support import Ros2Types
 
 BAG_SUFFIX = ".bag"
 MCAP_SUFFIX = ".mcap"
@@ -40,18 +40,18 @@ def open_recording(path: Path, *, is_native: bool = False, damage: str = "") -> 
     natively, in ROS 2's own fields. `damage` says why the index of a file is not to be trusted.
     """
     if path.is_dir() or path.name == "metadata.yaml":
-        from rostether.recording.ros2_bag_reader import Ros2BagReader
+        from rostether.recording.ros2.bag_reader import Ros2BagReader
 
         return Ros2BagReader(path if path.is_dir() else path.parent, is_native=is_native)
     require_regular_file(path)
     # What begins with nothing known is refused as what its ending says.
     ending = "" if is_bag(path) else Path(path.name.removesuffix(_ACTIVE_SUFFIX)).suffix
     if is_mcap(path) or (ending == MCAP_SUFFIX and not _begins_with(path, SQLITE_MAGIC)):
-        from rostether.recording.mcap_reader import McapReader
+        from rostether.recording.mcap.reader import McapReader
 
         return McapReader(path, is_native=is_native, damage=damage)
     if _begins_with(path, SQLITE_MAGIC) or ending == DB3_SUFFIX:
-        from rostether.recording.db3_reader import Db3Reader
+        from rostether.recording.ros2.db3_reader import Db3Reader
 
         return Db3Reader(path, is_native=is_native)
     return BagReader(path, damage=damage)
@@ -97,12 +97,12 @@ def create_recording(
     name = path.name.removesuffix(_ACTIVE_SUFFIX)
     if name.endswith(MCAP_SUFFIX):
         if form is Form.ROS2:
-            from rostether.recording.ros2_mcap_writer import Ros2McapWriter
+            from rostether.recording.ros2.mcap_writer import Ros2McapWriter
 
             return Ros2McapWriter(
                 path, compression=compression, chunk_bytes=chunk_bytes, types=types, unfit=unfit
             )
-        from rostether.recording.mcap_writer import McapWriter
+        from rostether.recording.mcap.writer import McapWriter
 
         return McapWriter(path, compression=compression, chunk_bytes=chunk_bytes)
     if name.endswith((BAG_SUFFIX, ".bag.orig")):
@@ -110,14 +110,14 @@ def create_recording(
     if compression != NONE and (name.endswith(DB3_SUFFIX) or storage != "mcap"):
         raise ConfigError("a .db3 file is not compressed; take MCAP")
     if name.endswith(DB3_SUFFIX):
-        from rostether.recording.db3_writer import Db3Writer
+        from rostether.recording.ros2.db3_writer import Db3Writer
 
         return Db3Writer(path, types=types, unfit=unfit)
     if form is Form.ROS1 or path.suffix[1:].isalpha():
         raise ConfigError(
             f"{path}: a recording's name ends with .bag, .mcap or .db3, a ROS 2 bag's folder has no ending"
         )
-    from rostether.recording.ros2_bag_writer import Ros2Bag, Storage
+    from rostether.recording.ros2.bag_writer import Ros2Bag, Storage
 
     bag = Ros2Bag(
         path,

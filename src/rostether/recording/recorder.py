@@ -44,7 +44,7 @@ class TopicChoice:
         """Whether topics that appear later count."""
         return self.is_all or bool(self.patterns) or bool(self.node)
 
-    def takes(self, topic: str, subscribers: Sequence[str]) -> bool:
+    def includes(self, topic: str, subscribers: Sequence[str]) -> bool:
         """Tell whether a topic that was found is recorded."""
         if self.exclude is not None and self.exclude.search(topic):
             return False
@@ -165,7 +165,7 @@ class Recorder:
         return [
             topic.name
             for topic in snapshot.topics.values()
-            if topic.name not in self._subscribers and self._choice.takes(topic.name, topic.subscribers)
+            if topic.name not in self._subscribers and self._choice.includes(topic.name, topic.subscribers)
         ]
 
     def _look(self, snapshot: Snapshot) -> None:

@@ -35,7 +35,9 @@ class TfListener:
         self._on_refusal = on_refusal
         self._last_now_ns = 0
 
-    def taker(self, graph: TypedGraph, codec: Codec, authority: str, *, is_static: bool) -> OnMessages:
+    def batch_handler(
+        self, graph: TypedGraph, codec: Codec, authority: str, *, is_static: bool
+    ) -> OnMessages:
         """Return what takes one publisher's messages; ones that do not fit the type are passed over."""
 
         def take(payloads: Sequence[bytes]) -> None:
@@ -85,13 +87,13 @@ async def tf_listener(
 
             def name_publisher(header: Mapping[str, str], is_static: bool = is_static) -> OnMessages:
                 authority = header.get("callerid", UNKNOWN_AUTHORITY)
-                return listener.taker(graph, codec, authority, is_static=is_static)
+                return listener.batch_handler(graph, codec, authority, is_static=is_static)
 
             subscribers.append(
                 await graph.raw.subscribe(
                     topic,
                     message_type,
-                    listener.taker(graph, codec, UNKNOWN_AUTHORITY, is_static=is_static),
+                    listener.batch_handler(graph, codec, UNKNOWN_AUTHORITY, is_static=is_static),
                     on_connection=name_publisher,  # type: ignore[arg-type]
                 )
             )

@@ -9,7 +9,7 @@ from rostether.errors import ConfigError
 from rostether.extras import install_command
 from rostether.graph.ports import JoinGraph
 from rostether.ros2.environment import Ros2Environment
-from rostether.ros2.type_support import Ros2Types
+from rostether.ros2.types.type_support import Ros2Types
 
 
 @asynccontextmanager

@@ -22,7 +22,9 @@ class Announcements:
         self._refusals = Refusals()
         self._unknown_ids = UnknownIds()
 
-    def take(self, kind: int, payload: bytes, now_s: float) -> tuple[TopicInfo | None, list[HostEvent]]:
+    def handle_packet(
+        self, kind: int, payload: bytes, now_s: float
+    ) -> tuple[TopicInfo | None, list[HostEvent]]:
         """Take a packet on reserved id `kind`; return what the device has, None if that is not known."""
         info = TopicInfo.read(payload)
         if info is None:
@@ -30,7 +32,7 @@ class Announcements:
         fault = info.fault()
         if fault is not None:
             discarded = FrameDiscarded(DiscardReason.REFUSED, payload)
-            return info, [discarded, *self._refusals.take(kind, info, fault)]
+            return info, [discarded, *self._refusals.refuse(kind, info, fault)]
         if not self._table.is_known(kind, info) and not self._rate.admit_change(now_s):
             return None, [ControlFlood(kind, 1)]
         changes = self._table.announce(kind, info)
@@ -51,7 +53,7 @@ class Announcements:
 
     def refuse_lone_halves(self) -> list[HostEvent]:
         """Give up the halves of services whose other half is certain not to come."""
-        return [*self._refusals.take_lone_halves(self._table.lone_halves())]
+        return [*self._refusals.refuse_lone_halves(self._table.lone_halves())]
 
     def is_refused_sender(self, topic_id: int) -> bool:
         """Whether the device sends on this id what is not bridged."""

@@ -83,7 +83,7 @@ class Completeness:
         """Whether the announcement can belong to the last round's burst: that had others only."""
         return bool(self._round) and key_of(kind, info) not in self._round
 
-    def take(self, kind: int, info: TopicInfo) -> None:
+    def note_announcement(self, kind: int, info: TopicInfo) -> None:
         """Take one announcement of this round."""
         key = key_of(kind, info)
         if key not in self._heard and len(self._heard) >= MAX_HEARD:

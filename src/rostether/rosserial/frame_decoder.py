@@ -178,7 +178,7 @@ class FrameDecoder:
         buffer = bytes(self._pending)
         return self._accept(buffer, self._scan(buffer, Patience.NONE, now_s), now_s)
 
-    def look_inside(self, payload: bytes, now_s: float) -> list[Decoded]:
+    def rescan(self, payload: bytes, now_s: float) -> list[Decoded]:
         """Return the frames inside a payload that proved to be none; what is around them was told before."""
         if self._start not in payload:
             return []

@@ -211,7 +211,7 @@ class FrameScanner:
         result.vain_looks = looks
         if unfinished is not None and patience is not Patience.NONE:
             result.rest, result.needed_bytes = unfinished
-            waste.take_back(result.rest)
+            waste.discard_after(result.rest)
         result.discarded = waste.pieces(buffer)
         return result
 
@@ -289,7 +289,7 @@ class _Waste:
             self._close(position)
         self._count = 0
 
-    def take_back(self, position: int) -> None:
+    def discard_after(self, position: int) -> None:
         """Forget what lies behind a position after all."""
         while self._stretches and self._stretches[-1][0] >= position:
             self._stretches.pop()

@@ -112,11 +112,11 @@ class HostLink:
         self._presence.message(now_s)
         return message
 
-    def look_inside(self, payload: bytes, now_s: float) -> list[HostEvent]:
+    def rescan(self, payload: bytes, now_s: float) -> list[HostEvent]:
         """Return what noise has swallowed: the frames in a message that does not have its type's layout."""
         if isinstance(self._line, ProtocolDetector) or self._is_stopped:
             return []
-        events = self._take(self._line.look_inside(payload, now_s), now_s)
+        events = self._take(self._line.rescan(payload, now_s), now_s)
         self._pump(now_s)
         return events
 
@@ -146,7 +146,7 @@ class HostLink:
 
     def data_to_send(self) -> bytes:
         """Take the control frames that are waiting to be sent."""
-        return self._output.take()
+        return self._output.pop_ready()
 
     def can_send(self, topic_id: int) -> bool:
         """Whether the device listens on this id now: announced, and again since its last reset."""
@@ -202,7 +202,7 @@ class HostLink:
                 self._report(item, now_s, events)
                 continue
             self.statistics.frames_received += len(item.payloads)
-            self._presence.heard(now_s)
+            self._presence.frame_received(now_s)
             if item.topic_id >= ids.FIRST_USER_ID:
                 messages.append(item)
             else:
@@ -240,7 +240,7 @@ class HostLink:
                 self._report(control_event(frames.topic_id, payload), now_s, events)
 
     def _on_announcement(self, kind: int, payload: bytes, now_s: float, events: list[HostEvent]) -> None:
-        info, said = self._announcements.take(kind, payload, now_s)
+        info, said = self._announcements.handle_packet(kind, payload, now_s)
         for event in said:
             self._report(event, now_s, events)
         if info is not None:
@@ -324,7 +324,7 @@ class HostLink:
         events.append(DeviceReset())
 
     def _pump(self, now_s: float) -> None:
-        version = self._negotiation.take_request()
+        version = self._negotiation.pop_request()
         if version is not None:
             self._output.topic_request(version, now_s, is_guess=self._negotiation.version is None)
         self._output.pump(now_s)

@@ -40,7 +40,7 @@ class HostOutput:
         self._waiting: list[bytes] = []
         self._waiting_bytes = 0
 
-    def take(self) -> bytes:
+    def pop_ready(self) -> bytes:
         """Return the control frames that may go now."""
         data = b"".join(self._waiting)
         self._waiting.clear()

@@ -157,7 +157,7 @@ class Negotiation:
         elif self.phase is Phase.ASKED and self._asked_in != version:
             self._send(Input.UNANSWERED, now_s)
 
-    def take_request(self) -> int | None:
+    def pop_request(self) -> int | None:
         """Return the version in which to send a topic request now, once."""
         request, self._request = self._request, None
         if request is not None:
@@ -210,7 +210,7 @@ class Negotiation:
         if is_same_burst and pause_s <= MAX_QUIET_S:
             self._quiet_s = max(self._quiet_s, min(QUIET_MARGIN * pause_s, MAX_QUIET_S))
         self._hear(now_s)
-        self._completeness.take(kind, info)
+        self._completeness.note_announcement(kind, info)
 
     def get_timer(self) -> float | None:
         """Return when to call `handle_timer`."""

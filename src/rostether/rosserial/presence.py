@@ -122,7 +122,7 @@ class Presence:
         """Whether the device is there and nothing says that it was reset."""
         return self.state is State.PRESENT
 
-    def heard(self, now_s: float) -> None:
+    def frame_received(self, now_s: float) -> None:
         """Take any valid frame."""
         self.heard_s = now_s
 

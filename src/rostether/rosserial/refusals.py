@@ -34,7 +34,7 @@ class Refusals:
         self.keys: set[EndpointKey] = set()
         """Endpoints that the device is known to have and that are not bridged."""
 
-    def take(self, kind: int, info: TopicInfo, reason: str) -> list[AnnouncementRefused]:
+    def refuse(self, kind: int, info: TopicInfo, reason: str) -> list[AnnouncementRefused]:
         """Take an announcement that is not believed; reported when it has come twice."""
         announcement = kind, info
         if announcement not in self._reported and announcement not in self._once:
@@ -47,7 +47,7 @@ class Refusals:
             self.keys.add(key_of(kind, info))
         return self._report(announcement, reason)
 
-    def take_lone_halves(self, halves: Iterable[tuple[int, TopicInfo]]) -> list[AnnouncementRefused]:
+    def refuse_lone_halves(self, halves: Iterable[tuple[int, TopicInfo]]) -> list[AnnouncementRefused]:
         """Take the halves of services whose other half is certain not to come."""
         return [event for half in halves for event in self._report(half, _half_reason(half[0]))]
 

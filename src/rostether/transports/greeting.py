@@ -111,7 +111,7 @@ class _Hello:
             self._done.set_exception(error)
             return
         if isinstance(self._hello, ConnectorHello):
-            self._transport.write(self._hello.take_answer())
+            self._transport.write(self._hello.pop_answer())
         if result is not None:
             answer, rest = result
             self._transport.write(answer)

@@ -78,7 +78,7 @@ class PeerTransport(Generic[PeerKey]):
         """How many written bytes have not left yet, over all peers of the medium."""
         return 0 if self._lost else self._table.write_buffer_bytes()
 
-    def gives_way(self, now_s: float) -> bool:
+    def is_replaceable(self, now_s: float) -> bool:
         """Tell whether it has been silent for so long that a new peer may take its place."""
         limit_s = SILENT_LIMIT_S if self.has_answered else UNANSWERED_LIMIT_S
         return self.expires and now_s - self.heard_at_s >= limit_s
@@ -251,7 +251,7 @@ class PeerTable(Generic[PeerKey]):
         self.expire(now_s)
         if self.entry is None or len(self._peers) < self._max_peers:
             return
-        silent = [peer for peer in self._peers.values() if peer.gives_way(now_s)]
+        silent = [peer for peer in self._peers.values() if peer.is_replaceable(now_s)]
         if silent:
             peer = min(silent, key=lambda peer: (peer.has_answered, peer.heard_at_s))
             peer.end(TransportClosedError(f"{peer.peer} was silent, and its place is needed"))

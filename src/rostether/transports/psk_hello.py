@@ -127,7 +127,7 @@ class ConnectorHello:
             raise RemoteProtocolError("it has another pre-shared key; give it ours, see psk=")
         return b"", rest
 
-    def take_answer(self) -> bytes:
+    def pop_answer(self) -> bytes:
         """Return what to send now."""
         answer, self._answer = self._answer, b""
         return answer

@@ -55,7 +55,7 @@ class CaptureListener:
                         self.played_bytes += len(data)
                         await board.has_room.wait()
                         if self._speed is None:
-                            await board.taken()
+                            await board.wait_until_read()
                             if self._settle is not None:
                                 await self._settle()
                     case LinkOpened(link=link):
@@ -95,7 +95,7 @@ class _PlayedBoard:
         self._is_gone = False
         transport.start(self)
 
-    async def taken(self) -> None:
+    async def wait_until_read(self) -> None:
         """Wait until the host has taken all; it cannot before its node has joined the graph."""
         await asyncio.sleep(0)
         # The port announces no delivery; looking is cheap.

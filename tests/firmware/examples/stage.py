@@ -7,7 +7,6 @@ import contextlib
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
 from pathlib import Path
 
-from rostether.boards.simavr.simulated_board import SimulatedBoard
 from rostether.bridge.settings import BridgeSettings
 from rostether.bridge.supervisor import Supervisor
 from rostether.firmware.build import BuildOptions, BuiltFirmware, build_sketch, find_board
@@ -19,6 +18,7 @@ from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node.node import join_ros1
 from rostether.serde.store import TypeStore
 from rostether.serde.values import Message
+from rostether.simulation.simavr.simulated_board import SimulatedBoard
 from rostether.transports.address import parse_address
 from unit.bridge.doubles import RecordingReporter, until
 

@@ -70,7 +70,7 @@ async def test_button_example(kind: str) -> None:
         for level in (False, True, False, True, False):  # it bounces
             await board.drive_pin("D7", level)
             await board.run("2ms")
-        await board.tell("run")
+        await board.send_command("run")
         assert (await pushed.next()).data is True
         assert await board.pin_level("D13")
         await board.drive_pin("D7", None)

@@ -85,6 +85,6 @@ async def test_clapper(kind: str) -> None:
         await hear_one("800ms")
         await hear_one("250ms")
         await hear_one("800ms")
-        await board.tell("run")
+        await board.send_command("run")
         await claps.reached(2)
         assert len(claps.heard) == 2

@@ -7,8 +7,8 @@ import contextlib
 import pytest
 
 from firmware.examples.stage import a_bridge, build_example, running
-from rostether.boards.simavr.simulated_board import SimulatedBoard
 from rostether.graph.typed_graph import TypedGraph
+from rostether.simulation.simavr.simulated_board import SimulatedBoard
 
 TEXT = "std_msgs/String"
 

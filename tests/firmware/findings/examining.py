@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal, TypeVar
 
-from rostether.boards.simavr.simulated_board import SimulatedBoard
-from rostether.bridge.doctor import Diagnosis, Doctor
-from rostether.bridge.findings.finding import Code
+from rostether.bridge.health.doctor import Diagnosis, Doctor
+from rostether.bridge.health.findings.finding import Code
 from rostether.firmware.build import BuildOptions, build_sketch, find_board
 from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore
+from rostether.simulation.simavr.simulated_board import SimulatedBoard
 from rostether.transports.address import Address, SerialAddress, parse_address
 from rostether.transports.opening import open_transport
 from rostether.transports.port_facts import PortFacts

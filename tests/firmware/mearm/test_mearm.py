@@ -13,7 +13,6 @@ import pytest
 
 from firmware.examples.stage import STORE, a_graph
 from firmware.mearm.terminal import EXAMPLE, Terminals, terminals
-from rostether.boards.simavr.simulated_board import SimulatedBoard
 from rostether.firmware.build import BuildOptions, build_sketch, find_board
 from rostether.graph.typed_graph import TypedGraph
 from rostether.msgdef.registry import Registry
@@ -22,6 +21,7 @@ from rostether.robot.tf_buffer import TransformBuffer
 from rostether.robot.tf_messages import from_message
 from rostether.robot.urdf import parse_urdf
 from rostether.ros1.master.server import MasterServer
+from rostether.simulation.simavr.simulated_board import SimulatedBoard
 
 PINS = ("D9", "D10", "D11", "D12")
 SERVOS = ("servo1", "servo2", "servo3", "servo4")

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from firmware.platforms.meeting import meeting
-from rostether.boards.qemu import QemuBoard
 from rostether.cli.board.simulated_links import simulated
+from rostether.simulation.qemu import QemuBoard
 from rostether.transports.address import parse_address
 from unit.bridge.lateness import lateness
 

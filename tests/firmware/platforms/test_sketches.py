@@ -12,8 +12,8 @@ import pytest
 
 from firmware.platforms.meeting import PATIENCE_S, Meeting, meeting
 from firmware.platforms.programs import EXAMPLES, NODE, compile_for_cortex_m, compile_program, running
-from rostether.boards.qemu import QemuBoard
 from rostether.serde.values import Message
+from rostether.simulation.qemu import QemuBoard
 from unit.bridge.doubles import until
 
 PLATFORMS = [

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from rostether.boards.simavr.simulated_board import SimulatedBoard
 from rostether.rosserial.frame import encode_frame
 from rostether.rosserial.frame_decoder import FrameDecoder, Frames
+from rostether.simulation.simavr.simulated_board import SimulatedBoard
 
 STEP_MS = 20
 # What tells that a program has gone wrong.

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from rostether.boards.simavr.simulated_board import SimulatedBoard
 from rostether.firmware.build import BuildOptions, build_sketch, find_board
 from rostether.rosserial.events import DeviceReset, HostEvent, TimeRequested
 from rostether.rosserial.host_link import HostLink
 from rostether.rostime import Time
+from rostether.simulation.simavr.simulated_board import SimulatedBoard
 
 SKETCH = Path(__file__).parent / "sketches" / "SlowLoop"
 STEP_S = 0.01

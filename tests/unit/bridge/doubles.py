@@ -6,8 +6,8 @@ import asyncio
 from collections.abc import Awaitable, Callable, Sequence
 from typing import cast
 
-from rostether.bridge.lane import Lane
-from rostether.bridge.outbox import Outbox
+from rostether.bridge.outbound.outbox import Outbox
+from rostether.bridge.outbound.topic_queue import TopicQueue
 from rostether.bridge.settings import DEFAULT_SETTINGS, BridgeSettings
 from rostether.errors import LocalProtocolError
 from rostether.graph.ports import Level
@@ -199,7 +199,7 @@ class FakeLine:
             self.waits.append(wait)
         return self.transport.can_pause
 
-    def look_inside(self, payload: bytes) -> None:
+    def rescan(self, payload: bytes) -> None:
         self.looked_inside.append(payload)
 
     def call_started(self) -> None:
@@ -208,7 +208,7 @@ class FakeLine:
     def call_finished(self) -> None:
         self.calls_finished += 1
 
-    def _note_dropped(self, lane: Lane, count: int) -> None:
+    def _note_dropped(self, lane: TopicQueue, count: int) -> None:
         self.dropped.append((lane.topic, count))
 
 

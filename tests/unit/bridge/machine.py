@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from rostether.bridge.machine_ports import MachinePorts
+from rostether.bridge.ports.machine_ports import MachinePorts
 from rostether.device import Device
 from rostether.transports.address import SerialAddress
 from rostether.transports.serial import SerialTransport, open_serial

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rostether.bridge.board_node import BoardNode
 from rostether.bridge.settings import BridgeSettings
-from rostether.devices.devices_toml import parse_devices_toml
+from rostether.ports.devices_toml import parse_devices_toml
 from unit.bridge.nodes import STORE, World
 
 

@@ -3,9 +3,9 @@ from __future__ import annotations
 import pytest
 
 from rostether.bridge.identity import identify_peer, network_address, node_base_name, node_name, numbered
-from rostether.devices.board_identity import BoardIdentity
-from rostether.devices.settings import DeviceSettings
 from rostether.names.graph_name import is_legal_name
+from rostether.ports.board_identity import BoardIdentity
+from rostether.ports.settings import DeviceSettings
 from rostether.transports.address import parse_address
 
 

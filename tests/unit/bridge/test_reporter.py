@@ -43,7 +43,7 @@ def notices(reporter: RecordingReporter, clock: Clock) -> Notices:
 def test_a_line_names_its_node_and_goes_to_the_graph(notices: Notices, reporter: RecordingReporter) -> None:
     logged: list[tuple[Level, str]] = []
     notices.to_graph = lambda level, text: logged.append((level, text))
-    notices.say(Level.INFO, "Setup publisher on chatter [std_msgs/String]")
+    notices.report(Level.INFO, "Setup publisher on chatter [std_msgs/String]")
     assert reporter.lines == [(Level.INFO, "Setup publisher on chatter [std_msgs/String]", "/board")]
     assert logged == [(Level.INFO, "Setup publisher on chatter [std_msgs/String]")]
 

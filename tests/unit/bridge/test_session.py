@@ -244,7 +244,7 @@ async def test_a_service_whose_ids_changed_without_a_reset_is_served(bridge: Bri
 async def test_a_time_request_after_silence_shows_that_the_board_is_past_a_call(
     bridge: Bridge, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("rostether.bridge.service_server_endpoint.BUSY_S", 0.05)
+    monkeypatch.setattr("rostether.bridge.endpoint.service_server.BUSY_S", 0.05)
     settings = BridgeSettings(service_timeout_s=0.1)
     board = await bridge.connect(
         *service_announcements(ids.SERVICE_SERVER_RESPONSE, "switch", 125, 100), settings=settings

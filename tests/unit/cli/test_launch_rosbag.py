@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from rostether.msgdef.interface import ANY_MESSAGE
-from rostether.recording.bag_reader import BagReader
+from rostether.recording.bag.reader import BagReader
 from unit.cli.command_shell import LiveGraph
 from unit.cli.launch.test_launch import LIMIT_S, launched
 from unit.recording.bags import STRING, text, write_bag

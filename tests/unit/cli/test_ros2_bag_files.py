@@ -14,8 +14,8 @@ from rostether.cli.bag.recording_graph import native_types
 from rostether.errors import RecordingError
 from rostether.graph.ports import Publisher
 from rostether.msgdef.registry import Registry
-from rostether.recording.bag_reader import BagReader
-from rostether.recording.bag_writer import BagWriter
+from rostether.recording.bag.reader import BagReader
+from rostether.recording.bag.writer import BagWriter
 from rostether.recording.files import open_recording
 from rostether.recording.recorded import Connection
 from rostether.serde.store import TypeStore

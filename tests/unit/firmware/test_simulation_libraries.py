@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from rostether.boards.simavr.simulated_board import SimulatedBoard
 from rostether.firmware.build import build_sketch, find_board
 from rostether.firmware.elf import ElfFile
 from rostether.firmware.libraries import SIMULATION_LIBRARIES
 from rostether.firmware.toolchain import find_avr_toolchain
+from rostether.simulation.simavr.simulated_board import SimulatedBoard
 from unit.firmware.sketches import write_sketch
 
 pytestmark = pytest.mark.simavr
@@ -76,7 +76,7 @@ async def test_a_pulse_is_as_wide_as_the_angle_says(tmp_path: Path, board: str, 
     text = SERVO.replace("ANGLE", str(angle)).replace("NOISE", "")
     built = await build_sketch(write_sketch(tmp_path, "S", text), find_board(board))
     async with await SimulatedBoard.start(built.elf, board=board, link="none", paused=True) as simulated:
-        await simulated.tell("servo D9")
+        await simulated.send_command("servo D9")
         await simulated.run("100ms")
         assert await simulated.servo_angle("D9") == pytest.approx(angle, abs=0.3)
 
@@ -86,7 +86,7 @@ async def test_every_servo_has_its_own_limits(tmp_path: Path) -> None:
     built = await build_sketch(write_sketch(tmp_path, "S", text), find_board("uno"))
     async with await SimulatedBoard.start(built.elf, board="uno", link="none", paused=True) as simulated:
         for pin in ("D10", "D6"):
-            await simulated.tell(f"servo {pin}")
+            await simulated.send_command(f"servo {pin}")
         await simulated.run("100ms")
         span_us = 2400 - 544
         assert await simulated.servo_angle("D10") == pytest.approx((2000 - 544) / span_us * 180, abs=0.3)
@@ -98,7 +98,7 @@ async def test_a_busy_serial_line_moves_a_servo_by_less_than_two_degrees(tmp_pat
     text = text.replace("void setup() {", "void setup() { Serial.begin(115200);")
     built = await build_sketch(write_sketch(tmp_path, "S", text), find_board("uno"))
     async with await SimulatedBoard.start(built.elf, board="uno", link="none", paused=True) as simulated:
-        await simulated.tell("servo D9")
+        await simulated.send_command("servo D9")
         for _ in range(10):
             await simulated.run("50ms")
             assert await simulated.servo_angle("D9") == pytest.approx(90, abs=2)

@@ -223,7 +223,7 @@ async def test_a_graph_that_tells_it_to_leave_is_obeyed() -> None:
     assert "/board" not in world.networks[0].snapshot().nodes
 
 
-class Door:
+class ConnectionLimiter:
     """A `JoinGraph` that lets nobody in until it is open."""
 
     def __init__(self, network: MemoryNetwork) -> None:
@@ -246,7 +246,7 @@ async def test_a_graph_that_comes_late_gets_everything(
 ) -> None:
     monkeypatch.setattr("rostether.graph.joint_join.FIRST_RETRY_S", 0.01)
     early, late = MemoryNetwork(), MemoryNetwork()
-    door = Door(late)
+    door = ConnectionLimiter(late)
     joins: list[Any] = [early.join]
     joins.insert(position, door)
     joint = await JointJoin(joins)("/board")
@@ -284,7 +284,7 @@ async def test_a_graph_that_comes_late_gets_everything(
 
 async def test_nobody_waits_for_a_late_graph_after_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("rostether.graph.joint_join.FIRST_RETRY_S", 0.01)
-    door = Door(MemoryNetwork())
+    door = ConnectionLimiter(MemoryNetwork())
     joint = await JointJoin([MemoryNetwork().join, door])("/board")
     await until(lambda: door.attempts > 2)
     await joint.close()
@@ -295,10 +295,10 @@ async def test_nobody_waits_for_a_late_graph_after_the_end(monkeypatch: pytest.M
 
 async def test_no_graph_at_all_is_an_error() -> None:
     with pytest.raises(MasterUnreachableError, match="closed door"):
-        await JointJoin([Door(MemoryNetwork()), Door(MemoryNetwork())])("/board")
+        await JointJoin([ConnectionLimiter(MemoryNetwork()), ConnectionLimiter(MemoryNetwork())])("/board")
     network = MemoryNetwork()
     with pytest.raises(InvalidNameError):
-        await JointJoin([network.join, Door(MemoryNetwork())])("no name")
+        await JointJoin([network.join, ConnectionLimiter(MemoryNetwork())])("no name")
     assert network.snapshot().nodes == ()
 
 

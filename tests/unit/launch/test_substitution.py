@@ -6,9 +6,9 @@ import pytest
 
 from rostether.errors import ConfigError, LaunchError
 from rostether.launch.scope import Scope
-from rostether.launch.substitution import SERVED_ROOT, Surroundings, substitute
+from rostether.launch.substitution import SERVED_ROOT, LaunchContext, substitute
 
-SURROUNDINGS = Surroundings(
+SURROUNDINGS = LaunchContext(
     {"HOME": "/home/x", "TRICK": "$(find arm)/y"}, {"arm": Path("/ws/src/arm")}, frozenset({"xacro"})
 )
 

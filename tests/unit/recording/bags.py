@@ -6,7 +6,7 @@ from pathlib import Path
 
 from rostether.msgdef.interface import MessageType
 from rostether.msgdef.registry import Registry
-from rostether.recording.bag_writer import BagWriter
+from rostether.recording.bag.writer import BagWriter
 from rostether.recording.recorded import Connection
 
 STRING = Registry().message_type("std_msgs/String")

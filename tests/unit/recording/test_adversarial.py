@@ -14,15 +14,16 @@ import pytest
 import zstandard
 
 from rostether.errors import RecordingError
-from rostether.recording import bag_chunks, mcap_content
-from rostether.recording.bag_reader import BagReader
-from rostether.recording.bag_records import MAGIC, OP_CHUNK, OP_CONNECTION, U32, bag_header, encode_record
+from rostether.recording.bag import chunks as bag_chunks
+from rostether.recording.bag.reader import BagReader
+from rostether.recording.bag.records import MAGIC, OP_CHUNK, OP_CONNECTION, U32, bag_header, encode_record
 from rostether.recording.compression import MAX_CHUNK_BYTES, decompress
-from rostether.recording.mcap_reader import McapReader
-from rostether.recording.mcap_records import CHUNK_HEAD, OP_SCHEMA, encode_text
-from rostether.recording.mcap_records import MAGIC as MCAP_MAGIC
-from rostether.recording.mcap_records import OP_CHUNK as MCAP_CHUNK
-from rostether.recording.mcap_records import encode_record as encode_mcap
+from rostether.recording.mcap import content as mcap_content
+from rostether.recording.mcap.reader import McapReader
+from rostether.recording.mcap.records import CHUNK_HEAD, OP_SCHEMA, encode_text
+from rostether.recording.mcap.records import MAGIC as MCAP_MAGIC
+from rostether.recording.mcap.records import OP_CHUNK as MCAP_CHUNK
+from rostether.recording.mcap.records import encode_record as encode_mcap
 
 PACKED = {
     "bz2": bz2.compress,

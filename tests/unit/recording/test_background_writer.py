@@ -8,8 +8,8 @@ import pytest
 
 from rostether.errors import RecordingError
 from rostether.recording.background_writer import BackgroundWriter
-from rostether.recording.bag_reader import BagReader
-from rostether.recording.bag_writer import BagWriter
+from rostether.recording.bag.reader import BagReader
+from rostether.recording.bag.writer import BagWriter
 from rostether.recording.recorded import Connection
 from unit.recording.bags import START_NS, connection, text
 

@@ -7,9 +7,9 @@ import pytest
 from mcap.reader import make_reader
 
 from rostether.errors import ConfigError, RecordingError
-from rostether.recording.mcap_reader import McapReader
-from rostether.recording.mcap_records import MAGIC, RECORD_HEAD, encode_record
-from rostether.recording.mcap_writer import McapWriter
+from rostether.recording.mcap.reader import McapReader
+from rostether.recording.mcap.records import MAGIC, RECORD_HEAD, encode_record
+from rostether.recording.mcap.writer import McapWriter
 from unit.recording.bags import IMU, START_NS, STRING, connection, text
 
 

@@ -12,8 +12,8 @@ from rostether.errors import RecordingError
 from rostether.graph.memory_graph import MemoryGraph
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.msgdef.interface import ANY_MESSAGE
-from rostether.recording.bag_reader import BagReader
-from rostether.recording.bag_writer import BagWriter
+from rostether.recording.bag.reader import BagReader
+from rostether.recording.bag.writer import BagWriter
 from rostether.recording.player import BATCH_BYTES, Player, PlaySettings
 from unit.recording.bags import START_NS, STRING, connection, text, write_bag
 

@@ -14,8 +14,8 @@ from rostether.errors import RecordingError
 from rostether.graph.memory_graph import MemoryGraph
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Publisher
-from rostether.recording.bag_reader import BagReader
-from rostether.recording.bag_writer import BagWriter
+from rostether.recording.bag.reader import BagReader
+from rostether.recording.bag.writer import BagWriter
 from rostether.recording.recorder import Recorder, RecordLimits, TopicChoice
 from unit.recording.bags import STRING, text
 
@@ -116,9 +116,9 @@ async def test_all_topics_also_later_ones_but_not_the_excluded(stage: Stage) -> 
 
 async def test_patterns_match_whole_names() -> None:
     choice = TopicChoice(patterns=(re.compile("/arm/.*"),))
-    assert choice.takes("/arm/joint", ())
-    assert not choice.takes("/left/arm/joint", ())
-    assert TopicChoice(node="/driver").takes("/cmd_vel", ("/driver",))
+    assert choice.includes("/arm/joint", ())
+    assert not choice.includes("/left/arm/joint", ())
+    assert TopicChoice(node="/driver").includes("/cmd_vel", ("/driver",))
 
 
 async def test_it_ends_when_each_topic_has_its_messages(stage: Stage) -> None:

@@ -71,7 +71,7 @@ async def test_a_jump_back_in_time_empties_the_buffer() -> None:
     async with entered(MemoryNetwork(), "/n") as node:
         codec = node.store.codec(TF_TYPE)
         listener = TfListener(TransformBuffer(), refusals.append)
-        take = listener.taker(clock, codec, "/robot", is_static=False)  # type: ignore[arg-type]
+        take = listener.batch_handler(clock, codec, "/robot", is_static=False)  # type: ignore[arg-type]
         take([codec.encode(to_message([STEP])), b"noise"])
         assert listener.buffer.children == ["base"]
         assert len(refusals) == 1

@@ -34,45 +34,48 @@ def announcements(max_endpoints: int = 256) -> tuple[Announcements, Limits]:
 def test_what_is_new_changes_the_limits_once() -> None:
     known, limits = announcements()
     new = [TopicAnnounced(TopicRole.PUBLISHER, CHATTER)]
-    assert known.take(ids.PUBLISHER, CHATTER.encode(), 0.0) == (CHATTER, new)
-    assert known.take(ids.PUBLISHER, CHATTER.encode(), 0.0) == (CHATTER, [])
+    assert known.handle_packet(ids.PUBLISHER, CHATTER.encode(), 0.0) == (CHATTER, new)
+    assert known.handle_packet(ids.PUBLISHER, CHATTER.encode(), 0.0) == (CHATTER, [])
     assert limits.changes == 1
 
 
 def test_damage_tells_nothing_about_the_device() -> None:
     known, limits = announcements()
-    assert known.take(ids.PUBLISHER, b"?", 0.0) == (None, [FrameDiscarded(DiscardReason.PACKET, b"?")])
+    assert known.handle_packet(ids.PUBLISHER, b"?", 0.0) == (
+        None,
+        [FrameDiscarded(DiscardReason.PACKET, b"?")],
+    )
     assert limits.changes == 0
 
 
 def test_what_is_refused_is_there_all_the_same_and_not_bridged() -> None:
     known, _ = announcements()
     bad = replace(CHATTER, message_type="no type")
-    info, _ = known.take(ids.PUBLISHER, bad.encode(), 0.0)
+    info, _ = known.handle_packet(ids.PUBLISHER, bad.encode(), 0.0)
     assert info == bad
-    _, events = known.take(ids.PUBLISHER, bad.encode(), 0.0)
+    _, events = known.handle_packet(ids.PUBLISHER, bad.encode(), 0.0)
     assert isinstance(events[1], AnnouncementRefused)
     assert known.is_refused_sender(bad.topic_id)
-    known.take(ids.PUBLISHER, CHATTER.encode(), 0.0)
+    known.handle_packet(ids.PUBLISHER, CHATTER.encode(), 0.0)
     assert not known.is_refused_sender(bad.topic_id)
 
 
 def test_too_many_and_too_often_are_not_taken() -> None:
     known, _ = announcements(max_endpoints=1)
-    known.take(ids.PUBLISHER, CHATTER.encode(), 0.0)
+    known.handle_packet(ids.PUBLISHER, CHATTER.encode(), 0.0)
     other = replace(CHATTER, topic_id=126)
-    assert known.take(ids.PUBLISHER, other.encode(), 0.0) == (
+    assert known.handle_packet(ids.PUBLISHER, other.encode(), 0.0) == (
         None,
         [FrameDiscarded(DiscardReason.TOO_MANY, other.encode())],
     )
     for number in range(CHANGES.saved - 2):
-        known.take(ids.PUBLISHER, replace(CHATTER, topic_name=f"n{number}").encode(), 0.0)
-    assert known.take(ids.PUBLISHER, other.encode(), 0.0) == (None, [ControlFlood(ids.PUBLISHER, 1)])
+        known.handle_packet(ids.PUBLISHER, replace(CHATTER, topic_name=f"n{number}").encode(), 0.0)
+    assert known.handle_packet(ids.PUBLISHER, other.encode(), 0.0) == (None, [ControlFlood(ids.PUBLISHER, 1)])
 
 
 def test_a_negotiation_leaves_what_it_found() -> None:
     known, limits = announcements()
-    known.take(ids.PUBLISHER, CHATTER.encode(), 0.0)
+    known.handle_packet(ids.PUBLISHER, CHATTER.encode(), 0.0)
     assert known.withdraw_all_but({key_of(ids.PUBLISHER, CHATTER)}) == []
     assert known.withdraw_all_but(()) == [TopicWithdrawn(TopicRole.PUBLISHER, CHATTER)]
     assert limits.changes == 2

@@ -27,7 +27,7 @@ def play(completeness: Completeness, *rounds: list[Announced]) -> list[bool]:
     for announcements in rounds:
         completeness.open_round()
         for kind, info in announcements:
-            completeness.take(kind, info)
+            completeness.note_announcement(kind, info)
         verdicts.append(completeness.close_round())
     return verdicts
 
@@ -97,7 +97,7 @@ def test_a_round_that_was_closed_too_early_goes_on() -> None:
     assert completeness.is_continued_by(*TWO)
     assert not completeness.is_continued_by(*ONE)
     completeness.resume_round()
-    completeness.take(*TWO)
+    completeness.note_announcement(*TWO)
     assert not completeness.close_round()
     assert completeness.rounds == 1
     assert play(completeness, [ONE, TWO]) == [True]

@@ -19,18 +19,18 @@ def test_only_a_guess_of_version_1_is_guarded() -> None:
     one = output(None)
     request = frame(ids.TOPIC_REQUEST, b"", 1)
     one.topic_request(1, 0.0, is_guess=True)
-    assert one.take() == b"\0" + request + b"\0"
+    assert one.pop_ready() == b"\0" + request + b"\0"
     one.topic_request(1, 0.0, is_guess=False)
-    assert one.take() == request
+    assert one.pop_ready() == request
     one.topic_request(2, 0.0, is_guess=True)
-    assert one.take() == frame(ids.TOPIC_REQUEST, b"")
+    assert one.pop_ready() == frame(ids.TOPIC_REQUEST, b"")
 
 
 def test_probes_are_for_version_2() -> None:
     for version, expected in ((None, b""), (1, b""), (2, PROBE)):
         one = output(version)
         one.probe()
-        assert one.take() == expected
+        assert one.pop_ready() == expected
 
 
 def test_a_time_answer_that_is_not_taken_is_replaced_while_held() -> None:
@@ -39,24 +39,24 @@ def test_a_time_answer_that_is_not_taken_is_replaced_while_held() -> None:
     one.time(Time(1, 0), 0.0)
     one.time(Time(4, 0), 3.0)
     one.call_finished(3.5)
-    assert one.take() == frame(ids.TIME, b"\x04\0\0\0\x00\x65\xcd\x1d")
+    assert one.pop_ready() == frame(ids.TIME, b"\x04\0\0\0\x00\x65\xcd\x1d")
 
 
 def test_a_reset_lets_go_what_a_dead_call_holds() -> None:
     one = output()
     one.call_started()
     one.topic_request(2, 0.0, is_guess=False)
-    assert one.take() == b""
+    assert one.pop_ready() == b""
     one.device_reset()
     one.pump(0.1)
-    assert one.take() == frame(ids.TOPIC_REQUEST, b"")
+    assert one.pop_ready() == frame(ids.TOPIC_REQUEST, b"")
 
 
 def test_frames_nobody_takes_do_not_fill_memory() -> None:
     one = output()
     for _ in range(10000):
         one.parameter(ParameterResponse())
-    assert len(one.take()) <= MAX_WAITING_BYTES
+    assert len(one.pop_ready()) <= MAX_WAITING_BYTES
 
 
 def test_stop_says_nothing_else() -> None:
@@ -65,5 +65,5 @@ def test_stop_says_nothing_else() -> None:
     one.time(Time(1, 0), 0.0)
     one.probe()
     one.stop()
-    assert one.take() == frame(ids.TX_STOP, b"")
+    assert one.pop_ready() == frame(ids.TX_STOP, b"")
     assert one.get_timer() is None

@@ -46,7 +46,7 @@ def settled(version: int = 2) -> tuple[Negotiation, float]:
     negotiation.ask(0.0)
     now_s, done = 0.0, False
     while not done:
-        if negotiation.take_request() is not None:
+        if negotiation.pop_request() is not None:
             negotiation.time_requested(now_s + 0.01)
             negotiation.announced(ids.PUBLISHER, INFO, now_s + 0.02)
         now_s, done = tick(negotiation)
@@ -56,10 +56,10 @@ def settled(version: int = 2) -> tuple[Negotiation, float]:
 def test_searching_alternates_versions_and_leaves_the_line_quiet_between() -> None:
     negotiation = Negotiation()
     negotiation.ask(0.0)
-    asked = [(0.0, negotiation.take_request())]
+    asked = [(0.0, negotiation.pop_request())]
     while len(asked) < 12:
         now_s, _ = tick(negotiation)
-        asked.append((now_s, negotiation.take_request()))
+        asked.append((now_s, negotiation.pop_request()))
     gaps = [later[0] - earlier[0] for earlier, later in itertools.pairwise(asked)]
     assert min(gaps) > 0.02
     assert asked[0][1] == 2
@@ -74,12 +74,12 @@ def test_nothing_is_asked_while_the_burst_flows() -> None:
     negotiation = Negotiation()
     negotiation.set_version(2, 0.0)
     negotiation.ask(0.0)
-    assert negotiation.take_request() == 2
+    assert negotiation.pop_request() == 2
     for number in range(50):
         now_s = 0.01 + number * 0.06
         assert not negotiation.handle_timer(now_s, is_flowing=False)
         negotiation.announced(ids.PUBLISHER, TopicInfo(125 + number, "a", STRING, STRING_MD5, 280), now_s)
-        assert negotiation.take_request() is None
+        assert negotiation.pop_request() is None
     assert negotiation.get_timer() == pytest.approx(0.01 + 49 * 0.06 + QUIET_S)
 
 
@@ -87,10 +87,10 @@ def test_an_announcement_that_is_just_coming_in_prolongs_the_burst() -> None:
     negotiation = Negotiation()
     negotiation.set_version(2, 0.0)
     negotiation.ask(0.0)
-    negotiation.take_request()
+    negotiation.pop_request()
     negotiation.time_requested(0.01)
     assert not negotiation.handle_timer(0.2, is_flowing=True)
-    assert negotiation.take_request() is None
+    assert negotiation.pop_request() is None
     assert negotiation.phase is Phase.LISTENING
 
 
@@ -99,7 +99,7 @@ def test_a_healthy_board_is_asked_twice_at_the_start_and_once_later() -> None:
     assert negotiation.requests == 2
     assert negotiation.round_trip_s == pytest.approx(0.01)
     negotiation.ask(now_s)
-    assert negotiation.take_request() == 2
+    assert negotiation.pop_request() == 2
     negotiation.announced(ids.PUBLISHER, INFO, now_s + 0.01)
     _, done = tick(negotiation)
     assert done
@@ -113,7 +113,7 @@ def test_unanswered_requests_are_repeated_ever_more_slowly() -> None:
     times = [0.0]
     for _ in range(8):
         now_s, _ = tick(negotiation)
-        assert negotiation.take_request() == 2
+        assert negotiation.pop_request() == 2
         times.append(now_s)
     gaps = [later - earlier for earlier, later in itertools.pairwise(times)]
     assert gaps == pytest.approx([0.2, 0.3, 0.45, 0.675, 1.0, 1.0, 1.0, 1.0])
@@ -124,11 +124,11 @@ def test_a_slow_sketch_is_given_the_time_it_takes() -> None:
     negotiation = Negotiation()
     negotiation.set_version(2, 0.0)
     negotiation.ask(0.0)
-    negotiation.take_request()
+    negotiation.pop_request()
     negotiation.time_requested(0.19)
     negotiation.announced(ids.PUBLISHER, INFO, 0.19)
     tick(negotiation)
-    assert negotiation.take_request() == 2
+    assert negotiation.pop_request() == 2
     due_s = negotiation.get_timer()
     assert due_s == pytest.approx(0.19 + QUIET_S + 1.5 * 0.19)
 
@@ -137,12 +137,12 @@ def test_a_device_that_answers_only_once_is_left_in_peace() -> None:
     negotiation = Negotiation()
     negotiation.set_version(2, 0.0)
     negotiation.ask(0.0)
-    negotiation.take_request()
+    negotiation.pop_request()
     negotiation.announced(ids.PUBLISHER, INFO, 0.01)
     done, asked = False, 0
     while not done:
         now_s, done = tick(negotiation)
-        asked += negotiation.take_request() is not None
+        asked += negotiation.pop_request() is not None
         assert now_s < 10
     assert asked == MAX_UNANSWERED
     assert len(negotiation.complete) == 1
@@ -161,11 +161,11 @@ def test_a_device_that_never_answers_is_asked_for_ever() -> None:
 def test_learning_the_version_asks_in_it_at_once() -> None:
     negotiation = Negotiation()
     negotiation.ask(0.0)
-    assert negotiation.take_request() == 2
+    assert negotiation.pop_request() == 2
     negotiation.set_version(1, 0.1)
-    assert negotiation.take_request() == 1
+    assert negotiation.pop_request() == 1
     negotiation.set_version(1, 0.2)
-    assert negotiation.take_request() is None
+    assert negotiation.pop_request() is None
 
 
 def test_announcements_nobody_asked_for_that_bring_news_are_confirmed() -> None:
@@ -174,7 +174,7 @@ def test_announcements_nobody_asked_for_that_bring_news_are_confirmed() -> None:
     now_s, done = tick(negotiation)
     assert not done
     while not done:
-        assert negotiation.take_request() == 2
+        assert negotiation.pop_request() == 2
         for topic_id in (125, 126):
             negotiation.announced(ids.PUBLISHER, replace(INFO, topic_id=topic_id), now_s + 0.01)
         now_s, done = tick(negotiation)
@@ -185,12 +185,12 @@ def test_announcements_nobody_asked_for_that_bring_news_are_confirmed() -> None:
 def test_damage_on_a_line_that_looked_clean_leads_to_one_question() -> None:
     negotiation, now_s = settled()
     negotiation.note_damage(now_s + 1)
-    assert negotiation.take_request() == 2
+    assert negotiation.pop_request() == 2
     negotiation.announced(ids.PUBLISHER, INFO, now_s + 1.01)
     _, done = tick(negotiation)
     assert done
     negotiation.note_damage(now_s + 9)
-    assert negotiation.take_request() is None
+    assert negotiation.pop_request() is None
     assert negotiation.is_settled
 
 
@@ -204,7 +204,7 @@ def settle_against(pause_s: float, count: int = 4, limit_s: float = 60.0) -> tup
     negotiation = Negotiation()
     negotiation.set_version(2, 0.0)
     negotiation.ask(0.0)
-    negotiation.take_request()
+    negotiation.pop_request()
     coming: list[tuple[float, TopicInfo | None]] = [(0.01, None), *burst(count, 0.02, pause_s)]
     while not negotiation.is_settled:
         due_s = negotiation.get_timer()
@@ -218,7 +218,7 @@ def settle_against(pause_s: float, count: int = 4, limit_s: float = 60.0) -> tup
                 negotiation.announced(ids.PUBLISHER, info, now_s)
             continue
         now_s, _ = tick(negotiation)
-        if negotiation.take_request() is not None:
+        if negotiation.pop_request() is not None:
             free_s = max([now_s] + [at_s + pause_s for at_s, _ in coming[-1:]])
             coming += [(free_s + 0.01, None), *burst(count, free_s + 0.02, pause_s)]
     return negotiation, now_s
@@ -236,7 +236,7 @@ def test_pauses_between_announcements_are_learned(pause_s: float, most_requests:
 def test_learned_pauses_serve_the_next_negotiation_and_are_forgotten_with_the_board() -> None:
     negotiation, now_s = settle_against(0.15)
     negotiation.ask(now_s)
-    assert negotiation.take_request() == 2
+    assert negotiation.pop_request() == 2
     for at_s, info in burst(4, now_s + 0.01, 0.15):
         assert not negotiation.handle_timer(at_s, is_flowing=False)
         negotiation.announced(ids.PUBLISHER, info, at_s)
@@ -264,7 +264,7 @@ def test_a_board_that_announces_something_else_each_time_is_left_in_peace() -> N
     negotiation.ask(0.0)
     now_s, done = 0.0, False
     while not done:
-        if negotiation.take_request() is not None:
+        if negotiation.pop_request() is not None:
             negotiation.time_requested(now_s + 0.01)
             negotiation.announced(
                 ids.PUBLISHER, replace(INFO, topic_name=f"t{negotiation.requests}"), now_s + 0.01
@@ -279,7 +279,7 @@ def test_a_board_that_answers_without_announcing_any_more_is_left_in_peace() -> 
     negotiation.ask(now_s)
     done = False
     while not done:
-        if negotiation.take_request() is not None:
+        if negotiation.pop_request() is not None:
             negotiation.time_requested(now_s + 0.01)
         now_s, done = tick(negotiation)
     assert negotiation.requests <= MAX_ROUNDS

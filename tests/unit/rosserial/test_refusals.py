@@ -16,14 +16,14 @@ REFUSED = [AnnouncementRefused("left-wheel", STRING, "why")]
 
 def test_what_came_once_may_be_noise() -> None:
     refusals = Refusals()
-    assert refusals.take(ids.PUBLISHER, WHEEL, "why") == []
-    assert refusals.take(ids.PUBLISHER, replace(WHEEL, topic_name="left-whee-"), "why") == []
+    assert refusals.refuse(ids.PUBLISHER, WHEEL, "why") == []
+    assert refusals.refuse(ids.PUBLISHER, replace(WHEEL, topic_name="left-whee-"), "why") == []
     assert not refusals.is_sender(125)
 
 
 def test_what_came_twice_is_reported_once() -> None:
     refusals = Refusals()
-    found = [refusals.take(ids.PUBLISHER, WHEEL, "why") for _ in range(5)]
+    found = [refusals.refuse(ids.PUBLISHER, WHEEL, "why") for _ in range(5)]
     assert found == [[], REFUSED, [], [], []]
     assert refusals.is_sender(125)
     assert not refusals.is_sender(126)
@@ -33,27 +33,27 @@ def test_what_came_twice_is_reported_once() -> None:
 def test_each_direction_is_reported() -> None:
     refusals = Refusals()
     for kind in (ids.PUBLISHER, ids.SUBSCRIBER):
-        refusals.take(kind, WHEEL, "why")
-        assert refusals.take(kind, WHEEL, "why") == REFUSED
+        refusals.refuse(kind, WHEEL, "why")
+        assert refusals.refuse(kind, WHEEL, "why") == REFUSED
 
 
 def test_an_endpoint_that_is_announced_well_is_refused_no_longer() -> None:
     refusals = Refusals()
     for _ in range(2):
-        refusals.take(ids.PUBLISHER, WHEEL, "why")
+        refusals.refuse(ids.PUBLISHER, WHEEL, "why")
     refusals.forget(ids.PUBLISHER, replace(WHEEL, topic_name="left_wheel"))
     assert not refusals.is_sender(125)
-    assert refusals.take(ids.PUBLISHER, WHEEL, "why") == []
+    assert refusals.refuse(ids.PUBLISHER, WHEEL, "why") == []
     assert refusals.is_sender(125)
 
 
 def test_the_half_of_a_service_is_reported_once_with_what_is_missing() -> None:
     refusals = Refusals()
-    (event,) = refusals.take_lone_halves([(ids.SERVICE_SERVER_RESPONSE, RESPONSE)])
+    (event,) = refusals.refuse_lone_halves([(ids.SERVICE_SERVER_RESPONSE, RESPONSE)])
     assert (event.topic_name, event.message_type) == ("ask", TEST_SRV)
     assert "server announces its response half, but no request half" in event.reason
-    assert refusals.take_lone_halves([(ids.SERVICE_SERVER_RESPONSE, RESPONSE)]) == []
-    (event,) = refusals.take_lone_halves([(ids.SERVICE_CLIENT_REQUEST, RESPONSE)])
+    assert refusals.refuse_lone_halves([(ids.SERVICE_SERVER_RESPONSE, RESPONSE)]) == []
+    (event,) = refusals.refuse_lone_halves([(ids.SERVICE_CLIENT_REQUEST, RESPONSE)])
     assert "client announces its request half, but no response half" in event.reason
 
 
@@ -62,9 +62,9 @@ def test_endless_inventions_fill_no_memory_and_are_not_reported_for_ever() -> No
     reported = 0
     for number in range(3 * MAX_REFUSALS):
         info = replace(WHEEL, topic_id=1000 + number)
-        refusals.take(ids.PUBLISHER, info, "why")
-        reported += len(refusals.take(ids.PUBLISHER, info, "why"))
-        refusals.take(ids.SUBSCRIBER, info, "why")
+        refusals.refuse(ids.PUBLISHER, info, "why")
+        reported += len(refusals.refuse(ids.PUBLISHER, info, "why"))
+        refusals.refuse(ids.SUBSCRIBER, info, "why")
     assert reported == MAX_REFUSALS
     assert len(refusals.keys) == MAX_REFUSALS
     assert len(refusals._once) == MAX_REFUSALS

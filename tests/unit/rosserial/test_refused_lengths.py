@@ -105,13 +105,13 @@ def test_looking_for_what_a_possible_length_swallows_gets_rarer() -> None:
 def test_a_message_that_is_none_gives_back_what_it_swallowed() -> None:
     link, now_s = settled_link()
     swallowed = header(CHATTER.topic_id, 3) + GOOD + TIME + b"\xff"
-    events = link.look_inside(swallowed, now_s)
+    events = link.rescan(swallowed, now_s)
     assert MessagesReceived(CHATTER.topic_id, [b"\x02\0\0\0hi"]) in events
     assert TimeRequested() in events
     assert not any(isinstance(event, FrameDiscarded) for event in events)
-    assert link.look_inside(b"\xff" * 100, now_s) == []
+    assert link.rescan(b"\xff" * 100, now_s) == []
     link.stop()
-    assert link.look_inside(swallowed, now_s) == []
+    assert link.rescan(swallowed, now_s) == []
 
 
 def test_looking_inside_is_paid_from_what_noise_may_cost() -> None:
@@ -119,6 +119,6 @@ def test_looking_inside_is_paid_from_what_noise_may_cost() -> None:
     noise = b"\xff\xfe\x01\x00\xfe\x7d\x00\x00\x00" * 7000
     found = 0
     for _ in range(20):
-        found += len(decoder.look_inside(noise + GOOD, 0.0))
+        found += len(decoder.rescan(noise + GOOD, 0.0))
     assert found == 20
     assert decoder._looks_left < 1000

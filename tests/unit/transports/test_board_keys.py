@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from rostether.devices.devices_toml import parse_devices_toml
 from rostether.errors import ConfigError, TransportError
+from rostether.ports.devices_toml import parse_devices_toml
 from rostether.transports.address import TcpAddress
 from rostether.transports.board_keys import BoardKeys, Proof, read_board_keys
 from rostether.transports.tcp import TcpListener, TcpTransport, connect_tcp
@@ -17,7 +17,7 @@ from rostether.transports.tls import TlsFiles
 from rostether.transports.transport import Transport
 
 
-class Door:
+class ConnectionLimiter:
     """A listener, and who came through it."""
 
     def __init__(self) -> None:
@@ -58,7 +58,7 @@ def certificate(folder: Path, name: str) -> tuple[str, str]:
 async def test_a_board_is_known_by_its_key(shared: bool, tmp_path: Path) -> None:
     left, right, all_of_them, foreign = (key_file(tmp_path, name) for name in ("left", "right", "many", "no"))
     keys = read_board_keys([left, right], [])
-    door = Door()
+    door = ConnectionLimiter()
     port = await door.open(TcpAddress("127.0.0.1", 0, psk=all_of_them if shared else "devices"), keys)
     try:
         for file, proven in ((right, right), (left, left), *([(all_of_them, None)] if shared else [])):
@@ -75,7 +75,7 @@ async def test_a_board_is_known_by_its_key(shared: bool, tmp_path: Path) -> None
 async def test_a_board_is_known_by_its_certificate(tmp_path: Path) -> None:
     cert, key = certificate(tmp_path, "bridge")
     left, right, foreign = (certificate(tmp_path, name) for name in ("left", "right", "foreign"))
-    door = Door()
+    door = ConnectionLimiter()
     address = TcpAddress("127.0.0.1", 0, tls=TlsFiles(cert, key))
     port = await door.open(address, read_board_keys([], [left[0], right[0]]))
     try:
@@ -103,7 +103,7 @@ async def test_a_board_is_known_by_its_certificate(tmp_path: Path) -> None:
 
 async def test_devices_without_a_key_are_no_choice() -> None:
     with pytest.raises(ConfigError, match=r"psk=devices: no board has a key in devices\.toml"):
-        await Door().open(TcpAddress("127.0.0.1", 0, psk="devices"), BoardKeys())
+        await ConnectionLimiter().open(TcpAddress("127.0.0.1", 0, psk="devices"), BoardKeys())
 
 
 def test_files_that_hold_none_are_named(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ NONCES = (bytes(16), bytes(range(16)))
 def test_both_prove_the_key_and_what_follows_is_kept() -> None:
     listener, connector = ListenerHello({None: KEY}), ConnectorHello(KEY)
     assert connector.receive(listener.greeting) is None
-    passed = listener.receive(connector.take_answer() + b"\xff\xfe")
+    passed = listener.receive(connector.pop_answer() + b"\xff\xfe")
     assert passed is not None
     proof, rest = passed
     assert rest == b"\xff\xfe"
@@ -25,7 +25,7 @@ def test_the_lines_are_those_of_the_documentation() -> None:
     listener, connector = ListenerHello({None: KEY}, NONCES[0]), ConnectorHello(KEY, NONCES[1])
     assert listener.greeting == b"RSPSK1 " + b"0" * 32 + b"\n"
     connector.receive(listener.greeting)
-    answer = connector.take_answer()
+    answer = connector.pop_answer()
     # hmac.new(KEY, b"rostether psk1 connector " + 32 zeros + b" 000102...0f", "sha256")
     assert answer == (
         b"RSPSK1 000102030405060708090a0b0c0d0e0f "
@@ -40,7 +40,7 @@ def test_cut_anywhere() -> None:
     listener, connector = ListenerHello({None: KEY}), ConnectorHello(KEY)
     for byte in listener.greeting:
         assert connector.receive(bytes([byte])) is None
-    answer, passed = connector.take_answer(), None
+    answer, passed = connector.pop_answer(), None
     for byte in answer:
         assert passed is None
         passed = listener.receive(bytes([byte]))
@@ -53,7 +53,7 @@ def test_both_lines_at_once_from_a_listener() -> None:
     listener = ListenerHello({None: KEY}, NONCES[0])
     other = ConnectorHello(KEY, NONCES[1])
     other.receive(listener.greeting)
-    passed = listener.receive(other.take_answer())
+    passed = listener.receive(other.pop_answer())
     assert passed is not None
     assert connector.receive(listener.greeting + passed[0] + b"x") == (b"", b"x")
 
@@ -62,7 +62,7 @@ def test_another_key_is_refused_by_either_side() -> None:
     listener, connector = ListenerHello({None: KEY}), ConnectorHello(b"another key of 17")
     connector.receive(listener.greeting)
     with pytest.raises(RemoteProtocolError, match="another pre-shared key"):
-        listener.receive(connector.take_answer())
+        listener.receive(connector.pop_answer())
     with pytest.raises(RemoteProtocolError, match="another pre-shared key"):
         connector.receive(b"RSPSK1 " + b"0" * 64 + b"\n")
 
@@ -70,7 +70,7 @@ def test_another_key_is_refused_by_either_side() -> None:
 def test_an_answer_to_an_earlier_hello_is_refused() -> None:
     earlier, connector = ListenerHello({None: KEY}), ConnectorHello(KEY)
     connector.receive(earlier.greeting)
-    answer = connector.take_answer()
+    answer = connector.pop_answer()
     assert earlier.receive(answer) is not None
     with pytest.raises(RemoteProtocolError):
         ListenerHello({None: KEY}).receive(answer)
@@ -82,7 +82,7 @@ def test_an_echo_of_our_own_proof_is_refused() -> None:
     mirrored = ListenerHello({None: KEY}, NONCES[0])
     connector = ConnectorHello(KEY, NONCES[0])
     connector.receive(listener.greeting)
-    passed = mirrored.receive(connector.take_answer())
+    passed = mirrored.receive(connector.pop_answer())
     assert passed is not None
     proof = passed[0].split()[1]
     with pytest.raises(RemoteProtocolError):

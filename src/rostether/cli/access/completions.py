@@ -80,7 +80,7 @@ def complete_packages(_ctx: click.Context, _param: click.Parameter, incomplete: 
 
 def _registry(ctx: click.Context) -> Registry:
     if _graph(ctx).ros2 is not None:
-        from rostether.ros2.native_registry import NativeRegistry
+        from rostether.ros2.types.native_registry import NativeRegistry
 
         return NativeRegistry.from_environment()
     from rostether.msgdef.registry import Registry
@@ -134,7 +134,7 @@ def _complete_ros2(
 
     async def ask() -> Iterable[str]:
         async with asyncio.timeout(ROS2_TIMEOUT_S), tool_node(graph, is_quiet=True) as tool:
-            return names(await tool.look_well())
+            return names(await tool.settled_snapshot())
 
     try:
         return _beginning(asyncio.run(ask()), incomplete)

@@ -16,7 +16,7 @@ from rostether.graph.ports import Graph, JoinGraph
 from rostether.ros2.environment import Ros2Environment
 
 if TYPE_CHECKING:
-    from rostether.ros2.type_support import Ros2Types
+    from rostether.ros2.types.type_support import Ros2Types
     from rostether.ros2.zenoh.session import ZenohSession
 
 
@@ -44,7 +44,7 @@ async def ros2_access(
     """
     from rostether.msgdef.registry import Registry
     from rostether.msgdef.ros2.definitions import Ros2Definitions
-    from rostether.ros2.type_support import Ros2Types
+    from rostether.ros2.types.type_support import Ros2Types
 
     paths = tuple(msg_paths)
     if types is None:

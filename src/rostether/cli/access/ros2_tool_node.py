@@ -18,8 +18,8 @@ from rostether.joining import anonymous_name
 if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph
     from rostether.ros2.endpoint_info import Ros2Graph
-    from rostether.ros2.native_registry import NativeRegistry
-    from rostether.ros2.type_support import Ros2Types
+    from rostether.ros2.types.native_registry import NativeRegistry
+    from rostether.ros2.types.type_support import Ros2Types
 
 T = TypeVar("T")
 
@@ -43,34 +43,34 @@ class ToolNode:
         self.types = types
         self.middleware = middleware
 
-    async def look(self) -> GraphView:
+    async def snapshot(self) -> GraphView:
         """Return what the graph is now, without this node."""
         raw = cast("Ros2Graph", self.graph.raw)
         own = raw.node_name
         ends = [end for end in await raw.endpoints() if end.node_name != own]
         return GraphView([node for node in (await raw.snapshot()).nodes if node != own], ends)
 
-    async def look_well(self) -> GraphView:
+    async def settled_snapshot(self) -> GraphView:
         """Return the graph when nothing new has come for a while."""
         quiet_s, loop = QUIET_S[self.middleware], asyncio.get_running_loop()
-        view = await self.look()
+        view = await self.snapshot()
         begin_s = changed_s = loop.time()
         while loop.time() - begin_s < PATIENCE_S[self.middleware]:
             if _looks_complete(view) and loop.time() - changed_s >= quiet_s:
                 break
             await asyncio.sleep(LOOK_INTERVAL_S)
-            latest = await self.look()
+            latest = await self.snapshot()
             if latest != view:
                 view, changed_s = latest, loop.time()
         return view
 
-    async def look_until(self, condition: Callable[[GraphView], bool]) -> GraphView:
+    async def snapshot_when(self, condition: Callable[[GraphView], bool]) -> GraphView:
         """Return the graph as soon as it is as wanted, or as it is when that takes too long."""
         deadline_s = asyncio.get_running_loop().time() + PATIENCE_S[self.middleware]
-        view = await self.look()
+        view = await self.snapshot()
         while not condition(view) and asyncio.get_running_loop().time() < deadline_s:
             await asyncio.sleep(LOOK_INTERVAL_S)
-            view = await self.look()
+            view = await self.snapshot()
         return view
 
 
@@ -89,8 +89,8 @@ async def tool_node(
     Raises ConfigError, GraphError with what to do next.
     """
     from rostether.graph.typed_graph import TypedGraph
-    from rostether.ros2.native_registry import NativeRegistry
-    from rostether.ros2.native_types import NativeTypes
+    from rostether.ros2.types.native_registry import NativeRegistry
+    from rostether.ros2.types.native_types import NativeTypes
     from rostether.serde.store import TypeStore
 
     middleware = options.ros2

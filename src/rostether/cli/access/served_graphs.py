@@ -18,7 +18,7 @@ from rostether.msgdef.search_waiting import definitions_searched
 from rostether.ros1.environment import RosEnvironment
 
 if TYPE_CHECKING:
-    from rostether.ros2.type_support import Ros2Types
+    from rostether.ros2.types.type_support import Ros2Types
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,8 +15,8 @@ from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
 
 if TYPE_CHECKING:
-    from rostether.recording.export_tables import Table
-    from rostether.recording.exporting import Export, ExportedTable
+    from rostether.recording.export.exporting import Export, ExportedTable
+    from rostether.recording.export.tables import Table
 
 FORMATS = ("csv", "parquet")
 _STDOUT = "-"
@@ -62,7 +62,7 @@ def export(
     The first columns are the time of recording in seconds and in nanoseconds. Arrays whose size varies are
     lists, bytes are base64 in CSV.
     """
-    from rostether.recording.exporting import Export
+    from rostether.recording.export.exporting import Export
     from rostether.recording.files import open_recording
 
     with closing(open_recording(recording)) as reader:
@@ -113,13 +113,13 @@ class _Place:
         if self._is_stdout and self._format != "csv":
             raise ConfigError("Parquet needs a file: its end is written last; name one with -o")
         if self._format == "parquet":
-            from rostether.recording.parquet_table import parquet_package
+            from rostether.recording.export.parquet_table import parquet_package
 
             parquet_package()
 
     def create(self, table: ExportedTable) -> Table:
         """Begin a table's file. Raises RecordingError."""
-        from rostether.recording.export_tables import CsvTable
+        from rostether.recording.export.tables import CsvTable
 
         if self._is_stdout:
             return CsvTable(sys.stdout, table.columns)
@@ -131,7 +131,7 @@ class _Place:
                 f"cannot make the folder {path.parent}: {error.strerror or error}; name one of yours"
             ) from None
         if self._format == "parquet":
-            from rostether.recording.parquet_table import ParquetTable
+            from rostether.recording.export.parquet_table import ParquetTable
 
             created: Table = ParquetTable(path, table.columns)
         else:

@@ -240,7 +240,7 @@ async def _record(
     settings: _Settings,
 ) -> None:
     from rostether.recording.recorder import Recorder
-    from rostether.recording.unfit_messages import UnfitMessages
+    from rostether.recording.ros2.unfit_messages import UnfitMessages
 
     def tell(text: str) -> None:
         if not settings.is_quiet:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rostether.graph.ports import Graph, JoinGraph
     from rostether.recording.recorded import RecordingWriter
     from rostether.recording.recorder import Recorder
-    from rostether.ros2.type_support import Ros2Types
+    from rostether.ros2.types.type_support import Ros2Types
 
 MEGABYTE = 1024 * 1024
 JOIN_RETRY_S = 1.0  # as often as a board's node is tried
@@ -144,7 +144,7 @@ def _files(
         from rostether.recording.files import create_recording
 
         return create_recording, lambda number: folder / f"{date}_{number}.bag"
-    from rostether.recording.ros2_bag_writer import Ros2Bag
+    from rostether.recording.ros2.bag_writer import Ros2Bag
 
     bag = Ros2Bag(folder / f"rosbag2_{date}", types=types)
     return bag.create, bag.path_of

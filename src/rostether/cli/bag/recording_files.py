@@ -14,9 +14,9 @@ from rostether.errors import ConfigError
 if TYPE_CHECKING:
     from rostether.recording.files import Form
     from rostether.recording.recorded import RecordingWriter
-    from rostether.recording.ros2_bag_writer import Ros2Bag
-    from rostether.recording.unfit_messages import UnfitMessages
-    from rostether.ros2.type_support import Ros2Types
+    from rostether.recording.ros2.bag_writer import Ros2Bag
+    from rostether.recording.ros2.unfit_messages import UnfitMessages
+    from rostether.ros2.types.type_support import Ros2Types
 
 _SUFFIXES = (".bag", ".mcap", ".db3")
 
@@ -120,7 +120,7 @@ class NewFiles:
 
     def _ros2_bag(self) -> Ros2Bag:
         if self._bag is None:
-            from rostether.recording.ros2_bag_writer import Ros2Bag, Storage
+            from rostether.recording.ros2.bag_writer import Ros2Bag, Storage
 
             self._bag = Ros2Bag(
                 self._folder / self._stem,

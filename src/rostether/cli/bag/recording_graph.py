@@ -16,7 +16,7 @@ from rostether.cli.access.ros_choice import Middleware
 if TYPE_CHECKING:
     from rostether.graph.ports import Graph
     from rostether.recording.recorded import Ros2Origin
-    from rostether.ros2.type_support import Ros2Types
+    from rostether.ros2.types.type_support import Ros2Types
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,9 +74,9 @@ def native_types(origins: Iterable[Ros2Origin], msg_paths: tuple[Path, ...] = ()
     """Return the types of ROS 2 here and in recordings, in their own fields."""
     from rostether.msgdef.registry import Registry
     from rostether.msgdef.ros2.definitions import Ros2Definitions
-    from rostether.recording.ros2_types import RecordedDefinitions
-    from rostether.ros2.native_registry import NativeRegistry
-    from rostether.ros2.native_types import NativeTypes
+    from rostether.recording.ros2.types import RecordedDefinitions
+    from rostether.ros2.types.native_registry import NativeRegistry
+    from rostether.ros2.types.native_types import NativeTypes
 
     definitions = RecordedDefinitions(Ros2Definitions.from_environment(msg_paths))
     for origin in origins:

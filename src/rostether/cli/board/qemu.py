@@ -11,7 +11,7 @@ from rostether.cli.shell.output import warn, write_json, write_line
 from rostether.errors import BoardError, ConfigError
 
 if TYPE_CHECKING:
-    from rostether.boards.qemu import QemuBoard
+    from rostether.simulation.qemu import QemuBoard
 
 
 MACHINES = ("lm3s6965evb",)
@@ -22,7 +22,7 @@ async def start_in_qemu(
     program: Path, machine: str, link_path: Path | None = None, *, has_words: bool
 ) -> QemuBoard:
     """Start an ELF file. Raises ConfigError for other files and for words of other boards, BoardError."""
-    from rostether.boards.qemu import QemuBoard
+    from rostether.simulation.qemu import QemuBoard
 
     if has_words:
         raise ConfigError(

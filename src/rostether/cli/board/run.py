@@ -19,8 +19,8 @@ from rostether.cli.shell.verbs import Verb
 from rostether.errors import BoardError
 
 if TYPE_CHECKING:
-    from rostether.boards.simavr.board_events import BoardEvent
-    from rostether.boards.simavr.simulated_board import SimulatedBoard
+    from rostether.simulation.simavr.board_events import BoardEvent
+    from rostether.simulation.simavr.simulated_board import SimulatedBoard
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,10 +115,10 @@ def board_run(
 
 
 async def _run(program: Path, start: _Start, msg_paths: Sequence[Path], as_json: bool) -> None:
-    from rostether.boards.simavr.kinds import kind_of
-    from rostether.boards.simavr.simulated_board import SimulatedBoard
     from rostether.cli.board.program import find_program
     from rostether.cli.shell.slow_notice import told_when_long
+    from rostether.simulation.simavr.kinds import kind_of
+    from rostether.simulation.simavr.simulated_board import SimulatedBoard
 
     if start.board in MACHINES:
         others = (start.words, start.duration, start.uart, start.tcp_port, start.is_fast, start.seed)
@@ -168,7 +168,7 @@ async def _show_all(board: SimulatedBoard, as_json: bool) -> None:
 
 
 def _show(event: BoardEvent, as_json: bool) -> None:
-    from rostether.boards.simavr.board_events import show_event
+    from rostether.simulation.simavr.board_events import show_event
 
     if as_json:
         write_json({"event": event.name, "time_s": event.time_s, **event.values})
@@ -181,7 +181,7 @@ async def _listen(board: SimulatedBoard) -> None:
         if not line.strip():
             continue
         try:
-            await board.tell(line)
+            await board.send_command(line)
         except BoardError as error:
             if board.has_ended:
                 return

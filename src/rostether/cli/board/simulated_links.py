@@ -15,9 +15,9 @@ from rostether.graph.ports import Level
 from rostether.transports.address import Address, SerialAddress, SimAddress
 
 if TYPE_CHECKING:
-    from rostether.boards.simavr.board_events import BoardEvent
-    from rostether.boards.simavr.simulated_board import SimulatedBoard
     from rostether.bridge.reporter import Reporter
+    from rostether.simulation.simavr.board_events import BoardEvent
+    from rostether.simulation.simavr.simulated_board import SimulatedBoard
 
 _KNOWN_FROM_ITS_START = ("ready", "reset")
 _WARNINGS = (
@@ -67,10 +67,10 @@ async def _start_avr(
     link: SimAddress, reporter: Reporter, stack: AsyncExitStack, msg_paths: Sequence[Path]
 ) -> tuple[str, Coroutine[None, None, None]]:
     """Start a board that ends with the stack; return its serial port, and what reports of it."""
-    from rostether.boards.simavr.kinds import kind_of
-    from rostether.boards.simavr.simulated_board import SimulatedBoard
     from rostether.cli.board.program import find_program
     from rostether.cli.shell.slow_notice import told_when_long
+    from rostether.simulation.simavr.kinds import kind_of
+    from rostether.simulation.simavr.simulated_board import SimulatedBoard
 
     kind_of(link.board)
     preparing = f"preparing a simulated {link.board} for {link.program}; the first time takes longest"
@@ -117,8 +117,8 @@ def _name(program: Path, taken: Sequence[str]) -> str:
 
 
 async def _report(board: SimulatedBoard, title: str, reporter: Reporter) -> None:
-    from rostether.boards.simavr.board_events import show_event
     from rostether.bridge.reporter import Notices
+    from rostether.simulation.simavr.board_events import show_event
 
     notices = Notices(reporter, "", asyncio.get_running_loop().time)
 

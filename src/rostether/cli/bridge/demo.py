@@ -27,12 +27,12 @@ from rostether.cli.bridge.serving import bridge
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
-from rostether.devices.device_book import DeviceBook
 from rostether.errors import GraphError, RostetherError, UnknownNameError
 from rostether.extras import install_command
 from rostether.graph.joint_join import JointJoin
 from rostether.graph.ports import JoinGraph, Level, ParamValue
 from rostether.msgdef.registry import Registry
+from rostether.ports.device_book import DeviceBook
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.master_client import MasterClient
 from rostether.serde.store import TypeStore
@@ -148,7 +148,7 @@ async def _show_live(view: DemoView) -> None:
     with Live(view.render(), auto_refresh=False) as live:
         while True:
             await asyncio.sleep(REFRESH_S)
-            view.look()
+            view.update()
             live.update(view.render(), refresh=True)
 
 
@@ -156,15 +156,15 @@ async def _show_lines(view: DemoView) -> None:
     while True:
         for _ in range(round(PLAIN_LINE_S / REFRESH_S)):
             await asyncio.sleep(REFRESH_S)
-            view.look()
+            view.update()
         write_line(view.line())
 
 
 @asynccontextmanager
 async def _virtual_board(supervisor: Supervisor) -> AsyncIterator[None]:
     """Plug the simulated board in."""
-    from rostether.boards.virtual_board import VirtualBoard
     from rostether.device import Device
+    from rostether.simulation.virtual_board import VirtualBoard
 
     async with Device(supervisor.listening_on[0]) as device:
         playing = asyncio.get_running_loop().create_task(VirtualBoard(device).run())

@@ -14,7 +14,7 @@ from rostether.graph.ports import Level
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from rostether.bridge.diagnostics import BoardView, EndpointView
+    from rostether.bridge.health.diagnostics import BoardView, EndpointView
     from rostether.serde.codec import Codec
 
 # The window over which rates are shown: long enough to be steady, short enough to follow a change.
@@ -81,7 +81,7 @@ class DemoView:
         self.has_flowed = True
         self._last[topic] = (codec, payloads[-1])
 
-    def look(self) -> None:
+    def update(self) -> None:
         """Note how the board is doing now."""
         self._board = next(iter(self._boards()), None)
         if self._board is None:

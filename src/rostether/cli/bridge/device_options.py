@@ -12,7 +12,7 @@ import click
 from rostether.errors import ConfigError
 
 if TYPE_CHECKING:
-    from rostether.devices.device_book import DeviceBook
+    from rostether.ports.device_book import DeviceBook
     from rostether.transports.address import Address
 
 config_option = click.option(
@@ -35,10 +35,10 @@ probe_option = click.option(
 
 def read_devices(config: Path | None, probes: Sequence[str]) -> DeviceBook:
     """Read the file of settings, the user's own unless one is named. Raises ConfigError."""
-    from rostether.devices.config_paths import devices_toml_path
-    from rostether.devices.device_book import DeviceBook
-    from rostether.devices.devices_toml import read_devices_toml
-    from rostether.devices.port_pattern import is_entry
+    from rostether.ports.config_paths import devices_toml_path
+    from rostether.ports.device_book import DeviceBook
+    from rostether.ports.devices_toml import read_devices_toml
+    from rostether.ports.port_pattern import is_entry
 
     for probe in probes:
         if not is_entry(probe):
@@ -56,7 +56,7 @@ def read_devices(config: Path | None, probes: Sequence[str]) -> DeviceBook:
 
 def unchosen_lines(devices: DeviceBook, links: Sequence[Address]) -> list[str]:
     """Return a line for each board in the file that nothing can choose: it is easily a forgotten mark."""
-    from rostether.devices.devices_toml import MATCH_KEYS
+    from rostether.ports.devices_toml import MATCH_KEYS
 
     return [
         f"the settings of devices.{name} are for no board: write what to recognise it by "

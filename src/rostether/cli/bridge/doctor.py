@@ -16,7 +16,7 @@ from rostether.cli.shell.verbs import Verb
 from rostether.transports.address import parse_address
 
 if TYPE_CHECKING:
-    from rostether.bridge.doctor import Diagnosis
+    from rostether.bridge.health.doctor import Diagnosis
     from rostether.transports.serial_port import SerialPort
 
 
@@ -50,9 +50,9 @@ def doctor(port: str | None, seconds: float | None, msg_paths: tuple[Path, ...],
 
 
 async def _doctor(port: str | None, seconds: float | None, msg_paths: Sequence[Path], as_json: bool) -> int:
-    from rostether.bridge.doctor import Doctor
+    from rostether.bridge.health.doctor import Doctor
+    from rostether.bridge.health.watching import WATCH_S
     from rostether.bridge.reporter import SilentReporter
-    from rostether.bridge.watching import WATCH_S
     from rostether.cli.board.simulated_links import simulated
     from rostether.msgdef.registry import Registry
     from rostether.serde.store import TypeStore
@@ -79,7 +79,7 @@ async def _doctor(port: str | None, seconds: float | None, msg_paths: Sequence[P
 
 def _plugged_in(ports: Sequence[SerialPort]) -> list[str]:
     """Return the ports to examine when none is named: the only one on USB, or those of known boards."""
-    from rostether.devices.usb_boards import board_of
+    from rostether.ports.usb_boards import board_of
 
     on_usb = [port for port in ports if port.usb_vendor_id is not None]
     if len(on_usb) == 1:

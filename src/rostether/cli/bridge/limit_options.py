@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from rostether.devices.board_limits import BOARD_LIMITS, Limit, may_be_broken
 from rostether.errors import ConfigError
+from rostether.ports.board_limits import BOARD_LIMITS, Limit, may_be_broken
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 
 if TYPE_CHECKING:

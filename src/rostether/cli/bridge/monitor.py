@@ -61,7 +61,7 @@ class BoardsSeen:
     def __init__(self) -> None:
         self._seen: dict[str, tuple[float, BoardStatus, int]] = {}
 
-    def take(self, status: BoardStatus, now_s: float) -> None:
+    def add_status(self, status: BoardStatus, now_s: float) -> None:
         """Take a status."""
         if status.name in self._seen or len(self._seen) < MAX_BOARDS:
             count = self._seen[status.name][2] if status.name in self._seen else 0
@@ -129,7 +129,7 @@ async def _listen(graph: TypedGraph, seen: BoardsSeen, *, tells: bool) -> None:
     async with aclosing(aiter(graph.messages(TOPIC, TYPE, queue_size=2 * MAX_BOARDS))) as arrays:
         async for array in arrays:
             for status in read_statuses(array):
-                seen.take(status, loop.time())
+                seen.add_status(status, loop.time())
                 if tells:
                     write_json(asdict(status))
 

@@ -21,7 +21,7 @@ def ports(as_json: bool) -> None:
 
     The second line of a USB port is its name by identity, which stays when boards are plugged in elsewhere.
     """
-    from rostether.devices.usb_boards import board_of
+    from rostether.ports.usb_boards import board_of
     from rostether.transports.serial import list_ports
     from rostether.transports.serial_errors import explain_permission
 

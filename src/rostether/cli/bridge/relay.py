@@ -35,7 +35,7 @@ from rostether.ros1.environment import RosEnvironment
 
 if TYPE_CHECKING:
     from rostether.relay.side import FindServiceType
-    from rostether.ros2.type_support import Ros2Types
+    from rostether.ros2.types.type_support import Ros2Types
 
 _ROS1, _ROS2 = "ROS 1", "ROS 2"
 

@@ -26,11 +26,11 @@ from rostether.cli.bridge.device_options import config_option, read_devices
 from rostether.cli.bridge.serving import bridge, loopback_lines, read_links
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
-from rostether.devices.device_book import DeviceBook
 from rostether.errors import ConfigError, GraphError, UnknownNameError
 from rostether.graph.ports import Level
 from rostether.names.graph_name import canonical, join, validate_name
 from rostether.names.remap import Arguments, parse_arguments
+from rostether.ports.device_book import DeviceBook
 from rostether.ros1.environment import LOOPBACK, RosEnvironment
 from rostether.ros1.node.master_client import MasterClient
 from rostether.transports.address import DEFAULT_PORT, SimAddress, TcpAddress

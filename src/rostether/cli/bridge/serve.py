@@ -39,11 +39,11 @@ from rostether.cli.gateway.served import served_gateways
 from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
-from rostether.devices.config_paths import known_boards_path
-from rostether.devices.device_book import DeviceBook
-from rostether.devices.known_boards import KnownBoards
 from rostether.errors import ConfigError
 from rostether.graph.ports import Level
+from rostether.ports.config_paths import known_boards_path
+from rostether.ports.device_book import DeviceBook
+from rostether.ports.known_boards import KnownBoards
 from rostether.ros1.environment import LOOPBACK, RosEnvironment
 from rostether.transports.address import Address
 from rostether.transports.opening import listen as listen_for_links

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from rostether.bridge.reporter import Reporter
     from rostether.bridge.settings import BridgeSettings
     from rostether.bridge.supervisor import Listen, Supervisor
-    from rostether.devices.device_book import DeviceBook
     from rostether.graph.ports import JoinGraph
+    from rostether.ports.device_book import DeviceBook
     from rostether.transports.transport import Transport
 
 

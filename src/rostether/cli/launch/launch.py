@@ -264,7 +264,7 @@ def _locator(packages: Mapping[str, Path], near: Mapping[str, Path]) -> Locate:
     from rostether.cli.launch.node_command import node_command
     from rostether.cli.launch.served_nodes import replacement_line
     from rostether.launch.command_line import Program, Replaced
-    from rostether.rospy_facade.environment import node_environment
+    from rostether.rospy.environment import node_environment
 
     def locate(package: str, node_type: str, environ: Mapping[str, str]) -> Program | Replaced:
         if line := replacement_line(package, environ):

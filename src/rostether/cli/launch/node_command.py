@@ -17,7 +17,7 @@ def node_command(
 ) -> list[str]:
     """Find what `rosrun PACKAGE PROGRAM` means; `packages` are the folders of all packages that are seen.
 
-    The environment to start it in is `rospy_facade.environment.node_environment`'s.
+    The environment to start it in is `rospy.environment.node_environment`'s.
     Raises ConfigError: no such package or program, with those that are near.
     """
     if served := served_nodes().get((package, program)):

@@ -16,7 +16,7 @@ from rostether.cli.launch.served_nodes import replacement_line, served_nodes
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
-from rostether.rospy_facade.environment import node_environment
+from rostether.rospy.environment import node_environment
 
 
 @click.command(

@@ -90,7 +90,7 @@ def srv() -> None:
 
 def _registry(msg_paths: tuple[Path, ...], graph: GraphOptions) -> Registry:
     if graph.ros2 is not None:
-        from rostether.ros2.native_registry import NativeRegistry
+        from rostether.ros2.types.native_registry import NativeRegistry
 
         return NativeRegistry.from_environment(msg_paths)
     from rostether.msgdef.registry import Registry

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 from rostether.cli.msg.shown_definition import shown_definition
 from rostether.msgdef.ros2.primitives import PRIMITIVE_TYPES
 from rostether.msgdef.ros2.spec import DefaultValue, Ros2Message, Ros2Service, Ros2Type
-from rostether.ros2.native_registry import NativeRegistry, short_name
-from rostether.ros2.type_hash import message_hash, service_hash
+from rostether.ros2.types.native_registry import NativeRegistry, short_name
+from rostether.ros2.types.type_hash import message_hash, service_hash
 
 if TYPE_CHECKING:
     from rostether.msgdef.registry import Registry

@@ -34,7 +34,7 @@ class Ros2Nodes:
     def list_nodes(self, wanted: NodeListing) -> None:
         """Print the nodes."""
         refuse_ros1_only(uris_only=wanted.uris_only)
-        view = asked(self._graph, lambda tool: tool.look_well())
+        view = asked(self._graph, lambda tool: tool.settled_snapshot())
         prefix = f"/{wanted.namespace.strip('/')}".rstrip("/") + "/"
         names = [
             name
@@ -56,8 +56,8 @@ class Ros2Nodes:
         full_names = [full_node_name(name) for name in names]
 
         async def ask(tool: ToolNode) -> GraphView:
-            await tool.look_until(lambda seen: set(full_names) <= set(seen.nodes))
-            return await tool.look_well()
+            await tool.snapshot_when(lambda seen: set(full_names) <= set(seen.nodes))
+            return await tool.settled_snapshot()
 
         view = asked(self._graph, ask)
         for name in full_names:

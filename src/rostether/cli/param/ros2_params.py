@@ -47,7 +47,7 @@ _LIST_SERVICE = "/list_parameters"
 
 async def _find_node(tool: ToolNode, node: str) -> None:
     """Wait for a node that has parameters. Raises UnknownNameError."""
-    view = await tool.look_until(lambda seen: node in _nodes_with_parameters(seen))
+    view = await tool.snapshot_when(lambda seen: node in _nodes_with_parameters(seen))
     if node in _nodes_with_parameters(view):
         return
     if node in view.nodes:
@@ -80,7 +80,7 @@ def _located(graph: GraphOptions, name: str, parameter: str | None) -> tuple[str
         above = [node for node in _nodes_with_parameters(view) if full_name.startswith(f"{node}/")]
         return max(above, key=len, default="")
 
-    node = owner(asked(graph, lambda tool: tool.look_until(lambda view: bool(owner(view)))))
+    node = owner(asked(graph, lambda tool: tool.snapshot_when(lambda view: bool(owner(view)))))
     if not node:
         raise UnknownNameError(f"no node has a parameter {full_name}: type NODE NAME, as /board gain")
     return node, ".".join(name_parts(full_name[len(node) :]))
@@ -104,7 +104,7 @@ class Ros2Params:
                 await _find_node(tool, full_node_name(node))
                 nodes = [full_node_name(node)]
             else:
-                view = await tool.look_well()
+                view = await tool.settled_snapshot()
                 nodes = [
                     each for each in _nodes_with_parameters(view) if wanted.with_hidden or not is_hidden(each)
                 ]

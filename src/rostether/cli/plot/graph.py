@@ -111,4 +111,4 @@ def _ask_ros2(graph: GraphOptions) -> Snapshot:
     from rostether.cli.access.ros2_snapshot import as_snapshot
     from rostether.cli.access.ros2_tool_node import asked
 
-    return as_snapshot(asked(graph, lambda tool: tool.look_well()))
+    return as_snapshot(asked(graph, lambda tool: tool.settled_snapshot()))

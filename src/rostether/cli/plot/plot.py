@@ -152,7 +152,7 @@ async def _plot_ros1(
                             name: FieldPath(codec, field) if field else None for name, field in fields.items()
                         }
                     for name, path in paths.items():
-                        session.take(name, message, path)
+                        session.add_message(name, message, path)
 
         await session.run(follow, groups)
 
@@ -179,7 +179,7 @@ async def _plot_ros2(
             path = None if chosen.field is None else chosen.field.path
             async with shown_messages(tool.graph.messages(chosen.topic, chosen.type)) as messages:
                 async for message in messages:
-                    session.take(name, message, path)
+                    session.add_message(name, message, path)
 
         await session.run(follow, targets)
 
@@ -193,7 +193,7 @@ class _Session:
         self._begin_s: float | None = None
         self._problems: set[str] = set()
 
-    def take(self, name: str, message: Any, path: Any) -> None:
+    def add_message(self, name: str, message: Any, path: Any) -> None:
         """Take what a path selects in a message. Raises ConfigError when it holds no number."""
         now_s = asyncio.get_running_loop().time()
         if self._begin_s is None:

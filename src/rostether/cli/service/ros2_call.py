@@ -15,7 +15,7 @@ from rostether.cli.topic.ros2_message_text import MessageText, TextStyle
 from rostether.cli.topic.ros2_typed_values import ValueForm
 from rostether.errors import ServiceUnavailableError
 from rostether.ros2.endpoint_info import EndpointKind
-from rostether.ros2.native_registry import short_name
+from rostether.ros2.types.native_registry import short_name
 from rostether.rostime import Time
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ async def _wait_for_type(tool: ToolNode, service: str, options: CallOptions) -> 
     begin_s = time.monotonic()
     reported = options.as_json
     while True:
-        types = (await tool.look()).types([EndpointKind.SERVER], service)
+        types = (await tool.snapshot()).types([EndpointKind.SERVER], service)
         if types:
             return types[0]
         waited_s = time.monotonic() - begin_s

@@ -13,7 +13,7 @@ from rostether.cli.shell.output import one_line, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.errors import UnknownNameError
 from rostether.ros2.endpoint_info import EndpointKind
-from rostether.ros2.native_registry import short_name
+from rostether.ros2.types.native_registry import short_name
 
 
 class Ros2Services:
@@ -25,7 +25,7 @@ class Ros2Services:
 
     def list_services(self, wanted: ServiceListing) -> None:
         """Print the services."""
-        view = asked(self._graph, lambda tool: tool.look_well())
+        view = asked(self._graph, lambda tool: tool.settled_snapshot())
         names = view.services(with_hidden=wanted.with_hidden)
         if wanted.namespace is not None:
             prefix = f"/{wanted.namespace.strip('/')}".rstrip("/") + "/"
@@ -62,7 +62,7 @@ class Ros2Services:
 
     def args(self, service: str, msg_paths: tuple[Path, ...]) -> None:
         """Print the names of a service's arguments."""
-        from rostether.ros2.native_registry import NativeRegistry
+        from rostether.ros2.types.native_registry import NativeRegistry
 
         name, view = _view_of(self._graph, service)
         registry = NativeRegistry.from_environment(msg_paths)
@@ -91,7 +91,7 @@ class Ros2Services:
 
     def find(self, type_name: str) -> None:
         """Print the services of a type."""
-        view = asked(self._graph, lambda tool: tool.look_well())
+        view = asked(self._graph, lambda tool: tool.settled_snapshot())
         for name in view.services():
             if short_name(type_name) in map(short_name, view.types([EndpointKind.SERVER], name)):
                 write_line(one_line(name))
@@ -114,8 +114,8 @@ def _view_of(graph: GraphOptions, service: str) -> tuple[str, GraphView]:
 
     async def ask(tool: ToolNode) -> tuple[str, GraphView]:
         name = tool.graph.resolve(service)
-        await tool.look_until(lambda seen: bool(seen.of(EndpointKind.SERVER, name)))
-        return name, await tool.look_well()
+        await tool.snapshot_when(lambda seen: bool(seen.of(EndpointKind.SERVER, name)))
+        return name, await tool.settled_snapshot()
 
     name, view = asked(graph, ask)
     if not view.of(EndpointKind.SERVER, name):

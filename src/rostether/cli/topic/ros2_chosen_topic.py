@@ -12,11 +12,11 @@ from rostether.errors import ConfigError, DefinitionError, TypeMismatchError
 from rostether.msgdef.ros2.primitives import PRIMITIVE_TYPES
 from rostether.msgdef.ros2.spec import Ros2Message, Ros2Type
 from rostether.ros2.endpoint_info import EndpointKind
-from rostether.ros2.native_registry import short_name
+from rostether.ros2.types.native_registry import short_name
 
 if TYPE_CHECKING:
     from rostether.cli.access.ros2_tool_node import ToolNode
-    from rostether.ros2.native_registry import NativeRegistry
+    from rostether.ros2.types.native_registry import NativeRegistry
     from rostether.serde.field_path import FieldPath
 
 POLL_S = 0.1
@@ -53,13 +53,13 @@ async def choose_topic(
     if type_name is not None:
         return _with_field(tool, name, short_name(type_name), field)
     wanted = name + text[len(text.partition("[")[0]) :]
-    view = await tool.look_until(lambda seen: _published(seen, wanted) is not None)
+    view = await tool.snapshot_when(lambda seen: _published(seen, wanted) is not None)
     found = _published(view, wanted)
     if found is None:
         warn(f"WARNING: topic [{wanted}] does not appear to be published yet")
     while found is None:
         await asyncio.sleep(POLL_S)
-        view = await tool.look()
+        view = await tool.snapshot()
         found = _published(view, wanted)
     types = view.types([EndpointKind.PUBLISHER], found)
     if len(types) > 1:

@@ -13,12 +13,12 @@ from rostether.cli.topic.requests import TopicListing
 from rostether.errors import UnknownNameError
 from rostether.names.graph_name import namespace_of
 from rostether.ros2.endpoint_info import EndpointInfo, EndpointKind
-from rostether.ros2.native_registry import short_name
+from rostether.ros2.types.native_registry import short_name
 
 
 def list_topics(graph: GraphOptions, wanted: TopicListing) -> None:
     """Print the topics."""
-    view = asked(graph, lambda tool: tool.look_well())
+    view = asked(graph, lambda tool: tool.settled_snapshot())
     kinds: tuple[EndpointKind, ...] = TOPIC_KINDS
     if wanted.publishers or wanted.subscribers:
         kinds = (EndpointKind.PUBLISHER,) if wanted.publishers else (EndpointKind.SUBSCRIPTION,)
@@ -156,7 +156,7 @@ def type_of(graph: GraphOptions, topic: str) -> None:
 
 def find(graph: GraphOptions, type_name: str, *, as_json: bool, with_hidden: bool = False) -> None:
     """Print the topics of a type."""
-    view = asked(graph, lambda tool: tool.look_well())
+    view = asked(graph, lambda tool: tool.settled_snapshot())
     for name in view.topics(with_hidden=with_hidden):
         if short_name(type_name) in map(short_name, view.types(TOPIC_KINDS, name)):
             if as_json:

@@ -17,7 +17,7 @@ from rostether.cli.topic.requests import PubOptions
 from rostether.cli.topic.ros2_message_text import MessageText, TextStyle
 from rostether.cli.topic.ros2_typed_values import ValueForm
 from rostether.errors import GraphError
-from rostether.ros2.native_registry import short_name
+from rostether.ros2.types.native_registry import short_name
 from rostether.rostime import Time
 
 if TYPE_CHECKING:

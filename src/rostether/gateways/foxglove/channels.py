@@ -61,7 +61,7 @@ class Channels:
         there = {
             info.name: info
             for info in snapshot.topics.values()
-            if info.publishers and self._offered.takes(info.name)
+            if info.publishers and self._offered.includes(info.name)
         }
         gone = [topic for topic in self._names if topic not in there or self._has_changed(there[topic])]
         for topic in gone:

@@ -171,7 +171,7 @@ class Client:
 
     def _may_publish(self, topic: str) -> bool:
         try:
-            return self._gateway.settings.client_topics.takes(self._gateway.graph.resolve(topic))
+            return self._gateway.settings.client_topics.includes(self._gateway.graph.resolve(topic))
         except InvalidNameError:
             # The graph says what is wrong with it.
             return True

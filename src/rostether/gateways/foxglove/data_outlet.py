@@ -99,7 +99,7 @@ class DataOutlet:
     def _drain(self) -> None:
         while self._waiting and not self._is_paused and self.is_open:
             while self._waiting and self._pieces_bytes < _DRAIN_BYTES:
-                subscription_id, time_ns, payload = self._waiting.take()
+                subscription_id, time_ns, payload = self._waiting.pop()
                 self._pieces_bytes += add_data_frames(self._pieces, subscription_id, time_ns, [payload])
             self.flush()
 

@@ -9,7 +9,7 @@ import socket
 from collections.abc import Callable
 
 from rostether.errors import ConfigError
-from rostether.gateways.door import Door
+from rostether.gateways.connection_limiter import ConnectionLimiter
 from rostether.gateways.encryption import server_encryption
 from rostether.gateways.foxglove.admission import Admission
 from rostether.gateways.foxglove.limits import FoxgloveLimits
@@ -32,7 +32,7 @@ class Listening:
         self._admission = Admission(
             settings.origins, settings.token, (settings.host, os.environ.get("ROS_HOSTNAME", ""))
         )
-        self.door = Door(settings.allow, settings.limits.clients, tell_refused)
+        self.door = ConnectionLimiter(settings.allow, settings.limits.clients, tell_refused)
         """Counts the connections, and tells of those that are refused."""
         self._servers: list[asyncio.Server] = []
         self._lines: set[_Counted] = set()
@@ -91,9 +91,9 @@ class Listening:
         line.user = self._make_user(line)
         return line
 
-    def takes(self, line: _Counted, transport: asyncio.BaseTransport) -> bool:
+    def admit(self, line: _Counted, transport: asyncio.BaseTransport) -> bool:
         """Tell whether a connection may stay, and count it."""
-        if self._is_closed or not self.door.lets_in(transport):
+        if self._is_closed or not self.door.admit(transport):
             return False
         self._lines.add(line)
         return True
@@ -102,7 +102,7 @@ class Listening:
         """Take a connection's end."""
         if line in self._lines:
             self._lines.remove(line)
-            self.door.let_out()
+            self.door.release()
 
 
 class _Counted(Line):
@@ -116,7 +116,7 @@ class _Counted(Line):
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Look who it is."""
         super().connection_made(transport)
-        if not self._listening.takes(self, transport):
+        if not self._listening.admit(self, transport):
             self.abort()
 
     def connection_lost(self, error: Exception | None) -> None:
@@ -127,4 +127,4 @@ class _Counted(Line):
 
     def _tell_refused(self, reason: str) -> None:
         if self._transport is not None:
-            self._listening.door.tell_refusal(self._transport, reason)
+            self._listening.door.report_refusal(self._transport, reason)

@@ -104,7 +104,7 @@ class Parameters:
         if self._offered.patterns is None:
             return True
         try:
-            return self._offered.takes(self._graph.resolve(name))
+            return self._offered.includes(self._graph.resolve(name))
         except InvalidNameError:
             return False
 

@@ -57,7 +57,7 @@ class Services:
         there = {
             service.name: (service.providers, service.type)
             for service in snapshot.services.values()
-            if service.providers and self._offered.takes(service.name)
+            if service.providers and self._offered.includes(service.name)
         }
         ended: list[OfferedService] = []
         for name in [name for name, known in self._providers.items() if there.get(name) != known]:

@@ -38,7 +38,7 @@ class NameFilter:
         except re.error as error:
             raise ConfigError(f"{source}: {error.pattern!r} is no regular expression: {error}") from None
 
-    def takes(self, name: str) -> bool:
+    def includes(self, name: str) -> bool:
         """Tell whether a name is offered."""
         return self.patterns is None or any(pattern.fullmatch(name) for pattern in self.patterns)
 

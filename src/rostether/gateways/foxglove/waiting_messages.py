@@ -44,7 +44,7 @@ class WaitingMessages:
         if self._queues.pop(subscription_id, None) is not None:
             self._bytes -= self._sizes.pop(subscription_id)
 
-    def take(self) -> tuple[int, int, bytes]:
+    def pop(self) -> tuple[int, int, bytes]:
         """Return the next (subscription id, time, payload): one of each subscription in turn."""
         subscription_id = next(iter(self._queues))
         queue = self._queues.pop(subscription_id)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from rostether.msgdef.interface import MessageType
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
-from rostether.ros2.native_registry import NativeRegistry
-from rostether.ros2.native_types import NativeTypes
-from rostether.ros2.type_support import Ros2Types
+from rostether.ros2.types.native_registry import NativeRegistry
+from rostether.ros2.types.native_types import NativeTypes
+from rostether.ros2.types.type_support import Ros2Types
 
 
 class CdrForm:

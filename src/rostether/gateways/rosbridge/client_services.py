@@ -14,10 +14,10 @@ from rostether.errors import (
     UnknownNameError,
 )
 from rostether.gateways.rosbridge.client_subscription import Wish
+from rostether.gateways.rosbridge.gateway_context import GatewayContext
 from rostether.gateways.rosbridge.offered_services import OfferedService
 from rostether.gateways.rosbridge.request import Request
 from rostether.gateways.rosbridge.settings import MAX_CALLS, MAX_QUEUED_BYTES, MAX_SERVICES, matches
-from rostether.gateways.rosbridge.surroundings import Surroundings
 from rostether.gateways.rosbridge.type_names import short_type
 
 MAX_LOCAL_CALLS = 2
@@ -29,7 +29,7 @@ Send = Callable[[dict[str, Any], Wish], None]
 class ClientServices:
     """What one client does with services. Methods raise RostetherError for what cannot be done."""
 
-    def __init__(self, around: Surroundings, send: Send) -> None:
+    def __init__(self, around: GatewayContext, send: Send) -> None:
         self._around = around
         self._send = send
         self._calls: dict[asyncio.Task[None], int] = {}

@@ -119,7 +119,7 @@ class ClientSubscription:
             self._settle()
         return bool(self._wishes)
 
-    def take(self, batch: Batch) -> None:
+    def enqueue(self, batch: Batch) -> None:
         """Queue what has come, as far as the client wants it."""
         if not self._fits(batch.connection):
             return

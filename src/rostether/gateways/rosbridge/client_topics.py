@@ -8,11 +8,11 @@ from typing import Any
 
 from rostether.errors import AccessDeniedError, RemoteProtocolError, TypeMismatchError, UnknownNameError
 from rostether.gateways.rosbridge.client_subscription import ClientSubscription, Wish
+from rostether.gateways.rosbridge.gateway_context import GatewayContext
 from rostether.gateways.rosbridge.outbox import Outbox
 from rostether.gateways.rosbridge.publication import Publication
 from rostether.gateways.rosbridge.request import Request
 from rostether.gateways.rosbridge.settings import MAX_PUBLICATIONS, MAX_SUBSCRIPTIONS, matches
-from rostether.gateways.rosbridge.surroundings import Surroundings
 from rostether.gateways.rosbridge.type_names import short_type
 from rostether.msgdef.interface import ANY_TYPE, MessageType
 
@@ -22,7 +22,7 @@ _NOTHING: dict[str, Any] = {}
 class ClientTopics:
     """What one client does with topics. Every method raises RostetherError for what cannot be done."""
 
-    def __init__(self, around: Surroundings, outbox: Outbox, tell_error: Callable[[str], None]) -> None:
+    def __init__(self, around: GatewayContext, outbox: Outbox, tell_error: Callable[[str], None]) -> None:
         self._around = around
         self._outbox = outbox
         self._tell_error = tell_error
@@ -73,7 +73,7 @@ class ClientTopics:
         subscription.want(request.id, wish, type_name)
         self._subscriptions[topic] = subscription
         try:
-            subscription.share = await self._around.shared.subscribe(topic, subscription.take)
+            subscription.share = await self._around.shared.subscribe(topic, subscription.enqueue)
         except BaseException:
             del self._subscriptions[topic]
             await subscription.close()

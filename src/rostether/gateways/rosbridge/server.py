@@ -20,10 +20,11 @@ from websockets.http11 import Response
 
 from rostether.errors import RostetherError, TransportOpenError
 from rostether.gateways.admission import foreign_host, single_header
-from rostether.gateways.door import Door, peer_name
+from rostether.gateways.connection_limiter import ConnectionLimiter, peer_name
 from rostether.gateways.encryption import server_encryption
 from rostether.gateways.rosbridge.admission import Admission
-from rostether.gateways.rosbridge.door_connection import DoorConnection
+from rostether.gateways.rosbridge.gateway_context import GatewayContext, LocalServices, Tell
+from rostether.gateways.rosbridge.limited_connection import DoorConnection
 from rostether.gateways.rosbridge.message_forms import MessageForms
 from rostether.gateways.rosbridge.offered_services import OfferedServices
 from rostether.gateways.rosbridge.service_types import AskServer, ServiceTypes
@@ -36,7 +37,6 @@ from rostether.gateways.rosbridge.settings import (
     PING_LIMIT_S,
     RosbridgeSettings,
 )
-from rostether.gateways.rosbridge.surroundings import LocalServices, Surroundings, Tell
 from rostether.gateways.rosbridge.values import Style
 from rostether.gateways.shared_subscriptions import SharedSubscriptions
 from rostether.graph.ports import Graph, Level, Publisher
@@ -75,7 +75,7 @@ class RosbridgeServer:
         self._settings = settings
         self._admission = Admission(settings)
         self._tell = tell
-        self._around = Surroundings(
+        self._around = GatewayContext(
             graph,
             store,
             settings,
@@ -91,7 +91,7 @@ class RosbridgeServer:
         self._count_publisher: Publisher | None = None
         self._leaving: asyncio.Task[None] | None = None
         self._ended = asyncio.Event()
-        self._door = Door(
+        self._door = ConnectionLimiter(
             settings.allow,
             MAX_CLIENTS + MAX_GREETING,
             lambda text: tell(Level.WARN, f"rosbridge: {text}"),
@@ -214,7 +214,7 @@ class RosbridgeServer:
     def _refuse(
         self, connection: ServerConnection, reason: str, status: HTTPStatus = HTTPStatus.FORBIDDEN
     ) -> Response:
-        self._door.tell_refusal(connection.transport, reason)
+        self._door.report_refusal(connection.transport, reason)
         return connection.respond(status, f"rosbridge: {reason}\n")
 
     async def _serve(self, connection: ServerConnection) -> None:

@@ -35,7 +35,7 @@ from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Level
 
 if TYPE_CHECKING:
-    from rostether.gateways.rosbridge.surroundings import Surroundings
+    from rostether.gateways.rosbridge.gateway_context import GatewayContext
 
 TOLD_EVERY_S = 5.0
 """How often a client, and the log, is told that a topic is too fast for it."""
@@ -57,7 +57,7 @@ class Session:
     """One connection from its greeting to its end."""
 
     def __init__(
-        self, connection: ServerConnection, around: Surroundings, admission: Admission, name: str
+        self, connection: ServerConnection, around: GatewayContext, admission: Admission, name: str
     ) -> None:
         self.level = DEFAULT_LEVEL
         self.name = name
@@ -92,13 +92,13 @@ class Session:
         if level <= self.level:
             self._outbox.answer(status_message(level, text, request_id), is_status=True)
 
-    async def take_fragment(self, request: Request) -> None:
+    async def handle_fragment(self, request: Request) -> None:
         """Take one piece of a message; the last one carries it out."""
         whole = self._fragments.add(request.fields)
         if whole is not None:
             await self._unpacked(whole)
 
-    async def take_png(self, request: Request) -> None:
+    async def handle_png(self, request: Request) -> None:
         """Carry out a message that is packed into a picture."""
         await self._unpacked(unpack_png(request.text("data"), self._around.settings.max_message_bytes))
 

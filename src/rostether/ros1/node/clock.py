@@ -40,7 +40,7 @@ class Clock:
         """Return the time."""
         return self._wall_time() if self._simulated is None else self._simulated
 
-    def take_messages(self, payloads: Sequence[bytes]) -> None:
+    def handle_messages(self, payloads: Sequence[bytes]) -> None:
         """Take serialized rosgraph_msgs/Clock messages; a malformed one is ignored."""
         if len(payloads[-1]) == _CLOCK.size:
             self._simulated = Time(*_CLOCK.unpack(payloads[-1]))

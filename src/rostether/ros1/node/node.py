@@ -13,7 +13,7 @@ from rostether.names.graph_name import join, validate_name
 from rostether.names.resolve import resolve_name, resolve_remappings
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.clock import CLOCK_TOPIC, CLOCK_TYPE, USE_SIM_TIME, Clock
-from rostether.ros1.node.endpoints import Endpoints
+from rostether.ros1.node.endpoint_handles import Endpoints
 from rostether.ros1.node.graph_view import take_snapshot, watch_changes
 from rostether.ros1.node.master_client import MasterClient
 from rostether.ros1.node.parameters import ParameterWatch
@@ -241,7 +241,7 @@ class Ros1Graph:
         await self._endpoints.add_publication(self._rosout.publication)
         if is_simulated:
             self._clock.simulate()
-            await self._endpoints.subscribe(CLOCK_TOPIC, CLOCK_TYPE, self._clock.take_messages)
+            await self._endpoints.subscribe(CLOCK_TOPIC, CLOCK_TYPE, self._clock.handle_messages)
         self._endpoints.start_watch(check_interval_s)
 
     async def _is_time_simulated(self) -> bool:

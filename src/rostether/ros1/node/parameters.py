@@ -29,7 +29,7 @@ class ParameterWatches:
         watch = ParameterWatch(self, name, on_change)
         self._watches.setdefault(name, []).append(watch)
         try:
-            watch.tell_first(_unset_as_none(await self._master.subscribe_param(name, self._node_uri)))
+            watch.deliver_first(_unset_as_none(await self._master.subscribe_param(name, self._node_uri)))
         except GraphError:
             self._forget(watch)
             raise
@@ -43,7 +43,7 @@ class ParameterWatches:
         key = "/" + key.strip("/")
         watches = list(self._watches.get(key, ()))
         for watch in watches:
-            watch.tell(_unset_as_none(value))
+            watch.deliver(_unset_as_none(value))
         # A change below a tree that is watched: only the master can tell what the whole tree is now.
         return self._fetch_soon(lambda name: _is_below(key, name)) or bool(watches)
 
@@ -64,7 +64,7 @@ class ParameterWatches:
         for name, watches in list(self._watches.items()):
             value = _unset_as_none(await self._master.subscribe_param(name, self._node_uri))
             for watch in list(watches):
-                watch.tell(value)
+                watch.deliver(value)
 
     async def remove(self, watch: ParameterWatch) -> None:
         """End a watch."""
@@ -101,7 +101,7 @@ class ParameterWatches:
             _log.debug("cannot read %s after a change below it: %s", name, error)
             return
         for watch in list(self._watches.get(name, ())):
-            watch.tell(value)
+            watch.deliver(value)
 
 
 class ParameterWatch:
@@ -114,15 +114,15 @@ class ParameterWatch:
         self._latest: ParamValue = None
         self._is_closed = False
 
-    def tell_first(self, value: ParamValue) -> None:
+    def deliver_first(self, value: ParamValue) -> None:
         """Hand the first value on."""
         self._latest = value
         call_contained(f"on_change of parameter {self.name}", self._on_change, value)
 
-    def tell(self, value: ParamValue) -> None:
+    def deliver(self, value: ParamValue) -> None:
         """Hand a value on if it is a new one; the same change may be told by the master and by ourselves."""
         if not self._is_closed and (value != self._latest or type(value) is not type(self._latest)):
-            self.tell_first(value)
+            self.deliver_first(value)
 
     async def close(self) -> None:
         """Stop watching. Idempotent."""

@@ -46,10 +46,10 @@ class SlaveNode(Protocol):
     def subscriptions(self) -> Iterable[Subscription]:
         """What it subscribes to."""
 
-    def take_publishers(self, topic: str, uris: list[str]) -> None:
+    def set_publishers(self, topic: str, uris: list[str]) -> None:
         """Take the master's list of a topic's publishers."""
 
-    def take_param(self, name: str, value: XmlRpcValue) -> bool:
+    def update_param(self, name: str, value: XmlRpcValue) -> bool:
         """Take a parameter's new value; False when it is not watched."""
 
     def shut_down(self, reason: str) -> None:
@@ -129,12 +129,12 @@ class _SlaveApi:
     def paramUpdate(self, _caller_id: str, key: str, value: XmlRpcValue) -> Answer:
         if not isinstance(key, str):
             return [-1, "parameter_key must be a string", 0]
-        return [1, "", 0] if self._node.take_param(key, value) else [-1, "not subscribed", 0]
+        return [1, "", 0] if self._node.update_param(key, value) else [-1, "not subscribed", 0]
 
     def publisherUpdate(self, _caller_id: str, topic: str, publishers: XmlRpcValue) -> Answer:
         if not isinstance(topic, str) or not isinstance(publishers, list):
             return [-1, "topic must be a string and publishers a list", 0]
-        self._node.take_publishers(topic, [uri for uri in publishers if isinstance(uri, str)])
+        self._node.set_publishers(topic, [uri for uri in publishers if isinstance(uri, str)])
         return [1, "", 0]
 
     def requestTopic(self, _caller_id: str, topic: str, protocols: XmlRpcValue) -> Answer:

@@ -17,7 +17,7 @@ from rostether.ros2.rclpy.failures import attempt
 from rostether.ros2.rclpy.graph import RclpyGraph
 from rostether.ros2.rclpy.installation import load_rclpy
 from rostether.ros2.rclpy.own_node import OwnNode
-from rostether.ros2.type_support import Ros2Types
+from rostether.ros2.types.type_support import Ros2Types
 
 
 class RclpyContext:

@@ -13,8 +13,8 @@ from rostether.ros2.endpoint_info import EndpointInfo
 from rostether.ros2.listed_client import ListedClient
 from rostether.ros2.parameters.graph_parameters import GraphParameters
 from rostether.ros2.parameters.parameter_methods import ParameterMethods
+from rostether.ros2.rclpy.endpoint_handles import Endpoints
 from rostether.ros2.rclpy.endpoint_list import list_endpoints
-from rostether.ros2.rclpy.endpoints import Endpoints
 from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.own_parameters import RclpyParameters
 from rostether.ros2.rclpy.publication import RclpyPublisher

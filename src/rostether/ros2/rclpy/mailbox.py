@@ -39,7 +39,7 @@ class Mailbox:
         if is_news:
             self._wake()
 
-    def take_all(self) -> list[bytes]:
+    def pop_all(self) -> list[bytes]:
         """Return what has come, oldest first, in the event loop; nothing while it is paused."""
         with self._lock:
             self._is_awake = False

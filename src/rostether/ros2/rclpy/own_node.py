@@ -14,7 +14,7 @@ from rostether.ros2.rclpy.failures import attempt, first_lines
 from rostether.ros2.rclpy.installation import load_rclpy, message_class
 from rostether.ros2.rclpy.quality import rosout_profile
 from rostether.ros2.rclpy.view import offered_types
-from rostether.ros2.type_support import MessageSupport, Ros2Types
+from rostether.ros2.types.type_support import MessageSupport, Ros2Types
 
 _HASH_PREFIX = "RIHS01_"
 _SHOWN_HASH = len(_HASH_PREFIX) + 8

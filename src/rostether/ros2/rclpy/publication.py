@@ -12,7 +12,7 @@ from rostether.ros2.rclpy.failures import first_lines
 from rostether.ros2.rclpy.installation import load_rclpy, message_class
 from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.quality import name_policy, publisher_profile
-from rostether.ros2.type_support import MessageSupport
+from rostether.ros2.types.type_support import MessageSupport
 
 ACKNOWLEDGE_S = 0.1
 """How long a publisher stays for subscribers that miss its last messages: time for many round trips."""

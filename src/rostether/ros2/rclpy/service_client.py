@@ -15,7 +15,7 @@ from rostether.ros2.rclpy.failures import attempt
 from rostether.ros2.rclpy.installation import load_rclpy, service_class
 from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.quality import service_profile
-from rostether.ros2.type_support import ServiceSupport
+from rostether.ros2.types.type_support import ServiceSupport
 
 DISCOVERY_S = 3.5
 """How long a service may take to be found: DDS tells of it at once, and again after 3 s if that is lost."""

@@ -13,7 +13,7 @@ from rostether.ros2.rclpy.executor_thread import NoAnswerError
 from rostether.ros2.rclpy.installation import load_rclpy, service_class
 from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.quality import service_profile
-from rostether.ros2.type_support import ServiceSupport
+from rostether.ros2.types.type_support import ServiceSupport
 
 
 class RclpyServiceServer:

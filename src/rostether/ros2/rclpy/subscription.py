@@ -24,7 +24,7 @@ from rostether.ros2.rclpy.mailbox import Mailbox
 from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.quality import Wish, is_latching, name_policy, subscriber_profile, subscriber_wish
 from rostether.ros2.rclpy.view import UNKNOWN_NODE
-from rostether.ros2.type_support import MessageSupport
+from rostether.ros2.types.type_support import MessageSupport
 
 MAX_BATCH = 1000
 """Messages taken in one go before the executor looks at the other subscriptions again: a few milliseconds."""
@@ -272,7 +272,7 @@ class RclpySubscriber:
             call_contained(f"on_connection of {self.topic}", self._on_connection, fields)
 
     def _deliver(self) -> None:
-        messages = self._mailbox.take_all()
+        messages = self._mailbox.pop_all()
         if not messages or self._is_closed or self._support is None:
             return
         from_cdr = self._support.converter.from_cdr

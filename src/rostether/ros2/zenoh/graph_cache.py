@@ -31,7 +31,7 @@ class GraphCache:
         self._change_events: set[asyncio.Event] = set()
         self._snapshot: Snapshot | None = None
 
-    def take(self, news: Sequence[tuple[str, bool]]) -> None:
+    def apply_tokens(self, news: Sequence[tuple[str, bool]]) -> None:
         """Take tokens (key expressions) that have come (True) or gone."""
         touched: dict[Place, None] = {}
         for text, is_there in news:

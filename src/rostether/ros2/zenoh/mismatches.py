@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 from rostether.graph.ports import Level
 from rostether.ros2.naming import dds_name, type_of_dds_name
-from rostether.ros2.type_support import MessageSupport
+from rostether.ros2.types.type_support import MessageSupport
 from rostether.ros2.zenoh.tokens import Kind, Token
 
 
@@ -20,7 +20,7 @@ class Mismatches:
         self._report = report
         self._told: set[Token] = set()
 
-    def tell(self, ends: Sequence[Token]) -> None:
+    def report(self, ends: Sequence[Token]) -> None:
         """Look at the ends that there are now; those that are gone are forgotten."""
         wrong = {end for end in ends if not self._meets(end)}
         for end in wrong - self._told:

@@ -20,8 +20,8 @@ from rostether.ros2.parameters.parameter_methods import ParameterMethods
 from rostether.ros2.parameters.services import ParameterServices
 from rostether.ros2.parameters.store import ParameterStore
 from rostether.ros2.rosout import RosoutLog
+from rostether.ros2.zenoh.endpoint_handles import Endpoints
 from rostether.ros2.zenoh.endpoint_list import list_endpoints
-from rostether.ros2.zenoh.endpoints import Endpoints
 from rostether.ros2.zenoh.entities import NodeEntities
 from rostether.ros2.zenoh.publication import Publisher
 from rostether.ros2.zenoh.service_server import ServiceServer

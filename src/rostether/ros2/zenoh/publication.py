@@ -15,7 +15,7 @@ from rostether.graph.ports import Level
 from rostether.msgdef.interface import MessageType
 from rostether.ros2.naming import dds_name
 from rostether.ros2.qos import DEFAULT_QOS, LATCHED_QOS, Qos
-from rostether.ros2.type_support import MessageSupport
+from rostether.ros2.types.type_support import MessageSupport
 from rostether.ros2.zenoh.attachment import ATTACHMENT, GID_BYTES, gid_of
 from rostether.ros2.zenoh.configuration import WAIT_BEFORE_DROP_US
 from rostether.ros2.zenoh.entities import NodeEntities
@@ -219,7 +219,7 @@ class Publication:
         self._subscribers = [
             end for end in ends if end.type == self._type_name and end.type_hash == self._support.type_hash
         ]
-        self._mismatches.tell(ends)
+        self._mismatches.report(ends)
 
     def _refuse(self, count: int, error: SerializationError) -> None:
         self._lost_count += count

@@ -12,7 +12,7 @@ import zenoh
 from rostether.errors import ServiceCallError, ServiceTimeoutError, ServiceUnavailableError
 from rostether.ros2.naming import dds_name
 from rostether.ros2.qos import SERVICES_QOS
-from rostether.ros2.type_support import ServiceSupport
+from rostether.ros2.types.type_support import ServiceSupport
 from rostether.ros2.zenoh.attachment import Attachment, gid_of
 from rostether.ros2.zenoh.entities import NodeEntities
 from rostether.ros2.zenoh.tokens import Kind, data_key

@@ -16,7 +16,7 @@ from rostether.graph.callbacks import report_error
 from rostether.graph.ports import ServiceHandler
 from rostether.ros2.naming import dds_name
 from rostether.ros2.qos import SERVICES_QOS
-from rostether.ros2.type_support import ServiceSupport
+from rostether.ros2.types.type_support import ServiceSupport
 from rostether.ros2.zenoh.attachment import Attachment, parse_attachment
 from rostether.ros2.zenoh.entities import NodeEntities
 from rostether.ros2.zenoh.foreign_threads import stay_known

@@ -17,7 +17,7 @@ from rostether.graph.ports import ParamValue
 from rostether.names.graph_name import join
 from rostether.ros2.environment import Ros2Environment
 from rostether.ros2.naming import validate_node_name
-from rostether.ros2.type_support import Ros2Types
+from rostether.ros2.types.type_support import Ros2Types
 from rostether.ros2.zenoh.configuration import (
     ROUTER_ENDPOINT,
     Reach,
@@ -74,7 +74,7 @@ class ZenohSession:
         self._ids = itertools.count()
         self._nodes: set[ZenohGraph] = set()
         self._is_closed = False
-        self._news: Handover[tuple[str, bool]] = Handover(self.graph.take, limit=MAX_WAITING_NEWS)
+        self._news: Handover[tuple[str, bool]] = Handover(self.graph.apply_tokens, limit=MAX_WAITING_NEWS)
         self._liveliness = session.liveliness()
         self._watch: zenoh.Subscriber[None] | None = None
         self._asking: asyncio.Task[None] | None = None
@@ -137,9 +137,9 @@ class ZenohSession:
         """Tell everybody of a node or endpoint, until the token is withdrawn."""
         return LiveToken(self, token)
 
-    def tell_graph(self, text: str, *, is_there: bool) -> None:
+    def apply_own_token(self, text: str, *, is_there: bool) -> None:
         """Let our own view know of a token of ours, which zenoh's word is not taken for."""
-        self.graph.take([(text, is_there)])
+        self.graph.apply_tokens([(text, is_there)])
 
     async def look(self, key: str, timeout_s: float) -> list[str]:
         """Ask the network which tokens match a key expression now."""
@@ -237,12 +237,12 @@ class LiveToken:
         self.text = token.format()
         self._session = session
         self._declared = session.zenoh.liveliness().declare_token(self.text)
-        session.tell_graph(self.text, is_there=True)
+        session.apply_own_token(self.text, is_there=True)
 
     def withdraw(self) -> None:
         """Tell everybody that it is gone. Call it once."""
         self._declared.undeclare()
-        self._session.tell_graph(self.text, is_there=False)
+        self._session.apply_own_token(self.text, is_there=False)
 
 
 async def _takes_routers_place(environment: Ros2Environment, reach: Reach) -> bool:

@@ -15,7 +15,7 @@ from rostether.graph.ports import Level, OnMessages
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
 from rostether.ros2.naming import dds_name, type_of_dds_name
 from rostether.ros2.qos import DEFAULT_QOS, Qos
-from rostether.ros2.type_support import MessageSupport
+from rostether.ros2.types.type_support import MessageSupport
 from rostether.ros2.zenoh.attachment import gid_of, parse_attachment
 from rostether.ros2.zenoh.entities import NodeEntities
 from rostether.ros2.zenoh.foreign_threads import stay_known
@@ -167,7 +167,7 @@ class Subscription:
         ends = self._node.session.graph.endpoints(Kind.PUBLISHER, self.topic)
         self._skipped_gids = {gid_of(end.format()) for end in ends if end.node_name in self._skip_nodes}
         if self._mismatches is not None:
-            self._mismatches.tell(ends)
+            self._mismatches.report(ends)
         found = {end for end in ends if self._of_token(end) is not None}
         new = found - self._publishers
         self._publishers = found

@@ -71,7 +71,7 @@ def compile_conversion(tree: Record, target: Side, refuse: Callable[[bytes], byt
         if [slot.ros2_name for slot in tree.ros2_slots] == [DUMMY_NAME]:
             # Some peers leave out the byte that stands for no field at all.
             lines.pop()
-    pieces = body.pieces.take()
+    pieces = body.pieces.pop_all()
     if body.uses_out:
         lines = ["out = []", *lines, f"out += ({row(pieces)})", "return join(out)"]
     else:

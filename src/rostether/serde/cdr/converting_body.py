@@ -55,7 +55,7 @@ class ConvertingBody(ReadingBody):
         """Put the pieces so far to the output of loops and functions."""
         self.uses_out = True
         if self.pieces:
-            self.lines.append(f"out += ({row(self.pieces.take())})")
+            self.lines.append(f"out += ({row(self.pieces.pop_all())})")
 
     def _convert_record(self, record: Record) -> None:
         to = Side.ROS2 if self.to_cdr else Side.ROS1
@@ -249,7 +249,7 @@ class ConvertingBody(ReadingBody):
             self.pieces.add_constant(bytes(padding))
             place.advance(padding)
             return
-        pads = "nul" if self.pieces.take_final_nul() else "pad"
+        pads = "nul" if self.pieces.remove_final_nul() else "pad"
         self.pieces.add_expression(f"{pads}{alignment}[{place.text()} & {alignment - 1}]")
         self.lines.append(place.align(self.variable("c"), alignment))
 

@@ -32,14 +32,14 @@ class Pieces:
         """Add what an expression gives."""
         self._pieces.append(expression)
 
-    def take_final_nul(self) -> bool:
+    def remove_final_nul(self) -> bool:
         """Take back a constant that is one zero byte, if that came last."""
         if self._pieces and self._pieces[-1] == b"\0":
             self._pieces.pop()
             return True
         return False
 
-    def take(self) -> list[str]:
+    def pop_all(self) -> list[str]:
         """Return all expressions, and begin anew."""
         taken, self._pieces = self._pieces, []
         return [_expression(piece) for piece in taken]

@@ -16,7 +16,7 @@ import pytest
 import yaml
 
 from rostether.msgdef.interface import ANY_MESSAGE
-from rostether.recording.bag_reader import BagReader
+from rostether.recording.bag.reader import BagReader
 from unit.cli.command_shell import LiveGraph, Shell
 from unit.recording.bags import STRING, text, write_bag
 

@@ -13,9 +13,9 @@ from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Level
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
-from rostether.recording.bag_reader import BagReader
+from rostether.recording.bag.reader import BagReader
 from rostether.recording.files import open_recording
-from rostether.ros2.type_support import Ros2Types
+from rostether.ros2.types.type_support import Ros2Types
 from unit.cli.command_shell import Shell
 from unit.cli.link.test_group import board_at, hear, master
 from unit.cli.serving_process import started

@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from unit.boards.simavr.programs import build
+from unit.simulation.simavr.programs import build
 
 pytestmark = pytest.mark.simavr
 

@@ -10,15 +10,15 @@ from typing import cast
 import pytest
 
 from interop.ros1_peers import Peer, free_port
-from rostether.boards.simavr.board_events import BoardEvent
-from rostether.boards.simavr.simulated_board import SimulatedBoard
 from rostether.cli.board.simulated_links import _report, simulated
 from rostether.errors import BoardError, ConfigError
 from rostether.graph.ports import Level
 from rostether.joining import join
+from rostether.simulation.simavr.board_events import BoardEvent
+from rostether.simulation.simavr.simulated_board import SimulatedBoard
 from rostether.transports.address import PtyAddress, SerialAddress, parse_address
-from unit.boards.simavr.programs import build
 from unit.cli.serving_process import started
+from unit.simulation.simavr.programs import build
 
 pytestmark = pytest.mark.simavr
 

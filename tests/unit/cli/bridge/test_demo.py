@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from rostether.bridge.diagnostics import BoardView, EndpointView
+from rostether.bridge.health.diagnostics import BoardView, EndpointView
 from rostether.cli.bridge.demo_view import DemoView, RecentLines
 from rostether.graph.ports import Level
 from unit.cli.command_shell import STORE, LiveGraph
@@ -80,8 +80,8 @@ def view() -> DemoView:
 
 def test_what_the_demo_shows_in_one_line(view: DemoView) -> None:
     assert view.line() == "link: waiting for the board"
-    view.look()
-    view.look()
+    view.update()
+    view.update()
     assert view.line() == "ultrasound 20.0 Hz (1.25 m); 50 frames, 1 discarded"
     assert view.has_flowed
 
@@ -91,8 +91,8 @@ def test_what_the_demo_shows_in_a_terminal(view: DemoView) -> None:
 
     from rich.console import Console
 
-    view.look()
-    view.look()
+    view.update()
+    view.update()
     screen = StringIO()
     Console(file=screen, width=120).print(view.render())
     text = screen.getvalue()

@@ -7,8 +7,8 @@ import pytest
 
 from rostether.bridge.settings import DEFAULT_SETTINGS, BridgeSettings
 from rostether.cli.bridge.limit_options import BRIDGE_LIMITS, GRAPH_LIMITS, read_graph_limits, read_limits
-from rostether.devices.board_limits import Limit
 from rostether.errors import ConfigError
+from rostether.ports.board_limits import Limit
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 
 DOCUMENTED = (Path(__file__).parents[4] / "docs/reference/limits.md").read_text()

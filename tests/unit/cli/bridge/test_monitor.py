@@ -128,7 +128,7 @@ def test_no_master(shell: Shell) -> None:
 
 def test_a_board_that_falls_silent_is_gone_then_forgotten() -> None:
     seen = BoardsSeen()
-    seen.take(ARM, 100.0)
+    seen.add_status(ARM, 100.0)
     (board,) = seen.boards(100.0 + STALE_S)
     assert board.state == "connected"
     (board,) = seen.boards(100.5 + STALE_S)
@@ -143,5 +143,5 @@ def test_what_is_kept_is_bounded() -> None:
 
     seen = BoardsSeen()
     for number in range(MAX_BOARDS + 100):
-        seen.take(replace(ARM, name=f"/board_{number}"), 1.0)
+        seen.add_status(replace(ARM, name=f"/board_{number}"), 1.0)
     assert len(seen.boards(1.0)) == MAX_BOARDS

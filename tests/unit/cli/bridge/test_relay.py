@@ -25,7 +25,7 @@ from rostether.relay.choice import Direction, Services, Topics
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node.node import join_ros1
-from rostether.ros2.type_support import Ros2Types
+from rostether.ros2.types.type_support import Ros2Types
 from unit.cli.command_shell import Shell
 
 

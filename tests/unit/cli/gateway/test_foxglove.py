@@ -114,8 +114,8 @@ def test_parameters_of_foxglove_bridge() -> None:
     assert (settings.host, settings.port, settings.capabilities) == ("0.0.0.0", 8800, ("services",))
     assert settings.limits == FoxgloveLimits(waiting_bytes=1000)
     names = ["/camera/image", "/tf", "/tf_static"]
-    assert [settings.topics.takes(each) for each in names] == [True, True, False]
-    assert not settings.client_topics.takes("/cmd_vel")
+    assert [settings.topics.includes(each) for each in names] == [True, True, False]
+    assert not settings.client_topics.includes("/cmd_vel")
     secure = settings_of_parameters({"tls": True, "certfile": "a.pem", "keyfile": "b.pem"})
     assert (secure.certificate, secure.key) == ("a.pem", "b.pem")
 

@@ -53,7 +53,7 @@ def test_a_script_gets_every_argument_and_our_rospy(arm: Path) -> None:
     assert done.returncode == 0, done.stderr
     arguments, python_path = json.loads(done.stdout)
     assert arguments == ["__name:=x", "a:=b", "_p:=1", "-h", "--debug", ""]
-    assert Path(python_path.split(os.pathsep)[0]).parts[-2:] == ("rospy_facade", "path")
+    assert Path(python_path.split(os.pathsep)[0]).parts[-2:] == ("rospy", "path")
 
 
 def test_a_programs_exit_code_and_death_are_ours(arm: Path) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import yaml
 
 from rostether.graph.ports import Publisher
-from rostether.recording.bag_reader import BagReader
+from rostether.recording.bag.reader import BagReader
 from rostether.recording.files import open_recording
 from unit.cli.command_shell import LiveGraph, Shell
 from unit.cli.ros2.zenoh_world import STORE, ZenohWorld

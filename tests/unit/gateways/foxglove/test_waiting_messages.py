@@ -6,7 +6,7 @@ from rostether.gateways.foxglove.waiting_messages import MESSAGE_COST_BYTES, Wai
 def drain(waiting: WaitingMessages) -> list[tuple[int, int, bytes]]:
     found = []
     while waiting:
-        found.append(waiting.take())
+        found.append(waiting.pop())
     return found
 
 

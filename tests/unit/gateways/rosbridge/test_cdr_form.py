@@ -4,7 +4,7 @@ import pytest
 
 from rostether.gateways.rosbridge.cdr_form import CdrForm
 from rostether.msgdef.registry import Registry
-from rostether.ros2.native_registry import NativeRegistry
+from rostether.ros2.types.native_registry import NativeRegistry
 from rostether.serde.store import TypeStore
 
 

@@ -36,7 +36,7 @@ def subscription(**fields: Any) -> tuple[ClientSubscription, Outbox, list[str]]:
 
 
 def take(made: ClientSubscription, *payloads: bytes) -> None:
-    made.take(Batch(STRING, payloads))
+    made.enqueue(Batch(STRING, payloads))
 
 
 def sent(outbox: Outbox) -> list[bytes]:

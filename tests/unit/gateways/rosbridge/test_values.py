@@ -10,7 +10,7 @@ import pytest
 from rostether.errors import SerializationError
 from rostether.gateways.rosbridge.values import JsonForm, Style, write_json
 from rostether.msgdef.registry import Registry
-from rostether.ros2.native_registry import NativeRegistry
+from rostether.ros2.types.native_registry import NativeRegistry
 from rostether.rostime import Time
 from rostether.serde.codec import Codec
 from rostether.serde.store import TypeStore

@@ -13,14 +13,14 @@ def test_the_wall_clock_unless_simulated() -> None:
     assert clock.now() == Time(12, 34)
     clock.simulate()
     assert clock.now() == Time(0, 0)
-    clock.take_messages([struct.pack("<II", 1, 2), struct.pack("<II", 3, 4)])
+    clock.handle_messages([struct.pack("<II", 1, 2), struct.pack("<II", 3, 4)])
     assert clock.now() == Time(3, 4)
 
 
 def test_a_malformed_tick_is_ignored() -> None:
     clock = Clock()
     clock.simulate()
-    clock.take_messages([struct.pack("<II", 3, 4)])
-    clock.take_messages([b""])
-    clock.take_messages([bytes(9)])
+    clock.handle_messages([struct.pack("<II", 3, 4)])
+    clock.handle_messages([b""])
+    clock.handle_messages([bytes(9)])
     assert clock.now() == Time(3, 4)

@@ -16,7 +16,7 @@ from rostether.msgdef.interface import ANY_MESSAGE, MessageType
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.ros2.rclpy.context import RclpyContext
-from rostether.ros2.type_support import MessageSupport, Ros2Types
+from rostether.ros2.types.type_support import MessageSupport, Ros2Types
 
 pytestmark = pytest.mark.rclpy
 

@@ -21,8 +21,8 @@ def test_many_messages_wake_the_loop_once() -> None:
     box.put([b"a", b"b"])
     box.put([b"c"])
     assert wake.count == 1
-    assert box.take_all() == [b"a", b"b", b"c"]
-    assert box.take_all() == []
+    assert box.pop_all() == [b"a", b"b", b"c"]
+    assert box.pop_all() == []
     box.put([b"d"])
     assert wake.count == 2
 
@@ -32,7 +32,7 @@ def test_the_oldest_go_when_it_is_full() -> None:
     box.put([b"aa", b"bb"])
     box.put([b"cc"])
     assert box.dropped_count == 1
-    assert box.take_all() == [b"bb", b"cc"]
+    assert box.pop_all() == [b"bb", b"cc"]
     box.put([b"dd", b"ee"])
     assert box.dropped_count == 1
 
@@ -40,7 +40,7 @@ def test_the_oldest_go_when_it_is_full() -> None:
 def test_a_message_larger_than_the_queue_is_kept() -> None:
     box = Mailbox(Waker(), max_bytes=2)
     box.put([b"a", b"larger", b"largest"])
-    assert box.take_all() == [b"largest"]
+    assert box.pop_all() == [b"largest"]
 
 
 def test_a_paused_box_keeps_what_comes() -> None:
@@ -48,11 +48,11 @@ def test_a_paused_box_keeps_what_comes() -> None:
     box = Mailbox(wake)
     box.put([b"a"])
     box.pause()
-    assert box.take_all() == []
+    assert box.pop_all() == []
     box.put([b"b"])
     assert wake.count == 1
     box.resume()
-    assert box.take_all() == [b"a", b"b"]
+    assert box.pop_all() == [b"a", b"b"]
     box.put([b"c"])
     assert wake.count == 2
 
@@ -72,6 +72,6 @@ def test_nothing_is_lost_between_two_threads() -> None:
     while len(received) < len(sent):
         assert is_awake.wait(10)
         is_awake.clear()
-        received += box.take_all()
+        received += box.pop_all()
     thread.join()
     assert received == sent

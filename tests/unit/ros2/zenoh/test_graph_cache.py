@@ -22,7 +22,9 @@ CLIENT = token(Kind.CLIENT, "client", "/switch", "std_srvs::srv::dds_::SetBool_"
 
 def test_a_snapshot_is_what_the_tokens_say() -> None:
     graph = GraphCache()
-    graph.take([(each, True) for each in (TALKER, LISTENER, SERVER, CLIENT, token(Kind.NODE, "idle"))])
+    graph.apply_tokens(
+        [(each, True) for each in (TALKER, LISTENER, SERVER, CLIENT, token(Kind.NODE, "idle"))]
+    )
     snapshot = graph.snapshot()
     assert snapshot.nodes == ("/client", "/idle", "/listener", "/server", "/talker")
     assert snapshot.topics == {
@@ -35,8 +37,8 @@ def test_a_snapshot_is_what_the_tokens_say() -> None:
 
 def test_what_goes_is_gone() -> None:
     graph = GraphCache()
-    graph.take([(TALKER, True), (SERVER, True)])
-    graph.take([(TALKER, True), (TALKER, False), (SERVER, False), (SERVER, False), (CLIENT, False)])
+    graph.apply_tokens([(TALKER, True), (SERVER, True)])
+    graph.apply_tokens([(TALKER, True), (TALKER, False), (SERVER, False), (SERVER, False), (CLIENT, False)])
     snapshot = graph.snapshot()
     assert (snapshot.nodes, snapshot.topics, snapshot.services) == ((), {}, {})
     assert graph.endpoints(Kind.PUBLISHER, "/chat") == []
@@ -44,13 +46,15 @@ def test_what_goes_is_gone() -> None:
 
 def test_what_is_no_token_is_passed_over() -> None:
     graph = GraphCache()
-    graph.take([("", True), ("@ros2_lv/0/nonsense", True), ("x" * 100_000, True)])
+    graph.apply_tokens([("", True), ("@ros2_lv/0/nonsense", True), ("x" * 100_000, True)])
     assert graph.snapshot().nodes == ()
 
 
 def test_several_types_of_a_topic_are_all_told() -> None:
     graph = GraphCache()
-    graph.take([(TALKER, True), (token(Kind.SUBSCRIBER, "odd", "/chat", "std_msgs::msg::dds_::Bool_"), True)])
+    graph.apply_tokens(
+        [(TALKER, True), (token(Kind.SUBSCRIBER, "odd", "/chat", "std_msgs::msg::dds_::Bool_"), True)]
+    )
     assert graph.snapshot().topics["/chat"].type == "std_msgs/msg/Bool std_msgs/msg/String"
 
 
@@ -62,12 +66,12 @@ def test_who_listens_hears_of_its_own_ends_once_a_batch() -> None:
         heard.append(len(graph.endpoints(Kind.PUBLISHER, "/chat")))
 
     graph.listen(Kind.PUBLISHER, "/chat", listen)
-    graph.take([(TALKER, True), (token(Kind.PUBLISHER, "other", "/chat", STRING), True)])
-    graph.take([(LISTENER, True)])
-    graph.take([(TALKER, False)])
+    graph.apply_tokens([(TALKER, True), (token(Kind.PUBLISHER, "other", "/chat", STRING), True)])
+    graph.apply_tokens([(LISTENER, True)])
+    graph.apply_tokens([(TALKER, False)])
     graph.unlisten(Kind.PUBLISHER, "/chat", listen)
     graph.unlisten(Kind.PUBLISHER, "/chat", listen)
-    graph.take([(TALKER, True)])
+    graph.apply_tokens([(TALKER, True)])
     assert heard == [2, 1]
 
 
@@ -75,7 +79,7 @@ async def test_changes_end_when_the_node_does() -> None:
     graph, closed = GraphCache(), asyncio.Event()
     changes = graph.changes(closed)
     assert (await anext(changes)).nodes == ()
-    graph.take([(TALKER, True)])
+    graph.apply_tokens([(TALKER, True)])
     assert (await anext(changes)).nodes == ("/talker",)
     waiting = asyncio.ensure_future(anext(changes, None))
     closed.set()

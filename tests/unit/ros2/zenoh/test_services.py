@@ -161,7 +161,7 @@ async def test_a_late_answer_disturbs_nobody(session: ZenohSession) -> None:
 async def test_clients_are_listed_and_forgotten(
     session: ZenohSession, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("rostether.ros2.zenoh.endpoints.MAX_CLIENTS", 2)
+    monkeypatch.setattr("rostether.ros2.zenoh.endpoint_handles.MAX_CLIENTS", 2)
     node = await session.join("node")
     for name in ("/a", "/b", "/c", "/a"):
         if name not in session.graph.snapshot().services:

@@ -22,7 +22,7 @@ from rostether.graph.ports import Snapshot
 from rostether.graph.typed_graph import TypedGraph
 from rostether.msgdef.interface import ANY_TYPE
 from rostether.msgdef.registry import Registry
-from rostether.ros2.native_registry import NativeRegistry
+from rostether.ros2.types.native_registry import NativeRegistry
 from rostether.rostime import Time
 from rostether.serde.store import TypeStore
 

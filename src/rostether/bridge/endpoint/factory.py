@@ -1,0 +1,117 @@
+"""From what a board announces to the endpoint that serves it, or the one line that says why there is none."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from rostether.bridge.endpoint.access import check_endpoint
+from rostether.bridge.endpoint.publisher import PublisherEndpoint
+from rostether.bridge.endpoint.service_client import ServiceClientEndpoint
+from rostether.bridge.endpoint.service_server import ServiceServerEndpoint
+from rostether.bridge.endpoint.subscriber import SubscriberEndpoint
+from rostether.bridge.health.message_rate import MessageRate
+from rostether.bridge.outbound.stamps import has_header
+from rostether.bridge.reporter import Notices
+from rostether.bridge.settings import BridgeSettings
+from rostether.errors import TypeMismatchError
+from rostether.graph.ports import Graph
+from rostether.ports.settings import NO_SETTINGS, DeviceSettings
+from rostether.rosserial.events import ServiceAnnounced, ServiceRole, TopicAnnounced, TopicRole
+from rostether.serde.store import TypeStore
+
+# The search for the difference takes some 30 ms: a board that reconnects must not cost it again.
+MAX_MISMATCHES = 64
+
+
+class EndpointFactory:
+    """Makes the endpoints of one board's node."""
+
+    def __init__(
+        self,
+        graph: Graph,
+        store: TypeStore,
+        notices: Notices,
+        settings: BridgeSettings,
+        device: DeviceSettings = NO_SETTINGS,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._graph = graph
+        self._store = store
+        self._notices = notices
+        self._settings = settings
+        self._access = device.access
+        # One for all topics: what a flood takes from others does not depend on how it is divided.
+        self._rate = MessageRate(settings.messages_hz, clock) if settings.messages_hz is not None else None
+        self._queue_depths = {graph.resolve(name): depth for name, depth in device.queue_depths.items()}
+        self._mismatches: dict[tuple[str, str], str] = {}
+
+    def topic(self, event: TopicAnnounced) -> PublisherEndpoint | SubscriberEndpoint:
+        """Make a topic's endpoint.
+
+        Raises DefinitionError, TypeMismatchError, InvalidNameError, AccessDeniedError.
+        """
+        info = event.info
+        name = self._graph.resolve(info.topic_name)
+        check_endpoint(self._access, event.role, name)
+        message_type = self._store.registry.message_type(info.message_type)
+        self._check_md5sum(info.message_type, info.md5sum, message_type.md5sum)
+        layout = self._store.layout(info.message_type)
+        if event.role is TopicRole.PUBLISHER:
+            return PublisherEndpoint(
+                info,
+                message_type,
+                layout,
+                self._graph,
+                self._notices,
+                self._settings,
+                self._rate,
+                has_header=has_header(self._store.registry, info.message_type),
+            )
+        return SubscriberEndpoint(
+            info, message_type, layout, self._graph, self._notices, self._queue_depths.get(name)
+        )
+
+    def service(self, event: ServiceAnnounced) -> ServiceServerEndpoint | ServiceClientEndpoint:
+        """Make a service's endpoint.
+
+        Raises DefinitionError, TypeMismatchError, InvalidNameError, AccessDeniedError.
+        """
+        check_endpoint(self._access, event.role, self._graph.resolve(event.name))
+        service_type = self._store.registry.service_type(event.type)
+        for half, ours in ((event.request, service_type.request), (event.response, service_type.response)):
+            self._check_md5sum(ours.name, half.md5sum, ours.md5sum)
+        request_layout = self._store.layout(service_type.request.name)
+        response_layout = self._store.layout(service_type.response.name)
+        if event.role is ServiceRole.SERVER:
+            return ServiceServerEndpoint(
+                event,
+                service_type,
+                request_layout,
+                response_layout,
+                self._graph,
+                self._notices,
+                self._settings,
+            )
+        return ServiceClientEndpoint(
+            event,
+            service_type,
+            request_layout,
+            response_layout,
+            self._store.codec(service_type.response.name).encode({}),
+            self._graph,
+            self._notices,
+            self._settings,
+        )
+
+    def _check_md5sum(self, type_name: str, announced: str, ours: str) -> None:
+        if announced == ours:
+            return
+        asked = (type_name, announced)
+        if asked not in self._mismatches:
+            from rostether.msgdef.mismatch import explain_mismatch  # only who meets one pays for it
+
+            if len(self._mismatches) >= MAX_MISMATCHES:
+                self._mismatches.clear()
+            self._mismatches[asked] = explain_mismatch(self._store.registry, type_name, announced)
+        raise TypeMismatchError(self._mismatches[asked])

@@ -1,0 +1,163 @@
+"""Endpoints on their way into the graph and out of it, each name's old one out before its new one is in.
+
+An opening waits for the closings of its name that began before it, a closing for the opening of its own
+endpoint: whoever waits, waits for something older, so that nothing waits for itself. One begins
+in each turn of the loop.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Coroutine
+from typing import TypeAlias
+
+from rostether.bridge.endpoint.publisher import PublisherEndpoint
+from rostether.bridge.endpoint.service_client import ServiceClientEndpoint
+from rostether.bridge.endpoint.service_server import ServiceServerEndpoint
+from rostether.bridge.endpoint.subscriber import SubscriberEndpoint
+from rostether.bridge.reporter import Notices, reason_of
+from rostether.errors import DefinitionError, GraphError, InvalidNameError, TypeMismatchError
+from rostether.graph.ports import Level
+from rostether.rosserial.events import ServiceAnnounced, ServiceRole, TopicRole
+from rostether.transports.backoff import Backoff
+
+TopicEndpoint: TypeAlias = PublisherEndpoint | SubscriberEndpoint
+ServiceEndpoint: TypeAlias = ServiceServerEndpoint | ServiceClientEndpoint
+Endpoint: TypeAlias = TopicEndpoint | ServiceEndpoint
+Role: TypeAlias = TopicRole | ServiceRole
+Slot: TypeAlias = tuple[Role, str]
+"""What one endpoint at a time may be in the graph, but for topics that a board announces twice alike."""
+
+# A graph that refuses an endpoint is asked again: first soon, then at most this seldom.
+MAX_RETRY_S = 5.0
+# Leaving must not hang on a master that does not answer.
+CLOSE_LIMIT_S = 1.0
+
+
+class EndpointOpenings:
+    """Opens and closes the endpoints of one board's node."""
+
+    def __init__(self, notices: Notices) -> None:
+        self._notices = notices
+        self._opening: dict[Endpoint, asyncio.Task[None]] = {}
+        self._closing: dict[Slot, asyncio.Task[None]] = {}
+        self._unwanted: set[Endpoint] = set()
+        # Refused for their type, which another endpoint holds that the board may be just giving up.
+        self._refused: set[Endpoint] = set()
+        self._tasks: set[asyncio.Task[None]] = set()
+        self._turn = asyncio.Lock()
+
+    def open(self, slot: Slot, endpoint: Endpoint) -> None:
+        """Bring an endpoint into the graph as soon as the earlier ones of its slot have left it."""
+        self._opening[endpoint] = self._run(self._open(endpoint, endpoint.open, self._closing.get(slot)))
+
+    def renew(self, endpoint: SubscriberEndpoint) -> None:
+        """Subscribe anew, unless the endpoint is just opening anyway."""
+        if endpoint not in self._opening:
+            self._opening[endpoint] = self._run(self._open(endpoint, endpoint.renew, None))
+
+    def close(self, slot: Slot, endpoint: Endpoint) -> None:
+        """Take an endpoint out of the graph."""
+        self._unwanted.add(endpoint)
+        self._refused.discard(endpoint)
+        self._closing[slot] = self._run(self._close(slot, endpoint, self._closing.get(slot)))
+
+    async def finish(self) -> None:
+        """End what is under way, in a second at most."""
+        for task in self._opening.values():
+            task.cancel()
+        if self._tasks:
+            _, late = await asyncio.wait(list(self._tasks), timeout=CLOSE_LIMIT_S)
+            for task in late:
+                task.cancel()
+            if late:
+                await asyncio.wait(late)
+
+    def _run(self, work: Coroutine[object, object, None]) -> asyncio.Task[None]:
+        task = asyncio.get_running_loop().create_task(work)
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+        return task
+
+    async def _take_turn(self) -> None:
+        """Let the loop go round: what a board announces at once must not hold up the messages of others."""
+        async with self._turn:
+            await asyncio.sleep(0)
+
+    async def _open(
+        self,
+        endpoint: Endpoint,
+        open_it: Callable[[], Coroutine[object, object, None]],
+        before: asyncio.Task[None] | None,
+    ) -> None:
+        try:
+            if before is not None:
+                await asyncio.wait([before])
+            await self._keep_opening(endpoint, open_it)
+        finally:
+            del self._opening[endpoint]
+
+    async def _keep_opening(
+        self, endpoint: Endpoint, open_it: Callable[[], Coroutine[object, object, None]]
+    ) -> None:
+        backoff = Backoff(first_s=0.2, limit_s=MAX_RETRY_S)
+        name = name_of(endpoint)
+        while True:
+            await self._take_turn()
+            if endpoint in self._unwanted:
+                return
+            try:
+                await open_it()
+            except (DefinitionError, InvalidNameError, TypeMismatchError) as error:
+                if endpoint not in self._unwanted:
+                    self._refused.add(endpoint)
+                self._notices.episode(f"refused {name}", Level.ERROR, f"{name} is not bridged: {error}")
+                return
+            except GraphError as error:
+                self._notices.episode(
+                    f"refused {name}", Level.ERROR, f"{name} is not bridged yet: {error}; trying again"
+                )
+                await asyncio.sleep(backoff.next_delay_s())
+            except Exception as error:  # noqa: BLE001 - the other endpoints go on
+                self._notices.episode(
+                    f"refused {name}", Level.ERROR, f"{name} is not bridged: {reason_of(error)}"
+                )
+                return
+            else:
+                self._notices.end_episode(f"refused {name}")
+                return
+
+    async def _close(self, slot: Slot, endpoint: Endpoint, before: asyncio.Task[None] | None) -> None:
+        try:
+            if before is not None:
+                await asyncio.wait([before])
+            opening = self._opening.get(endpoint)
+            if opening is not None:
+                await asyncio.wait([opening])
+            await self._take_turn()
+            await endpoint.close()
+        except Exception as error:  # noqa: BLE001 - what waits for this closing goes on
+            self._notices.episode(
+                "withdraw", Level.WARN, f"{name_of(endpoint)} may still be listed: {reason_of(error)}"
+            )
+        finally:
+            self._unwanted.discard(endpoint)
+            if self._closing.get(slot) is asyncio.current_task():
+                del self._closing[slot]
+        self._open_refused()
+
+    def _open_refused(self) -> None:
+        """One endpoint has left the graph: what was refused may have been refused for its sake."""
+        refused, self._refused = self._refused, set()
+        for endpoint in refused:
+            self._opening[endpoint] = self._run(self._open_again(endpoint))
+
+    async def _open_again(self, endpoint: Endpoint) -> None:
+        await self._open(endpoint, endpoint.open, None)
+        if endpoint not in self._refused and endpoint not in self._unwanted:
+            self._notices.report(Level.INFO, f"{name_of(endpoint)} is bridged now")
+
+
+def name_of(endpoint: Endpoint) -> str:
+    """Return the name by which the board announced it."""
+    return endpoint.info.name if isinstance(endpoint.info, ServiceAnnounced) else endpoint.info.topic_name

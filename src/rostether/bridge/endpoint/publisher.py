@@ -1,0 +1,208 @@
+"""A topic that the board publishes: checked against its type's layout, then handed to the graph as it is."""
+
+from __future__ import annotations
+
+import asyncio
+from functools import partial
+from struct import Struct
+
+from rostether.bridge.endpoint.board_line import BoardLine
+from rostether.bridge.health.message_rate import MessageRate
+from rostether.bridge.reporter import Notices
+from rostether.bridge.settings import BridgeSettings
+from rostether.graph.ports import Graph, Level, Publisher
+from rostether.msgdef.interface import MessageType
+from rostether.rosserial.frame import SYNC
+from rostether.rosserial.packets import TopicInfo
+from rostether.serde.layout import Layout
+
+# What may come in before the topic is advertised: a master answers in milliseconds, a flood fills this in 20.
+HELD_BYTES = 256 * 1024
+# Each held message costs this much beside its payload.
+MESSAGE_OVERHEAD_BYTES = 64
+_SYNC = bytes((SYNC,))
+# Header.seq, the first field of a message that begins with a Header.
+_SEQUENCE = Struct("<I")
+_SEQUENCES = 1 << 32
+# How long a flood waits for a topic to be advertised before its oldest messages go.
+SETUP_PAUSE_S = 1.0
+
+
+class PublisherEndpoint:
+    """One topic id on which the board sends."""
+
+    def __init__(
+        self,
+        info: TopicInfo,
+        message_type: MessageType,
+        layout: Layout,
+        graph: Graph,
+        notices: Notices,
+        settings: BridgeSettings,
+        rate: MessageRate | None = None,
+        *,
+        has_header: bool = False,
+    ) -> None:
+        self.info = info
+        self.message_count = 0
+        self.misfit_count = 0
+        self.dropped_count = 0
+        self._type = message_type
+        self._layout = layout
+        self._accepts_all = layout.accepts_all
+        self._graph = graph
+        self._notices = notices
+        self._settings = settings
+        self._rate = rate
+        self._has_header = has_header
+        self._sequence = 0
+        self._line: BoardLine | None = None
+        self._publisher: Publisher | None = None
+        self._opened = asyncio.Event()
+        self._held: list[bytes] = []
+        self._held_bytes = 0
+
+    @property
+    def slow_count(self) -> int:
+        """How many messages slow subscribers have lost; the graph, which knows them, says who."""
+        return self._publisher.dropped_count if self._publisher is not None else 0
+
+    def attach(self, line: BoardLine, info: TopicInfo) -> None:
+        """Take the messages of a connection."""
+        self.detach()
+        self.info = info
+        self._line = line
+        line.receivers[info.topic_id] = self.receive
+
+    def detach(self) -> None:
+        """Let go of the connection."""
+        if self._line is not None:
+            if self._line.receivers.get(self.info.topic_id) == self.receive:
+                del self._line.receivers[self.info.topic_id]
+            self._line = None
+
+    async def open(self) -> None:
+        """Advertise, then publish what came meanwhile. Raises GraphError, InvalidNameError."""
+        publisher = await self._graph.advertise(
+            self.info.topic_name, self._type, queue_bytes=self._settings.subscriber_bytes
+        )
+        held, self._held, self._held_bytes = self._held, [], 0
+        self._publisher = publisher
+        self._opened.set()
+        if held:
+            self._publish(publisher, held)
+
+    async def close(self) -> None:
+        """Unadvertise."""
+        if self._publisher is not None:
+            await self._publisher.close()
+
+    def receive(self, payloads: list[bytes]) -> None:
+        """Take messages from the board."""
+        if self._accepts_all(payloads):
+            self._take(payloads)
+        else:
+            self._sort_out(payloads)
+
+    def _take(self, payloads: list[bytes]) -> None:
+        if self._rate is not None:
+            payloads = self._keep_rate(self._rate, payloads)
+        if not payloads:
+            return
+        self.message_count += len(payloads)
+        if self._publisher is None:
+            self._hold(payloads)
+        else:
+            self._publish(self._publisher, payloads)
+
+    def _publish(self, publisher: Publisher, payloads: list[bytes]) -> None:
+        if self._has_header:
+            payloads = self._count(payloads)
+        if not publisher.publish_raw(payloads) and self._line is not None:
+            self._line.congested(partial(self._pause, publisher))
+
+    async def _pause(self, publisher: Publisher) -> None:
+        while not publisher.publish_raw([]):
+            await publisher.drained(self._settings.drain_pause_s)
+
+    def _count(self, payloads: list[bytes]) -> list[bytes]:
+        """Return the messages with the topic's own count as Header.seq, as rospy and roscpp publish them."""
+        first = self._sequence + 1
+        self._sequence = (self._sequence + len(payloads)) % _SEQUENCES
+        pack, size = _SEQUENCE.pack, _SEQUENCE.size
+        if self._sequence < first:
+            return [
+                pack(number % _SEQUENCES) + payload[size:] for number, payload in enumerate(payloads, first)
+            ]
+        return [pack(number) + payload[size:] for number, payload in enumerate(payloads, first)]
+
+    def _keep_rate(self, rate: MessageRate, payloads: list[bytes]) -> list[bytes]:
+        admitted = rate.admit(len(payloads))
+        dropped = len(payloads) - admitted
+        if dropped:
+            self.dropped_count += dropped
+            self._notices.episode(
+                "messages_hz",
+                Level.WARN,
+                f"the board sends more than {rate.per_s:g} messages a second, its limit messages_hz: "
+                "the rest is dropped",
+                count=dropped,
+            )
+        return payloads[:admitted]
+
+    def _sort_out(self, payloads: list[bytes]) -> None:
+        """Take what fits, and look for swallowed frames in what does not, in the order in which they came."""
+        accepts = self._layout.accepts
+        line = self._line
+        fitting: list[bytes] = []
+        misfits: list[bytes] = []
+        for payload in payloads:
+            if accepts(payload):
+                fitting.append(payload)
+                continue
+            misfits.append(payload)
+            if line is not None and _SYNC in payload:
+                self._take(fitting)
+                fitting = []
+                line.rescan(payload)
+        self._take(fitting)
+        first = misfits[0]
+        self.misfit_count += len(misfits)
+        self._notices.episode(
+            f"misfit {self.info.topic_name}",
+            Level.WARN,
+            lambda: (
+                f"dropped a message of {self.info.topic_name} that came damaged or from another definition: "
+                f"{self._layout.explain(first)}"
+            ),
+            count=len(misfits),
+        )
+
+    def _hold(self, payloads: list[bytes]) -> None:
+        self._held += payloads
+        self._held_bytes += sum(map(len, payloads)) + MESSAGE_OVERHEAD_BYTES * len(payloads)
+        if self._held_bytes <= HELD_BYTES:
+            return
+        if self._line is None or not self._line.congested(self._wait_opened):
+            self._drop_held()
+
+    async def _wait_opened(self) -> None:
+        try:
+            async with asyncio.timeout(SETUP_PAUSE_S):
+                await self._opened.wait()
+        except TimeoutError:
+            self._drop_held()
+
+    def _drop_held(self) -> None:
+        dropped = 0
+        while self._held_bytes > HELD_BYTES:
+            self._held_bytes -= len(self._held[dropped]) + MESSAGE_OVERHEAD_BYTES
+            dropped += 1
+        del self._held[:dropped]
+        self.dropped_count += dropped
+        self._notices.episode(
+            f"held {self.info.topic_name}",
+            Level.WARN,
+            f"{self.info.topic_name} is not advertised yet: its oldest messages are lost",
+            count=dropped,
+        )

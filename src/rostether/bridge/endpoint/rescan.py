@@ -1,0 +1,32 @@
+"""A look into what passed for a message: noise that passes its checksum swallows the frames after it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from rostether.rosserial.events import HostEvent
+from rostether.rosserial.host_link import HostLink
+
+MAX_DEPTH = 2
+"""Looks inside what a look found. Noise within noise passes its checksum once in 65,536 times, and a board
+that sends nothing else makes us read each byte so many times more."""
+
+
+class Rescan:
+    """Looks into messages that do not have their type's layout; what is found is handled as it comes."""
+
+    def __init__(self, link: HostLink, handle: Callable[[HostEvent], None]) -> None:
+        self._link = link
+        self._handle = handle
+        self._depth = 0
+
+    def rescan(self, payload: bytes, now_s: float) -> None:
+        """Handle what the link finds in a payload."""
+        if self._depth >= MAX_DEPTH:
+            return
+        self._depth += 1
+        try:
+            for event in self._link.rescan(payload, now_s):
+                self._handle(event)
+        finally:
+            self._depth -= 1

@@ -1,0 +1,207 @@
+"""A service that the board serves: one call in flight, the others wait their turn.
+
+The wire has no correlation id, so a response belongs to the one call in flight. After a call that timed out
+the board may still answer, and that answer must not become the next call's: until it came and was thrown
+away, or the board shows that it is past the call, no other call is sent. The established device library
+serves a call in its loop, and asks for the time again only when it is done; a board that asks for the time
+all along serves calls beside it, and its asking shows nothing.
+"""
+
+from __future__ import annotations
+
+import asyncio
+
+from rostether.bridge.endpoint.board_line import BoardLine
+from rostether.bridge.reporter import Notices, byte_count
+from rostether.bridge.settings import BridgeSettings
+from rostether.errors import LocalProtocolError, ServiceCallError, ServiceTimeoutError
+from rostether.graph.ports import Graph, Level, ServiceServer
+from rostether.msgdef.interface import ServiceType
+from rostether.rosserial.events import ServiceAnnounced
+from rostether.serde.layout import Layout
+
+# A board that never shows that it is past a call that timed out (it asks for the time every 2.5 s, and takes
+# its host for gone after 11 s) is believed to have lost the request.
+QUARANTINE_S = 15.0
+# A board that was busy with a call left out more than two of its time requests, which the line may have lost.
+BUSY_S = 6.0
+
+
+class ServiceServerEndpoint:
+    """One service of the board; `dropped_count` counts responses that came too late."""
+
+    def __init__(
+        self,
+        info: ServiceAnnounced,
+        service_type: ServiceType,
+        request_layout: Layout,
+        response_layout: Layout,
+        graph: Graph,
+        notices: Notices,
+        settings: BridgeSettings,
+    ) -> None:
+        self.info = info
+        self.message_count = 0
+        self.misfit_count = 0
+        self.dropped_count = 0
+        self._type = service_type
+        self._request_layout = request_layout
+        self._response_layout = response_layout
+        self._graph = graph
+        self._notices = notices
+        self._settings = settings
+        self._line: BoardLine | None = None
+        self._server: ServiceServer | None = None
+        self._turn = asyncio.Lock()
+        self._waiting = 0
+        self._response: asyncio.Future[bytes] | None = None
+        self._sent_s = 0.0
+        self._asked_s = 0.0
+        self._past_call = asyncio.Event()
+        self._past_call.set()
+        self._quarantine: asyncio.TimerHandle | None = None
+
+    def attach(self, line: BoardLine, info: ServiceAnnounced) -> None:
+        """Serve calls through a connection from now on."""
+        self.detach()
+        self.info = info
+        self._line = line
+        line.receivers[info.response.topic_id] = self.receive
+
+    def detach(self) -> None:
+        """Let go of the connection; a call in flight fails."""
+        self.fail_call("lost")
+        if self._line is not None:
+            if self._line.receivers.get(self.info.response.topic_id) == self.receive:
+                del self._line.receivers[self.info.response.topic_id]
+            self._line = None
+
+    def fail_call(self, reason: str) -> None:
+        """Fail the call in flight: the board was `reason` (lost, reset), and will not answer it."""
+        if self._response is not None and not self._response.done():
+            self._response.set_exception(
+                ServiceCallError(f"the board was {reason} during the call of {self.info.name}; call it again")
+            )
+        self._end_quarantine()
+
+    def time_requested(self, now_s: float) -> None:
+        """Note that the board asked for the time: after a silence as long as a call it is past that call."""
+        silence_s = now_s - max(self._asked_s, self._sent_s)
+        self._asked_s = now_s
+        if silence_s >= BUSY_S:
+            self._end_quarantine()
+
+    async def open(self) -> None:
+        """Advertise. Raises GraphError, InvalidNameError."""
+        self._server = await self._graph.advertise_service(self.info.name, self._type, self.call)
+
+    async def close(self) -> None:
+        """Unadvertise."""
+        if self._server is not None:
+            await self._server.close()
+
+    def _end_quarantine(self) -> None:
+        if self._quarantine is not None:
+            self._quarantine.cancel()
+            self._quarantine = None
+        self._past_call.set()
+
+    def receive(self, payloads: list[bytes]) -> None:
+        """Take responses from the board."""
+        for payload in payloads:
+            response = self._response
+            if response is None or response.done():
+                self.dropped_count += 1
+                self._end_quarantine()
+            elif self._response_layout.accepts(payload):
+                self.message_count += 1
+                response.set_result(payload)
+            else:
+                self.misfit_count += 1
+                explanation = self._response_layout.explain(payload)
+                response.set_exception(
+                    ServiceCallError(
+                        f"the board answered {self.info.name} with a bad response: {explanation}"
+                    )
+                )
+
+    async def call(self, request: bytes) -> bytes:
+        """Pass a call on to the board. Raises ServiceCallError, ServiceTimeoutError."""
+        name = self.info.name
+        if not self._request_layout.accepts(request):
+            raise ServiceCallError(f"{name}: bad request: {self._request_layout.explain(request)}")
+        if self._waiting >= self._settings.queued_calls:
+            raise ServiceCallError(
+                f"{name}: {self._waiting} calls wait for the board already; try again later"
+            )
+        limit_s = self._settings.service_timeout_s
+        self._waiting += 1
+        try:
+            async with asyncio.timeout(limit_s):
+                await self._turn.acquire()
+        except TimeoutError:
+            raise ServiceTimeoutError(
+                f"{name}: waited {limit_s:g} s behind other calls that the board has not answered"
+            ) from None
+        finally:
+            self._waiting -= 1
+        try:
+            await self._wait_past_call(limit_s)
+            return await self._call_board(request, limit_s)
+        finally:
+            self._turn.release()
+
+    async def _wait_past_call(self, limit_s: float) -> None:
+        if self._past_call.is_set():
+            return
+        try:
+            async with asyncio.timeout(limit_s):
+                await self._past_call.wait()
+        except TimeoutError:
+            raise ServiceTimeoutError(
+                f"{self.info.name}: the board is still busy with an earlier call; it answered nothing for "
+                f"{limit_s:g} s"
+            ) from None
+
+    async def _call_board(self, request: bytes, limit_s: float) -> bytes:
+        line, name = self._line, self.info.name
+        if line is None:
+            raise ServiceCallError(f"{name}: the board is not connected; call again when it is back")
+        limit_bytes = self.info.request.buffer_size
+        if len(request) > limit_bytes:
+            reason = (
+                f"the request has {byte_count(len(request))}, and the board's buffer takes {limit_bytes}; "
+                "enlarge it in the sketch or send less"
+            )
+            self._notices.episode(f"request {name}", Level.ERROR, f"a call of {name} failed: {reason}")
+            raise ServiceCallError(f"{name}: {reason}")
+        try:
+            line.outbox.answer(self.info.request.topic_id, request)
+        except LocalProtocolError as error:
+            raise ServiceCallError(
+                f"{name}: the board was reset and has not announced it again yet; call again in a moment"
+            ) from error
+        loop = asyncio.get_running_loop()
+        response: asyncio.Future[bytes] = loop.create_future()
+        self._response = response
+        self._sent_s = loop.time()
+        try:
+            async with asyncio.timeout(limit_s):
+                return await response
+        except TimeoutError:
+            self._notices.episode(
+                f"timeout {name}",
+                Level.ERROR,
+                f"the board did not answer service {name} within {limit_s:g} s",
+            )
+            raise ServiceTimeoutError(
+                f"the board did not answer {name} within {limit_s:g} s; is its loop() busy, is the line good?"
+            ) from None
+        finally:
+            self._response = None
+            if response.cancelled() and self._line is line:
+                self._quarantine_call()
+
+    def _quarantine_call(self) -> None:
+        self._past_call.clear()
+        self._quarantine = asyncio.get_running_loop().call_later(QUARANTINE_S, self._end_quarantine)

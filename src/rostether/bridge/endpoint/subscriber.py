@@ -1,0 +1,139 @@
+"""A topic that the board subscribes to: what the graph brings, as far as it fits the board's buffer."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from rostether.bridge.endpoint.board_line import BoardLine
+from rostether.bridge.outbound.topic_queue import TopicQueue
+from rostether.bridge.reporter import Notices, byte_count
+from rostether.graph.ports import Graph, Level, Subscriber
+from rostether.msgdef.interface import MessageType
+from rostether.rosserial.packets import TopicInfo
+from rostether.serde.layout import Layout
+
+
+class SubscriberEndpoint:
+    """One topic id on which the board receives; at most `queue_depth` messages wait (None: bytes count)."""
+
+    def __init__(
+        self,
+        info: TopicInfo,
+        message_type: MessageType,
+        layout: Layout,
+        graph: Graph,
+        notices: Notices,
+        queue_depth: int | None = None,
+    ) -> None:
+        self.info = info
+        self.message_count = 0
+        self.misfit_count = 0
+        self.oversize_count = 0
+        self.largest_oversize_bytes = 0
+        self.has_latched_source = False
+        self._type = message_type
+        self._layout = layout
+        self._accepts_all = layout.accepts_all
+        self._graph = graph
+        self._notices = notices
+        self._queue_depth = queue_depth
+        self._line: BoardLine | None = None
+        self._lane: TopicQueue | None = None
+        self._dropped_before = 0
+        self._subscriber: Subscriber | None = None
+
+    @property
+    def dropped_count(self) -> int:
+        """How many messages the board was too slow for."""
+        return self._dropped_before + (self._lane.dropped_count if self._lane is not None else 0)
+
+    def attach(self, line: BoardLine, info: TopicInfo) -> None:
+        """Send to a connection from now on."""
+        self.detach()
+        self.info = info
+        self._line = line
+        self._lane = TopicQueue(info.topic_id, info.topic_name, self._queue_depth)
+        self._lane.set_source(self._subscriber)
+        size = self._layout.fixed_size_bytes
+        if size is not None and size > info.buffer_size:
+            self._report_oversize(size)
+
+    def detach(self) -> None:
+        """Let go of the connection; messages that come meanwhile have nobody to go to."""
+        if self._line is not None and self._lane is not None:
+            self._line.outbox.remove(self._lane)
+            self._dropped_before += self._lane.dropped_count
+        self._line = self._lane = None
+
+    async def open(self) -> None:
+        """Subscribe. Raises GraphError, InvalidNameError."""
+        subscriber = await self._graph.subscribe(
+            self.info.topic_name, self._type, self.deliver, on_connection=self._note_latching
+        )
+        self._subscriber = subscriber
+        if self._lane is not None:
+            self._lane.set_source(subscriber)
+
+    async def close(self) -> None:
+        """Unsubscribe."""
+        subscriber, self._subscriber = self._subscriber, None
+        if self._lane is not None:
+            self._lane.set_source(None)
+        if subscriber is not None:
+            await subscriber.close()
+
+    async def renew(self) -> None:
+        """Subscribe anew, so that a board that has forgotten everything gets latched messages again."""
+        await self.close()
+        await self.open()
+
+    def deliver(self, payloads: Sequence[bytes]) -> None:
+        """Take messages from the graph."""
+        line, lane = self._line, self._lane
+        if line is None or lane is None:
+            return
+        if not self._accepts_all(payloads):
+            payloads = self._drop_misfits(payloads)
+        if payloads and max(map(len, payloads)) > self.info.buffer_size:
+            payloads = self._drop_oversize(payloads)
+        if payloads:
+            self.message_count += len(payloads)
+            line.outbox.put(lane, payloads)
+
+    def _note_latching(self, header: Mapping[str, str]) -> None:
+        if header.get("latching") == "1":
+            self.has_latched_source = True
+
+    def _drop_misfits(self, payloads: Sequence[bytes]) -> list[bytes]:
+        accepts = self._layout.accepts
+        fitting = [payload for payload in payloads if accepts(payload)]
+        self.misfit_count += len(payloads) - len(fitting)
+        first = next(payload for payload in payloads if not accepts(payload))
+        self._notices.episode(
+            f"misfit to {self.info.topic_name}",
+            Level.WARN,
+            lambda: (
+                f"did not pass on a message of {self.info.topic_name} that a publisher sent malformed: "
+                f"{self._layout.explain(first)}"
+            ),
+            count=len(payloads) - len(fitting),
+        )
+        return fitting
+
+    def _drop_oversize(self, payloads: Sequence[bytes]) -> list[bytes]:
+        limit = self.info.buffer_size
+        fitting = [payload for payload in payloads if len(payload) <= limit]
+        self._report_oversize(max(map(len, payloads)), len(payloads) - len(fitting))
+        return fitting
+
+    def _report_oversize(self, size: int, count: int = 0) -> None:
+        self.oversize_count += count
+        self.largest_oversize_bytes = max(self.largest_oversize_bytes, size)
+        self._notices.episode(
+            f"oversize {self.info.topic_name}",
+            Level.ERROR,
+            f"not sent: a message of {self.info.topic_name} [{self._type.name}] has "
+            f"{byte_count(size)}, and the board's buffer takes {self.info.buffer_size}; "
+            "enlarge it in the sketch or send less",
+            count=count,
+        )

@@ -1,0 +1,93 @@
+"""How one board is: what is wrong with it, what was told of that, and its clock. Outlives connections."""
+
+from __future__ import annotations
+
+from rostether.bridge.endpoint.table import EndpointTable
+from rostether.bridge.health.findings.endpoints import EndpointFindings
+from rostether.bridge.health.findings.finding import Code, Finding, Severity, warning
+from rostether.bridge.health.findings.ledger import FindingLedger
+from rostether.bridge.health.findings.line_watch import LineWatch
+from rostether.bridge.health.findings.required import RequiredTopics
+from rostether.bridge.health.findings.resets import Resets
+from rostether.bridge.reporter import Notices
+from rostether.errors import PeerClosedError, TransportError
+from rostether.graph.ports import Level
+from rostether.rosserial.clock_estimate import ClockEstimate
+from rostether.rosserial.link_statistics import LinkStatistics
+from rostether.serde.store import TypeStore
+
+DRIFT_PPM = 2000
+"""5 ms between two time answers. Crystals have 100, the resonators of small boards up to 5000."""
+
+_LEVELS = {Severity.WARN: Level.WARN, Severity.ERROR: Level.ERROR}
+
+
+class BoardHealth:
+    """The health of one board's node."""
+
+    def __init__(
+        self,
+        endpoints: EndpointTable,
+        store: TypeStore,
+        notices: Notices,
+        required: RequiredTopics | None = None,
+    ) -> None:
+        self.clock = ClockEstimate()
+        self.connection_count = 0
+        self.connected_at_s = 0.0
+        self.watch: LineWatch | None = None
+        self.required = required if required is not None else RequiredTopics()
+        self._notices = notices
+        self._resets = Resets()
+        self._was_closed = False
+        self._ledger = FindingLedger()
+        self._endpoints = EndpointFindings(
+            endpoints, lambda type_name: store.layout(type_name).smallest_size_bytes
+        )
+
+    def connected(self, baud: int | None, statistics: LinkStatistics, now_s: float) -> LineWatch:
+        """Begin to watch a connection."""
+        was_alive = self.watch is not None and self.watch.was_alive
+        if self._was_closed:
+            self._resets = Resets()
+        elif self.connection_count and was_alive:
+            # A board with USB of its own takes its port along when it resets.
+            self._resets.happened(now_s)
+        self.connection_count += 1
+        self.connected_at_s = now_s
+        self.clock.forget()
+        self.required.forget()
+        self.watch = LineWatch(baud, self._resets, statistics, now_s)
+        return self.watch
+
+    def disconnected(self, error: TransportError | None) -> None:
+        """Note how a connection ended: programs that follow each other are no resets of a board."""
+        self._was_closed = isinstance(error, PeerClosedError)
+
+    def find(self, now_s: float) -> list[Finding]:
+        """Return what is wrong now, errors first. Called about once a second."""
+        if self.watch is None:
+            return []
+        found = self.watch.find(now_s)
+        found += self._endpoints.find(now_s, self.watch.too_large_s, self.watch.oversizes)
+        found += self.required.find()
+        drift_ppm = self.clock.drift_ppm
+        if drift_ppm is not None and abs(drift_ppm) >= DRIFT_PPM:
+            found.append(_drift(drift_ppm))
+        return sorted(found, key=lambda each: -each.severity)
+
+    def report(self, findings: list[Finding], now_s: float) -> None:
+        """Tell each finding once, in one line."""
+        for finding in self._ledger.news(findings, now_s):
+            if not finding.is_told:
+                self._notices.report(_LEVELS[finding.severity], str(finding))
+
+
+def _drift(drift_ppm: float) -> Finding:
+    return warning(
+        Code.CLOCK_DRIFT,
+        f"the board's clock runs {abs(drift_ppm):.0f} ppm too {'fast' if drift_ppm > 0 else 'slow'}: its "
+        "stamps jump "
+        f"by {abs(drift_ppm) * 2.5e-3:.1f} ms each time it asks for the time",
+        "use a board with a crystal, or stamp the messages on the host where ms matter",
+    )

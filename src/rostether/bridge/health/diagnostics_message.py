@@ -1,0 +1,107 @@
+"""A board's diagnostic_msgs/DiagnosticStatus: what rqt_robot_monitor and diagnostic_aggregator show."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from rostether.bridge.board_node import BoardNode
+from rostether.bridge.health.diagnostics import BoardView
+from rostether.bridge.health.findings.finding import Finding, Severity
+from rostether.bridge.health.rates import Rates
+from rostether.bridge.reporter import printable
+
+TYPE = "diagnostic_msgs/DiagnosticArray"
+TOPIC = "/diagnostics"
+
+_OK = 0
+UNKNOWN = "unknown"
+
+
+class StatusWriter:
+    """Writes the status of one board, once a second."""
+
+    def __init__(self) -> None:
+        self._rates: Rates[str] = Rates()
+
+    def array(
+        self, node: BoardNode, view: BoardView, findings: Sequence[Finding], now_s: float
+    ) -> dict[str, object]:
+        """Return the DiagnosticArray's fields; its stamp is the graph's time."""
+        status = {
+            "level": _level(view, findings),
+            "name": f"{view.node.lstrip('/')}: rosserial",
+            "message": _message(view, findings),
+            "hardware_id": node.hardware_id,
+            "values": [
+                {"key": printable(key), "value": printable(value)}
+                for key, value in self._values(node, view, findings, now_s)
+            ],
+        }
+        return {"header": {"stamp": node.graph.now()}, "status": [status]}
+
+    def _values(
+        self, node: BoardNode, view: BoardView, findings: Sequence[Finding], now_s: float
+    ) -> Iterator[tuple[str, str]]:
+        counts = {"received": view.received_bytes, "sent": view.sent_bytes}
+        names = [f"{each.role} {each.name}" for each in view.endpoints]
+        counts |= {name: each.message_count for name, each in zip(names, view.endpoints, strict=True)}
+        rates = self._rates.update(counts, now_s)
+        health = node.health
+        watch = health.watch
+        late_s = watch.loop_speed.late_s if watch is not None else None
+        connected_s = now_s - health.connected_at_s if view.is_connected else None
+        yield "state", state_of(view)
+        yield "peer", view.peer
+        yield "connected [s]", _scaled(connected_s, 1, ".0f")
+        yield "protocol version", str(view.protocol_version or UNKNOWN)
+        yield "received [bytes]", str(view.received_bytes)
+        yield "received [bytes/s]", f"{rates.get('received', 0.0):.0f}"
+        yield "sent [bytes]", str(view.sent_bytes)
+        yield "sent [bytes/s]", f"{rates.get('sent', 0.0):.0f}"
+        yield "queued [bytes]", str(view.queued_bytes)
+        yield "frames", str(view.received_frames)
+        yield "checksum errors", str(view.damaged_frames)
+        yield "discarded [bytes]", str(view.discarded_bytes)
+        yield "resets", str(view.reset_count)
+        yield "reconnects", str(max(0, health.connection_count - 1))
+        yield "round trip [ms]", _scaled(view.round_trip_s, 1e3, ".1f")
+        yield "clock offset [ms]", _scaled(health.clock.offset_s(view.round_trip_s), 1e3, "+.1f")
+        yield "clock drift [ppm]", _scaled(health.clock.drift_ppm, 1, "+.0f")
+        yield "loop late [ms]", _scaled(late_s, 1e3, ".0f")
+        for name, endpoint in zip(names, view.endpoints, strict=True):
+            yield f"{name} type", endpoint.type
+            yield f"{name} [messages]", str(endpoint.message_count)
+            yield f"{name} [Hz]", f"{rates.get(name, 0.0):.1f}"
+            yield f"{name} dropped", str(endpoint.dropped_count)
+            if endpoint.misfit_count:
+                yield f"{name} misfit", str(endpoint.misfit_count)
+        for finding in findings:
+            yield f"finding {finding.code}", str(finding)
+
+
+def state_of(view: BoardView) -> str:
+    """Return where a board's connection stands, in one word."""
+    if not view.is_connected:
+        return "disconnected"
+    if view.protocol_version is None:
+        return "no answer"
+    return "connected" if view.is_settled else "negotiating"
+
+
+def _level(view: BoardView, findings: Sequence[Finding]) -> int:
+    if not view.is_connected:
+        return Severity.ERROR
+    return max((each.severity for each in findings), default=_OK)
+
+
+def _message(view: BoardView, findings: Sequence[Finding]) -> str:
+    if not view.is_connected:
+        return "not connected"
+    if findings:
+        more = f" (and {len(findings) - 1} more)" if len(findings) > 1 else ""
+        return printable(findings[0].seen) + more
+    return "all is well" if view.is_settled else state_of(view)
+
+
+def _scaled(value: float | None, factor: float, form: str) -> str:
+    return UNKNOWN if value is None else format(value * factor, form)

@@ -1,0 +1,249 @@
+"""Examines one link: looks at the port, opens it, bridges the board into a graph of its own, and judges.
+
+    port facts ── bad ──> findings
+        │
+      open ── failed ──> finding
+        │
+      listen and ask ── frames ──> watch for a while ──> findings, or all is well
+        │
+      none, on a real port: try the usual baud rates ── found ──> finding, and watch at that rate
+
+The session that watches is the bridge's own, and so are its findings; only the graph is in memory.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import cast
+
+from rostether.bridge.health.diagnostics import BoardView
+from rostether.bridge.health.findings.finding import Code, Finding, error
+from rostether.bridge.health.findings.line_watch import NO_ANSWER_S
+from rostether.bridge.health.findings.noise import show
+from rostether.bridge.health.findings.port import busy, cannot_open, open_error_finding, port_findings
+from rostether.bridge.health.watching import WATCH_S, Watched, watch_board
+from rostether.bridge.peer_entry import BOARD_ENTRY
+from rostether.bridge.ports.port_probe import TunableTransport, probe_port
+from rostether.errors import RostetherError, TransportError
+from rostether.rosserial.baud_probe import NoBoard
+from rostether.serde.store import TypeStore
+from rostether.transports.address import Address, SerialAddress, TcpAddress, UdpAddress
+from rostether.transports.opening import listen, open_transport
+from rostether.transports.port_facts import NamedPort, PortFacts, read_port_facts
+from rostether.transports.port_holders import find_listener
+from rostether.transports.serial_errors import is_pseudo_terminal
+from rostether.transports.transport import Listener, Transport
+
+_STARTING_CODES = frozenset(
+    {Code.NOTHING_RECEIVED, Code.TEXT_RECEIVED, Code.WRONG_BAUD, Code.NOISE_RECEIVED, Code.PROTOCOL_VERSION}
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnosis:
+    """What was found at one address; `board` is None if none answered, `rates_hz` are by endpoint.
+
+    `watched_s` is how long the board was watched.
+    """
+
+    address: str
+    findings: tuple[Finding, ...]
+    board: BoardView | None = None
+    baud: int | None = None
+    watched_s: float = 0.0
+    rates_hz: dict[str, float] = field(default_factory=dict)
+    clock_offset_s: float | None = None
+    clock_drift_ppm: float | None = None
+
+    @property
+    def is_well(self) -> bool:
+        """Whether nothing is wrong."""
+        return not self.findings
+
+
+class Doctor:
+    """Examines links. `say` is told what is being done, for people who wait."""
+
+    def __init__(
+        self,
+        store: TypeStore,
+        *,
+        watch_s: float = WATCH_S,
+        answer_s: float = NO_ANSWER_S,
+        say: Callable[[str], object] = lambda _text: None,
+        read_facts: Callable[[str], Awaitable[PortFacts]] | None = None,
+        list_ports: Callable[[], Sequence[NamedPort]] = list,
+        open_transport: Callable[[Address], Awaitable[Transport]] = open_transport,
+    ) -> None:
+        self._store = store
+        self._watch_s = watch_s
+        self._answer_s = answer_s
+        self._say = say
+        self._read_facts = read_facts or partial(_read_facts, list_ports)
+        self._open = open_transport
+        self._loop = asyncio.get_running_loop()
+
+    async def examine(self, address: Address) -> Diagnosis:
+        """Examine one link. Raises ConfigError for an address that makes no sense here."""
+        if address.listens:
+            return await self._examine_listener(address)
+        if isinstance(address, SerialAddress):
+            return await self._examine_serial(address)
+        try:
+            transport = await self._open(address)
+        except TransportError as failure:
+            return Diagnosis(str(address), (cannot_open(failure),))
+        return self._diagnosis(address, await self._watch(transport, None))
+
+    async def _examine_serial(self, address: SerialAddress) -> Diagnosis:
+        facts = await self._read_facts(address.path)
+        findings = port_findings(facts)
+        if findings:
+            return Diagnosis(str(address), tuple(findings), baud=address.baud)
+        baud = None if is_pseudo_terminal(address.path) else address.baud
+        at = f" at {baud} baud" if baud else ""
+        self._say(f"listening to {address}{at} ...")
+        try:
+            watched = await self._watch(await self._open(address), baud)
+        except RostetherError as failure:
+            facts = await self._read_facts(address.path)
+            return Diagnosis(str(address), (open_error_finding(facts, failure),), baud=address.baud)
+        if baud is None or not _needs_search(watched):
+            return self._diagnosis(address, watched, baud)
+        return await self._search(address, watched)
+
+    async def _search(self, address: SerialAddress, watched: Watched) -> Diagnosis:
+        """Nothing that makes sense came at the address's baud rate: try others."""
+        try:
+            self._say("trying other baud rates, for half a minute at most ...")
+            # DTR stays as it is from here on, so that the board is not reset each time.
+            transport = await self._open(replace(address, reset=False))
+            try:
+                found = await probe_port(cast("TunableTransport", transport))
+            finally:
+                transport.close()
+                await transport.wait_closed()
+            if isinstance(found, NoBoard):
+                findings = (_judge_search(address, watched, found), *watched.findings[1:])
+                return replace(self._diagnosis(address, watched, address.baud), findings=findings)
+            self._say(f"a board answers at {found.baud} baud; watching it ...")
+            right = replace(address, baud=found.baud, reset=False)
+            again = await self._watch(await self._open(right), right.baud)
+        except TransportError as failure:
+            facts = await self._read_facts(address.path)
+            return Diagnosis(str(address), (open_error_finding(facts, failure),), baud=address.baud)
+        if found.baud == address.baud:
+            # It was in its boot loader, or away, when it was listened to.
+            return self._diagnosis(right, again, right.baud)
+        wrong = error(
+            Code.WRONG_BAUD,
+            f"the board does not speak at {address.baud} baud, but at {found.baud}",
+            f'connect with rostether serve "{address.path}?baud={found.baud}", or change setBaud() in '
+            "the sketch",
+        )
+        return replace(self._diagnosis(right, again, right.baud), findings=(wrong, *again.findings))
+
+    async def _examine_listener(self, address: Address) -> Diagnosis:
+        came: asyncio.Future[Transport] = self._loop.create_future()
+
+        def take(transport: Transport) -> None:
+            if came.done():
+                transport.close()
+            else:
+                came.set_result(transport)
+
+        try:
+            listener: Listener = await listen(address, take, entry=BOARD_ENTRY)
+        except RostetherError as failure:
+            return Diagnosis(str(address), (await self._why_not_listening(address, failure),))
+        try:
+            wait_s = max(self._watch_s, self._answer_s)
+            self._say(f"waiting {wait_s:.0f} s for a board to connect to {listener.address} ...")
+            try:
+                async with asyncio.timeout(wait_s):
+                    transport = await came
+            except TimeoutError:
+                return Diagnosis(str(address), (_nobody(address, listener.address, wait_s),))
+            return self._diagnosis(address, await self._watch(transport, None))
+        finally:
+            await listener.close()
+
+    async def _why_not_listening(self, address: Address, failure: RostetherError) -> Finding:
+        if isinstance(address, TcpAddress | UdpAddress):
+            kind = "tcp" if isinstance(address, TcpAddress) else "udp"
+            holder = await asyncio.to_thread(find_listener, address.port, kind=kind)
+            if holder is not None:
+                return busy(str(address), (holder,))
+        return cannot_open(failure)
+
+    async def _watch(self, transport: Transport, baud: int | None) -> Watched:
+        return await watch_board(transport, baud, self._store, watch_s=self._watch_s, answer_s=self._answer_s)
+
+    def _diagnosis(self, address: Address, watched: Watched, baud: int | None = None) -> Diagnosis:
+        has_answered = watched.view.protocol_version is not None
+        return Diagnosis(
+            str(address),
+            watched.findings,
+            watched.view if has_answered else None,
+            baud,
+            watched.watched_s,
+            watched.rates_hz,
+            watched.clock_offset_s,
+            watched.clock_drift_ppm,
+        )
+
+
+async def _read_facts(list_ports: Callable[[], Sequence[NamedPort]], path: str) -> PortFacts:
+    return await asyncio.to_thread(read_port_facts, path, list_ports)
+
+
+def _needs_search(watched: Watched) -> bool:
+    """Whether another baud rate may explain it: text that can be read has the right one."""
+    codes = {each.code for each in watched.findings}
+    return (
+        watched.view.protocol_version is None
+        and Code.TEXT_RECEIVED not in codes
+        and bool(codes & _STARTING_CODES)
+    )
+
+
+def _judge_search(address: SerialAddress, watched: Watched, found: NoBoard) -> Finding:
+    """Say what is wrong when no baud rate brought a frame."""
+    first = watched.findings[0]
+    if found.text_baud is not None:
+        return error(
+            Code.TEXT_RECEIVED,
+            f"no rosserial frame at any usual baud rate, but text at {found.text_baud} baud "
+            f"({show(found.text)}): the "
+            "sketch prints on this port (Serial.print)",
+            "upload a sketch that runs rosserial on this port",
+        )
+    if first.code is Code.NOTHING_RECEIVED:
+        return replace(
+            first,
+            seen=f"nothing was received from {address}, at {address.baud} or any other usual baud rate",
+            next_step="check that the sketch runs rosserial on this port (nh.initNode() in setup(), "
+            "nh.spinOnce() in loop()), press the board's reset button, and check that the cable carries data",
+        )
+    if first.code is Code.PROTOCOL_VERSION:
+        return first
+    return replace(
+        first,
+        code=Code.NOISE_RECEIVED,
+        seen=f"{first.seen.partition(': most likely')[0]}, and no frame at any other usual baud rate",
+        next_step="check the ground wire and the sketch's setBaud(); give an unusual rate as ?baud=...",
+    )
+
+
+def _nobody(address: Address, place: str, wait_s: float) -> Finding:
+    is_local = "127.0.0.1" in place or "[::1]" in place
+    step = (
+        "boards on the network cannot reach loopback: name an address of ours, for instance "
+        "tcp://0.0.0.0:11411"
+        if is_local and isinstance(address, TcpAddress | UdpAddress)
+        else "check the server address and port in the sketch, its Wi-Fi, and this machine's firewall"
+    )
+    return error(Code.NOBODY_CONNECTED, f"no board connected to {place} within {wait_s:.0f} s", step)

@@ -1,0 +1,58 @@
+"""How many of the frames of late came damaged."""
+
+from __future__ import annotations
+
+from collections import deque
+
+from rostether.bridge.health.findings.finding import Code, Finding, warning
+from rostether.rosserial.events import DiscardReason, FrameDiscarded
+
+WINDOW_S = 30.0
+"""Long enough for a percentage on a board that sends once a second, short enough to follow a cable."""
+
+MIN_DAMAGED = 3
+RESET_DAMAGES = 2
+"""A reset in the middle of a frame, and what the boot loader prints, damage two."""
+
+MIN_SHARE = 0.002
+"""One in 500: below that nobody notices, and radios are never better."""
+
+_CHECKS = frozenset({DiscardReason.LENGTH_CHECKSUM, DiscardReason.PAYLOAD_CHECKSUM, DiscardReason.PACKET})
+_REMAINS = frozenset({DiscardReason.NOISE, DiscardReason.VERSION, DiscardReason.UNFINISHED})
+# Stray bytes shorter than a frame are no frame.
+_MIN_REMAINS_BYTES = 8
+
+
+class Damage:
+    """The damaged frames of one connection."""
+
+    def __init__(self) -> None:
+        self._count = 0
+        self._last_s = float("-inf")
+        self._looks: deque[tuple[float, int, int]] = deque()
+
+    def count_discarded(self, event: FrameDiscarded, now_s: float) -> None:
+        """Count what was a frame once; what follows a failed check at the same moment is the rest of it."""
+        is_remains = event.reason in _REMAINS and len(event.data) >= _MIN_REMAINS_BYTES
+        if event.reason in _CHECKS or (is_remains and now_s > self._last_s):
+            self._count += 1
+            self._last_s = now_s
+
+    def find(self, frame_count: int, now_s: float, reset_count: int = 0) -> Finding | None:
+        """Judge, about once a second; `frame_count` sound ones have come so far, `reset_count` is of late."""
+        looks = self._looks
+        looks.append((now_s, self._count, frame_count))
+        while len(looks) > 2 and now_s - looks[0][0] > WINDOW_S:
+            looks.popleft()
+        _, damaged_before, sound_before = looks[0]
+        damaged, sound = self._count - damaged_before, frame_count - sound_before
+        if damaged < MIN_DAMAGED + RESET_DAMAGES * reset_count or damaged < MIN_SHARE * (damaged + sound):
+            return None
+        percent = 100 * damaged / (damaged + sound)
+        return warning(
+            Code.FRAMES_DAMAGED,
+            f"{percent:.2g} % of the frames come damaged ({damaged} of {damaged + sound} of late)",
+            "use a shorter or shielded cable away from motors, check the ground wire, choose a lower baud "
+            "rate, "
+            "and let no interrupt of the sketch last longer than a byte takes",
+        )

@@ -1,0 +1,198 @@
+"""What is wrong with single topics and services of a board."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from rostether.bridge.endpoint.openings import Endpoint, ServiceEndpoint, name_of
+from rostether.bridge.endpoint.publisher import PublisherEndpoint
+from rostether.bridge.endpoint.subscriber import SubscriberEndpoint
+from rostether.bridge.endpoint.table import EndpointTable
+from rostether.bridge.health.findings.finding import Code, Finding, error, warning
+from rostether.bridge.health.findings.oversize import Oversizes
+from rostether.errors import DefinitionError, RostetherError, TypeMismatchError, UnknownTypeError
+from rostether.rosserial.events import ServiceRole
+from rostether.rosserial.packets import TopicInfo
+
+RECENT_S = 30.0
+"""A loss is told as long as it is recent."""
+
+MIN_MISFITS = 3
+MISFIT_SHARE = 0.05
+"""Damage that passes its checksum, one in 256, is the line's; more is another definition."""
+
+PUBLISHER_OVERHEAD_BYTES = 8
+"""What must fit a board's output buffer beside the payload."""
+
+_LARGER = "enlarge it in the sketch: ros::NodeHandle_<ArduinoHardware, 25, 25, INPUT, OUTPUT>, in bytes"
+
+SmallestSize = Callable[[str], int]
+
+
+class EndpointFindings:
+    """Judges the endpoints of one board; `smallest_bytes` gives the size of a type's smallest message."""
+
+    def __init__(self, endpoints: EndpointTable, smallest_bytes: SmallestSize) -> None:
+        self._endpoints = endpoints
+        self._smallest_bytes = smallest_bytes
+        self._losses: dict[str, tuple[int, float]] = {}
+
+    def find(self, now_s: float, too_large_s: float, oversizes: Oversizes) -> list[Finding]:
+        """Judge; `too_large_s` is when the board said that a message of its own was too large."""
+        found = _refusals(self._endpoints.refused)
+        silent = []
+        for _, endpoint in self._endpoints:
+            found += self._too_long(endpoint, oversizes, now_s)
+            if isinstance(endpoint, PublisherEndpoint):
+                found += self._publisher(endpoint)
+                if not endpoint.message_count:
+                    silent.append(endpoint)
+            elif isinstance(endpoint, SubscriberEndpoint):
+                found += self._subscriber(endpoint, now_s)
+        if now_s - too_large_s < RECENT_S and not any(each.code is Code.BUFFER_TOO_SMALL for each in found):
+            found.append(_said_too_large(silent))
+        return found
+
+    def _too_long(self, endpoint: Endpoint, oversizes: Oversizes, now_s: float) -> list[Finding]:
+        info = _sent_by_board(endpoint)
+        seen = oversizes.of(info.topic_id, now_s) if info is not None else None
+        if info is None or seen is None:
+            return []
+        if seen.largest_bytes <= info.buffer_size:
+            # Who streams announces no buffer, and is held to the size that the type has.
+            most = "more than that type or our limit of the frame length allows"
+            step = "generate the message headers of the sketch again, and publish nothing else on this topic"
+        else:
+            most = f"and the board announced a buffer of {info.buffer_size}"
+            step = f"{_LARGER}, or send less at a time"
+        return [
+            error(
+                Code.MESSAGES_TOO_LONG,
+                f"messages of {info.topic_name} [{info.message_type}] come with {seen.largest_bytes} bytes, "
+                f"{most}: they are refused",
+                step,
+                info.topic_name,
+            )
+        ]
+
+    def _publisher(self, endpoint: PublisherEndpoint) -> list[Finding]:
+        found = []
+        info = endpoint.info
+        needed = self._smallest_bytes(info.message_type) + PUBLISHER_OVERHEAD_BYTES
+        if needed > info.buffer_size:
+            found.append(
+                error(
+                    Code.BUFFER_TOO_SMALL,
+                    f"no message of {info.topic_name} [{info.message_type}] fits: it takes {needed} bytes "
+                    "or more, "
+                    f"and the board's output buffer has {info.buffer_size}",
+                    _LARGER,
+                    info.topic_name,
+                )
+            )
+        misfits = endpoint.misfit_count
+        if misfits >= MIN_MISFITS and misfits > MISFIT_SHARE * (misfits + endpoint.message_count):
+            found.append(
+                error(
+                    Code.MESSAGES_MISFIT,
+                    f"{misfits} messages of {info.topic_name} do not have the layout of {info.message_type} "
+                    "and were not passed on",
+                    "generate the message headers of the sketch again, and set the _length of every array",
+                    info.topic_name,
+                )
+            )
+        return found
+
+    def _subscriber(self, endpoint: SubscriberEndpoint, now_s: float) -> list[Finding]:
+        found = []
+        info = endpoint.info
+        largest = max(endpoint.largest_oversize_bytes, self._smallest_bytes(info.message_type))
+        if largest > info.buffer_size:
+            found.append(
+                error(
+                    Code.BUFFER_TOO_SMALL,
+                    f"messages of {info.topic_name} [{info.message_type}] have {largest} bytes, and the "
+                    "board's "
+                    f"input buffer takes {info.buffer_size}: they are not sent",
+                    f"{_LARGER}, or send less",
+                    info.topic_name,
+                    is_told=endpoint.largest_oversize_bytes > 0,
+                )
+            )
+        count, changed_s = self._losses.get(info.topic_name, (0, float("-inf")))
+        if endpoint.dropped_count > count:
+            changed_s = now_s
+        self._losses[info.topic_name] = endpoint.dropped_count, changed_s
+        if now_s - changed_s < RECENT_S:
+            found.append(
+                warning(
+                    Code.MESSAGES_LOST,
+                    f"{info.topic_name} brings more than the board takes: {endpoint.dropped_count} of its "
+                    "messages "
+                    "were lost, the oldest first",
+                    "publish it less often, or choose a higher baud rate",
+                    info.topic_name,
+                    is_told=True,
+                )
+            )
+        return found
+
+
+def _sent_by_board(endpoint: Endpoint) -> TopicInfo | None:
+    """Return what the board announced of the messages that it sends; a service has two halves."""
+    if isinstance(endpoint, PublisherEndpoint):
+        return endpoint.info
+    if isinstance(endpoint, ServiceEndpoint):
+        info = endpoint.info
+        return info.response if info.role is ServiceRole.SERVER else info.request
+    return None
+
+
+def _refusals(refused: dict[str, RostetherError]) -> list[Finding]:
+    """Return one finding for each cause: several topics may have the same stale type."""
+    names: dict[tuple[type[RostetherError], str], list[str]] = {}
+    for name, reason in refused.items():
+        names.setdefault((type(reason), str(reason)), []).append(name)
+    return [_refusal(kind, text, topics) for (kind, text), topics in names.items()]
+
+
+def _refusal(kind: type[RostetherError], text: str, topics: list[str]) -> Finding:
+    listed = ", ".join(topics[:6]) + (f" and {len(topics) - 6} more" if len(topics) > 6 else "")
+    reason, _, step = text.rpartition("; ")
+    subject = text.partition(":")[0]
+    if issubclass(kind, TypeMismatchError):
+        return error(
+            Code.STALE_HEADERS,
+            f"the message headers in the sketch of {listed} are stale: {reason or text}",
+            step if reason else "rebuild its message headers",
+            subject,
+            is_told=True,
+        )
+    if issubclass(kind, UnknownTypeError):
+        return error(
+            Code.UNKNOWN_TYPE,
+            f"{listed} is not bridged: {reason or text}",
+            step if reason else "give its package with --msg-path DIR",
+            topics[0],
+            is_told=True,
+        )
+    told = step if reason else "correct it in the sketch"
+    if issubclass(kind, DefinitionError):
+        told = step if reason else "correct the definition"
+    return error(
+        Code.NOT_BRIDGED, f"{listed} is not bridged: {reason or text}", told, topics[0], is_told=True
+    )
+
+
+def _said_too_large(silent: list[PublisherEndpoint]) -> Finding:
+    names = ", ".join(f"{name_of(each)} [{each.info.message_type}]" for each in silent[:4])
+    which = f"; nothing has come of {names}" if names else ""
+    size = f" of {silent[0].info.buffer_size} bytes" if silent else ""
+    return error(
+        Code.BUFFER_TOO_SMALL,
+        f"the board dropped a message that is larger than its output buffer{size}{which}".replace(
+            "; ", ", ", 1
+        ),
+        _LARGER,
+        silent[0].info.topic_name if silent else "",
+    )

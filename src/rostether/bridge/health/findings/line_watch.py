@@ -1,0 +1,246 @@
+"""Watches one connection: told of every event but messages, it says what is wrong with the line.
+
+It stands on what the link reports and counts, and knows neither graph nor transport.
+"""
+
+from __future__ import annotations
+
+from rostether.bridge.health.findings.announcements import Announcements
+from rostether.bridge.health.findings.damage import Damage
+from rostether.bridge.health.findings.finding import Code, Finding, error, warning
+from rostether.bridge.health.findings.loop_speed import LoopSpeed
+from rostether.bridge.health.findings.noise import Noise, is_text, show
+from rostether.bridge.health.findings.oversize import Oversizes
+from rostether.bridge.health.findings.resets import MIN_STARTS, UNSETTLED_S, Resets, reset_loop
+from rostether.rosserial.events import (
+    AnnouncementRefused,
+    DeviceReset,
+    DeviceSilent,
+    FrameDiscarded,
+    HostEvent,
+    LogReceived,
+    NegotiationSettled,
+    ParameterRequested,
+    ProtocolDetected,
+    ServiceAnnounced,
+    TimeRequested,
+    TopicAnnounced,
+    TopicRole,
+    UnknownTopicId,
+)
+from rostether.rosserial.frame import MAX_PAYLOAD_BYTES
+from rostether.rosserial.link_statistics import LinkStatistics
+
+NO_ANSWER_S = 5.0
+"""A board that our opening of its port has reset is through its boot loader by then, and was asked often."""
+
+UNKNOWN_S = 10.0
+"""An announcement that was lost is there again within a second; a board that lacks one never sends it."""
+
+TOO_LARGE = "larger than buffer"
+"""What the established library logs when a message does not fit its output buffer, without saying which."""
+
+_SIGNS_OF_LIFE = (
+    TimeRequested,
+    TopicAnnounced,
+    ServiceAnnounced,
+    LogReceived,
+    ParameterRequested,
+    ProtocolDetected,
+)
+
+
+class LineWatch:
+    """One connection of one board; `baud` is the speed of a serial line, `resets` the board's."""
+
+    def __init__(self, baud: int | None, resets: Resets, statistics: LinkStatistics, now_s: float) -> None:
+        self.noise = Noise()
+        self.loop_speed = LoopSpeed()
+        self.oversizes = Oversizes()
+        self.too_large_s = float("-inf")
+        """When the board last said that a message did not fit its buffer."""
+        self._baud = baud
+        self._resets = resets
+        self._statistics = statistics
+        self._opened_s = now_s
+        self._damage = Damage()
+        self._announcements = Announcements()
+        self._version: int | None = None
+        self._alive_s: float | None = None
+        self._silence_s: float | None = None
+        self._settled_s: float | None = None
+        self._settled_starts = 0
+        self._unknown_id: tuple[int, float] | None = None
+        self._unknown_count = 0
+        self._is_listener = False
+
+    @property
+    def was_alive(self) -> bool:
+        """Whether a frame has come that only a rosserial board sends."""
+        return self._alive_s is not None
+
+    def handle_event(self, event: HostEvent, now_s: float) -> None:
+        """Take an event."""
+        if isinstance(event, FrameDiscarded):
+            self._discarded(event, now_s)
+            return
+        if isinstance(event, DeviceSilent):
+            self._silence_s = event.silence_s
+            return
+        if isinstance(event, _SIGNS_OF_LIFE):
+            self._silence_s = None
+            self.noise.alive()
+        if isinstance(event, TimeRequested):
+            self.loop_speed.request(now_s, self._statistics.topic_requests)
+        elif isinstance(event, TopicAnnounced):
+            # Only our library sends without a buffer of its own.
+            self.loop_speed.is_ours |= event.info.buffer_size >= MAX_PAYLOAD_BYTES
+            self._is_listener |= event.role is TopicRole.SUBSCRIBER
+        elif isinstance(event, DeviceReset):
+            self._resets.happened(now_s)
+            self.loop_speed.forget()
+        elif isinstance(event, ProtocolDetected):
+            self._version = event.version
+            self._alive_s = now_s
+        elif isinstance(event, ServiceAnnounced):
+            self._is_listener = True
+        elif isinstance(event, NegotiationSettled):
+            self._settled_s = now_s
+            self._settled_starts = self._statistics.time_requests
+        elif isinstance(event, AnnouncementRefused):
+            self._announcements.refused(event)
+        elif isinstance(event, LogReceived) and TOO_LARGE in event.text:
+            self.too_large_s = now_s
+        elif isinstance(event, UnknownTopicId):
+            self._unknown_count += event.count
+            first_s = self._unknown_id[1] if self._unknown_id else now_s
+            self._unknown_id = event.topic_id, first_s
+
+    def find(self, now_s: float) -> list[Finding]:
+        """Return what is wrong now, the worst first. Called about once a second."""
+        damage = None
+        if self.was_alive:
+            damage = self._damage.find(self._statistics.frames_received, now_s, self._resets.count(now_s))
+        resets = self._find_resets(now_s, damage)
+        # A board that starts again begins to count anew: its requests are late for that.
+        slow = None if resets else self.loop_speed.find(is_listener=self._is_listener)
+        found = [
+            self._find_absence(now_s),
+            resets,
+            *self._announcements.find(),
+            self._find_version(),
+            damage,
+            self._find_text(),
+            self._find_unknown(now_s),
+            slow,
+        ]
+        return [each for each in found if each is not None]
+
+    def _discarded(self, event: FrameDiscarded, now_s: float) -> None:
+        if self.oversizes.handle_discarded(event, self._version, now_s):
+            return
+        # What the first frame ends is the rest of a burst that began before the port was opened.
+        is_alive = self._alive_s is not None and now_s > self._alive_s and self._silence_s is None
+        was_text = self.noise.handle_discarded(event, now_s, is_alive=is_alive)
+        self._announcements.discarded(event)
+        if self.was_alive and not was_text:
+            self._damage.count_discarded(event, now_s)
+
+    def _find_absence(self, now_s: float) -> Finding | None:
+        if self._silence_s is None:
+            if self.was_alive or now_s - self._opened_s < NO_ANSWER_S:
+                return None
+            return absence(self.noise, self._baud, now_s - self._opened_s)
+        if self.noise.byte_count:
+            return absence(self.noise, self._baud, self._silence_s)
+        return error(
+            Code.BOARD_SILENT,
+            f"the board has been silent for {self._silence_s:.0f} s; asking for its topics until it answers",
+            "check its power and cable, and whether loop() still runs (it must call nh.spinOnce())",
+        )
+
+    def _find_resets(self, now_s: float, damage: Finding | None) -> Finding | None:
+        crash_line = self.noise.crash_line()
+        found = self._resets.find(now_s, crash_line)
+        if found is not None or damage is not None or self._alive_s is None:
+            return found
+        began_s = self._alive_s if self._settled_s is None else self._settled_s
+        starts = self._statistics.time_requests - self._settled_starts
+        if self._settled_s is None and now_s - began_s >= UNSETTLED_S and starts >= MIN_STARTS:
+            seen = (
+                f"the board begins to announce its topics again and again ({starts} times in "
+                f"{now_s - began_s:.0f} s) and never gets to the end, as one does that resets in a loop"
+            )
+            return reset_loop(seen, crash_line)
+        return None
+
+    def _find_version(self) -> Finding | None:
+        if self._version == 1:
+            return warning(
+                Code.PROTOCOL_VERSION,
+                "the board speaks protocol version 1 (ROS Groovy or earlier), which detects damage less well",
+                "it works; generate the client library again with rostether firmware lib and upload the "
+                "sketch",
+            )
+        return None
+
+    def _find_text(self) -> Finding | None:
+        if not self.noise.text_count or not self.was_alive:
+            return None
+        return warning(
+            Code.TEXT_BETWEEN_FRAMES,
+            f"text comes between the frames ({show(self.noise.text)}): the sketch prints on the port that "
+            "rosserial uses",
+            "replace Serial.print by nh.loginfo, or print on another port",
+        )
+
+    def _find_unknown(self, now_s: float) -> Finding | None:
+        if self._unknown_id is None or now_s - self._unknown_id[1] < UNKNOWN_S:
+            return None
+        return warning(
+            Code.UNANNOUNCED_MESSAGES,
+            f"{self._unknown_count} messages came on topic id {self._unknown_id[0]}, which the board never "
+            "announces",
+            "call nh.advertise() for every publisher in setup(), before the first nh.spinOnce()",
+        )
+
+
+def absence(noise: Noise, baud: int | None, waited_s: float) -> Finding:
+    """Say why there is no rosserial frame, from what came instead."""
+    if not noise.byte_count:
+        hint = f", and whether its baud rate is {baud}" if baud else ""
+        return error(
+            Code.NOTHING_RECEIVED,
+            f"no answer from the board for {waited_s:.0f} s: nothing at all was received",
+            f"check that its sketch runs rosserial on this port (nh.initNode() in setup(), nh.spinOnce() in "
+            f"loop()){hint}, and that the cable carries data",
+        )
+    what = (
+        f"no rosserial frame for {waited_s:.0f} s, but {noise.byte_count} other bytes ({show(noise.sample)})"
+    )
+    if is_text(noise.sample):
+        return error(
+            Code.TEXT_RECEIVED,
+            f"{what}: text that the sketch prints on this port (Serial.print)",
+            "upload a sketch that runs rosserial, remove Serial.print from it, or print on another port",
+        )
+    if noise.other_version is not None:
+        return error(
+            Code.PROTOCOL_VERSION,
+            f"{what}: frames of a protocol version that nobody knows (version byte "
+            f"{noise.other_version:#04x})",
+            "generate the client library again with rostether firmware lib and upload the sketch",
+        )
+    if baud:
+        return error(
+            Code.WRONG_BAUD,
+            f"{what}: most likely a baud rate other than {baud}",
+            "give the one of the sketch's setBaud() or Serial.begin() as ?baud=...; rostether doctor finds "
+            "it",
+        )
+    return error(
+        Code.NOISE_RECEIVED,
+        what,
+        "check that what is connected here is a rosserial board, with the same baud rate on both sides of "
+        "a converter",
+    )

@@ -1,0 +1,93 @@
+"""How late a board's time requests are: as late as its loop() is slow.
+
+A configured board asks for the time when 2.5 s have passed (with our library 2.2 s), at its next
+nh.spinOnce(). A request that answers a topic request says nothing, unless it comes when the next one has been
+overdue anyway.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from statistics import median
+
+from rostether.bridge.health.findings.finding import Code, Finding, warning
+from rostether.rosserial.time_sync import OUR_REQUEST_PERIOD_S, REQUEST_PERIOD_S
+
+SLOW_LISTENER_S = 0.1
+"""Where the board listens to topics or serves calls: at 57600 baud 64 bytes, its buffer, come in 11 ms."""
+
+SLOW_TALKER_S = 0.6
+"""A board that only publishes loses nothing; the library's own first example sleeps a second in loop()."""
+
+OVERDUE_S = 0.4
+"""Later than this is late whatever was asked meanwhile."""
+
+TOLERANCE_S = 0.1
+
+SURELY_OURS_S = 2.4
+"""Who mostly asks sooner than this is none that waits 2.5 s."""
+
+MAX_LATE_S = 9.0
+"""Beyond 11 s a board was away, not slow."""
+
+KEPT = 16
+MIN_COUNT = 2
+
+
+class LoopSpeed:
+    """The time requests of one connection."""
+
+    def __init__(self) -> None:
+        self.is_ours = False
+        """Whether the board is known to run our library."""
+        self._last_s: float | None = None
+        self._asked = 0
+        self._intervals_s: deque[float] = deque(maxlen=KEPT)
+
+    @property
+    def late_s(self) -> float | None:
+        """How late the requests mostly are; None while not known."""
+        if len(self._intervals_s) < MIN_COUNT:
+            return None
+        return max(0.0, median(self._intervals_s) - self._period_s)
+
+    @property
+    def is_suspect(self) -> bool:
+        """Whether one request was late, and no second one has told whether that is the rule."""
+        return len(self._intervals_s) == 1 and self._intervals_s[0] - self._period_s >= SLOW_LISTENER_S
+
+    def request(self, now_s: float, asked: int) -> None:
+        """Take a time request; `asked` counts our topic requests, each of which provokes one."""
+        last_s, self._last_s = self._last_s, now_s
+        was_provoked = asked != self._asked
+        self._asked = asked
+        if last_s is None:
+            return
+        interval_s = now_s - last_s
+        least_s = REQUEST_PERIOD_S + OVERDUE_S if was_provoked else OUR_REQUEST_PERIOD_S - TOLERANCE_S
+        if least_s <= interval_s <= REQUEST_PERIOD_S + MAX_LATE_S:
+            self._intervals_s.append(interval_s)
+
+    def forget(self) -> None:
+        """Note that the board was reset: its next request is not due when it was."""
+        self._last_s = None
+
+    def find(self, *, is_listener: bool) -> Finding | None:
+        """Judge; `is_listener`: the board has subscribers or services."""
+        late_s = self.late_s
+        if late_s is None or late_s < (SLOW_LISTENER_S if is_listener else SLOW_TALKER_S):
+            return None
+        return warning(
+            Code.SLOW_LOOP,
+            f"loop() is too slow: the board's time request comes late by {late_s * 1000:.0f} ms "
+            f"(at worst {(max(self._intervals_s) - self._period_s) * 1000:.0f} ms)",
+            "call nh.spinOnce() every few ms: replace delay() by a comparison of millis(), and do long "
+            "work in pieces",
+        )
+
+    @property
+    def _period_s(self) -> float:
+        is_ours = self.is_ours or (
+            len(self._intervals_s) >= MIN_COUNT and median(self._intervals_s) < SURELY_OURS_S
+        )
+        return OUR_REQUEST_PERIOD_S if is_ours else REQUEST_PERIOD_S

@@ -1,0 +1,120 @@
+"""What came that is no frame: a sketch's own text, a boot loader's, another baud rate's bits."""
+
+from __future__ import annotations
+
+import re
+
+from rostether.rosserial.events import DiscardReason, FrameDiscarded
+
+SHOWN_BYTES = 60
+"""A line of a sketch's own Serial.print."""
+
+KEPT_BYTES = 512
+"""Enough to judge by, and for the lines that a crashed ESP prints before it starts again."""
+
+MIN_TEXT_BYTES = 8
+"""Fewer printable bytes in a row come about by chance: each one has a chance of 3 in 8."""
+
+MIN_PIECES = 4
+"""A board that is reset in the middle of its announcements leaves one piece of text, and noise some more."""
+
+PIECE_GAP_S = 0.1
+"""The rest of one announcement comes within this at 9600 baud, a few bytes at a time."""
+
+# The words alone: with the line around them in the pattern, noise without an end of line takes 20 ms.
+_CRASH = re.compile(
+    rb"brown-?out|wdt reset|watchdog|guru meditation|fatal exception|stack smashing|abort\(\)"
+    rb"|rst cause|rst:0x",
+    re.IGNORECASE,
+)
+_LINE_END = re.compile(rb"[\r\n]")
+
+
+def is_text(data: bytes) -> bool:
+    """Tell whether bytes are what a sketch prints: nine in ten characters printable, and not too few."""
+    if len(data) < MIN_TEXT_BYTES:
+        return False
+    characters = data.decode("utf-8", "replace")
+    printable = sum(char != "\ufffd" and (char.isprintable() or char in "\r\n\t") for char in characters)
+    return printable * 10 >= len(characters) * 9
+
+
+def show(data: bytes) -> str:
+    """Write bytes for people: text in quotes, all else as numbers."""
+    if is_text(data[:SHOWN_BYTES]) or (data and is_text(data)):
+        return repr(data[:SHOWN_BYTES].decode("utf-8", "replace"))
+    return data[:16].hex(" ")
+
+
+class Noise:
+    """The bytes of one connection that were not believed."""
+
+    def __init__(self) -> None:
+        self.byte_count = 0
+        """How many came since the last sign of a rosserial board."""
+        self.text_count = 0
+        """How many bytes of text came between frames."""
+        self.text = b""
+        """The first of that text."""
+        self.other_version: int | None = None
+        """A version byte of sound headers that is none we know."""
+        self._first = bytearray()
+        self._recent = bytearray()
+        self._line = bytearray()
+        self._pieces = 0
+        self._piece_s = float("-inf")
+        self._versions: dict[int, int] = {}
+
+    @property
+    def sample(self) -> bytes:
+        """The first bytes since the last sign of a rosserial board."""
+        return bytes(self._first)
+
+    def handle_discarded(self, event: FrameDiscarded, now_s: float, *, is_alive: bool) -> bool:
+        """Take what was discarded; returns whether it was text. `is_alive`: frames come as well."""
+        data = event.data
+        self.byte_count += len(data)
+        self._first += data[: KEPT_BYTES - len(self._first)]
+        self._recent += data[-KEPT_BYTES:]
+        del self._recent[:-KEPT_BYTES]
+        if event.reason is DiscardReason.VERSION:
+            self._note_version(data)
+        # A sketch that prints character by character still prints a line.
+        self._line += data[:KEPT_BYTES]
+        found = is_text(bytes(self._line))
+        if found and is_alive:
+            self._note_text(len(data), now_s)
+        if not found and len(self._line) >= MIN_TEXT_BYTES:
+            self._line.clear()
+        del self._line[:-KEPT_BYTES]
+        return found
+
+    def alive(self) -> None:
+        """A frame came that only a rosserial board sends."""
+        self.byte_count = 0
+        self._first.clear()
+        self._line.clear()
+
+    def crash_line(self) -> str | None:
+        """Return the line in which a board says why it started again, None if it said none."""
+        lines = [line for line in _LINE_END.split(bytes(self._recent)) if _CRASH.search(line)]
+        return lines[-1].decode("utf-8", "replace").strip()[:SHOWN_BYTES] if lines else None
+
+    def _note_text(self, size: int, now_s: float) -> None:
+        """Take text for a sketch's own if it has an end of line or comes again and again.
+
+        The rest of a damaged announcement is text too.
+        """
+        self._pieces += now_s - self._piece_s > PIECE_GAP_S
+        self._piece_s = now_s
+        if self.text_count or self._pieces >= MIN_PIECES or b"\n" in self._line or b"\r" in self._line:
+            self.text_count += size
+            self.text = self.text or bytes(self._line[:KEPT_BYTES])
+
+    def _note_version(self, data: bytes) -> None:
+        # Only a header whose length check fits: in noise one of 256 does, and not three times alike.
+        if len(data) >= 5 and data[1] >= 0xF0 and sum(data[2:5]) & 0xFF == 0xFF:
+            version = data[1]
+            self._versions[version] = self._versions.get(version, 0) + 1
+            if self._versions[version] >= 3:
+                self.other_version = version

@@ -1,0 +1,97 @@
+"""What is wrong with a port before a byte has come: from its facts, or from why it did not open."""
+
+from __future__ import annotations
+
+import errno
+
+from rostether.bridge.health.findings.finding import Code, Finding, error
+from rostether.transports.port_facts import PortFacts
+from rostether.transports.port_holders import Holder
+
+
+def port_findings(facts: PortFacts) -> list[Finding]:
+    """Return why a port cannot be used, or should not now; nothing if all is well so far."""
+    if not facts.exists:
+        return [_no_port(facts)]
+    if not facts.is_device:
+        return [
+            error(
+                Code.NOT_A_PORT,
+                f"{facts.path} is not a serial port",
+                "name the board's port; rostether ports lists them",
+            )
+        ]
+    if not facts.may_open:
+        return [no_permission(facts.path, facts.group)]
+    if facts.holders:
+        return [busy(facts.path, facts.holders)]
+    return []
+
+
+def open_error_finding(facts: PortFacts, failure: BaseException) -> Finding:
+    """Return why a port did not open; `failure` was raised from the system's error where there is one."""
+    reason = failure.__cause__ if isinstance(failure.__cause__, OSError) else failure
+    code = reason.errno if isinstance(reason, OSError) else None
+    if code in (errno.ENOENT, errno.ENXIO, errno.ENODEV):
+        return _no_port(facts)
+    if code in (errno.EACCES, errno.EPERM):
+        return no_permission(facts.path, facts.group)
+    if code == errno.EBUSY:
+        return busy(facts.path, facts.holders)
+    if code in (errno.ENOTTY, errno.EISDIR, errno.EINVAL):
+        return error(
+            Code.NOT_A_PORT, f"{facts.path} is not a serial port", "rostether ports lists those that are"
+        )
+    return cannot_open(failure)
+
+
+def cannot_open(failure: BaseException) -> Finding:
+    """Return a failure in its own words."""
+    seen, _, step = str(failure).partition("; ")
+    return error(Code.CANNOT_OPEN, seen, step or "check the address")
+
+
+def no_permission(path: str, group: str | None) -> Finding:
+    """Return that a port may not be opened, and the command that changes that."""
+    if group is None:
+        return error(
+            Code.NO_PERMISSION,
+            f"no permission to open {path}, which only root may use",
+            f"type: sudo chmod a+rw {path}",
+        )
+    return error(
+        Code.NO_PERMISSION,
+        f"no permission to open {path}: it belongs to group {group}, and you are not in it",
+        f"type: sudo usermod -aG {group} $USER, then log out and in again",
+    )
+
+
+def busy(place: str, holders: tuple[Holder, ...]) -> Finding:
+    """Return that another program has a port or address."""
+    if not holders:
+        return error(
+            Code.BUSY,
+            f"{place} is in use by another program",
+            "close the Arduino IDE's monitor, or a second bridge",
+        )
+    who = ", ".join(map(str, holders))
+    pids = " ".join(str(each.pid) for each in holders)
+    return error(
+        Code.BUSY,
+        f"{place} is in use by {who}: two programs that read one port each get half of the bytes",
+        f"close it, or type: kill {pids}",
+    )
+
+
+def _no_port(facts: PortFacts) -> Finding:
+    if facts.near:
+        step = f"did you mean {' or '.join(facts.near)}?"
+    elif facts.others:
+        step = f"there is {', '.join(facts.others)}"
+    else:
+        step = (
+            "no serial port is there: plug the board in with a USB cable that carries data (many only "
+            "charge), and "
+            "look at dmesg"
+        )
+    return error(Code.NO_PORT, f"there is no port {facts.path}", step)

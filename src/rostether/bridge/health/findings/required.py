@@ -1,0 +1,52 @@
+"""Topics that a board should have, by the user's file, and does not announce."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+
+from rostether.bridge.health.findings.finding import Code, Finding, error
+from rostether.errors import InvalidNameError
+
+_SHOWN = 8
+
+
+class RequiredTopics:
+    """The required topics of one board; `resolve` makes full names, remapped ones included."""
+
+    def __init__(self, names: Sequence[str] = (), resolve: Callable[[str], str] = str) -> None:
+        self._required = {resolve(name): name for name in names}
+        self._resolve = resolve
+        self._missing: tuple[str, ...] = ()
+        self._announced: tuple[str, ...] = ()
+
+    def forget(self) -> None:
+        """A connection begins: nothing is known to be missing."""
+        self._missing = ()
+
+    def settled(self, announced: Iterable[str]) -> None:
+        """All that the board announced is known."""
+        if self._required:
+            self._announced = tuple(dict.fromkeys(announced))
+            there = {self._full_name(name) for name in self._announced}
+            self._missing = tuple(name for full, name in self._required.items() if full not in there)
+
+    def find(self) -> list[Finding]:
+        """Judge."""
+        if not self._missing:
+            return []
+        shown = ", ".join(self._announced[:_SHOWN]) or "no topic"
+        more = f" and {len(self._announced) - _SHOWN} more" if len(self._announced) > _SHOWN else ""
+        return [
+            error(
+                Code.MISSING_TOPIC,
+                f"the board does not announce {', '.join(self._missing)}, which devices.toml requires: "
+                f"it has {shown}{more}",
+                "flash the right sketch, add the topic to it, or correct required_topics",
+            )
+        ]
+
+    def _full_name(self, name: str) -> str:
+        try:
+            return self._resolve(name)
+        except InvalidNameError:
+            return name

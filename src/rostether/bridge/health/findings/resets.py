@@ -1,0 +1,54 @@
+"""A board that starts again and again."""
+
+from __future__ import annotations
+
+from collections import deque
+
+from rostether.bridge.health.findings.finding import Code, Finding, error
+
+WINDOW_S = 60.0
+MIN_RESETS = 3
+"""Someone who presses the button, and an upload, reset a board twice."""
+
+UNSETTLED_S = 8.0
+"""At 57600 baud fifty announcements and their confirmation take 2 s; this is four times that."""
+
+MIN_STARTS = 8
+"""As often did the board begin to answer: a healthy one does three or four times."""
+
+
+class Resets:
+    """The resets of one board, over all its connections."""
+
+    def __init__(self) -> None:
+        self._times: deque[float] = deque(maxlen=1000)
+
+    def happened(self, now_s: float) -> None:
+        """Note one."""
+        self._times.append(now_s)
+
+    def count(self, now_s: float) -> int:
+        """Return how many there were in the last minute."""
+        while self._times and now_s - self._times[0] > WINDOW_S:
+            self._times.popleft()
+        return len(self._times)
+
+    def find(self, now_s: float, crash_line: str | None) -> Finding | None:
+        """Judge; `crash_line` is what the board said of it."""
+        count = self.count(now_s)
+        if count < MIN_RESETS:
+            return None
+        span_s = now_s - self._times[0]
+        return reset_loop(f"the board was reset {count} times in {span_s:.0f} s", crash_line)
+
+
+def reset_loop(seen: str, crash_line: str | None) -> Finding:
+    """Return the finding, with what the board itself says where it says something."""
+    said = f", and says {crash_line!r}" if crash_line else ""
+    return error(
+        Code.RESET_LOOP,
+        f"{seen}{said}",
+        "power motors and servos from a supply of their own (a brown-out resets the board), look for a "
+        "watchdog, and "
+        "make buffers and the number of topics in the sketch smaller (the stack may overwrite the RAM)",
+    )

@@ -1,0 +1,135 @@
+"""Looks at every board once a second: tells what is wrong, and publishes /diagnostics.
+
+Each board's own node publishes its status, as the established host's does, so that nothing more joins the
+graph. Without a subscriber no message is made.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Iterable
+from weakref import WeakKeyDictionary
+
+from rostether.bridge.board_node import BoardNode
+from rostether.bridge.board_registry import Board
+from rostether.bridge.health.diagnostics import view_board
+from rostether.bridge.health.diagnostics_message import TOPIC, TYPE, StatusWriter
+from rostether.bridge.reporter import Reporter, reason_of
+from rostether.errors import GraphError
+from rostether.graph.ports import Level, Publisher
+from rostether.serde.store import TypeStore
+
+PERIOD_S = 1.0
+"""What diagnostic tools expect."""
+
+TURN_BOARDS = 4
+"""Looked at in one go, which takes a millisecond or two: a hundred at once would delay every message."""
+
+
+class HealthRound:
+    """The round through the boards of one supervisor; `publishes` turns /diagnostics on."""
+
+    def __init__(
+        self,
+        boards: Callable[[], Iterable[Board]],
+        store: TypeStore,
+        reporter: Reporter,
+        clock: Callable[[], float],
+        *,
+        publishes: bool,
+    ) -> None:
+        self._boards = boards
+        self._store = store
+        self._reporter = reporter
+        self._clock = clock
+        self._publishes = publishes
+        self._publications: WeakKeyDictionary[BoardNode, _Publication] = WeakKeyDictionary()
+        self._task: asyncio.Task[None] | None = None
+        self._is_broken = False
+
+    def start(self) -> None:
+        """Begin."""
+        self._task = asyncio.get_running_loop().create_task(self._run())
+
+    async def close(self) -> None:
+        """End. Idempotent."""
+        if self._task is not None:
+            self._task.cancel()
+            await asyncio.gather(self._task, return_exceptions=True)
+        for publication in list(self._publications.values()):
+            await publication.close()
+
+    def check_all(self) -> None:
+        """Look at every board, now."""
+        self._look_at_all(self._boards())
+
+    def _look_at_all(self, boards: Iterable[Board]) -> None:
+        now_s = self._clock()
+        for board in boards:
+            if board.node is None or board.leaving is not None:
+                continue
+            try:
+                self._look_at(board, board.node, now_s)
+            except Exception as error:  # noqa: BLE001 - what is only for people must not end what works
+                self._report_defect(error)
+
+    async def _run(self) -> None:
+        while True:
+            boards = list(self._boards())
+            starts = range(0, len(boards), TURN_BOARDS) or range(1)
+            for start in starts:
+                await asyncio.sleep(PERIOD_S / len(starts))
+                self._look_at_all(boards[start : start + TURN_BOARDS])
+
+    def _look_at(self, board: Board, node: BoardNode, now_s: float) -> None:
+        session = board.session
+        is_connected = session is not None and session.is_connected
+        findings = node.health.find(now_s) if is_connected else []
+        node.health.report(findings, now_s)
+        if not self._publishes:
+            return
+        publication = self._publications.get(node)
+        if publication is None:
+            publication = self._publications[node] = _Publication(node, self._store)
+        if publication.is_wanted:
+            publication.publish(publication.writer.array(node, view_board(node, session), findings, now_s))
+
+    def _report_defect(self, error: Exception) -> None:
+        if not self._is_broken:
+            self._is_broken = True
+            self._reporter.line(
+                Level.ERROR, f"diagnostics broke down ({type(error).__name__}: {error}); please report it"
+            )
+
+
+class _Publication:
+    """One board's publication of /diagnostics, advertised in the background."""
+
+    def __init__(self, node: BoardNode, store: TypeStore) -> None:
+        self.writer = StatusWriter()
+        self._store = store
+        self._publisher: Publisher | None = None
+        self._opening = asyncio.get_running_loop().create_task(self._open(node))
+
+    @property
+    def is_wanted(self) -> bool:
+        """Whether anybody listens."""
+        return self._publisher is not None and self._publisher.subscriber_count > 0
+
+    def publish(self, fields: dict[str, object]) -> None:
+        """Publish one message."""
+        if self._publisher is not None:
+            self._publisher.publish_raw([self._store.codec(TYPE).encode(fields)])
+
+    async def close(self) -> None:
+        """Stop advertising, if that is still under way; the node's end does the rest."""
+        self._opening.cancel()
+        await asyncio.gather(self._opening, return_exceptions=True)
+
+    async def _open(self, node: BoardNode) -> None:
+        try:
+            self._publisher = await node.graph.advertise(TOPIC, self._store.registry.message_type(TYPE))
+        except GraphError as error:
+            node.notices.report(Level.WARN, f"{TOPIC} is not published: {error}")
+        except Exception as error:  # noqa: BLE001 - what is only for people must not end what works
+            node.notices.report(Level.ERROR, f"{TOPIC} is not published: {reason_of(error)}")

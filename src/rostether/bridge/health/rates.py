@@ -1,0 +1,36 @@
+"""How fast counters grow, seen once a second."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Mapping
+from typing import Generic, TypeVar
+
+WINDOW_S = 5.0
+"""A topic at 1 Hz shows a steady figure, and a change within a few seconds."""
+
+Key = TypeVar("Key")
+
+
+class Rates(Generic[Key]):
+    """The growth of some counters over the last few looks."""
+
+    def __init__(self) -> None:
+        self._looks: deque[tuple[float, dict[Key, int]]] = deque()
+
+    def update(self, counts: Mapping[Key, int], now_s: float) -> dict[Key, float]:
+        """Take the counters as they stand and return their growth per second; none at the first look.
+
+        A counter that went down belongs to a new connection, and has grown from zero.
+        """
+        self._looks.append((now_s, dict(counts)))
+        while len(self._looks) > 2 and now_s - self._looks[0][0] > WINDOW_S:
+            self._looks.popleft()
+        before_s, before = self._looks[0]
+        span_s = now_s - before_s
+        if span_s <= 0:
+            return {}
+        return {
+            key: (count - before[key] if count >= before.get(key, 0) and key in before else count) / span_s
+            for key, count in counts.items()
+        }

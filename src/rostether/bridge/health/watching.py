@@ -1,0 +1,114 @@
+"""Bridges one board into a graph of its own for a while, to see what is wrong with it."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from rostether.bridge.board_node import BoardNode
+from rostether.bridge.health.diagnostics import BoardView, view_board
+from rostether.bridge.health.findings.finding import Code, Finding, error
+from rostether.bridge.health.findings.line_watch import absence
+from rostether.bridge.reporter import SilentReporter
+from rostether.bridge.session import Session
+from rostether.errors import TransportError
+from rostether.graph.memory_network import MemoryNetwork
+from rostether.rostime import Time
+from rostether.serde.store import TypeStore
+from rostether.transports.transport import Transport
+
+WATCH_S = 8.0
+"""Three time requests come in it, which tell how fast loop() is, and enough frames for a percentage."""
+
+UNREST_S = 20.0
+"""How long to watch a board that was reset, or whose time request was late: the rule shows by then."""
+
+_LOOK_S = 0.1
+_FIND_PERIOD_S = 1.0
+_NODE = "/board"
+
+
+@dataclass(frozen=True, slots=True)
+class Watched:
+    """What was seen of one board; rates are messages per second by `role name`."""
+
+    findings: tuple[Finding, ...]
+    view: BoardView
+    watched_s: float
+    rates_hz: dict[str, float]
+    clock_offset_s: float | None
+    clock_drift_ppm: float | None
+
+
+async def watch_board(
+    transport: Transport, baud: int | None, store: TypeStore, *, watch_s: float, answer_s: float
+) -> Watched:
+    """Serve a board for `watch_s` after its first answer, or give it up after `answer_s`; closes its line."""
+    clock = asyncio.get_running_loop().time
+    # A step of the wall clock meanwhile would pass for drift of the board's.
+    epoch_ns = time.time_ns() - round(clock() * 1e9)
+    graph = await MemoryNetwork(lambda: Time.from_ns(epoch_ns + round(clock() * 1e9))).join(_NODE)
+    node = BoardNode(graph, store, SilentReporter(), clock)
+    session = Session(transport, node, baud=baud)
+    began_s = clock()
+    session.start()
+    try:
+        alive_s = await _watch(session, clock, watch_s, answer_s)
+        now_s = clock()
+        watched_s = now_s - (alive_s if alive_s is not None else began_s)
+        findings = node.health.find(now_s)
+        if not session.is_connected:
+            findings.insert(0, _lost(await session.wait_ended()))
+        elif alive_s is None and not findings:
+            findings.append(absence(session.watch.noise, baud, watched_s))
+        view = view_board(node, session)
+        rates_hz = {
+            f"{each.role} {each.name}": each.message_count / max(watched_s, _LOOK_S)
+            for each in view.endpoints
+        }
+        estimate = node.health.clock
+        return Watched(
+            tuple(findings),
+            view,
+            watched_s,
+            rates_hz,
+            estimate.offset_s(view.round_trip_s),
+            estimate.drift_ppm,
+        )
+    finally:
+        await session.stop()
+        await node.close()
+
+
+async def _watch(
+    session: Session, clock: Callable[[], float], watch_s: float, answer_s: float
+) -> float | None:
+    """Wait as long as there is something to learn; return when the board first answered."""
+    began_s = found_s = clock()
+    alive_s: float | None = None
+    while session.is_connected:
+        await asyncio.sleep(_LOOK_S)
+        now_s = clock()
+        if now_s - found_s >= _FIND_PERIOD_S:
+            # Shares and trends are judged from look to look.
+            found_s = now_s
+            session.node.health.find(now_s)
+        if session.watch.was_alive:
+            alive_s = now_s if alive_s is None else alive_s
+            is_doubtful = session.link.statistics.resets > 0 or session.watch.loop_speed.is_suspect
+            if now_s - alive_s >= (max(UNREST_S, watch_s) if is_doubtful else watch_s):
+                break
+        elif now_s - began_s >= answer_s:
+            break
+    return alive_s
+
+
+def _lost(failure: TransportError | None) -> Finding:
+    seen, _, step = str(failure or "the board hung up").partition("; ")
+    return error(
+        Code.CONNECTION_LOST,
+        f"the connection ended while it was watched: {seen}",
+        step or "look for a loose plug, and for a supply too weak for the board",
+    )

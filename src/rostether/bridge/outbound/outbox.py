@@ -1,0 +1,294 @@
+"""What waits to go to one board: a bounded queue a topic, emptied in turns, behind all control traffic.
+
+A queue that overflows pauses its source where the link pauses us (TCP, pty), so that the messages wait in
+ROS and none is lost; a board that takes no byte for a second is waited for no longer. Everywhere else, and
+for such a board, the oldest messages of that topic go. Control traffic, and answers that someone waits for,
+never queue.
+"""
+
+from __future__ import annotations
+
+from asyncio import TimerHandle
+from collections import deque
+from collections.abc import Callable, Sequence
+from typing import Protocol
+
+from rostether.bridge.outbound.line_pacer import LinePacer
+from rostether.bridge.outbound.topic_queue import FRAME_OVERHEAD_BYTES, TopicQueue
+from rostether.bridge.settings import BridgeSettings
+from rostether.errors import LocalProtocolError
+from rostether.transports.transport import Transport
+
+# On a line of known speed, older commands than this are better lost than obeyed.
+QUEUE_LINE_S = 2.0
+# Slow lines still hold a burst of small commands.
+MIN_QUEUE_BYTES = 8 * 1024
+# A paused source may have this much of what it had read already on its way to us.
+PAUSED_QUEUE_FACTOR = 8
+# One topic's share before the next one's turn: many small messages, few enough to keep the turns short.
+TURN_BYTES = 4 * 1024
+# One write; other boards get their turn between two.
+WRITE_BYTES = 256 * 1024
+# What comes after a pause this long is written at once; what comes sooner is gathered for one write a turn.
+EAGER_AFTER_S = 0.0005
+EAGER_MESSAGES = 16
+# How often a paused source looks whether the board still takes bytes.
+STALL_CHECK_S = 0.1
+
+
+class FrameSource(Protocol):
+    """The link's half of sending."""
+
+    def data_to_send(self) -> bytes:
+        """Return the control traffic that is due."""
+
+    def encode_message(self, topic_id: int, payload: bytes) -> bytes:
+        """Return one frame. Raises LocalProtocolError for an id the board does not take."""
+
+    def encode_messages(self, topic_id: int, payloads: Sequence[bytes]) -> bytes:
+        """Return the frames. Raises LocalProtocolError for an id the board does not take."""
+
+
+class Scheduler(Protocol):
+    """The part of an event loop that the outbox needs."""
+
+    def time(self) -> float:
+        """Return the loop's clock in seconds."""
+
+    def call_soon(self, callback: Callable[[], object]) -> object:
+        """Call in the next turn."""
+
+    def call_later(self, delay: float, callback: Callable[[], object]) -> TimerHandle:
+        """Call after a delay in seconds."""
+
+
+class Outbox:
+    """Everything one session writes goes through here.
+
+    `on_dropped(lane, count)` is told of each overflow. `baud` is the line's speed, where it has one.
+    """
+
+    def __init__(
+        self,
+        transport: Transport,
+        link: FrameSource,
+        loop: Scheduler,
+        *,
+        on_dropped: Callable[[TopicQueue, int], None],
+        settings: BridgeSettings,
+        baud: int | None = None,
+    ) -> None:
+        self._transport = transport
+        self._link = link
+        self._loop = loop
+        self._on_dropped = on_dropped
+        self._stall_s = settings.stall_s
+        self._unsent_limit_bytes = settings.unsent_bytes
+        self._pacer = LinePacer(baud) if baud else None
+        self._limit_bytes = settings.queue_bytes
+        if self._pacer is not None:
+            line_bytes = int(self._pacer.bytes_per_s * QUEUE_LINE_S)
+            self._limit_bytes = min(settings.queue_bytes, max(MIN_QUEUE_BYTES, line_bytes))
+        self._waits_for_board = transport.can_pause and self._pacer is None
+        self._ready: deque[TopicQueue] = deque()
+        self._drained: list[TopicQueue] = []
+        self._answers: list[bytes] = []
+        self._scheduled = False
+        self._flushed_s = 0.0
+        self._paced: TimerHandle | None = None
+        self._blocked = False
+        self._stalled = False
+        self._stall_check: TimerHandle | None = None
+        self._unsent_bytes = 0
+        self._progress_s = 0.0
+        self.sent_bytes = 0
+
+    @property
+    def queued_bytes(self) -> int:
+        """How many bytes wait in the topics' queues."""
+        return sum(lane.queued_bytes for lane in self._ready)
+
+    def put(self, lane: TopicQueue, payloads: Sequence[bytes]) -> None:
+        """Queue messages of one topic; they leave by the end of this turn of the event loop if the link
+        takes them."""
+        if len(payloads) <= EAGER_MESSAGES and self._is_idle():
+            self._send_now(lane, payloads)
+            return
+        if not lane.payloads:
+            self._ready.append(lane)
+        lane.payloads.extend(payloads)
+        lane.queued_bytes += sum(map(len, payloads)) + FRAME_OVERHEAD_BYTES * len(payloads)
+        if lane.depth is not None and len(lane.payloads) > lane.depth:
+            self._overflow_depth(lane)
+        if lane.queued_bytes > self._limit_bytes:
+            self._overflow(lane)
+        if not self._scheduled:
+            self._schedule()
+
+    def answer(self, topic_id: int, payload: bytes) -> None:
+        """Send what the board, or the one caller of its service, waits for: ahead of all topics.
+
+        Raises LocalProtocolError for an id the board does not take or a payload larger than its buffer.
+        """
+        self._answers.append(self._link.encode_message(topic_id, payload))
+        if not self._scheduled:
+            self._schedule()
+
+    def remove(self, lane: TopicQueue) -> None:
+        """Forget a topic and what waits for it."""
+        if lane in self._ready:
+            self._ready.remove(lane)
+        lane.payloads.clear()
+        lane.queued_bytes = 0
+        lane.set_source(None)
+
+    def flush(self) -> None:
+        """Write what is due: answers, control traffic, then topics as far as the link takes them."""
+        self._scheduled = False
+        # Answers first: the link may have held control traffic back until the answer was made.
+        pieces, self._answers = self._answers, []
+        control = self._link.data_to_send()
+        if control:
+            pieces.append(control)
+        if self._blocked:
+            if pieces and self._transport.write_buffer_bytes < self._unsent_limit_bytes:
+                self._write(pieces)
+            return
+        if self._ready:
+            if self._pacer is None:
+                self._take_turns(pieces, WRITE_BYTES)
+            elif (room := self._pacer.room_bytes(self._loop.time())) > 0:
+                self._take_turns(pieces, room)
+        if pieces:
+            self._flushed_s = self._loop.time()
+            self._write(pieces)
+        if self._drained:
+            # Only now: a source may bring more at once, and that must come behind what was just written.
+            drained, self._drained = self._drained, []
+            for lane in drained:
+                lane.resume_source()
+        if self._ready and not self._scheduled:
+            self._schedule()
+
+    def pause_writing(self) -> None:
+        """The transport has enough."""
+        self._blocked = True
+        self._unsent_bytes = self._transport.write_buffer_bytes
+        self._progress_s = self._loop.time()
+
+    def resume_writing(self) -> None:
+        """The transport takes more."""
+        self._blocked = False
+        self._stalled = False
+        if not self._scheduled:
+            self._schedule()
+
+    def close(self) -> None:
+        """Let go of every source and timer; nothing is written any more."""
+        self._blocked = True
+        for timer in (self._paced, self._stall_check):
+            if timer is not None:
+                timer.cancel()
+        for lane in self._ready:
+            lane.resume_source()
+        self._ready.clear()
+
+    def _is_idle(self) -> bool:
+        return (
+            not (self._ready or self._scheduled or self._blocked)
+            and self._pacer is None
+            and self._loop.time() - self._flushed_s > EAGER_AFTER_S
+        )
+
+    def _send_now(self, lane: TopicQueue, payloads: Sequence[bytes]) -> None:
+        self._flushed_s = self._loop.time()
+        frames = self._encode(lane, payloads)
+        if frames:
+            self.sent_bytes += len(frames)
+            self._transport.write(frames)
+
+    def _encode(self, lane: TopicQueue, payloads: Sequence[bytes]) -> bytes:
+        try:
+            frames = self._link.encode_messages(lane.topic_id, payloads)
+        except LocalProtocolError:
+            # The board no longer takes the topic, for instance after a reset with another sketch.
+            lane.dropped_count += len(payloads)
+            return b""
+        lane.sent_count += len(payloads)
+        return frames
+
+    def _schedule(self) -> None:
+        if self._blocked and not self._answers:
+            return
+        if self._pacer is not None and not self._answers:
+            now_s = self._loop.time()
+            if self._pacer.room_bytes(now_s) <= 0:
+                if self._paced is None:
+                    self._paced = self._loop.call_later(self._pacer.wait_s(now_s), self._paced_flush)
+                return
+        self._scheduled = True
+        self._loop.call_soon(self.flush)
+
+    def _paced_flush(self) -> None:
+        self._paced = None
+        if self._pacer is not None:
+            self._pacer.observe(self._transport.write_buffer_bytes, self._loop.time())
+        self.flush()
+
+    def _take_turns(self, pieces: list[bytes], room_bytes: int) -> None:
+        ready = self._ready
+        while room_bytes > 0 and ready:
+            lane = ready.popleft()
+            payloads = lane.pop_ready(room_bytes if not ready else min(room_bytes, TURN_BYTES))
+            if lane.payloads:
+                ready.append(lane)
+            frames = self._encode(lane, payloads)
+            if not frames:
+                continue
+            room_bytes -= len(frames)
+            pieces.append(frames)
+            if lane.source_paused and lane.queued_bytes <= self._limit_bytes // 2:
+                self._drained.append(lane)
+
+    def _write(self, pieces: list[bytes]) -> None:
+        data = pieces[0] if len(pieces) == 1 else b"".join(pieces)
+        self.sent_bytes += len(data)
+        if self._pacer is not None:
+            self._pacer.written(len(data), self._loop.time())
+        self._transport.write(data)
+
+    def _overflow_depth(self, lane: TopicQueue) -> None:
+        if not self._blocked and self._pacer is None:
+            self.flush()
+        if dropped := lane.drop_beyond_depth():
+            self._on_dropped(lane, dropped)
+
+    def _overflow(self, lane: TopicQueue) -> None:
+        if not self._blocked and self._pacer is None:
+            self.flush()
+            if lane.queued_bytes <= self._limit_bytes:
+                return
+        limit_bytes = self._limit_bytes
+        if self._waits_for_board and not self._stalled and lane.has_source:
+            lane.pause_source()
+            limit_bytes *= PAUSED_QUEUE_FACTOR
+            if self._stall_check is None:
+                self._stall_check = self._loop.call_later(STALL_CHECK_S, self._check_stall)
+        if dropped := lane.drop_oldest(limit_bytes):
+            self._on_dropped(lane, dropped)
+
+    def _check_stall(self) -> None:
+        self._stall_check = None
+        if not any(lane.source_paused for lane in self._ready):
+            return
+        now_s = self._loop.time()
+        unsent_bytes = self._transport.write_buffer_bytes
+        if unsent_bytes != self._unsent_bytes or not self._blocked:
+            self._unsent_bytes = unsent_bytes
+            self._progress_s = now_s
+        elif now_s - self._progress_s >= self._stall_s:
+            self._stalled = True
+            for lane in self._ready:
+                lane.resume_source()
+            return
+        self._stall_check = self._loop.call_later(STALL_CHECK_S, self._check_stall)

@@ -1,0 +1,110 @@
+"""The queue of what waits to go out on one topic id, and the tap of the source that fills it."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Protocol
+
+# Counted for each message beside its payload, so that a flood of empty ones is bounded too.
+FRAME_OVERHEAD_BYTES = 8
+
+
+class PausableSource(Protocol):
+    """Where a queue's messages come from: a graph subscription."""
+
+    def pause(self) -> None:
+        """Bring nothing until resume."""
+
+    def resume(self) -> None:
+        """Bring more."""
+
+
+class TopicQueue:
+    """The queue of one topic id; it holds `depth` messages at most (None: only bytes count)."""
+
+    __slots__ = (
+        "_source",
+        "_source_paused",
+        "depth",
+        "dropped_count",
+        "payloads",
+        "queued_bytes",
+        "sent_count",
+        "topic",
+        "topic_id",
+    )
+
+    def __init__(self, topic_id: int, topic: str, depth: int | None = None) -> None:
+        self.topic_id = topic_id
+        self.topic = topic
+        self.depth = depth
+        self.payloads: deque[bytes] = deque()
+        self.queued_bytes = 0
+        self.sent_count = 0
+        self.dropped_count = 0
+        self._source: PausableSource | None = None
+        self._source_paused = False
+
+    @property
+    def has_source(self) -> bool:
+        """Whether there is somebody to pause."""
+        return self._source is not None
+
+    def set_source(self, source: PausableSource | None) -> None:
+        """Say who fills the queue from now on; who filled it before is left running."""
+        self.resume_source()
+        self._source = source
+
+    @property
+    def source_paused(self) -> bool:
+        """Whether the source was told to wait."""
+        return self._source_paused
+
+    def pop_ready(self, room_bytes: int) -> list[bytes]:
+        """Remove and return the oldest messages that fill the room, at least one."""
+        payloads = self.payloads
+        if self.queued_bytes <= room_bytes:
+            taken = list(payloads)
+            payloads.clear()
+            self.queued_bytes = 0
+            return taken
+        taken = []
+        while room_bytes > 0 and payloads:
+            payload = payloads.popleft()
+            size = len(payload) + FRAME_OVERHEAD_BYTES
+            self.queued_bytes -= size
+            room_bytes -= size
+            taken.append(payload)
+        return taken
+
+    def drop_oldest(self, limit_bytes: int) -> int:
+        """Drop whole messages until the queue fits, but never the newest. Return how many."""
+        dropped = 0
+        while self.queued_bytes > limit_bytes and len(self.payloads) > 1:
+            dropped += self._drop_one()
+        self.dropped_count += dropped
+        return dropped
+
+    def drop_beyond_depth(self) -> int:
+        """Drop the oldest messages beyond the depth. Return how many."""
+        dropped = 0
+        while self.depth is not None and len(self.payloads) > self.depth:
+            dropped += self._drop_one()
+        self.dropped_count += dropped
+        return dropped
+
+    def _drop_one(self) -> int:
+        self.queued_bytes -= len(self.payloads.popleft()) + FRAME_OVERHEAD_BYTES
+        return 1
+
+    def pause_source(self) -> None:
+        """Pause where the messages come from."""
+        if self._source is not None and not self._source_paused:
+            self._source_paused = True
+            self._source.pause()
+
+    def resume_source(self) -> None:
+        """Undo pause_source."""
+        if self._source is not None and self._source_paused:
+            self._source_paused = False
+            self._source.resume()

@@ -1,0 +1,118 @@
+"""Finds boards on the serial ports as they are plugged in, and leaves all other ports alone."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+from collections.abc import Awaitable, Callable, Sequence
+
+from rostether.bridge.ports.found_port import FoundPort, ServeBoard
+from rostether.bridge.ports.machine_ports import THIS_MACHINE, MachinePorts
+from rostether.bridge.reporter import Reporter
+from rostether.graph.ports import Level
+from rostether.ports.device_book import DeviceBook
+from rostether.ports.known_boards import KnownBoards
+from rostether.ports.port_choice import Choice, choose, identify
+from rostether.ports.port_watch import PortWatch
+from rostether.ports.usb_boards import board_of
+from rostether.transports.serial_port import SerialPort
+
+MAX_OFFERS = 256
+"""Ports of which it was said that they are left alone."""
+
+
+class Discovery:
+    """The search for boards on this machine's serial ports.
+
+    `taken` are paths that are served already. `run` never ends by itself; its tasks are made by `spawn`.
+    """
+
+    def __init__(
+        self,
+        *,
+        devices: DeviceBook,
+        known: KnownBoards,
+        serve: ServeBoard,
+        spawn: Callable[[Awaitable[object]], asyncio.Task[None]],
+        reporter: Reporter,
+        taken: Sequence[str] = (),
+        ports: MachinePorts = THIS_MACHINE,
+    ) -> None:
+        self._devices = devices
+        self._known = known
+        self._serve = serve
+        self._spawn = spawn
+        self._reporter = reporter
+        self._taken = tuple(taken)
+        self._ports = ports
+        marked = [device.match.port for device in devices.devices if device.match is not None]
+        entries = (*devices.discovery.probe, *(port for port in marked if port is not None))
+        self._watch = PortWatch(ports.list_ports, entries=entries, folders=ports.folders)
+        self._kept: dict[str, tuple[FoundPort, asyncio.Task[None]]] = {}
+        self._present: dict[str, SerialPort] = {}
+        self._offered: set[str] = set()
+
+    async def run(self) -> None:
+        """Watch the ports until cancelled."""
+        self._reporter.line(Level.INFO, "Looking for boards on the serial ports")
+        is_first = True
+        async for ports in self._watch.changes():
+            self._update(ports)
+            if is_first and not self._kept:
+                self._reporter.line(
+                    Level.INFO, "No known board is plugged in yet; `rostether ports` lists all"
+                )
+            is_first = False
+
+    def _update(self, ports: Sequence[SerialPort]) -> None:
+        present = self._present = {port.path: port for port in ports}
+        moved = {identify(port).key for port in ports}
+        for path, (found, task) in list(self._kept.items()):
+            is_here = self._is_here(found.port)
+            if is_here and found.is_dismissed:
+                continue
+            # What is served ends by itself, with its last words; unless it is here again already.
+            has_left = not is_here and (not found.is_serving or found.identity.key in moved)
+            if has_left or task.done() or (path in present and not is_here):
+                task.cancel()
+                del self._kept[path]
+        taken = {os.path.realpath(path) for path in self._taken}
+        for port in ports:
+            if port.path not in self._kept and os.path.realpath(port.path) not in taken:
+                self._consider(port)
+
+    def _is_here(self, port: SerialPort) -> bool:
+        """Whether a port is still there, with the same board."""
+        now = self._present.get(port.path)
+        return now is not None and identify(now).key == identify(port).key
+
+    def _consider(self, port: SerialPort) -> None:
+        settings = self._devices.settings_of(identify(port))
+        choice = choose(port, settings, self._devices.discovery)
+        if choice is Choice.LEAVE:
+            return
+        if choice is Choice.OFFER:
+            self._offer(port)
+            return
+        found = FoundPort(
+            port,
+            choice,
+            settings,
+            ports=self._ports,
+            is_present=self._is_here,
+            serve=self._serve,
+            known=self._known,
+            reporter=self._reporter,
+        )
+        self._kept[port.path] = found, self._spawn(found.run())
+
+    def _offer(self, port: SerialPort) -> None:
+        key = identify(port).key
+        if key in self._offered or len(self._offered) >= MAX_OFFERS:
+            return
+        self._offered.add(key)
+        what = board_of(port.usb_vendor_id, port.usb_product_id) or port.description
+        self._reporter.line(
+            Level.INFO,
+            f"{port.path} ({what}) is left alone: it may be anything; is it a board? --probe {port.usb_id}",
+        )

@@ -1,0 +1,217 @@
+"""One port that the search for boards may open: in use by others, asked, served, or left alone.
+
+waits while another program uses it ──> opened ──> asked ──┬── a board: served until it is gone ──> again
+   ^                                      │                └── none: closed and left alone
+   └────── said once, tried later <───────┘                       │
+   └────── another program used it since (a new sketch?), or it was a board before <──┘
+"""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import sys
+from collections.abc import Awaitable, Callable
+from typing import Protocol
+
+from rostether.bridge.ports.machine_ports import MachinePorts
+from rostether.bridge.ports.port_probe import TunableTransport, probe_port
+from rostether.bridge.reporter import Reporter, printable
+from rostether.errors import RostetherError, SessionError, TransportError
+from rostether.graph.ports import Level
+from rostether.ports.board_identity import BoardIdentity
+from rostether.ports.known_boards import KnownBoards
+from rostether.ports.port_choice import Choice, identify
+from rostether.ports.settings import DeviceSettings
+from rostether.rosserial.baud_probe import BoardFound, NoBoard
+from rostether.transports.address import DEFAULT_BAUD, Address, SerialAddress
+from rostether.transports.backoff import Backoff
+from rostether.transports.serial_port import SerialPort
+from rostether.transports.transport import Transport
+
+FIRST_RETRY_S = 0.25
+MAX_RETRY_S = 5.0
+"""A port in use is looked at this seldom at most: each look walks through /proc."""
+
+SETTLE_S = 1.0
+"""udev gives a new port its group, and ModemManager lets go of it, a moment after it appears."""
+
+FIRST_ASK_AGAIN_S = 5.0
+MAX_ASK_AGAIN_S = 60.0
+"""A board that answered before, or that the user named, is asked again; it may be without power."""
+
+LOOK_PERIOD_S = 1.0
+"""How often a port that is left alone is looked at (not opened) for signs that another program used it."""
+
+AFTER_LOSS_S = 0.1
+"""A port is gone from the list a moment after it is lost."""
+
+RESETS_AT_CLOSE = sys.platform != "linux"
+"""Linux raises DTR at the first opening; left up, later ones reset no board. Elsewhere it must be raised."""
+
+
+class ServeBoard(Protocol):
+    """Serves a board until its link ends."""
+
+    def __call__(
+        self, address: Address, transport: Transport, identity: BoardIdentity
+    ) -> Awaitable[TransportError | None]:
+        """Serve; returns why the link ended. Raises SessionError if it is not to be served again."""
+
+
+class FoundPort:
+    """Keeps one port, in a task that ends when the port is gone, at the latest by being cancelled.
+
+    `is_dismissed`: the board's node was shut down from outside, so the port is left alone.
+    """
+
+    def __init__(
+        self,
+        port: SerialPort,
+        choice: Choice,
+        settings: DeviceSettings,
+        *,
+        ports: MachinePorts,
+        is_present: Callable[[SerialPort], bool],
+        serve: ServeBoard,
+        known: KnownBoards,
+        reporter: Reporter,
+    ) -> None:
+        self.port = port
+        self.choice = choice
+        self.identity = identify(port)
+        self.is_serving = False
+        self.is_dismissed = False
+        self._settings = settings
+        self._ports = ports
+        self._is_present = is_present
+        self._serve = serve
+        self._known = known
+        self._reporter = reporter
+        self._title = f"{port.path} ({port.description})"
+        self._told = ""
+
+    async def run(self) -> None:
+        """Keep the port."""
+        ask_again = Backoff(first_s=FIRST_ASK_AGAIN_S, limit_s=MAX_ASK_AGAIN_S)
+        while (transport := await self._open()) is not None:
+            try:
+                found = await self._ask(transport)
+                if isinstance(found, BoardFound):
+                    ask_again.reset()
+                    await self._serve_board(transport, found.baud)
+                    await asyncio.sleep(AFTER_LOSS_S)
+                    continue
+            except SessionError:
+                self.is_dismissed = True
+                return
+            except TransportError:
+                # It was unplugged while it was asked; the list of ports says so next.
+                await asyncio.sleep(AFTER_LOSS_S)
+                continue
+            finally:
+                transport.close()
+            await transport.wait_closed()
+            self._say_no_board(found)
+            was_board = self._known.baud_of(self.identity.key) is not None
+            is_expected = was_board or self.choice is Choice.EXPECT
+            await self._leave_alone(ask_again.next_delay_s() if is_expected else None)
+
+    async def _open(self) -> TunableTransport | None:
+        """Open the port as soon as nobody else uses it; None if it has gone."""
+        loop = asyncio.get_running_loop()
+        backoff = Backoff(first_s=FIRST_RETRY_S, limit_s=MAX_RETRY_S)
+        began_s = loop.time()
+        while self._is_present(self.port):
+            user = await asyncio.to_thread(self._ports.find_user, self.port.path)
+            if user is None:
+                try:
+                    return await self._ports.open_port(self._address(self._first_baud()))
+                except RostetherError as error:
+                    refusal = f"{error} (trying again)"
+            else:
+                refusal = f"{self._title} is in use by {user}: left alone until that ends"
+            if loop.time() - began_s >= SETTLE_S:
+                self._report(Level.WARN, refusal)
+            await asyncio.sleep(backoff.next_delay_s())
+        return None
+
+    async def _ask(self, transport: TunableTransport) -> BoardFound | NoBoard:
+        if self.choice is Choice.SERVE:
+            return BoardFound(self._first_baud(), 0, b"")
+        known_baud = self._known.baud_of(self.identity.key)
+        found = await probe_port(
+            transport,
+            known_baud=known_baud,
+            listens_first=self.choice is Choice.LISTEN and known_baud is None,
+        )
+        if isinstance(found, BoardFound):
+            self._told = ""
+            speed = f"{found.baud} baud, " if transport.has_baud else ""
+            if self.identity.usb_id is not None:
+                self._known.remember(self.identity.key, found.baud)
+            self._reporter.line(
+                Level.INFO, f"Found a board at {self._title}: {speed}protocol version {found.version}"
+            )
+        return found
+
+    async def _serve_board(self, transport: Transport, baud: int) -> None:
+        if self.choice is Choice.SERVE:
+            self._reporter.line(Level.INFO, f"Connecting to {self._title} at {baud} baud")
+        self.is_serving = True
+        try:
+            error = await self._serve(self._address(baud), transport, self.identity)
+        finally:
+            self.is_serving = False
+        if error is not None:
+            self._reporter.line(Level.WARN, str(error))
+
+    async def _leave_alone(self, ask_again_s: float | None) -> None:
+        """Wait until there is a reason to ask again."""
+        loop = asyncio.get_running_loop()
+        left_s = loop.time()
+        mark = _use_mark(self.port.path)
+        while _use_mark(self.port.path) == mark:
+            if ask_again_s is not None and loop.time() - left_s >= ask_again_s:
+                return
+            await asyncio.sleep(LOOK_PERIOD_S)
+
+    def _first_baud(self) -> int:
+        return self._settings.baud or self._known.baud_of(self.identity.key) or DEFAULT_BAUD
+
+    def _address(self, baud: int) -> SerialAddress:
+        resets = self._settings.reset if self._settings.reset is not None else RESETS_AT_CLOSE
+        identity, name = self.identity, self._settings.name
+        if name is None and identity.own_serial_number is None and identity.usb_location is not None:
+            # The socket stays when the port's number changes.
+            name = f"usb_{identity.usb_location}".translate(_NAME_OF_SOCKET)
+        return SerialAddress(self.port.path, baud, resets, name=name)
+
+    def _say_no_board(self, found: NoBoard) -> None:
+        what = f"{self._title} does not answer as a rosserial board at any usual speed"
+        if found.text_baud is not None:
+            text = found.text.decode("ascii", "replace").strip()
+            what = f"{self._title} sends text at {found.text_baud} baud ({text!r}) and is no rosserial board"
+        elif found.foreign_bytes:
+            what = f"{self._title} sends {found.foreign_bytes} bytes that no rosserial board sends"
+        self._report(
+            Level.WARN, f"{what}: left alone until it is plugged in again or another program has used it"
+        )
+
+    def _report(self, level: Level, text: str) -> None:
+        """Say a line unless it was the last one of this port."""
+        if text != self._told:
+            self._told = text
+            self._reporter.line(level, printable(text))
+
+
+_NAME_OF_SOCKET = str.maketrans("-.:", "___")
+
+
+def _use_mark(path: str) -> tuple[int, int] | None:
+    """Return what changes when a program reads or writes a port: its file's times."""
+    try:
+        status = os.stat(path)  # noqa: PTH116 - once a second
+    except OSError:
+        return None
+    return status.st_mtime_ns, status.st_atime_ns

@@ -1,0 +1,167 @@
+"""Keeps one link open: waits for a port that is not there, and opens it again each time it was lost."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable
+from dataclasses import replace
+from typing import Protocol
+
+from rostether.bridge.identity import identify_peer
+from rostether.bridge.reporter import Reporter
+from rostether.errors import NodeEndedError, TransportError
+from rostether.graph.ports import Level
+from rostether.ports.board_identity import BoardIdentity
+from rostether.ports.device_book import DeviceBook
+from rostether.ports.port_finder import PortFinder
+from rostether.ports.port_watch import ListPorts
+from rostether.ports.settings import DeviceSettings
+from rostether.transports.address import Address, SerialAddress
+from rostether.transports.backoff import Backoff
+from rostether.transports.opening import list_serial_ports
+from rostether.transports.transport import Transport
+
+# Messages are to flow half a second after a board is back, and opening its port takes a part of that; a look
+# costs microseconds.
+PRESENCE_POLL_S = 0.1
+# For the same reason; an attempt that is refused costs 0.3 ms.
+MAX_RETRY_S = 0.4
+# udev gives a new port its group a moment after it appears: only a refusal that lasts is worth a line.
+SETTLE_S = 1.0
+
+
+class OpenLink(Protocol):
+    """Opens the link."""
+
+    def __call__(self, address: Address) -> Awaitable[Transport]:
+        """Open. Raises TransportError."""
+
+
+class ServeLink(Protocol):
+    """Uses an open link until it ends."""
+
+    def __call__(
+        self, address: Address, transport: Transport, identity: BoardIdentity
+    ) -> Awaitable[TransportError | None]:
+        """Serve; returns why the link ended, None if it was our own wish."""
+
+
+class LinkKeeper:
+    """Keeps the link of one address; `devices` may set a board's speed where the address does not.
+
+    `list_ports` is the system's list of serial ports.
+    """
+
+    def __init__(
+        self,
+        address: Address,
+        open_link: OpenLink,
+        serve: ServeLink,
+        reporter: Reporter,
+        devices: DeviceBook | None = None,
+        list_ports: ListPorts = list_serial_ports,
+    ) -> None:
+        self._address = address
+        self._open_link = open_link
+        self._serve = serve
+        self._reporter = reporter
+        self._devices = devices if devices is not None else DeviceBook()
+        self._finder: PortFinder | None = None
+        if isinstance(address, SerialAddress) and _comes_and_goes(address):
+            self._finder = PortFinder(address.path, list_ports, asyncio.get_running_loop().time)
+
+    async def run(self) -> None:
+        """Serve the link until cancelled."""
+        while True:
+            address, identity, transport = await self._open()
+            try:
+                error = await self._serve(address, transport, identity or identify_peer(transport.peer))
+            except NodeEndedError:
+                if self._finder is None:
+                    raise
+                # To open the port again at once would be to fight who ended the node.
+                await self._wait_gone(self._finder)
+                continue
+            if error is not None:
+                self._reporter.line(Level.WARN, str(error))
+            # An own close, after a fault of the session, must not become a busy loop.
+            await asyncio.sleep(PRESENCE_POLL_S)
+
+    async def _open(self) -> tuple[Address, BoardIdentity | None, Transport]:
+        loop = asyncio.get_running_loop()
+        backoff = Backoff(limit_s=MAX_RETRY_S)
+        began_s = loop.time()
+        told = ""
+        while True:
+            path = await self._wait_present()
+            address, identity = self._identify(path)
+            try:
+                transport = await self._open_link(address if path is None else _at(address, path))
+            except TransportError as error:
+                lasting = loop.time() - began_s >= SETTLE_S or not isinstance(address, SerialAddress)
+                if lasting and str(error) != told:
+                    told = str(error)
+                    self._reporter.line(Level.ERROR, f"{told} (trying again)")
+                await asyncio.sleep(backoff.next_delay_s())
+                continue
+            baud = f" at {address.baud} baud" if isinstance(address, SerialAddress) else ""
+            self._reporter.line(Level.INFO, f"Connecting to {path or address}{baud}")
+            return address, identity, transport
+
+    async def _wait_present(self) -> str | None:
+        """Return the path to open, None for what is no serial port with a path."""
+        if self._finder is None:
+            return None
+        told = False
+        while (path := self._finder.find()) is None:
+            if not told:
+                told = True
+                self._reporter.line(
+                    Level.WARN, f"{self._address} is not there; waiting for it to be plugged in"
+                )
+            await asyncio.sleep(PRESENCE_POLL_S)
+        return path
+
+    async def _wait_gone(self, finder: PortFinder) -> None:
+        while finder.find() is not None:  # noqa: ASYNC110 - systems differ in how they would tell
+            await asyncio.sleep(PRESENCE_POLL_S)
+
+    def _identify(self, path: str | None) -> tuple[Address, BoardIdentity | None]:
+        """Return who is behind a serial port, and the address with what is set for that board."""
+        address = self._address
+        if self._finder is None or path is None or not isinstance(address, SerialAddress):
+            return address, None
+        identity = self._finder.identify(path)
+        return with_settings(address, self._devices.settings_for(address.name, identity)), identity
+
+
+def way_back(address: Address) -> str:
+    """Return what must happen to serve a board again whose node was shut down from outside."""
+    if address.listens:
+        return "it connects anew"
+    return "it is plugged out and in" if _comes_and_goes(address) else "you start again"
+
+
+def identify_address(address: Address, list_ports: ListPorts = list_serial_ports) -> BoardIdentity:
+    """Return what is known of a link's board before it has answered: the marks of its port, if it has one."""
+    if isinstance(address, SerialAddress) and "/" in address.path:
+        return PortFinder(address.path, list_ports, lambda: 0.0).identify(address.path)
+    return BoardIdentity()
+
+
+def with_settings(address: SerialAddress, device: DeviceSettings) -> SerialAddress:
+    """Return the address with a device's speed and reset, where it does not have its own."""
+    if device.baud is not None and "baud" not in address.given:
+        address = replace(address, baud=device.baud)
+    if device.reset is not None and "reset" not in address.given:
+        address = replace(address, reset=device.reset)
+    return address
+
+
+def _comes_and_goes(address: Address) -> bool:
+    """Tell whether a link's port is seen to: what is no path is a port of Windows, which tells by opening."""
+    return isinstance(address, SerialAddress) and "/" in address.path
+
+
+def _at(address: Address, path: str) -> Address:
+    return replace(address, path=path) if isinstance(address, SerialAddress) else address

@@ -1,0 +1,43 @@
+"""The serial ports of a machine, as the search for boards sees and opens them."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from rostether.bridge.ports.port_probe import TunableTransport
+from rostether.ports.port_locks import find_user
+from rostether.ports.port_watch import DEVICE_FOLDER, ListPorts
+from rostether.transports.address import SerialAddress
+from rostether.transports.opening import list_serial_ports
+
+
+class OpenPort(Protocol):
+    """Opens a serial port."""
+
+    def __call__(self, address: SerialAddress) -> Awaitable[TunableTransport]:
+        """Open. Raises TransportOpenError, ConfigError."""
+
+
+async def open_port(address: SerialAddress) -> TunableTransport:
+    """Open a serial port. Raises TransportOpenError, ConfigError."""
+    from rostether.transports.serial import open_serial  # imports serialx
+
+    return await open_serial(address)
+
+
+@dataclass(frozen=True, slots=True)
+class MachinePorts:
+    """`list_ports` is the system's list, `folders` are watched for changes of it.
+
+    `find_user` names the other program that uses a port; it is called in a thread.
+    """
+
+    list_ports: ListPorts = list_serial_ports
+    folders: Sequence[str] = (DEVICE_FOLDER,)
+    open_port: OpenPort = open_port
+    find_user: Callable[[str], str | None] = find_user
+
+
+THIS_MACHINE = MachinePorts()

@@ -1,0 +1,76 @@
+"""The door of a gateway: how many connections there are, and from where, before a byte is read."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Sequence
+
+from rostether.gateways.clean_line import clean_line
+from rostether.transports.allow_list import AllowList
+
+QUIET_S = 10.0
+"""A page that may not connect tries again every second; one line now and then tells as much."""
+
+MAX_REASONS = 5
+"""Reasons told in that time: who is refused may give each of its connections another."""
+
+
+class ConnectionLimiter:
+    """Counts connections in and out, and tells of those that it refuses, now and then.
+
+    `allow` are the networks that may connect, all where there are none; `most` bounds the connections.
+    """
+
+    def __init__(self, allow: Sequence[str], most: int, tell: Callable[[str], None]) -> None:
+        self.open_count = 0
+        self._allow = AllowList(allow)
+        self._most = most
+        self._tell = tell
+        self._told: set[str] = set()
+        self._told_until_s = 0.0
+        self._unsaid = 0
+
+    def admit(self, transport: asyncio.BaseTransport) -> bool:
+        """Tell whether a new connection may stay, and count it; who lets it in tells of its end."""
+        reason = self._refusal(transport)
+        if reason:
+            self.report_refusal(transport, reason)
+            return False
+        self.open_count += 1
+        return True
+
+    def release(self) -> None:
+        """Free the place of a connection that was let in."""
+        self.open_count -= 1
+
+    def report_refusal(self, transport: asyncio.BaseTransport, reason: str) -> None:
+        """Say that a connection was refused, unless that was said of one just now."""
+        now_s = asyncio.get_running_loop().time()
+        if now_s >= self._told_until_s:
+            self._told.clear()
+            self._told_until_s = now_s + QUIET_S
+        if reason in self._told or len(self._told) >= MAX_REASONS:
+            self._unsaid += 1
+            return
+        self._told.add(reason)
+        more = f" ({self._unsaid} more since the last such line)" if self._unsaid else ""
+        self._tell(f"refused {peer_name(transport)}: {clean_line(reason)}{more}")
+        self._unsaid = 0
+
+    def _refusal(self, transport: asyncio.BaseTransport) -> str:
+        peer, own = transport.get_extra_info("peername"), transport.get_extra_info("sockname")
+        if not peer or not own:
+            return "it is gone"
+        if not self._allow.allows_connection(peer[0], own[0]):
+            return f"{peer[0]} is not in the networks of --allow"
+        if self.open_count >= self._most:
+            return f"{self.open_count} connections are the most"
+        return ""
+
+
+def peer_name(transport: asyncio.BaseTransport) -> str:
+    """Return a peer as people read it."""
+    address = transport.get_extra_info("peername")
+    if not address:
+        return "a client"
+    return f"[{address[0]}]:{address[1]}" if ":" in address[0] else f"{address[0]}:{address[1]}"

@@ -1,0 +1,101 @@
+"""What all clients of a rosbridge server have in common."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+
+from rostether.errors import RostetherError
+from rostether.gateways.rosbridge.settings import RosbridgeSettings
+from rostether.gateways.shared_subscriptions import SharedSubscriptions
+from rostether.graph.ports import Graph, Level
+from rostether.serde.store import TypeStore
+
+if TYPE_CHECKING:
+    from rostether.gateways.rosbridge.message_forms import MessageForms
+    from rostether.gateways.rosbridge.offered_services import OfferedServices
+    from rostether.gateways.rosbridge.publication import Publication
+    from rostether.gateways.rosbridge.service_types import ServiceTypes
+
+LINGER_S = 10.0
+"""As long as rosbridge keeps a topic advertised that its client has left: pages are loaded again."""
+
+MAX_LINGERING = 1000
+"""Publications that linger at once; the oldest end early."""
+
+Tell: TypeAlias = Callable[[Level, str], None]
+
+
+class LocalServices(Protocol):
+    """Services that the gateway answers itself, without the graph: those of rosapi."""
+
+    def find(self, service: str) -> Callable[[Any], Awaitable[dict[str, Any]]] | None:
+        """Return what answers a service, by its full name; it takes and returns values of JSON."""
+
+
+class GatewayContext:
+    """The graph and everything that clients share; made by `RosbridgeServer`."""
+
+    def __init__(
+        self,
+        graph: Graph,
+        store: TypeStore,
+        settings: RosbridgeSettings,
+        *,
+        shared: SharedSubscriptions,
+        forms: MessageForms,
+        service_types: ServiceTypes,
+        offered: OfferedServices,
+        local_services: LocalServices | None,
+        tell: Tell,
+    ) -> None:
+        self.graph = graph
+        self.store = store
+        self.settings = settings
+        self.shared = shared
+        self.forms = forms
+        self.service_types = service_types
+        self.offered = offered
+        self.local_services = local_services
+        self.tell = tell
+        self._lingering: dict[Publication, asyncio.TimerHandle] = {}
+        self._ending: set[asyncio.Task[None]] = set()
+
+    def linger(self, publication: Publication) -> None:
+        """Keep a publication for a moment before it ends."""
+        while len(self._lingering) >= MAX_LINGERING:
+            oldest = next(iter(self._lingering))
+            self._lingering[oldest].cancel()
+            self._end(oldest)
+        timer = asyncio.get_running_loop().call_later(LINGER_S, self._end, publication)
+        self._lingering[publication] = timer
+
+    async def end_lingering(self, topic: str) -> bool:
+        """End at once what lingers of a topic, by its full name; returns whether anything did."""
+        found = [each for each in self._lingering if each.topic == topic]
+        for publication in found:
+            self._lingering.pop(publication).cancel()
+            await _close(publication)
+        return bool(found)
+
+    async def close(self) -> None:
+        """End what lingers."""
+        for publication, timer in list(self._lingering.items()):
+            timer.cancel()
+            self._end(publication)
+        await asyncio.gather(*self._ending, return_exceptions=True)
+
+    def _end(self, publication: Publication) -> None:
+        self._lingering.pop(publication, None)
+        task = asyncio.ensure_future(_close(publication))
+        self._ending.add(task)
+        task.add_done_callback(self._ending.discard)
+
+
+async def _close(publication: Publication) -> None:
+    try:
+        await publication.close()
+    except RostetherError:
+        # The graph is away; it forgets the publication by itself.
+        return

@@ -1,0 +1,173 @@
+"""Reading devices.toml: every key is known or refused, in one line that names file and key."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from rostether.errors import ConfigError
+from rostether.ports.board_limits import BOARD_LIMITS, may_be_broken
+from rostether.ports.device_book import DeviceBook
+from rostether.ports.port_pattern import is_entry, is_port_pattern, is_usb_id
+from rostether.ports.settings import (
+    ANY_ACCESS,
+    ANY_NAME,
+    NO_SETTINGS,
+    Access,
+    DeviceMatch,
+    DeviceSettings,
+    DiscoverySettings,
+    NameRule,
+)
+from rostether.ports.toml_table import TomlTable
+from rostether.transports.address import MAX_BAUD
+
+# Settings of a thousand boards are some 200 KB; more is another file, given by mistake.
+MAX_FILE_BYTES = 1024 * 1024
+# Messages in a queue are bounded by bytes too; this catches a slipped digit.
+MAX_QUEUE_DEPTH = 100_000
+MAX_GRACE_S = 86_400.0
+
+DISCOVERY_KEYS = ("probe", "ignore")
+MATCH_KEYS = ("serial_number", "usb_id", "usb_location", "port", "address", "psk", "certificate")
+SETTING_KEYS = (
+    "baud",
+    "reset",
+    "namespace",
+    "remap",
+    "required_topics",
+    "access",
+    "queue_depths",
+    "grace_s",
+    "limits",
+)
+ACCESS_KEYS = ("publish", "subscribe", "serve", "call", "parameters")
+
+
+def read_devices_toml(path: Path, *, is_required: bool = False) -> DeviceBook:
+    """Read a file; one that is not there is empty unless `is_required`. Raises ConfigError."""
+    try:
+        with path.open("rb") as file:
+            data = file.read(MAX_FILE_BYTES + 1)
+    except FileNotFoundError:
+        if is_required:
+            raise ConfigError(f"{path}: no such file; write it, or leave --config out") from None
+        return DeviceBook()
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {error.strerror or error}") from None
+    if len(data) > MAX_FILE_BYTES:
+        raise ConfigError(f"{path}: longer than {MAX_FILE_BYTES} bytes; is that the file you mean?")
+    try:
+        return parse_devices_toml(data.decode(), file=str(path))
+    except UnicodeDecodeError as error:
+        raise ConfigError(f"{path}: not UTF-8 text at byte {error.start}") from None
+
+
+def parse_devices_toml(text: str, *, file: str = "devices.toml") -> DeviceBook:
+    """Read a text; `file` is what errors call it. Raises ConfigError: file:key: what is wrong."""
+    try:
+        content = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:  # a number may have more digits than Python reads
+        raise ConfigError(f"{file}: not TOML: {error}") from None
+    root = TomlTable(file, "", content, known=("discovery", "defaults", "devices"))
+    discovery = _discovery(root.table("discovery", known=DISCOVERY_KEYS))
+    defaults = _settings(root.table("defaults", known=SETTING_KEYS), NO_SETTINGS)
+    devices = []
+    marks: dict[DeviceMatch, str] = {}
+    for name, table in root.tables("devices", known=(*MATCH_KEYS, *SETTING_KEYS)):
+        table.check_name(name)
+        match = _match(table)
+        if match is not None:
+            if match in marks:
+                raise table.error(f"has the same marks as devices.{marks[match]}; keep one of them")
+            marks[match] = name
+        devices.append(replace(_settings(table, defaults), name=name, match=match))
+    return DeviceBook(devices, defaults=defaults, discovery=discovery)
+
+
+def _discovery(table: TomlTable) -> DiscoverySettings:
+    hint = 'a USB id such as "1a86:7523", a path or pattern such as "/dev/ttyUSB*", or "all"'
+    return DiscoverySettings(
+        probe=tuple(table.texts("probe", is_entry, hint)), ignore=tuple(table.texts("ignore", is_entry, hint))
+    )
+
+
+def _match(table: TomlTable) -> DeviceMatch | None:
+    """Return a board's marks, None for a table that has none: only a link that names it can choose it."""
+    match = DeviceMatch(
+        serial_number=table.text("serial_number"),
+        usb_id=_lower(table.text("usb_id", is_usb_id, 'four and four hex digits, such as "2341:0043"')),
+        usb_location=table.text("usb_location"),
+        port=table.text("port", is_port_pattern, 'a path or pattern, such as "/dev/ttyUSB*"'),
+        address=_canonical(table.text("address", _is_address, 'a numeric address, such as "192.168.1.20"')),
+        psk=table.text("psk", bool, "the file of its key"),
+        certificate=table.text("certificate", bool, "the file of its certificate"),
+    )
+    return None if match == DeviceMatch() else match
+
+
+def _settings(table: TomlTable, base: DeviceSettings) -> DeviceSettings:
+    """Return the settings of a table on top of others; names and numbers of both are kept."""
+    return DeviceSettings(
+        baud=_or(table.whole("baud", 1, MAX_BAUD), base.baud),
+        reset=_or(table.flag("reset"), base.reset),
+        namespace=_or(table.graph_name("namespace"), base.namespace),
+        remap={**base.remap, **table.names_to_names("remap")},
+        required_topics=_or(table.graph_names("required_topics"), base.required_topics),
+        access=_access(table.table("access", known=ACCESS_KEYS), base.access),
+        queue_depths={**base.queue_depths, **table.names_to_numbers("queue_depths", 1, MAX_QUEUE_DEPTH)},
+        grace_s=_or(table.number("grace_s", 0.0, MAX_GRACE_S), base.grace_s),
+        limits={**base.limits, **_limits(table.table("limits", known=tuple(BOARD_LIMITS)))},
+    )
+
+
+def _limits(table: TomlTable) -> dict[str, float]:
+    given: dict[str, float] = {}
+    for key, limit in BOARD_LIMITS.items():
+        value = (
+            table.number(key, limit.lowest, limit.highest)
+            if may_be_broken(key)
+            else table.whole(key, int(limit.lowest), int(limit.highest))
+        )
+        if value is not None:
+            given[limit.setting] = value
+    return given
+
+
+def _access(table: TomlTable, base: Access) -> Access:
+    given: dict[str, NameRule] = {}
+    for kind in ACCESS_KEYS:
+        rule = table.table(kind, known=("allow", "deny"))
+        if rule.is_given:
+            allow = rule.name_patterns("allow")
+            given[kind] = NameRule(allow, rule.name_patterns("deny") or ())
+    rules = {kind: given.get(kind, getattr(base, kind)) for kind in ACCESS_KEYS}
+    return ANY_ACCESS if all(rule == ANY_NAME for rule in rules.values()) else Access(**rules)
+
+
+def _or(value: Any, base: Any) -> Any:
+    return base if value is None else value
+
+
+def _lower(text: str | None) -> str | None:
+    return text if text is None else text.lower()
+
+
+def _is_address(text: str) -> bool:
+    from ipaddress import ip_address  # only who names a network board pays for the import
+
+    try:
+        ip_address(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _canonical(text: str | None) -> str | None:
+    if text is None:
+        return None
+    from ipaddress import ip_address
+
+    return str(ip_address(text))

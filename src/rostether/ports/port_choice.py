@@ -1,0 +1,58 @@
+"""Which ports the search for boards may open: known boards, and what the user allows; nothing else."""
+
+from __future__ import annotations
+
+from enum import Enum, auto
+
+from rostether.ports.board_identity import BoardIdentity
+from rostether.ports.port_pattern import fits_entry
+from rostether.ports.settings import DeviceSettings, DiscoverySettings
+from rostether.ports.usb_boards import Kind, kind_of
+from rostether.transports.serial_port import SerialPort
+
+
+class Choice(Enum):
+    """What may be done with a port."""
+
+    SERVE = auto()
+    """The user's file says what it is: connect without looking for its speed."""
+    EXPECT = auto()
+    """The user says that it is a board: ask until it answers."""
+    ASK = auto()
+    """A board, which may run any sketch: ask whether it speaks rosserial."""
+    LISTEN = auto()
+    """Probably a board: listen first, and ask only if nothing else speaks there."""
+    OFFER = auto()
+    """On USB, but nothing tells what it is: not opened; say how to allow it."""
+    LEAVE = auto()
+    """Not opened and not worth a line: no USB device, or the user wants it ignored."""
+
+
+def identify(port: SerialPort) -> BoardIdentity:
+    """Return the marks of what is behind a port."""
+    return BoardIdentity(
+        usb_id=port.usb_id,
+        serial_number=port.serial_number,
+        usb_location=port.usb_location,
+        usb_interface=port.usb_interface,
+        port=port.path,
+    )
+
+
+def choose(port: SerialPort, settings: DeviceSettings, discovery: DiscoverySettings) -> Choice:
+    """Decide about a port; `settings` are those of its board."""
+    identity = identify(port)
+    if settings.match is not None:
+        # So that `ignore = ["all"]` leaves the boards that the file names.
+        return Choice.SERVE if settings.baud is not None else Choice.EXPECT
+    if any(fits_entry(identity, entry) for entry in discovery.ignore):
+        return Choice.LEAVE
+    if any(fits_entry(identity, entry) for entry in discovery.probe):
+        return Choice.EXPECT
+    match kind_of(port.usb_vendor_id, port.usb_product_id):
+        case Kind.BOARD:
+            return Choice.ASK
+        case Kind.LIKELY_BOARD:
+            return Choice.LISTEN
+        case _:
+            return Choice.OFFER if port.usb_vendor_id is not None else Choice.LEAVE

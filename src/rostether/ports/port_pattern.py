@@ -1,0 +1,62 @@
+"""What a user writes for ports: a USB id, a path or link, a pattern, or `all`."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterable
+from fnmatch import fnmatchcase
+from glob import glob, has_magic
+from pathlib import Path
+
+from rostether.ports.board_identity import BoardIdentity
+
+ALL = "all"
+_USB_ID = re.compile(r"[0-9a-f]{4}:[0-9a-f]{4}")
+_WINDOWS_PORT = re.compile(r"COM[0-9*?]+", re.IGNORECASE)
+
+
+def is_usb_id(text: str) -> bool:
+    """Tell whether a text is a vendor and product id as `rostether ports` shows it."""
+    return _USB_ID.fullmatch(text.lower()) is not None
+
+
+def is_port_pattern(text: str) -> bool:
+    """Tell whether a text is a port's path or pattern."""
+    return "/" in text or _WINDOWS_PORT.fullmatch(text) is not None
+
+
+def is_entry(text: str) -> bool:
+    """Tell whether a text is one that `fits_entry` understands."""
+    return text == ALL or is_usb_id(text) or is_port_pattern(text)
+
+
+def fits_port(port: str, pattern: str) -> bool:
+    """Tell whether a port is the one that a path, a link to it, or a pattern of either means."""
+    if fnmatchcase(port, pattern):
+        return True
+    real_port = os.path.realpath(port)
+    return any(os.path.realpath(path) == real_port for path in _expand(pattern))
+
+
+def fits_entry(identity: BoardIdentity, entry: str) -> bool:
+    """Tell whether a port is meant by an entry: `all`, a USB id, a path or a pattern."""
+    if entry == ALL:
+        return True
+    if is_usb_id(entry):
+        return identity.usb_id == entry.lower()
+    return identity.port is not None and fits_port(identity.port, entry)
+
+
+def named_ports(entries: Iterable[str]) -> list[str]:
+    """Return the paths that entries name and that exist: the system's own list does not have them all."""
+    found: list[str] = []
+    for entry in entries:
+        if is_port_pattern(entry) and "/" in entry:
+            found += [path for path in _expand(entry) if Path(path).exists()]
+    return found
+
+
+def _expand(pattern: str) -> list[str]:
+    # Path.glob takes no absolute patterns.
+    return glob(pattern) if has_magic(pattern) else [pattern]  # noqa: PTH207

@@ -1,0 +1,179 @@
+"""Notices when serial ports come and go, without asking the system for its list all the time.
+
+On Linux a port is a file, and the kernel wakes us when one appears in a folder or goes. Where it cannot, a
+look at each folder four times a second costs one `stat`. The list itself is made when a folder changed, some
+times after that, since the system fills in a new port's serial number and permissions a moment later, and now
+and then anyway.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import sys
+from collections.abc import AsyncIterator, Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Self
+
+from rostether.ports.folder_events import FolderEvents
+from rostether.ports.port_pattern import is_port_pattern, named_ports
+from rostether.transports.serial_port import SerialPort, find_usb_location
+
+LOOK_PERIOD_S = 0.25
+"""Where nobody wakes us, a board is noticed within this; waking up for a look takes some 0.2 ms."""
+
+SETTLING_S = 2.0
+"""After a change, every look makes the list: udev needs up to a second on small computers."""
+
+LIST_PERIOD_S = 60.0
+"""Nothing changed that we could see; a list takes 2 ms."""
+
+BLIND_LIST_PERIOD_S = 2.0
+"""Where ports are no files (Windows), or their folder may not tell (macOS), only the list itself does."""
+
+DEVICE_FOLDER = "/dev"
+_FOLDERS_TELL = sys.platform == "linux"
+
+ListPorts = Callable[[], Sequence[SerialPort]]
+
+
+class PortWatch:
+    """Watches the ports of this machine and those that `entries` name, wherever these are.
+
+    `list_ports` is the system's list, `folders` are where its ports appear.
+    """
+
+    def __init__(
+        self,
+        list_ports: ListPorts,
+        *,
+        entries: Iterable[str] = (),
+        folders: Sequence[str] = (DEVICE_FOLDER,),
+        period_s: float = LOOK_PERIOD_S,
+    ) -> None:
+        self._list_ports = list_ports
+        self._entries = tuple(entry for entry in entries if is_port_pattern(entry))
+        named = {str(Path(entry).parent) for entry in self._entries if "/" in entry}
+        self._folders = tuple(dict.fromkeys((*folders, *sorted(named))))
+        self._period_s = period_s
+        self.list_count = 0
+
+    async def changes(self) -> AsyncIterator[list[SerialPort]]:
+        """Yield the ports that are there now, and again whenever something about them changed."""
+        known: list[SerialPort] | None = None
+        with _Alarm(self._folders) as alarm:
+            async for _ in self._reasons(alarm):
+                ports: list[SerialPort] | None
+                try:
+                    ports = self.list()
+                except OSError:
+                    # A port went away while the system was describing it; the next list has the rest.
+                    ports = known
+                if ports is not None and ports != known:
+                    known = ports
+                    yield ports
+
+    async def _reasons(self, alarm: _Alarm) -> AsyncIterator[None]:
+        """Yield each time the list is to be made."""
+        clock = asyncio.get_running_loop().time
+        marks: list[int] | None = None
+        settled_s = listed_s = float("-inf")
+        while True:
+            is_armed = alarm.arm()
+            now_s = clock()
+            fresh = [folder_mark(folder) for folder in self._folders]
+            if fresh != marks or alarm.read_and_clear():
+                marks, settled_s = fresh, now_s + SETTLING_S
+            list_period_s = LIST_PERIOD_S if _FOLDERS_TELL and any(marks) else BLIND_LIST_PERIOD_S
+            is_settling = now_s < settled_s
+            if is_settling or now_s - listed_s >= list_period_s:
+                listed_s = now_s
+                yield
+            if is_armed and not is_settling:
+                await alarm.wait(list_period_s)
+            else:
+                # However many files come, the list is made four times a second at most.
+                await asyncio.sleep(self._period_s)
+
+    def list(self) -> list[SerialPort]:
+        """Return the ports that are there now."""
+        self.list_count += 1
+        ports = list(self._list_ports())
+        real_paths = {os.path.realpath(port.path) for port in ports}
+        for path in named_ports(self._entries):
+            real_path = os.path.realpath(path)
+            if real_path not in real_paths and _is_terminal(real_path):
+                real_paths.add(real_path)
+                location = find_usb_location(real_path)
+                ports.append(SerialPort(path, "named in your settings", usb_location=location))
+        return ports
+
+
+def folder_mark(folder: str) -> int:
+    """Return what changes when a file appears in a folder or goes; 0 for a folder that is not there."""
+    try:
+        return os.stat(folder).st_mtime_ns  # noqa: PTH116 - four times a second
+    except OSError:
+        return 0
+
+
+def _is_terminal(path: str) -> bool:
+    try:
+        return Path(path).is_char_device()
+    except OSError:
+        return False
+
+
+class _Alarm:
+    """Ends a wait when something happens in a folder, where the system can tell."""
+
+    def __init__(self, folders: Sequence[str]) -> None:
+        self._folders = folders
+        self._events: FolderEvents | None = None
+        self._rung = asyncio.Event()
+        self._has_rung = False
+
+    def __enter__(self) -> Self:
+        try:
+            self._events = FolderEvents(self._folders)
+            asyncio.get_running_loop().add_reader(self._events.fileno(), self._ring)
+        except (OSError, AttributeError, NotImplementedError):
+            # No inotify, or no more of it (its number is limited for each user).
+            self._stop()
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        if self._events is not None:
+            asyncio.get_running_loop().remove_reader(self._events.fileno())
+        self._stop()
+
+    def arm(self) -> bool:
+        """Watch; False if that is impossible now, so that somebody must look."""
+        return self._events is not None and self._events.watch()
+
+    def read_and_clear(self) -> bool:
+        """Whether something happened since the last time."""
+        has_rung, self._has_rung = self._has_rung, False
+        return has_rung
+
+    async def wait(self, limit_s: float) -> None:
+        """Wait until something happens, or the time is over."""
+        if self._has_rung:
+            return
+        self._rung.clear()
+        try:
+            async with asyncio.timeout(limit_s):
+                await self._rung.wait()
+        except TimeoutError:
+            return
+
+    def _ring(self) -> None:
+        if self._events is not None:
+            self._events.drain()
+        self._has_rung = True
+        self._rung.set()
+
+    def _stop(self) -> None:
+        events, self._events = self._events, None
+        if events is not None:
+            events.close()

@@ -1,0 +1,91 @@
+"""What is wrong with a ROS 1 bag as a file: its chunks against what its indexes say of them."""
+
+from __future__ import annotations
+
+import struct
+
+from rostether.errors import RecordingError
+from rostether.recording.bag.chunks import Chunk, messages_in, read_content
+from rostether.recording.bag.records import (
+    OP_INDEX,
+    OP_MESSAGE,
+    Buffer,
+    op_of,
+    read_record,
+    time_field,
+    u32_field,
+)
+from rostether.recording.compression import decompress
+from rostether.rostime import NS_PER_S
+
+MAX_FAULTS = 50
+"""A broken bag can have one in each chunk; nobody reads more."""
+
+_ENTRY = struct.Struct("<III")
+
+
+def faults_of(data: Buffer) -> list[str]:
+    """Return what is wrong, one line each. Raises RecordingError when it is no bag."""
+    content = read_content(data)
+    faults: list[str] = []
+    if content.damage:
+        return faults  # there is no index to compare with
+    for chunk in content.chunks:
+        faults += (f"the chunk at byte {chunk.data_start}: {each}" for each in _chunk_faults(data, chunk))
+        if len(faults) > MAX_FAULTS:
+            return [*faults[:MAX_FAULTS], f"and more than these {MAX_FAULTS}"]
+    return faults
+
+
+def _chunk_faults(data: Buffer, chunk: Chunk) -> list[str]:
+    faults: list[str] = []
+    counts: dict[int, int] = {}
+    first, last = 1 << 64, -1
+    try:
+        stored = memoryview(data)[chunk.data_start : chunk.data_end]
+        plain = decompress(chunk.compression, stored, chunk.size_bytes)
+        for number, time_ns, _, _ in messages_in(plain):
+            counts[number] = counts.get(number, 0) + 1
+            first, last = min(first, time_ns), max(last, time_ns)
+    except RecordingError as error:
+        return [str(error)]
+    if counts != {number: count for number, count in chunk.counts.items() if count}:
+        faults.append("the bag's index counts its messages wrong")
+    if counts and (first, last) != (chunk.start_ns, chunk.end_ns):
+        told = f"{chunk.start_ns} to {chunk.end_ns}"
+        faults.append(f"its times are {first} to {last} ns, not {told} as the bag's index says")
+    try:
+        _check_indexes(data, chunk.data_end, plain, counts)
+    except RecordingError as error:
+        faults.append(f"the index behind it is wrong: {error}")
+    return faults
+
+
+def _check_indexes(data: Buffer, position: int, plain: Buffer, counts: dict[int, int]) -> None:
+    """Raise RecordingError unless the indexes behind a chunk name each of its messages."""
+    indexed = dict.fromkeys(counts, 0)
+    while position < len(data):
+        fields, start, end = read_record(data, position)
+        if op_of(fields) != OP_INDEX:
+            break
+        number = u32_field(fields, b"conn")
+        if (end - start) % _ENTRY.size:
+            raise RecordingError("it ends within an entry")
+        offsets = set()
+        for secs, nsecs, offset in _ENTRY.iter_unpack(data[start:end]):
+            there, _, _ = read_record(plain, offset)
+            if (
+                op_of(there) != OP_MESSAGE
+                or u32_field(there, b"conn") != number
+                or time_field(there, b"time") != secs * NS_PER_S + nsecs
+            ):
+                raise RecordingError(
+                    f"at its byte {offset} is no message of connection {number} of that time"
+                )
+            offsets.add(offset)
+        indexed[number] = indexed.get(number, 0) + len(offsets)
+        position = end
+    if indexed != counts:
+        raise RecordingError(
+            f"it names {sum(indexed.values())} messages, but {sum(counts.values())} are there"
+        )

@@ -1,0 +1,132 @@
+"""Reads ROS 1 bags, format 2.0, whoever wrote them, closed or not."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from types import MappingProxyType
+
+from rostether.errors import RecordingError
+from rostether.recording.bag.chunks import Chunk, messages_in, read_content
+from rostether.recording.bag.packed_chunks import compression_shares, unpack_chunk
+from rostether.recording.bag.records import MAGIC, MAGIC_START
+from rostether.recording.chunk_order import Entry, Unpacked, in_order
+from rostether.recording.mapped_file import MappedFile
+from rostether.recording.recorded import CompressionShare, Connection, RecordedMessage, Wanted
+
+
+class BagReader:
+    """A bag being read; see `recording.recorded.RecordingReader`. Raises RecordingError when it is none.
+
+    With `damage`, which is then why, its index is not trusted.
+    """
+
+    format_version = "2.0"
+    unreadable: Mapping[str, str] = MappingProxyType({})
+
+    def __init__(self, path: Path, *, damage: str = "") -> None:
+        self.path = path
+        self._file = MappedFile(path)
+        self.size_bytes = self._file.size_bytes
+        self._view = self._file.view
+        try:
+            start = bytes(self._view[: len(MAGIC)])
+            if start != MAGIC:
+                raise RecordingError(f"{path} {_what_else(start)}")
+            try:
+                self._content = read_content(self._view, damage)
+            except RecordingError as error:
+                raise RecordingError(f"{path}: {error}") from None
+        except BaseException:
+            self.close()
+            raise
+        self._content.chunks.sort(key=lambda chunk: chunk.start_ns)
+
+    @property
+    def damage(self) -> str:
+        """Why the file had to be searched for its messages, or an empty string."""
+        return self._content.damage
+
+    @property
+    def whole_bytes(self) -> int:
+        """How far the file is whole."""
+        return self._content.whole_bytes
+
+    @property
+    def connections(self) -> Mapping[int, Connection]:
+        """The connections by the number they have in the file."""
+        return self._content.connections
+
+    @property
+    def counts(self) -> Mapping[Connection, int]:
+        """How many messages each connection has."""
+        counts: Counter[Connection] = Counter(dict.fromkeys(self._content.connections.values(), 0))
+        for chunk in self._content.chunks:
+            for number, count in chunk.counts.items():
+                counts[self._content.connections[number]] += count
+        return counts
+
+    @property
+    def span_ns(self) -> tuple[int, int] | None:
+        """The times of the first and the last message; None in an empty bag."""
+        chunks = self._content.chunks
+        return (chunks[0].start_ns, max(chunk.end_ns for chunk in chunks)) if chunks else None
+
+    @property
+    def compressions(self) -> Sequence[CompressionShare]:
+        """How the chunks are compressed, the most frequent first."""
+        return compression_shares(self._content.chunks)
+
+    def messages(
+        self, wanted: Wanted | None = None, *, start_ns: int | None = None, end_ns: int | None = None
+    ) -> Iterator[RecordedMessage]:
+        """Yield messages in the order of their times, both ends included; equal times as in the file.
+
+        Raises RecordingError at a chunk that is broken.
+        """
+        connections = {
+            number: connection
+            for number, connection in self._content.connections.items()
+            if wanted is None or wanted(connection)
+        }
+        chunks = [
+            chunk
+            for chunk in self._content.chunks
+            if not connections.keys().isdisjoint(chunk.counts)
+            and (end_ns is None or chunk.start_ns <= end_ns)
+            and (start_ns is None or chunk.end_ns >= start_ns)
+        ]
+        found = in_order(chunks, partial(self._unpack, connections), start_ns=start_ns, end_ns=end_ns)
+        try:
+            for number, time_ns, payload in found:
+                yield RecordedMessage(connections[number], time_ns, payload)
+        except RecordingError as error:
+            raise RecordingError(
+                f"{self.path}: {error}; `rostether bag reindex` keeps what is whole before it"
+            ) from None
+
+    def close(self) -> None:
+        """Close the file. Idempotent."""
+        self._file.close()
+
+    def _unpack(self, connections: Mapping[int, Connection], chunk: Chunk) -> Unpacked:
+        plain = unpack_chunk(self._view, chunk)
+
+        def walk() -> Iterator[Entry]:
+            for number, time_ns, start, end in messages_in(plain):
+                if number in connections:
+                    yield time_ns, start, end, number
+
+        return plain, walk
+
+
+def _what_else(start: bytes) -> str:
+    if MAGIC.startswith(start):
+        return f"is cut: it has {len(start)} bytes, and a bag begins with {len(MAGIC)} that name its format"
+    if start.startswith(MAGIC_START):
+        version = start[len(MAGIC_START) :].decode("latin-1").split("\n")[0]
+        version = version.strip().encode("unicode_escape").decode()
+        return f"is a bag of format {version}; only 2.0 can be read"
+    return "is no bag: bags begin with '#ROSBAG V2.0'"

@@ -1,0 +1,141 @@
+"""Makes a whole recording of what a killed recorder, a full disk or a bad copy has left."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rostether.errors import RecordingError
+from rostether.recording.active_file import end_active
+from rostether.recording.checking import file_faults
+from rostether.recording.compression import NONE
+from rostether.recording.files import Form, create_recording, form_of, is_mcap, open_recording
+from rostether.recording.recorded import RecordingReader
+
+if TYPE_CHECKING:
+    from rostether.ros2.types.type_support import Ros2Types
+
+UNFINISHED_SUFFIX = ".unfinished"
+
+
+@dataclass(frozen=True, slots=True)
+class Mended:
+    """What was found in a recording, and why it needed to be mended (an empty string: it was whole)."""
+
+    damage: str
+    message_count: int
+    backup: Path | None
+
+
+def reindex(path: Path, output: Path, *, keep_original: Path | None = None) -> Mended:
+    """Write all that is whole in `path` to `output`, perhaps the same; `keep_original` gets the old file.
+
+    A recording that is whole is left alone, unless it is to go elsewhere. Raises RecordingError.
+    """
+    reader = open_recording(path, is_native=True)
+    try:
+        if not reader.damage and (faults := file_faults(path)):
+            # Only the index is whole.
+            reader.close()
+            reader = open_recording(path, is_native=True, damage=faults[0])
+        damage = reader.damage
+        if not damage and path == output:
+            return Mended("", sum(reader.counts.values()), None)
+        written = _rewrite(reader, path, output, _usual(reader), keep_original)
+    finally:
+        reader.close()
+    return Mended(damage, written, keep_original)
+
+
+def repack(path: Path, output: Path, compression: str, *, keep_original: Path | None = None) -> int:
+    """Write `path` with its chunks compressed in another way to `output`, perhaps the same; returns how many
+    messages. Raises RecordingError, ConfigError, also at a recording that is damaged.
+    """
+    reader = open_recording(path, is_native=True)
+    try:
+        if reader.damage:
+            raise RecordingError(f"{path}: {reader.damage}; `rostether bag reindex {path}` mends it")
+        return _rewrite(reader, path, output, compression, keep_original)
+    finally:
+        reader.close()
+
+
+def _rewrite(
+    reader: RecordingReader, path: Path, output: Path, compression: str, keep_original: Path | None
+) -> int:
+    with _unfinished(path, output) as unfinished:
+        written = copy(reader, unfinished, compression=compression, form=form_of(reader))
+        reader.close()  # SQLite brings its log into the file, where there is room
+        if keep_original is not None:
+            end_active(path, keep_original)
+        end_active(unfinished, output)
+    return written
+
+
+@contextmanager
+def _unfinished(path: Path, output: Path) -> Iterator[Path]:
+    """Give the path to write to before it becomes `output`."""
+    name = output.name.removesuffix(".active")
+    if path.is_dir():
+        # The files in a ROS 2 bag's folder bear its name.
+        with tempfile.TemporaryDirectory(prefix=f"{UNFINISHED_SUFFIX}.", dir=output.parent) as folder:
+            yield Path(folder) / name
+        return
+    if not name.endswith((".bag", ".mcap", ".db3")):
+        name += ".mcap" if is_mcap(path) else ".bag"
+    yield output.with_name(f"{UNFINISHED_SUFFIX}.{name}")
+
+
+def copy(
+    reader: RecordingReader,
+    output: Path,
+    *,
+    compression: str = NONE,
+    form: Form = Form.ROS1,
+    storage: str = "mcap",
+    types: Ros2Types | None = None,
+) -> int:
+    """Write a recording's messages, in the order of their times, to another; returns how many.
+
+    `form` is whose messages the other gets, `storage` what a ROS 2 bag's folder holds, and `types` are those
+    of ROS 2 that are known, where they are not those of the environment.
+    Raises RecordingError, and leaves no file then.
+    """
+    writer = create_recording(output, compression=compression, form=form, storage=storage, types=types)
+    try:
+        for connection in reader.counts:
+            writer.add_connection(connection)
+        for message in reader.messages():
+            writer.write(writer.add_connection(message.connection), message.time_ns, (message.payload,))
+        writer.close()
+    except BaseException:
+        remove_recording(output)
+        raise
+    return writer.message_count
+
+
+def remove_recording(path: Path) -> None:
+    """Remove what was begun and is not wanted: a file, or the folder of a ROS 2 bag."""
+    if path.is_dir():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        path.unlink(missing_ok=True)
+
+
+def _usual(reader: RecordingReader) -> str:
+    """Return how most chunks are compressed, where it can be written."""
+    for share in reader.compressions:
+        if share.name in ("none", "bz2", "lz4"):
+            return share.name
+    return NONE
+
+
+def refuse_same(path: Path, output: Path) -> None:
+    """Raise RecordingError when a command would write over what it reads."""
+    if output.exists() and path.exists() and output.samefile(path):
+        raise RecordingError(f"{output} is what is read; name another file")

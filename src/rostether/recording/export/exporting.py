@@ -1,0 +1,119 @@
+"""Writes the messages of a recording as tables, one for each topic."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import ExitStack, closing
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+
+from rostether.errors import ConfigError, RostetherError, SerializationError
+from rostether.recording.decoding import Decoder
+from rostether.recording.export.columns import Column, columns_of
+from rostether.recording.export.tables import Table
+from rostether.recording.recorded import Connection, RecordingReader
+
+MAX_OPEN_TABLES = 100
+"""Files open at a time, and what they hold in memory; more topics are written in several readings."""
+
+MAX_WAITING_BYTES = 32 << 20
+"""What all tables together keep until it is written; as Python's values it takes a few times as much."""
+
+_CELL_BYTES = 8
+
+
+@dataclass(slots=True)
+class ExportedTable:
+    """One topic with messages of one type; `number` tells tables of a topic apart that has several types.
+
+    `unfit_count` are messages that do not fit their type and were left out, `why` is of the first of them.
+    """
+
+    topic: str
+    type_name: str
+    number: int
+    connections: tuple[Connection, ...]
+    columns: Sequence[Column]
+    row_count: int = 0
+    unfit_count: int = 0
+    why: str = ""
+
+    @property
+    def name(self) -> str:
+        """What its file is called: no name in ROS has a dot."""
+        name = self.topic.strip("/").replace("/", ".") or "topic"
+        return name if not self.number else f"{name}.{self.number + 1}"
+
+
+class Export:
+    """What of a recording is to be written: topics by name or pattern, and fields of them."""
+
+    def __init__(
+        self,
+        reader: RecordingReader,
+        *,
+        topics: Sequence[str] = (),
+        fields: Sequence[str] = (),
+        tell: Callable[[str], None],
+    ) -> None:
+        """Choose; `tell` gets a line on each topic that must be left out. Raises ConfigError."""
+        self._reader = reader
+        self._decoder = Decoder()
+        by_type: dict[tuple[str, str, str], list[Connection]] = {}
+        for connection in reader.counts:
+            if not topics or any(fnmatchcase(connection.topic, _full(each)) for each in topics):
+                key = (connection.topic, connection.type.md5sum, connection.type.name)
+                by_type.setdefault(key, []).append(connection)
+        self.tables: list[ExportedTable] = []
+        errors: list[ConfigError] = []
+        for (topic, _, type_name), connections in sorted(by_type.items()):
+            try:
+                columns = columns_of(self._decoder.codec(connections[0]), fields)
+            except ConfigError as error:  # other topics may have that field
+                errors.append(ConfigError(f"{topic}: {error}"))
+                continue
+            except RostetherError as error:
+                tell(f"{topic}: its definition of {type_name} is broken and it is left out: {error}")
+                continue
+            number = sum(table.topic == topic for table in self.tables)
+            table = ExportedTable(topic, type_name, number, tuple(connections), columns)
+            self.tables.append(table)
+        if not self.tables:
+            if errors:
+                raise errors[0]
+            known = ", ".join(sorted({each.topic for each in reader.counts})) or "none"
+            raise ConfigError(
+                f"no topic {' or '.join(topics) or 'can be written'}; the recording has {known}"
+            )
+
+    def write(self, create: Callable[[ExportedTable], Table]) -> None:
+        """Write all tables in the order of the messages. Raises RecordingError."""
+        for start in range(0, len(self.tables), MAX_OPEN_TABLES):
+            self._write_some(self.tables[start : start + MAX_OPEN_TABLES], create)
+
+    def _write_some(self, some: Iterable[ExportedTable], create: Callable[[ExportedTable], Table]) -> None:
+        with ExitStack() as opened:
+            targets: dict[Connection, tuple[ExportedTable, Table]] = {}
+            for table in some:
+                target = opened.enter_context(closing(create(table)))
+                targets |= dict.fromkeys(table.connections, (table, target))
+            waiting_bytes = 0
+            for found in self._reader.messages(targets.__contains__):
+                table, target = targets[found.connection]
+                try:
+                    message = self._decoder.decode(found)
+                except SerializationError as error:
+                    table.unfit_count += 1
+                    table.why = table.why or str(error)
+                    continue
+                target.add(found.time_ns, message)
+                table.row_count += 1
+                waiting_bytes += len(found.payload) + _CELL_BYTES * len(table.columns)
+                if waiting_bytes > MAX_WAITING_BYTES:
+                    waiting_bytes = 0
+                    for _, each in targets.values():
+                        each.flush()
+
+
+def _full(topic: str) -> str:
+    return topic if topic.startswith(("/", "*")) else f"/{topic}"

@@ -1,0 +1,119 @@
+"""Tables as Parquet files, through the package `pyarrow` (extra `parquet`)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from rostether.errors import ConfigError, RecordingError
+from rostether.extras import install_command
+from rostether.recording.export.columns import Column
+from rostether.recording.export.tables import TIME_COLUMNS, nested
+from rostether.rostime import NS_PER_S
+from rostether.serde.type_tree import Array, Node, Number, Stamp, Struct, Text
+from rostether.serde.values import Message
+
+MAX_GROUP_ROWS = 50_000
+"""Rows that are written together: enough for columns to pack well."""
+
+_NUMBERS = {"byte": "int8", "char": "uint8", "bool": "bool_"}
+
+
+def parquet_package() -> Any:
+    """Return `pyarrow` with its Parquet part. Raises ConfigError when it is not installed."""
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError:
+        raise ConfigError(f"Parquet is not installed; type: {install_command('parquet')}") from None
+    return pyarrow
+
+
+class ParquetTable:
+    """A Parquet file being written; see `recording.export_tables.Table`."""
+
+    def __init__(self, path: Path, columns: Sequence[Column]) -> None:
+        self._arrow = arrow = parquet_package()
+        self._path = path
+        self._columns = columns
+        fields = [
+            arrow.field(TIME_COLUMNS[0], arrow.float64()),
+            arrow.field(TIME_COLUMNS[1], arrow.int64()),
+            *(arrow.field(column.name, _type_of(arrow, column)) for column in columns),
+        ]
+        self._schema = arrow.schema(fields)
+        self._values: list[list[Any]] = [[] for _ in fields]
+        self._is_closed = False
+        with self._telling():
+            try:
+                self._writer = arrow.parquet.ParquetWriter(str(path), self._schema)
+            except arrow.ArrowNotImplementedError:  # a type that it cannot hold; the file is begun by then
+                path.unlink(missing_ok=True)
+                raise
+
+    def add(self, time_ns: int, message: Message) -> None:
+        """Take a row, and write those that wait when they are many."""
+        values = self._values
+        values[0].append(time_ns / NS_PER_S)
+        values[1].append(time_ns)
+        for place, column in enumerate(self._columns, 2):
+            values[place].append(nested(column.read(message), bytes))
+        if len(values[0]) >= MAX_GROUP_ROWS:
+            self.flush()
+
+    def flush(self) -> None:
+        """Write the rows that wait."""
+        if not self._values[0]:
+            return
+        arrow = self._arrow
+        waiting, self._values = self._values, [[] for _ in self._values]
+        with self._telling():
+            columns = [
+                arrow.array(values, type=field.type)
+                for values, field in zip(waiting, self._schema, strict=True)
+            ]
+            self._writer.write_table(arrow.Table.from_arrays(columns, schema=self._schema))
+
+    def close(self) -> None:
+        """Write what waits, and end the file. Idempotent."""
+        if self._is_closed:
+            return
+        self._is_closed = True
+        try:
+            self.flush()
+        finally:
+            with self._telling():
+                self._writer.close()
+
+    @contextmanager
+    def _telling(self) -> Iterator[None]:
+        """Turn what the package raises into a line: full disks, and types that Parquet cannot hold."""
+        try:
+            yield
+        except (OSError, self._arrow.ArrowException) as error:
+            told = getattr(error, "strerror", None) or " ".join(str(error).split())
+            raise RecordingError(f"cannot write {self._path}: {told}") from None
+
+
+def _type_of(arrow: Any, column: Column) -> Any:
+    if isinstance(column.node, Stamp) and not column.lists and column.name.endswith("_s"):
+        return arrow.float64()
+    found = _node_type(arrow, column.node)
+    for _ in range(column.lists):
+        found = arrow.list_(found)
+    return found
+
+
+def _node_type(arrow: Any, node: Node) -> Any:
+    if isinstance(node, Number):
+        return getattr(arrow, _NUMBERS.get(node.name, node.name))()
+    if isinstance(node, Stamp):
+        return arrow.int64()
+    if isinstance(node, Text):
+        return arrow.string()
+    if isinstance(node, Array):
+        return arrow.binary() if node.is_bytes else arrow.list_(_node_type(arrow, node.element))
+    assert isinstance(node, Struct)
+    return arrow.struct([arrow.field(member.name, _node_type(arrow, member.node)) for member in node.members])

@@ -1,0 +1,124 @@
+"""Tables that messages are written to row by row: CSV."""
+
+from __future__ import annotations
+
+import base64
+import csv
+import json
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, Protocol, TextIO
+
+from rostether.errors import RecordingError
+from rostether.recording.export.columns import Column
+from rostether.rostime import NS_PER_S, Duration, Time
+from rostether.serde.plain_form import clean_text
+from rostether.serde.type_tree import Array, Number, Struct, Text
+from rostether.serde.values import Message
+
+TIME_COLUMNS = ("time_s", "time_ns")
+"""When a message was recorded; they stand before its fields."""
+
+
+class Table(Protocol):
+    """One table being written. Every method raises RecordingError when the disk takes no more."""
+
+    def add(self, time_ns: int, message: Message) -> None:
+        """Take a row."""
+
+    def flush(self) -> None:
+        """Write what waits: all tables together may take too much memory."""
+
+    def close(self) -> None:
+        """Write what waits, and end the table. Idempotent."""
+
+
+class CsvTable:
+    """Comma-separated values, UTF-8: lists and nested messages as JSON, bytes as base64."""
+
+    def __init__(self, target: Path | TextIO, columns: Sequence[Column]) -> None:
+        self._name = str(target) if isinstance(target, Path) else "the output"
+        self._is_ours = isinstance(target, Path)
+        try:
+            self._file: TextIO = (
+                target.open("w", encoding="utf-8", newline="") if isinstance(target, Path) else target
+            )
+        except OSError as error:
+            raise RecordingError(
+                f"cannot write {target}: {error.strerror or error}; name a file in a folder of yours"
+            ) from None
+        self._cells = [_cell_of(column) for column in columns]
+        self._writer = csv.writer(self._file, lineterminator="\n")
+        self._write((*TIME_COLUMNS, *(column.name for column in columns)))
+
+    def add(self, time_ns: int, message: Message) -> None:
+        """Write a row."""
+        seconds, nanoseconds = divmod(time_ns, NS_PER_S)
+        self._write(
+            (f"{seconds}.{nanoseconds:09d}", time_ns, *(read(message) for read in self._cells)),
+        )
+
+    def flush(self) -> None:
+        """Nothing waits but what the file holds."""
+
+    def close(self) -> None:
+        """End the table. Idempotent."""
+        try:
+            if self._is_ours:
+                self._file.close()
+            else:
+                self._file.flush()
+        except BrokenPipeError:
+            raise
+        except OSError as error:
+            raise RecordingError(f"cannot write {self._name}: {error.strerror or error}") from None
+
+    def _write(self, row: Sequence[Any]) -> None:
+        try:
+            self._writer.writerow(row)
+        except BrokenPipeError:
+            raise
+        except OSError as error:
+            raise RecordingError(f"cannot write {self._name}: {error.strerror or error}") from None
+
+
+def nested(value: Any, bytes_as: Callable[[bytes], Any]) -> Any:
+    """Return lists and messages as lists and dicts, with times in nanoseconds."""
+    if isinstance(value, Message):
+        return {name: nested(getattr(value, name), bytes_as) for name, _ in value._fields}
+    if isinstance(value, Time | Duration):
+        return value.to_ns()
+    if isinstance(value, bytes):
+        return bytes_as(value)
+    if isinstance(value, str):
+        return clean_text(value)
+    if isinstance(value, list):
+        first = value[0] if value else 0
+        return value if isinstance(first, int | float) else [nested(each, bytes_as) for each in value]
+    return value
+
+
+def _cell_of(column: Column) -> Callable[[Message], Any]:
+    read, node = column.read, column.node
+    if column.lists or isinstance(node, Array | Struct):
+        is_bytes = isinstance(node, Array) and node.is_bytes and not column.lists
+        return (lambda message: _base64(read(message))) if is_bytes else lambda message: _json(read(message))
+    if isinstance(node, Text):
+        return lambda message: clean_text(read(message) or "")
+    if isinstance(node, Number) and node.name == "bool":
+        return lambda message: _truth(read(message))
+    return read
+
+
+def _json(value: Any) -> str:
+    if value is None:
+        return ""
+    return json.dumps(nested(value, _base64), ensure_ascii=False, separators=(",", ":"))
+
+
+def _base64(value: Any) -> str:
+    return "" if value is None else base64.b64encode(bytes(value)).decode()
+
+
+def _truth(value: Any) -> str:
+    return "" if value is None else "true" if value else "false"

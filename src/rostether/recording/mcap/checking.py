@@ -1,0 +1,182 @@
+"""What is wrong with an MCAP file as a file, record by record: sums, places, counts, and what refers to what.
+
+The order of the checks is that of the file: data section, summary, summary offsets, footer.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Mapping
+from typing import TypeAlias
+
+from rostether.errors import RecordingError
+from rostether.recording.mcap.content import McapContent, footer_of
+from rostether.recording.mcap.data_check import DataCheck, kind_of
+from rostether.recording.mcap.decoding import (
+    decode_chunk_index,
+    decode_header,
+    decode_statistics,
+    read_record,
+)
+from rostether.recording.mcap.records import (
+    FOOTER_BYTES,
+    MAGIC,
+    OP_ATTACHMENT,
+    OP_CHANNEL,
+    OP_CHUNK,
+    OP_CHUNK_INDEX,
+    OP_HEADER,
+    OP_METADATA,
+    OP_SCHEMA,
+    OP_STATISTICS,
+    OP_SUMMARY_OFFSET,
+    SUMMARY_OFFSET,
+    U32,
+    ChunkIndex,
+    Statistics,
+)
+
+Buffer: TypeAlias = bytes | memoryview
+
+MAX_FAULTS = 50
+"""A broken file can have one in each record; nobody reads more."""
+
+
+def faults_of(data: Buffer) -> list[str]:
+    """Return what is wrong, one line each, in the order of the file; nothing when it is sound."""
+    check = _Check(data)
+    try:
+        check.run()
+    except RecordingError as error:
+        check.tell(str(error))
+    except _EnoughError:
+        check.faults.append(f"and more than these {MAX_FAULTS}")
+    return check.faults
+
+
+class _EnoughError(Exception):
+    """Ends a check that has told enough."""
+
+
+class _Check:
+    def __init__(self, data: Buffer) -> None:
+        self.faults: list[str] = []
+        self._data = data
+        self._found = DataCheck(data, self.tell)
+
+    def tell(self, fault: str) -> None:
+        self.faults.append(fault)
+        if len(self.faults) >= MAX_FAULTS:
+            raise _EnoughError
+
+    def run(self) -> None:
+        data = self._data
+        if bytes(data[: len(MAGIC)]) != MAGIC:
+            raise RecordingError("it does not begin with MCAP's magic bytes")
+        op, start, position = read_record(data, len(MAGIC))
+        if op != OP_HEADER:
+            raise RecordingError(f"a record ({kind_of(op)}) stands in place of the header")
+        decode_header(data, start, position)
+        position = self._found.run(position)
+        summary, offsets, crc = footer_of(data)
+        footer = len(data) - len(MAGIC) - FOOTER_BYTES
+        if not summary:
+            self.tell("it has no summary")
+            return
+        if summary != position or not summary <= (offsets or footer) <= footer:
+            raise RecordingError(f"its footer says that the summary begins at {summary}, not at {position}")
+        if crc and zlib.crc32(data[summary : len(data) - len(MAGIC) - U32.size]) != crc:
+            self.tell("the sum (CRC) of its summary is wrong")
+        groups = self._check_summary(summary, offsets or footer)
+        if offsets:
+            self._check_offsets(offsets, footer, groups)
+
+    def _check_summary(self, position: int, end: int) -> dict[int, tuple[int, int]]:
+        """Check the records of the summary; returns where those of each kind begin and end."""
+        data = self._data
+        groups: dict[int, tuple[int, int]] = {}
+        repeated = McapContent()
+        statistics: Statistics | None = None
+        last_op = -1
+        while position < end:
+            before = position
+            op, start, position = read_record(data, position, end)
+            if op != last_op and op in groups:
+                self.tell(f"records of its summary ({kind_of(op)}) do not stand together")
+            last_op = op
+            groups[op] = (groups[op][0] if op in groups else before, position)
+            if op in (OP_SCHEMA, OP_CHANNEL):
+                repeated.define(op, data, start, position)
+            elif op == OP_STATISTICS:
+                if statistics is not None:
+                    self.tell("it has statistics twice")
+                statistics = decode_statistics(data, start, position)
+            elif op == OP_CHUNK_INDEX:
+                self._check_chunk_index(decode_chunk_index(data, start, position))
+        for found in self._found.chunks.values():
+            self.tell(f"its summary does not tell of the chunk at byte {found.position}")
+        self._check_repeated("schema", repeated.schemas, self._found.defined.schemas)
+        self._check_repeated("channel", repeated.channels, self._found.defined.channels)
+        if statistics is None:
+            self.tell("it has no statistics")
+        else:
+            self._check_statistics(statistics)
+        return groups
+
+    def _check_repeated(self, kind: str, summary: Mapping[int, object], data: Mapping[int, object]) -> None:
+        for number, value in summary.items():
+            if number not in data:
+                self.tell(f"its summary tells of {kind} {number}, which is not in its data")
+            elif data[number] != value:
+                self.tell(f"its summary tells of {kind} {number} otherwise than its data")
+        if summary:
+            for number in data.keys() - summary.keys():
+                self.tell(f"its summary does not tell of {kind} {number}")
+
+    def _check_chunk_index(self, index: ChunkIndex) -> None:
+        found = self._found.chunks.pop(index.position, None)
+        if found is None:
+            self.tell(f"its summary names a chunk at byte {index.position}, where none is, or names it twice")
+            return
+        chunk = found.chunk
+        said = (
+            *(index.start_ns, index.end_ns, index.length, index.compression),
+            *(index.compressed_bytes, index.size_bytes, index.indexes_bytes),
+        )
+        there = (
+            *(chunk.start_ns, chunk.end_ns, found.length, chunk.compression),
+            *(chunk.data_end - chunk.data_start, chunk.size_bytes),
+            found.indexes_end - found.position - found.length,
+        )
+        if said != there or (dict(index.indexes) != found.indexes and index.indexes):
+            self.tell(f"its summary tells of the chunk at byte {index.position} otherwise than it is")
+
+    def _check_statistics(self, statistics: Statistics) -> None:
+        first, last = self._found.span or (0, 0)
+        rows = (
+            ("messages", statistics.message_count, sum(self._found.counts.values())),
+            ("schemas", statistics.schema_count, len(self._found.defined.schemas)),
+            ("channels", statistics.channel_count, len(self._found.defined.channels)),
+            ("attachments", statistics.attachment_count, self._found.kinds.get(OP_ATTACHMENT, 0)),
+            ("records of metadata", statistics.metadata_count, self._found.kinds.get(OP_METADATA, 0)),
+            ("chunks", statistics.chunk_count, self._found.kinds.get(OP_CHUNK, 0)),
+            ("ns at the first message", statistics.start_ns, first),
+            ("ns at the last message", statistics.end_ns, last),
+        )
+        for noun, said, there in rows:
+            if said != there:
+                self.tell(f"its statistics tell of {said} {noun}, but there are {there}")
+        counts = {number: count for number, count in statistics.counts.items() if count}
+        if counts and counts != self._found.counts:
+            self.tell("its statistics count the messages of its channels wrong")
+
+    def _check_offsets(self, position: int, end: int, groups: dict[int, tuple[int, int]]) -> None:
+        data = self._data
+        while position < end:
+            op, start, position = read_record(data, position, end)
+            if op != OP_SUMMARY_OFFSET or position - start < SUMMARY_OFFSET.size:
+                self.tell(f"a record ({kind_of(op)}) stands among its summary offsets")
+                continue
+            kind, begin, length = SUMMARY_OFFSET.unpack_from(data, start)
+            if length and groups.get(kind) != (begin, begin + length):
+                self.tell(f"its summary offset of {kind_of(kind)} is wrong")

@@ -1,0 +1,320 @@
+"""Finding what an MCAP file holds: by its summary, or by walking over the file where there is none."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+from rostether.errors import RecordingError
+from rostether.recording.chunk_order import Entry
+from rostether.recording.compression import MAX_CHUNK_BYTES, check_unpacked_size, decompress
+from rostether.recording.mcap.decoding import (
+    decode_channel,
+    decode_chunk,
+    decode_chunk_index,
+    decode_footer,
+    decode_header,
+    decode_schema,
+    decode_statistics,
+    read_record,
+)
+from rostether.recording.mcap.records import (
+    FOOTER_BYTES,
+    MAGIC,
+    MESSAGE_HEAD,
+    OP_CHANNEL,
+    OP_CHUNK,
+    OP_CHUNK_INDEX,
+    OP_DATA_END,
+    OP_FOOTER,
+    OP_HEADER,
+    OP_MESSAGE,
+    OP_SCHEMA,
+    OP_STATISTICS,
+    RECORD_HEAD,
+    Channel,
+    Chunk,
+    ChunkIndex,
+    Schema,
+    Statistics,
+)
+
+Buffer: TypeAlias = bytes | memoryview
+
+MAX_DEFINITION_BYTES = 256 << 20
+"""Schemas and channels together, each a few KB: a packed chunk can tell of gigabytes of them."""
+
+MAX_LOOSE_BYTES = 4 << 20
+"""Messages that stand in no chunk are taken together up to this."""
+
+
+@dataclass(frozen=True, slots=True)
+class StoredChunk:
+    """Where messages lie in the file; `channels` are those it has, None when that is not known."""
+
+    data_start: int
+    data_end: int
+    compression: str
+    size_bytes: int
+    start_ns: int
+    end_ns: int
+    channels: frozenset[int] | None
+
+
+@dataclass(slots=True)
+class McapContent:
+    """What a file holds; `damage` says why it had to be searched."""
+
+    profile: str = ""
+    library: str = ""
+    schemas: dict[int, Schema] = field(default_factory=dict)
+    channels: dict[int, Channel] = field(default_factory=dict)
+    chunks: list[StoredChunk] = field(default_factory=list)
+    counts: dict[int, int] = field(default_factory=dict)
+    span_ns: tuple[int, int] | None = None
+    damage: str = ""
+    definition_bytes: int = 0
+
+    def define(self, op: int, data: Buffer, start: int, end: int) -> None:
+        """Take a schema or a channel, the same ones again too. Raises RecordingError."""
+        self.definition_bytes += end - start
+        if self.definition_bytes > MAX_DEFINITION_BYTES:
+            raise RecordingError(f"it holds more than {MAX_DEFINITION_BYTES} bytes of definitions")
+        if op == OP_SCHEMA:
+            schema = decode_schema(data, start, end)
+            self.schemas[schema.number] = schema
+        else:
+            channel = decode_channel(data, start, end)
+            self.channels[channel.number] = channel
+
+
+def read_content(data: Buffer, damage: str = "") -> McapContent:
+    """Return what a file holds, by its summary, or by a search, also where it is known to be damaged.
+
+    Raises RecordingError when it is no MCAP.
+    """
+    begin = bytes(data[: len(MAGIC)])
+    if begin != MAGIC:
+        if MAGIC.startswith(begin):
+            raise RecordingError(f"it is cut: it has {len(begin)} bytes, and MCAP begins with {len(MAGIC)}")
+        if begin.startswith(MAGIC[:5]):
+            raise RecordingError("it is MCAP of another version than 0, which alone can be read")
+        raise RecordingError("it is no MCAP file: those begin with '\\x89MCAP0'")
+    if damage:
+        return search(data, damage)
+    try:
+        content = _by_summary(data)
+    except RecordingError as error:
+        return search(data, str(error))
+    content.chunks.sort(key=lambda chunk: chunk.start_ns)
+    return content
+
+
+def footer_of(data: Buffer) -> tuple[int, int, int]:
+    """Return where summary and summary offsets begin, and their sum. Raises RecordingError: not closed."""
+    start = len(data) - len(MAGIC) - FOOTER_BYTES
+    if start < len(MAGIC) or bytes(data[-len(MAGIC) :]) != MAGIC:
+        raise RecordingError("it was not closed")
+    op, content, end = read_record(data, start)
+    if op != OP_FOOTER:
+        raise RecordingError("it ends without a footer")
+    return decode_footer(data, content, end)
+
+
+def _by_summary(data: Buffer) -> McapContent:
+    content = McapContent()
+    op, start, end = read_record(data, len(MAGIC))
+    if op != OP_HEADER:
+        raise RecordingError("it does not begin with a header")
+    content.profile, content.library = decode_header(data, start, end)
+    position = footer_of(data)[0]
+    if position == 0:
+        raise RecordingError("it has no index")
+    statistics: Statistics | None = None
+    indexes: list[ChunkIndex] = []
+    summary_end = len(data) - len(MAGIC) - FOOTER_BYTES
+    while position < summary_end:
+        op, start, position = read_record(data, position, summary_end)
+        if op in (OP_SCHEMA, OP_CHANNEL):
+            content.define(op, data, start, position)
+        elif op == OP_STATISTICS:
+            statistics = decode_statistics(data, start, position)
+        elif op == OP_CHUNK_INDEX:
+            indexes.append(decode_chunk_index(data, start, position))
+    if statistics is None:
+        raise RecordingError("it has no statistics")
+    if len(indexes) != statistics.chunk_count:
+        raise RecordingError(f"its index names {len(indexes)} of {statistics.chunk_count} chunks")
+    if statistics.message_count and not indexes:
+        raise RecordingError("its messages are in no chunks, and have no index")
+    unknown = statistics.counts.keys() - content.channels.keys()
+    if unknown:
+        raise RecordingError(f"its index does not tell of channel {min(unknown)}")
+    content.chunks = [_indexed(data, each) for each in indexes]
+    packed = (each.size_bytes for each in content.chunks if each.compression)
+    check_unpacked_size(sum(min(each, MAX_CHUNK_BYTES) for each in packed), len(data))
+    content.counts = dict(statistics.counts)
+    if statistics.message_count:
+        content.span_ns = (statistics.start_ns, statistics.end_ns)
+    return content
+
+
+def _indexed(data: Buffer, index: ChunkIndex) -> StoredChunk:
+    if index.position > len(data):
+        raise RecordingError("its index names a chunk beyond its end")
+    op, start, end = read_record(data, index.position)
+    if op != OP_CHUNK:
+        raise RecordingError("there is no chunk where its index names one")
+    channels = frozenset(index.indexes) if index.indexes else None
+    return _stored(decode_chunk(data, start, end), channels)
+
+
+def _stored(chunk: Chunk, channels: frozenset[int] | None) -> StoredChunk:
+    return StoredChunk(
+        chunk.data_start,
+        chunk.data_end,
+        chunk.compression,
+        chunk.size_bytes,
+        chunk.start_ns,
+        chunk.end_ns,
+        channels,
+    )
+
+
+def search(data: Buffer, damage: str) -> McapContent:
+    """Walk over the file, up to the last record that is whole.
+
+    Raises RecordingError where its chunks would unpack to more than any recorder writes.
+    """
+    check_unpacked_size(_packed_bytes(data), len(data))
+    content = McapContent(damage=damage)
+    loose: list[int] = []
+    position = len(MAGIC)
+    try:
+        while position < len(data):
+            before = position
+            try:
+                op, start, position = read_record(data, position)
+            except RecordingError:
+                _add_cut_chunk(content, data, position)
+                raise
+            if op == OP_MESSAGE:
+                loose = loose or [before]
+                if position - loose[0] < MAX_LOOSE_BYTES:
+                    continue
+                before = position
+            if loose:
+                _add_found(content, data, StoredChunk(loose[0], before, "", before - loose[0], 0, 0, None))
+                loose = []
+            if op == OP_CHUNK:
+                try:
+                    _add_found(content, data, _stored(decode_chunk(data, start, position), None))
+                except RecordingError as error:  # the next one may be whole
+                    content.damage = f"{damage}; {error}" if str(error) not in damage else damage
+            elif op in (OP_SCHEMA, OP_CHANNEL):
+                content.define(op, data, start, position)
+            elif op == OP_HEADER:
+                content.profile, content.library = decode_header(data, start, position)
+            elif op == OP_DATA_END:
+                break
+    except RecordingError as error:
+        if str(error) not in content.damage:
+            content.damage = f"{content.damage}; {error}"
+    if loose:
+        try:
+            _add_found(content, data, StoredChunk(loose[0], position, "", position - loose[0], 0, 0, None))
+        except RecordingError as error:
+            content.damage = f"{content.damage}; {error}"
+    content.chunks.sort(key=lambda chunk: chunk.start_ns)
+    return content
+
+
+def _packed_bytes(data: Buffer) -> int:
+    """Return how much the packed chunks say that they hold."""
+    total, position = 0, len(MAGIC)
+    with contextlib.suppress(RecordingError):
+        while position < len(data):
+            op, start, position = read_record(data, position)
+            if op == OP_CHUNK and (chunk := decode_chunk(data, start, position)).compression:
+                total += min(chunk.size_bytes, MAX_CHUNK_BYTES)
+    return total
+
+
+def _add_cut_chunk(content: McapContent, data: Buffer, position: int) -> None:
+    """Take the whole messages of a chunk at whose end the file is cut, when it is not packed."""
+    start = position + RECORD_HEAD.size
+    if start > len(data) or data[position] != OP_CHUNK:
+        return
+    # As if the chunk ended here: its records do not care.
+    head = bytes(data[start : start + 32])
+    if len(head) < 32 or int.from_bytes(head[28:32], "little"):
+        return
+    start += 40
+    end = start
+    while end < len(data):
+        try:
+            end = read_record(data, end)[2]
+        except RecordingError:
+            break
+    if end > start:
+        _add_found(content, data, StoredChunk(start, end, "", end - start, 0, 0, None))
+
+
+def _add_found(content: McapContent, data: Buffer, chunk: StoredChunk) -> None:
+    plain = decompress(
+        chunk.compression, memoryview(data)[chunk.data_start : chunk.data_end], chunk.size_bytes
+    )
+    counts: dict[int, int] = {}
+    first_ns, last_ns = 1 << 64, -1
+    for time_ns, _, _, number in messages_in(plain, content):
+        if number not in content.channels:
+            raise RecordingError(f"a message is of channel {number}, which nobody told of")
+        counts[number] = counts.get(number, 0) + 1
+        first_ns = min(first_ns, time_ns)
+        last_ns = max(last_ns, time_ns)
+    if not counts:
+        return
+    for number, count in counts.items():
+        content.counts[number] = content.counts.get(number, 0) + count
+    before = content.span_ns or (first_ns, last_ns)
+    content.span_ns = (min(before[0], first_ns), max(before[1], last_ns))
+    content.chunks.append(
+        StoredChunk(
+            chunk.data_start,
+            chunk.data_end,
+            chunk.compression,
+            chunk.size_bytes,
+            first_ns,
+            last_ns,
+            frozenset(counts),
+        )
+    )
+
+
+def messages_in(plain: Buffer, defined: McapContent | None = None) -> Iterator[Entry]:
+    """Yield time in ns, where the payload begins and ends, and the channel's number, of each message.
+
+    Schemas and channels go to `defined`. Raises RecordingError where a record is cut.
+    """
+    position = 0
+    length = len(plain)
+    head = MESSAGE_HEAD.unpack_from
+    record = RECORD_HEAD.unpack_from
+    record_bytes, head_bytes = RECORD_HEAD.size, MESSAGE_HEAD.size
+    while position < length:
+        start = position + record_bytes
+        if start > length:
+            raise RecordingError("a chunk ends within a record")
+        op, size = record(plain, position)
+        position = start + size
+        if position > length:
+            raise RecordingError("a chunk ends within a record")
+        if op == OP_MESSAGE:
+            if size < head_bytes:
+                raise RecordingError("a message is shorter than its head")
+            number, _, time_ns, _ = head(plain, start)
+            yield time_ns, start + head_bytes, position, number
+        elif op in (OP_SCHEMA, OP_CHANNEL) and defined is not None:
+            defined.define(op, plain, start, position)

@@ -1,0 +1,205 @@
+"""What is wrong with the data of an MCAP file: chunks, messages and their indexes, schemas, channels."""
+
+from __future__ import annotations
+
+import zlib
+from array import array
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+from rostether.errors import RecordingError
+from rostether.recording.compression import MAX_CHUNK_BYTES, check_unpacked_size, decompress
+from rostether.recording.mcap.content import McapContent
+from rostether.recording.mcap.decoding import (
+    decode_channel,
+    decode_chunk,
+    decode_message_index,
+    decode_schema,
+    read_record,
+)
+from rostether.recording.mcap.records import (
+    KINDS,
+    MESSAGE_HEAD,
+    OP_ATTACHMENT,
+    OP_CHANNEL,
+    OP_CHUNK,
+    OP_DATA_END,
+    OP_MESSAGE,
+    OP_MESSAGE_INDEX,
+    OP_METADATA,
+    OP_SCHEMA,
+    Chunk,
+)
+
+Buffer: TypeAlias = bytes | memoryview
+
+
+@dataclass(slots=True)
+class FoundChunk:
+    """A chunk that is there, what it holds, and the indexes that follow it.
+
+    `places` are (time, offset) of each message by channel, only until its indexes are compared.
+    """
+
+    chunk: Chunk
+    position: int
+    length: int
+    places: dict[int, array[int]] = field(default_factory=dict)
+    indexes: dict[int, int] = field(default_factory=dict)
+    indexes_end: int = 0
+
+
+class DataCheck:
+    """Reads the data of a file, gives each fault to `tell`, and keeps what the summary must agree with."""
+
+    def __init__(self, data: Buffer, tell: Callable[[str], None]) -> None:
+        self.defined = McapContent()
+        self.counts: dict[int, int] = {}
+        self.span: tuple[int, int] | None = None
+        self.kinds: dict[int, int] = {}
+        self.chunks: dict[int, FoundChunk] = {}
+        self._packed_bytes = 0
+        self._data = data
+        self._tell = tell
+
+    def run(self, position: int) -> int:
+        """Check up to the end of the data; returns where what follows begins. Raises RecordingError."""
+        data = self._data
+        last: FoundChunk | None = None
+        while True:
+            before = position
+            op, start, position = read_record(data, position)
+            if op != OP_MESSAGE_INDEX:
+                self._check_indexed(last)
+                last = None
+            self.kinds[op] = self.kinds.get(op, 0) + 1
+            if op == OP_DATA_END:
+                crc = int.from_bytes(bytes(data[start:position]), "little")
+                if crc and zlib.crc32(data[:before]) != crc:
+                    self._tell("the sum (CRC) of its data is wrong")
+                return position
+            if op == OP_CHUNK:
+                last = self._check_chunk(before, start, position)
+            elif op == OP_MESSAGE_INDEX:
+                self._check_message_index(last, before, start, position)
+            elif op in (OP_SCHEMA, OP_CHANNEL):
+                self._define(data, op, start, position)
+            elif op == OP_MESSAGE:
+                self._count(*_message(data, start, position))
+            elif op == OP_ATTACHMENT:
+                crc = int.from_bytes(bytes(data[max(position - 4, start) : position]), "little")
+                if crc and zlib.crc32(data[start : position - 4]) != crc:
+                    self._tell(f"the sum (CRC) of the attachment at byte {before} is wrong")
+            elif op != OP_METADATA and op < 0x80:
+                raise RecordingError(f"a record ({kind_of(op)}) stands among the data at byte {before}")
+
+    def _check_chunk(self, position: int, start: int, end: int) -> FoundChunk:
+        data = self._data
+        chunk = decode_chunk(data, start, end)
+        found = self.chunks[position] = FoundChunk(chunk, position, end - position, indexes_end=end)
+        where = f"the chunk at byte {position}"
+        if chunk.compression:
+            self._packed_bytes += min(chunk.size_bytes, MAX_CHUNK_BYTES)
+            # The summary may be silent about chunks that are there.
+            check_unpacked_size(self._packed_bytes, len(data))
+        try:
+            plain = decompress(
+                chunk.compression, memoryview(data)[chunk.data_start : chunk.data_end], chunk.size_bytes
+            )
+        except RecordingError as error:
+            self._tell(f"{where}: {error}")
+            return found
+        if chunk.crc and zlib.crc32(plain) != chunk.crc:
+            self._tell(f"{where}: the sum (CRC) of its records is wrong")
+        first, last = 1 << 64, -1
+        try:
+            for op, record, begin, stop in _records(plain):
+                if op in (OP_SCHEMA, OP_CHANNEL):
+                    self._define(plain, op, begin, stop)
+                elif op == OP_MESSAGE:
+                    number, time_ns = _message(plain, begin, stop)
+                    self._count(number, time_ns)
+                    first, last = min(first, time_ns), max(last, time_ns)
+                    found.places.setdefault(number, array("Q")).extend((time_ns, record))
+                elif op < 0x80:
+                    self._tell(f"{where}: a record ({kind_of(op)}) does not belong there")
+        except RecordingError as error:
+            self._tell(f"{where}: {error}")
+        if found.places and (first, last) != (chunk.start_ns, chunk.end_ns):
+            told = f"{chunk.start_ns} to {chunk.end_ns}"
+            self._tell(f"{where}: its times are {first} to {last}, not {told} as it says")
+        return found
+
+    def _check_message_index(self, found: FoundChunk | None, position: int, start: int, end: int) -> None:
+        number, entries = decode_message_index(self._data, start, end)
+        if found is None:
+            self._tell(f"the message index at byte {position} follows no chunk")
+            return
+        found.indexes[number] = position
+        found.indexes_end = end
+        listed = array("Q", (value for entry in entries for value in entry))
+        there = found.places.get(number, array("Q"))
+        if listed != there and _pairs(listed) != _pairs(there):
+            self._tell(
+                f"the message index at byte {position} does not name the messages of channel {number} "
+                f"in the chunk before it"
+            )
+
+    def _check_indexed(self, found: FoundChunk | None) -> None:
+        if found is not None and found.indexes:
+            for number in found.places.keys() - found.indexes.keys():
+                self._tell(f"the chunk at byte {found.position}: channel {number} has no message index")
+        if found is not None:
+            found.places.clear()
+
+    def _define(self, data: Buffer, op: int, start: int, end: int) -> None:
+        if op == OP_SCHEMA:
+            schema = decode_schema(data, start, end)
+            if not schema.number:
+                self._tell("a schema has the number 0, which means none")
+            if self.defined.schemas.get(schema.number, schema) != schema:
+                self._tell(f"schema {schema.number} is defined twice, and differs")
+        else:
+            channel = decode_channel(data, start, end)
+            if self.defined.channels.get(channel.number, channel) != channel:
+                self._tell(f"channel {channel.number} is defined twice, and differs")
+            if channel.schema and channel.schema not in self.defined.schemas:
+                self._tell(f"channel {channel.number} has schema {channel.schema}, which nobody told of")
+        self.defined.define(op, data, start, end)
+
+    def _count(self, number: int, time_ns: int) -> None:
+        if number not in self.counts:
+            self.counts[number] = 0
+            if number not in self.defined.channels:
+                self._tell(f"a message is of channel {number}, which nobody told of")
+        self.counts[number] += 1
+        if self.span is None:
+            self.span = (time_ns, time_ns)
+        elif not self.span[0] <= time_ns <= self.span[1]:
+            self.span = (min(self.span[0], time_ns), max(self.span[1], time_ns))
+
+
+def _records(plain: Buffer) -> Iterator[tuple[int, int, int, int]]:
+    """Yield kind, place, and where the content begins and ends, of the records in a chunk."""
+    position = 0
+    while position < len(plain):
+        op, start, end = read_record(plain, position)
+        yield op, position, start, end
+        position = end
+
+
+def _message(data: Buffer, start: int, end: int) -> tuple[int, int]:
+    if end - start < MESSAGE_HEAD.size:
+        raise RecordingError("a message is shorter than its head")
+    number, _, time_ns, _ = MESSAGE_HEAD.unpack_from(data, start)
+    return number, time_ns
+
+
+def _pairs(values: array[int]) -> list[tuple[int, int]]:
+    return sorted(zip(values[0::2], values[1::2], strict=True))
+
+
+def kind_of(op: int) -> str:
+    """Return what a record is called."""
+    return KINDS.get(op, f"of kind {op:#x}")

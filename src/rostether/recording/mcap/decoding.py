@@ -1,0 +1,158 @@
+"""Taking the records of MCAP files apart, with no trust in what they say of their lengths."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator
+from typing import TypeAlias
+
+from rostether.errors import RecordingError
+from rostether.recording.mcap.records import (
+    CHANNEL_AND_NUMBER,
+    CHUNK_HEAD,
+    CHUNK_PLACE,
+    FOOTER,
+    KINDS,
+    RECORD_HEAD,
+    STATISTICS,
+    TIME_AND_OFFSET,
+    U16,
+    U16_PAIR,
+    U32,
+    U64,
+    Channel,
+    Chunk,
+    ChunkIndex,
+    Schema,
+    Statistics,
+)
+
+Buffer: TypeAlias = bytes | memoryview
+
+
+def read_record(data: Buffer, position: int, end: int | None = None) -> tuple[int, int, int]:
+    """Return a record's kind, and where its content begins and ends. Raises RecordingError when it is cut."""
+    end = len(data) if end is None else end
+    start = position + RECORD_HEAD.size
+    if start > end:
+        raise RecordingError("it ends within a record")
+    op, length = RECORD_HEAD.unpack_from(data, position)
+    if length > end - start:
+        raise RecordingError(f"it ends within a record ({KINDS.get(op, hex(op))})")
+    return op, start, start + length
+
+
+class _Fields:
+    """Takes the fields of a record one after the other. Raises RecordingError where they do not fit."""
+
+    def __init__(self, data: Buffer, start: int, end: int, kind: str) -> None:
+        self._data = data
+        self.position = start
+        self.end = end
+        self._kind = kind
+
+    def unpack(self, form: struct.Struct) -> tuple[int, ...]:
+        position = self._advance(form.size)
+        return form.unpack_from(self._data, position)
+
+    def data(self) -> bytes:
+        length = self.unpack(U32)[0]
+        position = self._advance(length)
+        return bytes(self._data[position : position + length])
+
+    def text(self) -> str:
+        return self.data().decode("utf-8", "surrogateescape")
+
+    def part(self, form: struct.Struct = U32) -> _Fields:
+        """Take a length and the fields below it."""
+        length = self.unpack(form)[0]
+        position = self._advance(length)
+        return _Fields(self._data, position, position + length, self._kind)
+
+    def texts(self) -> dict[str, str]:
+        fields = self.part()
+        values: dict[str, str] = {}
+        while fields.position < fields.end:
+            key = fields.text()
+            values[key] = fields.text()
+        return values
+
+    def numbers(self) -> dict[int, int]:
+        fields = self.part()
+        values: dict[int, int] = {}
+        while fields.position < fields.end:
+            key, value = fields.unpack(CHANNEL_AND_NUMBER)
+            values[key] = value
+        return values
+
+    def _advance(self, length: int) -> int:
+        position = self.position
+        if length > self.end - position:
+            raise RecordingError(f"a record ({self._kind}) is shorter than what it holds")
+        self.position = position + length
+        return position
+
+
+def decode_header(data: Buffer, start: int, end: int) -> tuple[str, str]:
+    """Return profile and library. Raises RecordingError, as all these do."""
+    fields = _Fields(data, start, end, "header")
+    return fields.text(), fields.text()
+
+
+def decode_schema(data: Buffer, start: int, end: int) -> Schema:
+    """Return a schema."""
+    fields = _Fields(data, start, end, "schema")
+    return Schema(fields.unpack(U16)[0], fields.text(), fields.text(), fields.data())
+
+
+def decode_channel(data: Buffer, start: int, end: int) -> Channel:
+    """Return a channel."""
+    fields = _Fields(data, start, end, "channel")
+    number, schema = fields.unpack(U16_PAIR)
+    return Channel(number, schema, fields.text(), fields.text(), fields.texts())
+
+
+def decode_chunk(data: Buffer, start: int, end: int) -> Chunk:
+    """Return a chunk."""
+    fields = _Fields(data, start, end, "chunk")
+    start_ns, end_ns, size_bytes, crc = fields.unpack(CHUNK_HEAD)
+    compression = fields.text()
+    stored = fields.part(U64)
+    return Chunk(start_ns, end_ns, size_bytes, crc, compression, stored.position, stored.end)
+
+
+def decode_message_index(data: Buffer, start: int, end: int) -> tuple[int, Iterator[tuple[int, int]]]:
+    """Return a channel's number, and (time, place in the chunk) of each of its messages."""
+    fields = _Fields(data, start, end, "message index")
+    number = fields.unpack(U16)[0]
+    entries = fields.part()
+    if (entries.end - entries.position) % TIME_AND_OFFSET.size:
+        raise RecordingError("a record (message index) ends within an entry")
+    return number, TIME_AND_OFFSET.iter_unpack(data[entries.position : entries.end])
+
+
+def decode_chunk_index(data: Buffer, start: int, end: int) -> ChunkIndex:
+    """Return a chunk index."""
+    fields = _Fields(data, start, end, "chunk index")
+    start_ns, end_ns, position, length = fields.unpack(CHUNK_PLACE)
+    indexes = fields.numbers()
+    indexes_bytes = fields.unpack(U64)[0]
+    compression = fields.text()
+    compressed_bytes, size_bytes = fields.unpack(TIME_AND_OFFSET)
+    return ChunkIndex(
+        start_ns, end_ns, position, length, indexes, indexes_bytes, compression, compressed_bytes, size_bytes
+    )
+
+
+def decode_statistics(data: Buffer, start: int, end: int) -> Statistics:
+    """Return the statistics."""
+    fields = _Fields(data, start, end, "statistics")
+    messages, schemas, channels, attachments, metadata, chunks, start_ns, end_ns = fields.unpack(STATISTICS)
+    counts = fields.numbers()
+    return Statistics(messages, schemas, channels, attachments, metadata, chunks, start_ns, end_ns, counts)
+
+
+def decode_footer(data: Buffer, start: int, end: int) -> tuple[int, int, int]:
+    """Return where the summary and the summary offsets begin (0: there are none), and the summary's sum."""
+    summary, offsets, crc = _Fields(data, start, end, "footer").unpack(FOOTER)
+    return summary, offsets, crc

@@ -1,0 +1,190 @@
+"""Reads MCAP files with messages of ROS 1 or ROS 2, whoever wrote them, closed or not.
+
+Source: mcap.dev/spec
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rostether.errors import RecordingError
+from rostether.recording.bag.packed_chunks import compression_shares, unpack_chunk
+from rostether.recording.chunk_order import Entry, Unpacked, in_order
+from rostether.recording.mapped_file import MappedFile
+from rostether.recording.mcap.content import StoredChunk, messages_in, read_content
+from rostether.recording.mcap.records import Channel, Schema
+from rostether.recording.recorded import (
+    CompressionShare,
+    Connection,
+    RecordedMessage,
+    Ros2Origin,
+    Wanted,
+)
+
+if TYPE_CHECKING:
+    from rostether.recording.ros2.reading import Ros2Topics
+
+_ENCODING = "ros1"
+
+
+class McapReader:
+    """An MCAP file being read; see `recording.recorded.RecordingReader`.
+
+    Only messages of ROS 1 and CDR are given; the latter as ROS 1 bytes, in ROS 2's own fields if `is_native`.
+    `unpack` undoes the compression of single messages, as a ROS 2 bag's summary tells it.
+    With `damage`, which is then why, its index is not trusted.
+    Where there is no md5sum of a type, it is computed from the definition.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        *,
+        is_native: bool = False,
+        unpack: Callable[[bytes], bytes] | None = None,
+        damage: str = "",
+    ) -> None:
+        self.path = path
+        self._unpack_message = unpack
+        self._is_native = is_native
+        self._ros2: Ros2Topics | None = None
+        self._file = MappedFile(path)
+        self.size_bytes = self._file.size_bytes
+        self._view = self._file.view
+        try:
+            self._content = read_content(self._view, damage)
+        except RecordingError as error:
+            self.close()
+            raise RecordingError(f"{path}: {error}") from None
+        self._connections: dict[int, Connection] = {}
+        for number, channel in self._content.channels.items():
+            connection = self._connection(self._content.schemas.get(channel.schema), channel)
+            if connection is not None:
+                self._connections[number] = connection
+
+    @property
+    def damage(self) -> str:
+        """Why the file had to be searched for its messages, or an empty string."""
+        return self._content.damage
+
+    @property
+    def format_version(self) -> str:
+        """The format's name, and ROS 2 where its messages are of that."""
+        return "MCAP" if self._ros2 is None else "MCAP (ROS 2)"
+
+    @property
+    def unreadable(self) -> Mapping[str, str]:
+        """Topics with messages that cannot be given, and why."""
+        return {} if self._ros2 is None else self._ros2.unreadable
+
+    @property
+    def profile(self) -> str:
+        """What its header says about its messages, such as `ros1`."""
+        return self._content.profile
+
+    @property
+    def counts(self) -> Mapping[Connection, int]:
+        """How many messages each connection has."""
+        counts: Counter[Connection] = Counter()
+        for number, connection in self._connections.items():
+            counts[connection] += self._content.counts.get(number, 0)
+        return counts
+
+    @property
+    def span_ns(self) -> tuple[int, int] | None:
+        """The times of the first and the last message; None in an empty file."""
+        return self._content.span_ns
+
+    @property
+    def compressions(self) -> Sequence[CompressionShare]:
+        """How the chunks are compressed, the most frequent first."""
+        return compression_shares(self._content.chunks)
+
+    def messages(
+        self, wanted: Wanted | None = None, *, start_ns: int | None = None, end_ns: int | None = None
+    ) -> Iterator[RecordedMessage]:
+        """Yield messages in the order of their times, both ends included. Raises RecordingError."""
+        connections = {
+            number: connection
+            for number, connection in self._connections.items()
+            if wanted is None or wanted(connection)
+        }
+        chunks = [
+            chunk
+            for chunk in self._content.chunks
+            if (chunk.channels is None or not connections.keys().isdisjoint(chunk.channels))
+            and (end_ns is None or chunk.start_ns <= end_ns)
+            and (start_ns is None or chunk.end_ns >= start_ns)
+        ]
+        found = in_order(chunks, partial(self._unpack, connections), start_ns=start_ns, end_ns=end_ns)
+        try:
+            for number, time_ns, payload in found:
+                connection = connections[number]
+                if connection.origin is None or self._ros2 is None:
+                    yield RecordedMessage(connection, time_ns, payload)
+                    continue
+                cdr = payload if self._unpack_message is None else self._unpack_message(payload)
+                converted = self._ros2.convert(connection, cdr)
+                if converted is not None:
+                    yield RecordedMessage(connection, time_ns, converted)
+        except RecordingError as error:
+            raise RecordingError(
+                f"{self.path}: {error}; `rostether bag reindex` keeps what is whole"
+            ) from None
+
+    def close(self) -> None:
+        """Close the file. Idempotent."""
+        self._file.close()
+
+    def _unpack(self, connections: Mapping[int, Connection], chunk: StoredChunk) -> Unpacked:
+        plain = unpack_chunk(self._view, chunk)
+
+        def walk() -> Iterator[Entry]:
+            for entry in messages_in(plain):
+                if entry[3] in connections:
+                    yield entry
+
+        return plain, walk
+
+    def _connection(self, schema: Schema | None, channel: Channel) -> Connection | None:
+        """Return what a channel is to us; None when its messages cannot be given."""
+        name = schema.name if schema is not None else "*"
+        if channel.encoding == "cdr" and schema is not None:
+            return self._ros2_connection(schema, channel)
+        if channel.encoding != _ENCODING:
+            return None
+        definition = schema.data.decode("utf-8", "surrogateescape") if schema is not None else ""
+        md5sum = channel.metadata.get("md5sum") or _md5sum(name, definition)
+        told = {"type": name, "md5sum": md5sum, "message_definition": definition}
+        if channel.metadata.get("latching") == "true":
+            told["latching"] = "1"
+        return Connection.from_fields(channel.topic, {**channel.metadata, **told})
+
+    def _ros2_connection(self, schema: Schema, channel: Channel) -> Connection | None:
+        if self._ros2 is None:
+            from rostether.recording.ros2.reading import Ros2Topics
+
+            self._ros2 = Ros2Topics(is_native=self._is_native)
+        origin = Ros2Origin(
+            schema.name,
+            channel.metadata.get("topic_type_hash", ""),
+            schema.encoding,
+            schema.data.decode("utf-8", "surrogateescape"),
+        )
+        return self._ros2.connection(channel.topic, origin, channel.metadata.get("offered_qos_profiles"))
+
+
+def _md5sum(name: str, definition: str) -> str:
+    from rostether.errors import RostetherError
+    from rostether.msgdef.registry import Registry
+
+    try:
+        registry = Registry(bundled=False)
+        registry.add_full_text(name, definition)
+        return registry.message_type(name).md5sum
+    except RostetherError:
+        return "*"

@@ -1,0 +1,293 @@
+"""Writes MCAP files with ROS 1 messages (profile `ros1`, schemas `ros1msg`): chunks with their indexes.
+
+A chunk goes to the file at once when it is full or flushed, so a killed process leaves whole chunks behind.
+Source: mcap.dev/spec
+"""
+
+from __future__ import annotations
+
+import sys
+import zlib
+from array import array
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from rostether.errors import ConfigError, RecordingError
+from rostether.recording.compression import BZ2, NONE, check_compression, compress
+from rostether.recording.mcap.records import (
+    CHUNK_HEAD,
+    FOOTER,
+    MAGIC,
+    MESSAGE_HEAD,
+    OP_CHANNEL,
+    OP_CHUNK,
+    OP_CHUNK_INDEX,
+    OP_DATA_END,
+    OP_FOOTER,
+    OP_HEADER,
+    OP_MESSAGE,
+    OP_MESSAGE_INDEX,
+    OP_SCHEMA,
+    OP_STATISTICS,
+    OP_SUMMARY_OFFSET,
+    RECORD_HEAD,
+    SUMMARY_OFFSET,
+    TIME_AND_OFFSET,
+    U16,
+    U16_PAIR,
+    U32,
+    U64,
+    ChunkIndex,
+    Statistics,
+    encode_chunk_index,
+    encode_map,
+    encode_record,
+    encode_statistics,
+    encode_text,
+)
+from rostether.recording.output_file import OutputFile
+from rostether.recording.recorded import Connection
+
+DEFAULT_CHUNK_BYTES = 768 * 1024
+"""As bags have them."""
+
+MAX_CHANNELS = 0xFFFF
+"""The format numbers them in two bytes."""
+
+_MAX_TIME_NS = (1 << 64) - 1
+
+
+class McapWriter:
+    """An MCAP file being written; see `recording.recorded.RecordingWriter`.
+
+    What differs for messages of another ROS stands in `profile`, `schema_of` and `channel_of`.
+    """
+
+    profile = "ros1"
+
+    def __init__(
+        self, path: Path, *, compression: str = NONE, chunk_bytes: int = DEFAULT_CHUNK_BYTES
+    ) -> None:
+        if compression == BZ2:
+            raise ConfigError("MCAP knows no bz2; take lz4, or none")
+        check_compression(compression)
+        self.path = path
+        self.message_count = 0
+        self._compression = compression
+        self._limit_bytes = chunk_bytes
+        self._numbers: dict[Connection, int] = {}
+        self._schemas: dict[tuple[str, str, bytes], int] = {}
+        self._schema_records: dict[int, bytes] = {}
+        # Of each channel its schema and its record.
+        self._channels: dict[int, tuple[int, bytes]] = {}
+        # Schemas and channels that stand in the file, and those that stand in the chunk that is begun.
+        self._known: set[bytes] = set()
+        self._told: set[bytes] = set()
+        self._indexes: list[ChunkIndex] = []
+        self._counts: dict[int, int] = {}
+        self._data_crc = 0
+        self._is_closed = False
+        self._parts: list[bytes] = []
+        self._chunk_bytes = 0
+        self._index: dict[int, array[int]] = {}
+        self._start_ns: int | None = None
+        self._end_ns = 0
+        self._file = OutputFile(path)
+        try:
+            header = encode_text(self.profile) + encode_text("rostether")
+            self._append(MAGIC + encode_record(OP_HEADER, header))
+        except RecordingError:
+            self._is_closed = True
+            self._file.close()
+            raise
+
+    @property
+    def size_bytes(self) -> int:
+        """The file's size and what waits to be written."""
+        return self._file.position + self._chunk_bytes
+
+    def schema_of(self, connection: Connection) -> tuple[str, str, bytes]:
+        """Return name, encoding and definition of a connection's type."""
+        definition = connection.type.definition.encode("utf-8", "surrogateescape")
+        return connection.type.name, "ros1msg", definition
+
+    def channel_of(self, connection: Connection) -> tuple[str, Mapping[str, str]]:
+        """Return how a connection's messages are encoded, and its metadata."""
+        told = ("message_definition", "topic", "type")
+        return "ros1", {key: value for key, value in connection.fields().items() if key not in told}
+
+    def add_connection(self, connection: Connection) -> int:
+        """Return the connection's number; equal connections share one. Raises RecordingError beyond 65535."""
+        number = self._numbers.get(connection)
+        if number is None:
+            number = len(self._numbers) + 1
+            if number > MAX_CHANNELS:
+                raise RecordingError(f"MCAP holds no more than {MAX_CHANNELS} connections; record a .bag")
+            key = self.schema_of(connection)
+            schema = self._schemas.get(key)
+            if schema is None:
+                schema = len(self._schemas) + 1
+                self._schemas[key] = schema
+                parts = (U16.pack(schema), *(encode_text(each) for each in key))
+                self._schema_records[schema] = encode_record(OP_SCHEMA, b"".join(parts))
+            encoding, metadata = self.channel_of(connection)
+            head = U16_PAIR.pack(number, schema) + encode_text(connection.topic) + encode_text(encoding)
+            self._channels[number] = (schema, encode_record(OP_CHANNEL, head + encode_map(metadata)))
+            self._numbers[connection] = number
+        return number
+
+    def write(self, number: int, time_ns: int, payloads: Sequence[bytes]) -> None:
+        """Take messages that came at one time. Raises RecordingError when the disk takes no more."""
+        if not payloads:
+            return
+        index = self._index.get(number)
+        if index is None:
+            index = self._index[number] = array("Q")
+            for record in self._untold(number):
+                self._told.add(record)
+                self._parts.append(record)
+                self._chunk_bytes += len(record)
+        time_ns = min(max(time_ns, 0), _MAX_TIME_NS)
+        # No sequence number (0): the order in the file tells as much, and heads of a batch are then equal.
+        inner = MESSAGE_HEAD.pack(number, 0, time_ns, time_ns)
+        sizes = [len(each) for each in payloads]
+        offset = self._chunk_bytes
+        if sizes.count(sizes[0]) == len(sizes):
+            # The usual case, a flood of one size: no step of Python for each message.
+            head = RECORD_HEAD.pack(OP_MESSAGE, len(inner) + sizes[0]) + inner
+            step = len(head) + sizes[0]
+            self._parts.append(head + head.join(payloads))
+            self._chunk_bytes += step * len(sizes)
+            entries = array("Q", bytes(16 * len(sizes)))
+            entries[0::2] = array("Q", (time_ns,)) * len(sizes)
+            entries[1::2] = array("Q", range(offset, self._chunk_bytes, step))
+            index.extend(entries)
+        else:
+            for size, payload in zip(sizes, payloads, strict=True):
+                index.extend((time_ns, offset))
+                self._parts.append(RECORD_HEAD.pack(OP_MESSAGE, len(inner) + size) + inner + payload)
+                offset += RECORD_HEAD.size + len(inner) + size
+            self._chunk_bytes = offset
+        self._start_ns = time_ns if self._start_ns is None else min(self._start_ns, time_ns)
+        self._end_ns = max(self._end_ns, time_ns)
+        self.message_count += len(payloads)
+        if self._chunk_bytes >= self._limit_bytes:
+            self.flush()
+
+    def flush(self) -> None:
+        """End the chunk and write it. Raises RecordingError; the file then ends with the chunk before."""
+        if self._start_ns is None:
+            return
+        plain = b"".join(self._parts)
+        stored = compress(self._compression, plain)
+        name = "" if self._compression == NONE else self._compression
+        head = CHUNK_HEAD.pack(self._start_ns, self._end_ns, len(plain), zlib.crc32(plain))
+        content = b"".join((head, encode_text(name), U64.pack(len(stored)), stored))
+        record = encode_record(OP_CHUNK, content)
+        position = self._file.position
+        place = position + len(record)
+        places: dict[int, int] = {}
+        indexes = []
+        for number, entries in self._index.items():
+            places[number] = place
+            indexes.append(_index_record(number, entries))
+            place += len(indexes[-1])
+        counts = {number: len(entries) // 2 for number, entries in self._index.items()}
+        index = ChunkIndex(
+            position=position,
+            length=len(record),
+            start_ns=self._start_ns,
+            end_ns=self._end_ns,
+            indexes=places,
+            indexes_bytes=place - position - len(record),
+            compression=name,
+            compressed_bytes=len(stored),
+            size_bytes=len(plain),
+        )
+        told = self._told
+        self._begin_chunk()
+        try:
+            self._append(b"".join((record, *indexes)))
+        except RecordingError:
+            self.message_count -= sum(counts.values())
+            raise
+        self._known |= told
+        self._indexes.append(index)
+        for number, count in counts.items():
+            self._counts[number] = self._counts.get(number, 0) + count
+
+    def close(self) -> None:
+        """Write the summary and close the file. Idempotent. Raises RecordingError; the chunks are kept."""
+        if self._is_closed:
+            return
+        self._is_closed = True
+        try:
+            try:
+                self.flush()
+            finally:
+                self._write_end()
+        finally:
+            self._file.close()
+
+    def _begin_chunk(self) -> None:
+        self._parts = []
+        self._chunk_bytes = 0
+        self._index = {}
+        self._told = set()
+        self._start_ns = None
+        self._end_ns = 0
+
+    def _untold(self, number: int) -> list[bytes]:
+        schema, channel = self._channels[number]
+        records = (self._schema_records[schema], channel)
+        return [each for each in records if each not in self._known and each not in self._told]
+
+    def _append(self, data: bytes) -> None:
+        self._file.append(data)
+        self._data_crc = zlib.crc32(data, self._data_crc)
+
+    def _write_end(self) -> None:
+        for number in self._channels:
+            for record in self._untold(number):  # of topics without a message
+                self._append(record)
+                self._known.add(record)
+        data_end = encode_record(OP_DATA_END, U32.pack(self._data_crc))
+        start = self._file.position + len(data_end)
+        groups = (
+            (OP_SCHEMA, list(self._schema_records.values())),
+            (OP_CHANNEL, [record for _, record in self._channels.values()]),
+            (OP_STATISTICS, [encode_statistics(self._statistics())]),
+            (OP_CHUNK_INDEX, [encode_chunk_index(each) for each in self._indexes]),
+        )
+        parts: list[bytes] = []
+        offsets: list[bytes] = []
+        position = start
+        for op, records in groups:
+            length = sum(map(len, records))
+            if records:
+                parts += records
+                offsets.append(encode_record(OP_SUMMARY_OFFSET, SUMMARY_OFFSET.pack(op, position, length)))
+                position += length
+        parts += offsets
+        parts.append(RECORD_HEAD.pack(OP_FOOTER, FOOTER.size) + TIME_AND_OFFSET.pack(start, position))
+        summary = b"".join(parts)
+        self._file.append(data_end + summary + U32.pack(zlib.crc32(summary)) + MAGIC)
+
+    def _statistics(self) -> Statistics:
+        return Statistics(
+            message_count=sum(self._counts.values()),
+            schema_count=len(self._schemas),
+            channel_count=len(self._channels),
+            attachment_count=0,
+            metadata_count=0,
+            chunk_count=len(self._indexes),
+            start_ns=min((each.start_ns for each in self._indexes), default=0),
+            end_ns=max((each.end_ns for each in self._indexes), default=0),
+            counts=self._counts,
+        )
+
+
+def _index_record(number: int, entries: array[int]) -> bytes:
+    if sys.byteorder == "big":
+        entries.byteswap()
+    return encode_record(OP_MESSAGE_INDEX, U16.pack(number) + encode_text(entries.tobytes()))

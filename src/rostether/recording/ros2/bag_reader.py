@@ -1,0 +1,166 @@
+"""Reads ROS 2 bags: folders with metadata.yaml and files of messages, as any rosbag2 wrote them."""
+
+from __future__ import annotations
+
+import heapq
+import tempfile
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+from rostether.errors import ConfigError, RecordingError
+from rostether.extras import install_command
+from rostether.recording.mcap.reader import McapReader
+from rostether.recording.recorded import CompressionShare, Connection, RecordedMessage, Wanted
+from rostether.recording.ros2.db3_reader import Db3Reader
+from rostether.recording.ros2.metadata import FILE_NAME, Metadata, read_metadata
+
+_SUFFIXES = (".mcap", ".db3", ".mcap.active", ".db3.active", ".mcap.zstd", ".db3.zstd")
+MAX_UNPACKED_BYTES = 64 << 30
+"""A few bytes can unpack to any size; recordings of that size fill a disk as well."""
+MAX_MESSAGE_BYTES = 1 << 30
+
+
+class Ros2BagReader:
+    """A bag being read; see `recording.recorded.RecordingReader`. Gives ROS 1 bytes, as its files do."""
+
+    def __init__(self, path: Path, *, is_native: bool = False) -> None:
+        self.path = path
+        self.damage = ""
+        self._stack = ExitStack()
+        try:
+            metadata = read_metadata(path)
+        except RecordingError as error:
+            if not path.is_dir():
+                raise
+            metadata = Metadata(0, "", tuple(sorted(_recordings_in(path))))
+            self.damage = str(error)
+        if not metadata.files:
+            if (path / FILE_NAME).exists():
+                raise RecordingError(self.damage or f"{path / FILE_NAME} names no files")
+            raise RecordingError(f"{path} is no ROS 2 bag: it has no {FILE_NAME}, nor .mcap or .db3 files")
+        self.format_version = "rosbag2"
+        if metadata.storage:
+            self.format_version += f" (version {metadata.version}, {metadata.storage})"
+        self._files: list[McapReader | Db3Reader] = []
+        try:
+            for name in metadata.files:
+                self._files.append(self._open(path / name, metadata, is_native=is_native))
+                self._stack.callback(self._files[-1].close)
+        except BaseException:
+            self._stack.close()
+            raise
+        self.damage = self.damage or next((each.damage for each in self._files if each.damage), "")
+
+    @property
+    def size_bytes(self) -> int:
+        """What all files have together."""
+        return sum(each.size_bytes for each in self._files)
+
+    @property
+    def counts(self) -> Mapping[Connection, int]:
+        """How many messages each connection has."""
+        counts: Counter[Connection] = Counter()
+        for each in self._files:
+            for connection, count in each.counts.items():
+                counts[connection] += count
+        return counts
+
+    @property
+    def unreadable(self) -> Mapping[str, str]:
+        """Topics with messages that cannot be given, and why."""
+        return {topic: why for each in self._files for topic, why in each.unreadable.items()}
+
+    @property
+    def span_ns(self) -> tuple[int, int] | None:
+        """The times of the first and the last message; None in an empty bag."""
+        spans = [each.span_ns for each in self._files if each.span_ns is not None]
+        return (min(start for start, _ in spans), max(end for _, end in spans)) if spans else None
+
+    @property
+    def compressions(self) -> Sequence[CompressionShare]:
+        """How the chunks are compressed, the most frequent first."""
+        shares: dict[str, CompressionShare] = {}
+        for each in (share for file in self._files for share in file.compressions):
+            known = shares.get(each.name, CompressionShare(each.name, 0, 0, 0))
+            shares[each.name] = CompressionShare(
+                each.name,
+                known.chunk_count + each.chunk_count,
+                known.size_bytes + each.size_bytes,
+                known.compressed_bytes + each.compressed_bytes,
+            )
+        return sorted(shares.values(), key=lambda share: -share.chunk_count)
+
+    def messages(
+        self, wanted: Wanted | None = None, *, start_ns: int | None = None, end_ns: int | None = None
+    ) -> Iterator[RecordedMessage]:
+        """Yield messages in the order of their times, both ends included. Raises RecordingError."""
+        streams = [each.messages(wanted, start_ns=start_ns, end_ns=end_ns) for each in self._files]
+        return heapq.merge(*streams, key=lambda message: message.time_ns)
+
+    def close(self) -> None:
+        """Close the files. Idempotent."""
+        self._stack.close()
+
+    def _open(self, path: Path, metadata: Metadata, *, is_native: bool) -> McapReader | Db3Reader:
+        unpack: Callable[[bytes], bytes] | None = None
+        if metadata.compression_mode == "message":
+            _check_format(metadata)
+            unpack = _unpacked_message
+        if path.suffix == ".zstd" or metadata.compression_mode == "file":
+            path = self._unpacked_file(path)
+        if path.name.removesuffix(".active").endswith(".db3"):
+            return Db3Reader(path, is_native=is_native, unpack=unpack)
+        return McapReader(path, is_native=is_native, unpack=unpack)
+
+    def _unpacked_file(self, path: Path) -> Path:
+        """Return where a file that was compressed as a whole is unpacked, as long as the bag is open."""
+        zstandard = _zstandard()
+        folder = Path(self._stack.enter_context(tempfile.TemporaryDirectory(prefix="rostether-bag-")))
+        target = folder / path.name.removesuffix(".zstd")
+        try:
+            with (
+                path.open("rb") as packed,
+                target.open("wb") as file,
+                zstandard.ZstdDecompressor().stream_reader(packed) as stream,
+            ):
+                while data := stream.read(1 << 20):
+                    if file.tell() + len(data) > MAX_UNPACKED_BYTES:
+                        raise RecordingError(f"{path} unpacks to more than {MAX_UNPACKED_BYTES} bytes")
+                    file.write(data)
+        except OSError as error:
+            raise RecordingError(f"cannot unpack {path}: {error.strerror or error}") from None
+        except zstandard.ZstdError as error:
+            raise RecordingError(f"{path} is no whole Zstandard file ({error})") from None
+        return target
+
+
+def _recordings_in(folder: Path) -> list[str]:
+    return [each.name for each in folder.iterdir() if each.name.endswith(_SUFFIXES)]
+
+
+def _unpacked_message(data: bytes) -> bytes:
+    zstandard = _zstandard()
+    try:
+        with zstandard.ZstdDecompressor().stream_reader(data) as stream:
+            plain: bytes = stream.read(MAX_MESSAGE_BYTES + 1)
+    except zstandard.ZstdError as error:
+        raise RecordingError(f"a message compressed by zstd is broken ({error})") from None
+    if len(plain) > MAX_MESSAGE_BYTES:
+        raise RecordingError(f"a message unpacks to more than {MAX_MESSAGE_BYTES} bytes")
+    return plain
+
+
+def _check_format(metadata: Metadata) -> None:
+    if metadata.compression_format != "zstd":
+        raise RecordingError(f"its messages are compressed by {metadata.compression_format!r}, not zstd")
+
+
+def _zstandard() -> Any:
+    try:
+        import zstandard
+    except ImportError:
+        raise ConfigError(f"Zstandard is not installed; type: {install_command('recording')}") from None
+    return zstandard

@@ -1,0 +1,158 @@
+"""Writes ROS 2 bags: a folder with one or more files of messages, and metadata.yaml, as rosbag2 has them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import StrEnum
+from pathlib import Path
+from typing import Protocol
+
+from rostether.errors import RecordingError
+from rostether.recording.compression import NONE
+from rostether.recording.mcap.writer import DEFAULT_CHUNK_BYTES
+from rostether.recording.recorded import Connection, RecordingWriter
+from rostether.recording.ros2.channels import Ros2Channels
+from rostether.recording.ros2.metadata import FileFacts, describe, write_metadata
+from rostether.recording.ros2.unfit_messages import UnfitMessages
+from rostether.ros2.types.type_support import Ros2Types
+
+ACTIVE_SUFFIX = ".active"
+DEFAULT_DISTRO = "jazzy"
+
+
+class Storage(StrEnum):
+    """How the files of a ROS 2 bag keep messages, by rosbag2's names."""
+
+    MCAP = "mcap"
+    SQLITE3 = "sqlite3"
+
+    @property
+    def suffix(self) -> str:
+        """How its files end."""
+        return ".mcap" if self is Storage.MCAP else ".db3"
+
+
+class FileStorage(RecordingWriter, Protocol):
+    """What writes one file, and knows what is in it."""
+
+    @property
+    def channels(self) -> Ros2Channels:
+        """Its topics."""
+
+    @property
+    def span_ns(self) -> tuple[int, int] | None:
+        """The times of the first and the last message."""
+
+    def topic_counts(self) -> dict[int, int]:
+        """Return how many messages it holds by the numbers of channels."""
+
+
+class Ros2Bag:
+    """A bag being written, file after file; metadata.yaml tells of those that are closed.
+
+    Raises RecordingError when the folder holds a bag already, or cannot be made.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        storage: Storage = Storage.MCAP,
+        *,
+        compression: str = NONE,
+        chunk_bytes: int = DEFAULT_CHUNK_BYTES,
+        types: Ros2Types | None = None,
+        unfit: UnfitMessages | None = None,
+    ) -> None:
+        self.folder = folder
+        self.storage = storage
+        self._compression = compression
+        self._chunk_bytes = chunk_bytes
+        self._types = types
+        self._unfit = unfit
+        self._distro = DEFAULT_DISTRO if types is None else types.definitions.distro
+        self._files: list[FileFacts] = []
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            if any(folder.iterdir()):
+                raise RecordingError(f"{folder} is not empty, and a ROS 2 bag is a folder of its own")
+        except OSError as error:
+            raise RecordingError(
+                f"cannot write {folder}: {error.strerror or error}; name a folder of yours"
+            ) from None
+
+    def path_of(self, number: int) -> Path:
+        """Return the path of the file of a number, as rosbag2 names it."""
+        return self.folder / f"{self.folder.name}_{number}{self.storage.suffix}"
+
+    def create(self, path: Path) -> Ros2FileWriter:
+        """Begin a file; it may be called NAME.active until it is closed. Raises RecordingError."""
+        return Ros2FileWriter(self, path)
+
+    def open_storage(self, path: Path) -> FileStorage:
+        """Return what writes one file. Raises RecordingError, ConfigError."""
+        if self.storage is Storage.MCAP:
+            from rostether.recording.ros2.mcap_writer import Ros2McapWriter
+
+            return Ros2McapWriter(
+                path,
+                compression=self._compression,
+                chunk_bytes=self._chunk_bytes,
+                types=self._types,
+                unfit=self._unfit,
+            )
+        from rostether.recording.ros2.db3_writer import Db3Writer
+
+        return Db3Writer(path, types=self._types, distro=self._distro, unfit=self._unfit)
+
+    def add_file(self, facts: FileFacts) -> None:
+        """Let metadata.yaml tell of a file, and no more of those that are gone. Raises RecordingError."""
+        self._files = [each for each in self._files if (self.folder / each.name).exists()]
+        self._files.append(facts)
+        write_metadata(self.folder, describe(self._files, self.storage.value, self._distro))
+
+
+class Ros2FileWriter:
+    """One file of a bag; see `recording.recorded.RecordingWriter`."""
+
+    def __init__(self, bag: Ros2Bag, path: Path) -> None:
+        self._bag = bag
+        self._name = path.name.removesuffix(ACTIVE_SUFFIX)
+        self._storage = bag.open_storage(path)
+        self._is_closed = False
+
+    @property
+    def size_bytes(self) -> int:
+        """What the file will have at least when it is closed now."""
+        return self._storage.size_bytes
+
+    @property
+    def message_count(self) -> int:
+        """How many messages were taken."""
+        return self._storage.message_count
+
+    def add_connection(self, connection: Connection) -> int:
+        """Return the connection's number. Raises RecordingError."""
+        return self._storage.add_connection(connection)
+
+    def write(self, number: int, time_ns: int, payloads: Sequence[bytes]) -> None:
+        """Take messages that came at one time. Raises RecordingError."""
+        self._storage.write(number, time_ns, payloads)
+
+    def flush(self) -> None:
+        """Hand all that was taken to the operating system. Raises RecordingError."""
+        self._storage.flush()
+
+    def close(self) -> None:
+        """Close the file, and tell of it in metadata.yaml. Idempotent. Raises RecordingError."""
+        if self._is_closed:
+            return
+        self._is_closed = True
+        self._storage.close()
+        counts = self._storage.topic_counts()
+        span_ns = self._storage.span_ns
+        topics = {
+            (each.topic, each.origin.type_name): (each.origin, counts[each.number])
+            for each in self._storage.channels.channels
+        }
+        start_ns, end_ns = span_ns or (None, 0)
+        self._bag.add_file(FileFacts(self._name, start_ns, end_ns, topics))

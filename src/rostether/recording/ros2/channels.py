@@ -1,0 +1,103 @@
+"""The topics of a ROS 2 recording that is written: their types there, and messages as CDR."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from rostether.errors import RecordingError, RostetherError, SerializationError
+from rostether.msgdef.registry import Registry
+from rostether.msgdef.ros2.definitions import Ros2Definitions
+from rostether.recording.recorded import Connection, Ros2Origin
+from rostether.recording.ros2.qos import offered
+from rostether.recording.ros2.types import ROS2MSG, RecordedDefinitions
+from rostether.recording.ros2.unfit_messages import UnfitMessages
+from rostether.ros2.types.native_registry import NativeRegistry
+from rostether.ros2.types.native_types import NativeTypes
+from rostether.ros2.types.type_hash import TYPE_HASH_NOT_SUPPORTED
+from rostether.ros2.types.type_support import Ros2Types
+
+
+@dataclass(slots=True)
+class Channel:
+    """One topic with one type in one file; `origin` is what the file says of it."""
+
+    number: int
+    topic: str
+    origin: Ros2Origin
+    to_cdr: Callable[[bytes], bytes]
+    message_count: int = 0
+
+
+class Ros2Channels:
+    """The channels of one file, in the order of their numbers from 1.
+
+    As rosbag2 does it, all publishers of a topic share one, which tells what the first one offered. `types`
+    know the types of what is written: those of the graph that is recorded, else those of the environment.
+    Messages that do not fit their type are left out, and counted by `unfit`.
+    """
+
+    def __init__(self, types: Ros2Types | None = None, unfit: UnfitMessages | None = None) -> None:
+        self.channels: list[Channel] = []
+        self._unfit = unfit
+        self._types = types
+        self._by_connection: dict[Connection, Channel] = {}
+        self._by_topic: dict[tuple[str, str, str], Channel] = {}
+
+    def channel(self, connection: Connection) -> Channel:
+        """Return a connection's channel. Raises RecordingError naming the topic."""
+        channel = self._by_connection.get(connection)
+        if channel is not None:
+            return channel
+        try:
+            origin, to_cdr = self._describe(connection)
+        except RostetherError as error:
+            raise RecordingError(f"{connection.topic} cannot be written for ROS 2: {error}") from None
+        key = (connection.topic, origin.type_name, origin.type_hash)
+        channel = self._by_topic.get(key)
+        if channel is None:
+            channel = Channel(len(self.channels) + 1, connection.topic, origin, to_cdr)
+            self.channels.append(channel)
+            self._by_topic[key] = channel
+        self._by_connection[connection] = channel
+        return channel
+
+    def converted(self, channel: Channel, payloads: Sequence[bytes]) -> list[bytes]:
+        """Return messages as CDR, counted; those that do not fit their type are left out."""
+        try:
+            converted = list(map(channel.to_cdr, payloads))
+        except SerializationError:
+            converted = []
+            for payload in payloads:
+                try:
+                    converted.append(channel.to_cdr(payload))
+                except SerializationError as error:
+                    if self._unfit is not None:
+                        self._unfit.add(channel.topic, str(error))
+        channel.message_count += len(converted)
+        return converted
+
+    def _describe(self, connection: Connection) -> tuple[Ros2Origin, Callable[[bytes], bytes]]:
+        if connection.origin is not None:
+            definitions = RecordedDefinitions()
+            definitions.learn(connection.origin)
+            types: Ros2Types = NativeTypes(NativeRegistry(definitions, Registry.from_environment()))
+        else:
+            types = self._own_types()
+        support = types.message(connection.type)
+        type_hash = "" if support.type_hash == TYPE_HASH_NOT_SUPPORTED else support.type_hash
+        if connection.origin is not None and connection.origin.type_name == support.name:
+            origin = connection.origin
+            if origin.definition and origin.type_hash:
+                return origin, support.converter.to_cdr
+            qos = origin.qos
+        else:
+            qos = offered(is_latching=connection.is_latching, is_best_effort=connection.is_best_effort)
+        text = types.full_text(connection.type)
+        return Ros2Origin(support.name, type_hash, ROS2MSG, text, qos), support.converter.to_cdr
+
+    def _own_types(self) -> Ros2Types:
+        if self._types is None:
+            registry = Registry.from_environment()
+            self._types = NativeTypes(NativeRegistry(Ros2Definitions.from_environment(), registry))
+        return self._types

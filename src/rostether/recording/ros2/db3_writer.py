@@ -1,0 +1,169 @@
+"""Writes the SQLite files of rosbag2 (.db3), in the schema that it has since Iron.
+
+Source: rosbag2_storage_sqlite3, schema version 4.
+"""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Sequence
+from pathlib import Path
+
+from rostether.errors import RecordingError
+from rostether.recording.recorded import Connection
+from rostether.recording.ros2.channels import Channel, Ros2Channels
+from rostether.recording.ros2.unfit_messages import UnfitMessages
+from rostether.ros2.types.type_support import Ros2Types
+
+SCHEMA_VERSION = 4
+_ROW_BYTES = 40  # what SQLite needs for a message and its place in the index, beside the payload
+_MAX_WAITING_ROWS = 10_000
+_MAX_WAITING_BYTES = 1 << 20
+"""What waits for the next commit: some 10 ms of writing."""
+_LOCK_WAIT_S = 0.2
+"""Who reads the file while it is written holds its lock for moments only; waiting holds everything up."""
+_MAX_TIME_NS = (1 << 63) - 1
+
+_TABLES = """
+CREATE TABLE schema(schema_version INTEGER PRIMARY KEY, ros_distro TEXT NOT NULL);
+CREATE TABLE metadata(id INTEGER PRIMARY KEY, metadata_version INTEGER NOT NULL, metadata TEXT NOT NULL);
+CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL,
+  serialization_format TEXT NOT NULL, offered_qos_profiles TEXT NOT NULL,
+  type_description_hash TEXT NOT NULL);
+CREATE TABLE message_definitions(id INTEGER PRIMARY KEY, topic_type TEXT NOT NULL, encoding TEXT NOT NULL,
+  encoded_message_definition TEXT NOT NULL, type_description_hash TEXT NOT NULL);
+CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, timestamp INTEGER NOT NULL,
+  data BLOB NOT NULL);
+CREATE INDEX timestamp_idx ON messages (timestamp ASC);
+"""
+
+
+class Db3Writer:
+    """A .db3 file being written; see `recording.recorded.RecordingWriter`. Takes ROS 1 bytes."""
+
+    def __init__(
+        self,
+        path: Path,
+        *,
+        types: Ros2Types | None = None,
+        distro: str = "jazzy",
+        unfit: UnfitMessages | None = None,
+    ) -> None:
+        self.path = path
+        self.channels = Ros2Channels(types, unfit)
+        self.message_count = 0
+        self.span_ns: tuple[int, int] | None = None
+        self._data_bytes = 0
+        self._committed_bytes = 0
+        self._rows: list[tuple[int, int, bytes]] = []
+        self._definitions: set[tuple[str, str]] = set()
+        self._is_closed = False
+        # One that is there is written over, as other recordings are.
+        for suffix in ("", "-wal", "-shm", "-journal"):
+            try:
+                path.with_name(path.name + suffix).unlink(missing_ok=True)
+            except OSError as error:
+                raise RecordingError(
+                    f"cannot write {path}: {error.strerror or error}; name a file in a folder of yours"
+                ) from None
+        try:
+            self._database = sqlite3.connect(path, isolation_level=None, timeout=_LOCK_WAIT_S)
+            # A killed process loses nothing that was committed; only a machine that loses power may.
+            self._database.execute("PRAGMA journal_mode = WAL")
+            self._database.execute("PRAGMA synchronous = OFF")
+            self._database.executescript(_TABLES)
+            self._database.execute("INSERT INTO schema VALUES (?, ?)", (SCHEMA_VERSION, distro))
+        except sqlite3.Error as error:
+            raise RecordingError(f"cannot write {path}: {error}") from None
+
+    @property
+    def size_bytes(self) -> int:
+        """About what the file has with all that was taken."""
+        return self._data_bytes + _ROW_BYTES * self.message_count
+
+    def topic_counts(self) -> dict[int, int]:
+        """Return how many messages the file holds by the numbers of channels."""
+        return {each.number: each.message_count for each in self.channels.channels}
+
+    def add_connection(self, connection: Connection) -> int:
+        """Return the number of the topic's row. Raises RecordingError for what ROS 2 has no type for."""
+        known = len(self.channels.channels)
+        channel = self.channels.channel(connection)
+        if channel.number > known:
+            self._add_topic(channel)
+        return channel.number
+
+    def write(self, number: int, time_ns: int, payloads: Sequence[bytes]) -> None:
+        """Take messages that came at one time."""
+        cdr = self.channels.converted(self.channels.channels[number - 1], payloads)
+        if not cdr:
+            return
+        time_ns = min(max(time_ns, 0), _MAX_TIME_NS)
+        self._rows += [(number, time_ns, each) for each in cdr]
+        self._data_bytes += sum(map(len, cdr))
+        self.message_count += len(cdr)
+        start_ns, end_ns = self.span_ns or (time_ns, time_ns)
+        self.span_ns = (min(start_ns, time_ns), max(end_ns, time_ns))
+        if (
+            len(self._rows) >= _MAX_WAITING_ROWS
+            or self._data_bytes - self._committed_bytes >= _MAX_WAITING_BYTES
+        ):
+            self.flush()
+
+    def flush(self) -> None:
+        """Commit what was taken. Raises RecordingError; the file then has what was there before."""
+        rows, self._rows = self._rows, []
+        self._committed_bytes = self._data_bytes
+        if not rows or self._is_closed:
+            return
+        try:
+            self._database.execute("BEGIN")
+            self._database.executemany(
+                "INSERT INTO messages (topic_id, timestamp, data) VALUES (?, ?, ?)", rows
+            )
+            self._database.execute("COMMIT")
+        except sqlite3.Error as error:
+            if self._database.in_transaction:
+                self._database.rollback()
+            self.message_count -= len(rows)
+            for number, _, _ in rows:
+                self.channels.channels[number - 1].message_count -= 1
+            raise RecordingError(f"cannot write {self.path}: {error}") from None
+
+    def close(self) -> None:
+        """Commit, and leave one file. Idempotent. Raises RecordingError."""
+        if self._is_closed:
+            return
+        try:
+            self.flush()
+            self._leave_one_file()
+        except sqlite3.Error as error:
+            raise RecordingError(f"cannot write {self.path}: {error}") from None
+        finally:
+            self._is_closed = True
+            self._database.close()
+
+    def _leave_one_file(self) -> None:
+        try:
+            self._database.execute("PRAGMA journal_mode = DELETE")
+        except sqlite3.OperationalError:
+            # Somebody reads it just now: the log may stay, but nothing is in it that is not in the file.
+            self._database.execute("PRAGMA wal_checkpoint(FULL)")
+
+    def _add_topic(self, channel: Channel) -> None:
+        origin = channel.origin
+        try:
+            self._database.execute(
+                "INSERT INTO topics VALUES (?, ?, ?, 'cdr', ?, ?)",
+                (channel.number, channel.topic, origin.type_name, origin.qos, origin.type_hash),
+            )
+            if (origin.type_name, origin.type_hash) not in self._definitions:
+                self._definitions.add((origin.type_name, origin.type_hash))
+                self._database.execute(
+                    "INSERT INTO message_definitions"
+                    " (topic_type, encoding, encoded_message_definition, type_description_hash)"
+                    " VALUES (?, ?, ?, ?)",
+                    (origin.type_name, origin.encoding, origin.definition, origin.type_hash),
+                )
+        except sqlite3.Error as error:
+            raise RecordingError(f"cannot write {self.path}: {error}") from None

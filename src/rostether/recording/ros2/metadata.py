@@ -1,0 +1,169 @@
+"""metadata.yaml, which says what the files of a ROS 2 bag hold. Written in version 9, that of Jazzy.
+
+Source: rosbag2_storage's yaml.hpp.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+import yaml
+
+from rostether.bounded_yaml import load
+from rostether.errors import RecordingError
+from rostether.recording.recorded import Ros2Origin
+from rostether.recording.regular_file import require_regular_file
+from rostether.recording.ros2.qos import read_profiles
+
+FILE_NAME = "metadata.yaml"
+VERSION = 9
+MAX_BYTES = 16 << 20
+"""A recording of a thousand topics in a thousand files has 1 MB."""
+MAX_FILES = 100_000
+
+_KEY = "rosbag2_bagfile_information"
+_NO_TIME = 9223372036854775807  # rosbag2's start of a bag without messages
+
+
+@dataclass(frozen=True, slots=True)
+class FileFacts:
+    """What one file holds; `start_ns` is None in one without messages."""
+
+    name: str
+    start_ns: int | None
+    end_ns: int
+    topics: Mapping[tuple[str, str], tuple[Ros2Origin, int]]
+    """By topic and type: what is known of it, and how many messages there are."""
+
+    @property
+    def message_count(self) -> int:
+        """How many messages the file holds."""
+        return sum(count for _, count in self.topics.values())
+
+
+@dataclass(frozen=True, slots=True)
+class Metadata:
+    """What is read of metadata.yaml."""
+
+    version: int
+    storage: str
+    files: tuple[str, ...]
+    compression_format: str = ""
+    compression_mode: str = ""
+    topics: Mapping[tuple[str, str], Ros2Origin] = field(default_factory=dict)
+
+
+def describe(files: Sequence[FileFacts], storage: str, distro: str) -> dict[str, Any]:
+    """Return the content for files in the order of their numbers."""
+    topics: dict[tuple[str, str], tuple[Ros2Origin, int]] = {}
+    for file in files:
+        for key, (origin, count) in file.topics.items():
+            topics[key] = (origin, topics.get(key, (origin, 0))[1] + count)
+    start_ns = min((each.start_ns for each in files if each.start_ns is not None), default=None)
+    end_ns = max((each.end_ns for each in files), default=0)
+    return {
+        "version": VERSION,
+        "storage_identifier": storage,
+        "duration": {"nanoseconds": _duration(start_ns, end_ns)},
+        "starting_time": {"nanoseconds_since_epoch": _NO_TIME if start_ns is None else start_ns},
+        "message_count": sum(each.message_count for each in files),
+        "topics_with_message_count": [
+            {
+                "topic_metadata": {
+                    "name": topic,
+                    "type": type_name,
+                    "serialization_format": "cdr",
+                    "offered_qos_profiles": read_profiles(origin.qos),
+                    "type_description_hash": origin.type_hash,
+                },
+                "message_count": count,
+            }
+            for (topic, type_name), (origin, count) in topics.items()
+        ],
+        "compression_format": "",
+        "compression_mode": "",
+        "relative_file_paths": [each.name for each in files],
+        "files": [
+            {
+                "path": each.name,
+                "starting_time": {
+                    "nanoseconds_since_epoch": _NO_TIME if each.start_ns is None else each.start_ns
+                },
+                "duration": {"nanoseconds": _duration(each.start_ns, each.end_ns)},
+                "message_count": each.message_count,
+            }
+            for each in files
+        ],
+        "custom_data": None,
+        "ros_distro": distro,
+    }
+
+
+def text_of(content: Mapping[str, Any]) -> str:
+    """Return the content as it also stands within the files."""
+    return yaml.safe_dump(dict(content), sort_keys=False)
+
+
+def write_metadata(folder: Path, content: Mapping[str, Any]) -> None:
+    """Write metadata.yaml at once, whole or not at all. Raises RecordingError."""
+    path = folder / FILE_NAME
+    unfinished = path.with_name(f".{FILE_NAME}.unfinished")
+    try:
+        unfinished.write_text(yaml.safe_dump({_KEY: dict(content)}, sort_keys=False), encoding="utf-8")
+        unfinished.replace(path)
+    except OSError as error:
+        unfinished.unlink(missing_ok=True)
+        raise RecordingError(f"cannot write {path}: {error.strerror or error}") from None
+
+
+def read_metadata(folder: Path) -> Metadata:
+    """Read metadata.yaml. Raises RecordingError when it is missing or broken."""
+    path = folder / FILE_NAME
+    require_regular_file(path)
+    try:
+        with path.open("rb") as file:
+            data = file.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise RecordingError(f"cannot read {path}: {error.strerror or error}") from None
+    if len(data) > MAX_BYTES:
+        raise RecordingError(f"{path} has more than {MAX_BYTES} bytes")
+    try:
+        loaded = load(data.decode("utf-8", "replace"))
+        content = loaded[_KEY]
+        topics = {}
+        for row in content["topics_with_message_count"]:
+            topic = row["topic_metadata"]
+            origin = Ros2Origin(_text(topic["type"]), _text(topic.get("type_description_hash") or ""))
+            topics[_text(topic["name"]), origin.type_name] = origin
+        # Before version 4 paths began with the folder's own name; files elsewhere are never read.
+        files = tuple(PurePosixPath(_text(each)).name for each in content["relative_file_paths"][:MAX_FILES])
+        return Metadata(
+            int(content["version"]),
+            _text(content["storage_identifier"]),
+            files,
+            _text(content.get("compression_format") or ""),
+            _text(content.get("compression_mode") or "").lower().replace("none", ""),
+            topics,
+        )
+    except (LookupError, TypeError, ValueError, AttributeError) as error:
+        raise RecordingError(
+            f"{path} is no description of a ROS 2 bag ({type(error).__name__}: {_first_line(error)})"
+        ) from None
+
+
+def _text(value: object) -> str:
+    # Aliases make small files hold lists without end, which are only dangerous when written out.
+    if not isinstance(value, str):
+        raise TypeError("a text was expected")
+    return value
+
+
+def _duration(start_ns: int | None, end_ns: int) -> int:
+    return 0 if start_ns is None else end_ns - start_ns
+
+
+def _first_line(error: Exception) -> str:
+    return str(error).split("\n", 1)[0][:200]

@@ -1,0 +1,45 @@
+"""What readers of ROS 2's recordings share: topics as connections, and messages of CDR as ROS 1 bytes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from rostether.errors import RostetherError, SerializationError
+from rostether.recording.recorded import Connection, Ros2Origin
+from rostether.recording.ros2.qos import is_latching, profiles_text, read_profiles
+from rostether.recording.ros2.types import ReadTypes
+
+CDR = "cdr"
+
+
+class Ros2Topics:
+    """The topics of one recording; `is_native` as with `ReadTypes`."""
+
+    def __init__(self, *, is_native: bool) -> None:
+        self.unreadable: dict[str, str] = {}
+        """Topics with messages that cannot be given, and why."""
+        self._types = ReadTypes(is_native=is_native)
+        self._convert: dict[Connection, Callable[[bytes], bytes]] = {}
+
+    def connection(self, topic: str, origin: Ros2Origin, qos: object) -> Connection | None:
+        """Return a topic as a connection, None when its type cannot be read: `unreadable` tells why."""
+        profiles = read_profiles(qos)
+        origin = Ros2Origin(
+            origin.type_name, origin.type_hash, origin.encoding, origin.definition, profiles_text(profiles)
+        )
+        try:
+            read = self._types.of(origin)
+        except RostetherError as error:
+            self.unreadable[topic] = str(error)
+            return None
+        connection = Connection(topic, read.type, "", is_latching(profiles), origin)
+        self._convert[connection] = read.from_cdr
+        return connection
+
+    def convert(self, connection: Connection, cdr: bytes) -> bytes | None:
+        """Return a message as ROS 1 bytes, None when it does not fit its type: `unreadable` tells so."""
+        try:
+            return self._convert[connection](cdr)
+        except SerializationError as error:
+            self.unreadable.setdefault(connection.topic, f"a message does not fit its type: {error}")
+            return None

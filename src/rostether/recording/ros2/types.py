@@ -1,0 +1,148 @@
+"""The types of ROS 2's recordings: by the definitions that stand in them, and how their messages convert."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from rostether.errors import RostetherError, UnknownTypeError
+from rostether.msgdef.full_text import SEPARATOR, split_full_text
+from rostether.msgdef.interface import MessageType
+from rostether.msgdef.registry import Registry
+from rostether.msgdef.ros2.definitions import Ros2Definitions
+from rostether.msgdef.ros2.parse import parse_message
+from rostether.msgdef.ros2.spec import Ros2Message, Ros2Service
+from rostether.msgdef.ros2.to_ros1 import express, ros1_name
+from rostether.msgdef.spec import MessageSpec
+from rostether.recording.recorded import Ros2Origin
+from rostether.ros2.types.native_registry import NativeRegistry
+from rostether.ros2.types.native_types import NativeTypes
+from rostether.ros2.types.type_support import MessageSupport, Ros2Types
+
+ROS2MSG = "ros2msg"
+
+_STAMPS = {"builtin_interfaces/Time": "time", "builtin_interfaces/Duration": "duration"}
+
+
+class RecordedDefinitions(Ros2Definitions):
+    """The definitions of recordings; what they lack is asked of others, that of the environment unless given.
+
+    The first definition of a name counts: those of one recording agree.
+    """
+
+    def __init__(self, others: Ros2Definitions | None = None) -> None:
+        self._others = others or Ros2Definitions.from_environment()
+        super().__init__(bundled=False, distro=self._others.distro)
+        self._texts: dict[str, str] = {}
+
+    def learn(self, origin: Ros2Origin) -> None:
+        """Take the texts that came with a topic. Raises DefinitionError."""
+        if origin.encoding != ROS2MSG or not origin.definition:
+            return
+        for name, text in split_full_text(origin.type_name, origin.definition).items():
+            package, _, rest = name.partition("/")
+            self._texts.setdefault(f"{package}/msg/{rest.removeprefix('msg/')}", text)
+
+    def message(self, name: str) -> Ros2Message:
+        """Return a message by `package/msg/Name`. Raises UnknownTypeError, DefinitionError."""
+        text = self._texts.get(name)
+        if text is None:
+            return self._others.message(name)
+        found = self._messages.get(name)
+        if found is None:
+            package, _, short_name = name.partition("/msg/")
+            found = self._messages[name] = parse_message(text, package=package, name=short_name)
+        return found
+
+    def text(self, name: str) -> str:
+        """Return a message's own text. Raises as `message`."""
+        return self._texts.get(name) or self._others.text(name)
+
+    def service(self, name: str) -> Ros2Service:
+        """Return a service by `package/srv/Name`. Raises UnknownTypeError, DefinitionError."""
+        return self._others.service(name)
+
+    def has(self, name: str) -> bool:
+        """Tell whether a message or service is known."""
+        return name in self._texts or self._others.has(name)
+
+
+@dataclass(frozen=True, slots=True)
+class ReadType:
+    """A type as it is read: in ROS 1, and what makes ROS 1 bytes of CDR (raises SerializationError)."""
+
+    type: MessageType
+    from_cdr: Callable[[bytes], bytes]
+
+
+class ReadTypes:
+    """The types of one recording, in ROS 1's form as ROS 1's nodes have it, or natively.
+
+    Natively they have ROS 2's own fields, and nothing is lost when they become CDR again.
+    """
+
+    def __init__(self, *, is_native: bool) -> None:
+        self._is_native = is_native
+        self._definitions: Ros2Definitions | None = None
+        self._registry: Registry | None = None
+        self._found: dict[tuple[str, str, str], ReadType] = {}
+
+    def of(self, origin: Ros2Origin) -> ReadType:
+        """Return a topic's type. Raises UnknownTypeError, DefinitionError, TypeMismatchError."""
+        key = (origin.type_name, origin.encoding, origin.definition)
+        found = self._found.get(key)
+        if found is None:
+            support = self._find(origin)
+            found = self._found[key] = ReadType(support.ros1_type, support.converter.from_cdr)
+        return found
+
+    def _find(self, origin: Ros2Origin) -> MessageSupport:
+        if self._definitions is None or self._registry is None:
+            self._definitions = Ros2Definitions.from_environment()
+            self._registry = Registry.from_environment()
+        # Definitions of its own: another topic of the recording may mean something else by a name below.
+        definitions = RecordedDefinitions(self._definitions)
+        definitions.learn(origin)
+        if self._is_native:
+            return NativeTypes(NativeRegistry(definitions, self._registry)).by_name(origin.type_name)
+        types = Ros2Types(self._registry, definitions)
+        try:
+            self._registry.message_type(ros1_name(origin.type_name))
+        except UnknownTypeError:
+            try:
+                return types.message(in_ros1_words(definitions.message(origin.type_name), definitions))
+            except RostetherError:
+                pass
+        return types.by_name(origin.type_name)
+
+
+def in_ros1_words(message: Ros2Message, definitions: Ros2Definitions) -> MessageType:
+    """Return what a type that only ROS 2 has would be in ROS 1: stamps are `time`, Header is ROS 1's.
+
+    Raises UnknownTypeError, and DefinitionError for what ROS 1 cannot express.
+    """
+    registry = Registry()
+    own, *below = express(message, definitions)
+    parts = [
+        f"{SEPARATOR}\nMSG: {each.full_name}\n{_text(each)}"
+        for each in below
+        if each.full_name not in _STAMPS and not _is_known(registry, each.full_name)
+    ]
+    registry.add_full_text(own.full_name, "\n".join([_text(own), *parts]))
+    return registry.message_type(own.full_name)
+
+
+def _text(spec: MessageSpec) -> str:
+    lines = [f"{each.type} {each.name}={each.text}" for each in spec.constants]
+    for field in spec.fields:
+        kind = replace(field.type, base=_STAMPS.get(field.type.base, field.type.base))
+        lines.append(f"{kind} {field.name}")
+    return "\n".join(lines)
+
+
+def _is_known(registry: Registry, name: str) -> bool:
+    try:
+        registry.message(name)
+    except UnknownTypeError:
+        return False
+    return True

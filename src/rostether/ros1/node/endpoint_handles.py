@@ -1,0 +1,259 @@
+"""The endpoints of one node: what it publishes, subscribes to and serves, and the two servers others reach
+it through. The slave API does not name its node, so each node has servers of its own."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Callable, Container, Iterable
+
+from rostether.errors import GraphError
+from rostether.graph.ports import Level, OnMessages, ServiceHandler
+from rostether.msgdef.interface import ANY_TYPE, MessageType, ServiceType
+from rostether.ros1.environment import RosEnvironment, format_uri
+from rostether.ros1.node.master_client import MasterClient
+from rostether.ros1.node.parameters import ParameterWatches
+from rostether.ros1.node.publication import Publication, Publisher
+from rostether.ros1.node.registrations import Kind, Registrations
+from rostether.ros1.node.service_server import ServiceConnection, ServiceServer
+from rostether.ros1.node.slave_api import slave_dispatch
+from rostether.ros1.node.subscriber_connection import SubscriberConnection
+from rostether.ros1.node.subscription import OnConnection, Subscription
+from rostether.ros1.node.tcpros_listener import TcprosListener
+from rostether.ros1.xmlrpc_server import XmlRpcServer
+from rostether.xmlrpc.values import XmlRpcValue
+
+UNREGISTER_TIMEOUT_S = 2.0
+"""What leaving costs at most when the master hangs."""
+
+
+class Endpoints:
+    """Holds all endpoints of a node and keeps them registered.
+
+    `report` takes what the node has to say of itself; `on_shutdown` is called when the node is told to leave.
+    """
+
+    def __init__(
+        self,
+        master: MasterClient,
+        environment: RosEnvironment,
+        *,
+        report: Callable[[Level, str], None],
+        on_shutdown: Callable[[str], None],
+    ) -> None:
+        self.node_name = master.caller_id
+        self.master_uri = master.uri
+        self._master = master
+        self._environment = environment
+        self._report = report
+        self._on_shutdown = on_shutdown
+        self._publications: dict[str, Publication] = {}
+        self._subscriptions: dict[str, list[Subscription]] = {}
+        self._services: dict[str, ServiceServer] = {}
+        self._listener = TcprosListener(
+            self._accept_subscriber, self._accept_client, report, environment.admission, environment.limits
+        )
+        self._server = XmlRpcServer(
+            slave_dispatch(self),
+            hosts=environment.listen_hosts,
+            advertised_host=environment.advertised_host,
+            admission=environment.admission,
+            limits=environment.limits,
+            own_names=environment.own_names,
+        )
+        self._is_open = False
+        self.watches: ParameterWatches
+        self._registrations: Registrations
+
+    async def open(self) -> None:
+        """Start both servers. Raises ConfigError, GraphError."""
+        await self._listener.start(self._environment.listen_hosts)
+        await self._server.start()
+        self.watches = ParameterWatches(self._master, self.node_uri)
+        host, port = self.tcpros_address
+        self._registrations = Registrations(
+            self._master,
+            node_uri=self.node_uri,
+            service_uri=format_uri(host, port, scheme="rosrpc"),
+            on_publishers=self._add_publishers,
+            register_more=self.watches.subscribe_again,
+            on_replaced=self._on_shutdown,
+        )
+        self._is_open = True
+
+    def start_watch(self, interval_s: float) -> None:
+        """Begin to register again whenever the master has forgotten us."""
+        self._registrations.start_watch(interval_s)
+
+    @property
+    def node_uri(self) -> str:
+        """The URI of our XML-RPC server."""
+        return self._server.uri
+
+    @property
+    def tcpros_address(self) -> tuple[str, int]:
+        """Host and port for TCPROS connections to us."""
+        return self._environment.advertised_host, self._listener.port
+
+    @property
+    def publications(self) -> Iterable[Publication]:
+        """What we publish."""
+        return self._publications.values()
+
+    @property
+    def subscriptions(self) -> Iterable[Subscription]:
+        """What we subscribe to."""
+        return [each for topic in self._subscriptions.values() for each in topic]
+
+    async def advertise(
+        self, topic: str, message_type: MessageType, *, latch: bool = False, queue_bytes: int | None = None
+    ) -> Publisher:
+        """Publish on a topic. Raises TypeMismatchError, GraphError."""
+        publication = self._publications.get(topic)
+        if publication is not None:
+            publication.share(message_type, latch=latch)
+            return Publisher(publication, self._release_publication)
+        publication = Publication(
+            topic,
+            message_type,
+            node_name=self.node_name,
+            report=self._report,
+            latch=latch,
+            queue_bytes=queue_bytes,
+        )
+        return await self.add_publication(publication)
+
+    async def add_publication(self, publication: Publication) -> Publisher:
+        """Register a publication and return a handle on it."""
+        self._publications[publication.topic] = publication
+        publisher = Publisher(publication, self._release_publication)
+        try:
+            await self._registrations.add(Kind.PUBLISHER, publication.topic, publication.type.name)
+        except GraphError:
+            await publisher.close()
+            raise
+        return publisher
+
+    async def subscribe(
+        self,
+        topic: str,
+        message_type: MessageType,
+        on_messages: OnMessages,
+        *,
+        on_connection: OnConnection | None = None,
+        tcp_nodelay: bool = True,
+        skip_own: bool = False,
+        skip_nodes: Container[str] = (),
+    ) -> Subscription:
+        """Subscribe to a topic. Raises GraphError."""
+        subscription = Subscription(
+            topic,
+            message_type,
+            on_messages,
+            node_name=self.node_name,
+            report=self._report,
+            on_connection=on_connection,
+            on_close=self._release_subscription,
+            tcp_nodelay=tcp_nodelay,
+            skipped_uri=self.node_uri if skip_own else "",
+            skip_nodes=skip_nodes,
+            limits=self._environment.limits,
+        )
+        together = self._subscriptions.setdefault(topic, [])
+        together.append(subscription)
+        # The master keeps one type a topic: rather the one we know than `*`.
+        known = next((each.type.name for each in together if each.type.name != ANY_TYPE), ANY_TYPE)
+        try:
+            await self._registrations.add(Kind.SUBSCRIBER, topic, known)
+        except GraphError:
+            await subscription.close()
+            raise
+        return subscription
+
+    async def advertise_service(
+        self, service: str, service_type: ServiceType, handler: ServiceHandler
+    ) -> ServiceServer:
+        """Offer a service. Raises GraphError when this node offers it already."""
+        if service in self._services:
+            raise GraphError(f"this node offers the service {service} already: choose another name")
+        server = ServiceServer(
+            service,
+            service_type,
+            handler,
+            node_name=self.node_name,
+            on_close=self._release_service,
+            limits=self._environment.limits,
+        )
+        self._services[service] = server
+        try:
+            await self._registrations.add(Kind.SERVICE, service)
+        except GraphError:
+            await server.close()
+            raise
+        return server
+
+    async def close(self) -> None:
+        """Unregister everything and end all connections."""
+        if self._is_open:
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(UNREGISTER_TIMEOUT_S):
+                    await asyncio.gather(self._registrations.close(), self.watches.close())
+            await self._close_all()
+        await self._listener.close()
+        await self._server.close()
+
+    async def _close_all(self) -> None:
+        await asyncio.gather(
+            *(each.close() for each in self.subscriptions),
+            *(each.close() for each in list(self._services.values())),
+            *(each.close() for each in self._publications.values()),
+        )
+
+    def set_publishers(self, topic: str, uris: list[str]) -> None:
+        """Take the master's list of a topic's publishers."""
+        for subscription in self._subscriptions.get(topic, ()):
+            subscription.set_publishers(uris)
+
+    def update_param(self, name: str, value: XmlRpcValue) -> bool:
+        """Take a parameter's new value; False when it is not watched."""
+        return self.watches.update(name, value)
+
+    def shut_down(self, reason: str) -> None:
+        """Leave, because we were told to."""
+        self._on_shutdown(reason)
+
+    def _add_publishers(self, topic: str, uris: list[str]) -> None:
+        for subscription in self._subscriptions.get(topic, ()):
+            subscription.add_publishers(uris)
+
+    def _accept_subscriber(
+        self, fields: dict[str, str], transport: asyncio.Transport
+    ) -> SubscriberConnection:
+        publication = self._publications.get(fields["topic"])
+        if publication is None:
+            raise GraphError(f"[{self.node_name}] is not a publisher of [{fields['topic']}]")
+        return publication.accept(fields, transport)
+
+    def _accept_client(self, fields: dict[str, str], transport: asyncio.Transport) -> ServiceConnection:
+        server = self._services.get(fields["service"])
+        if server is None:
+            raise GraphError(f"[{self.node_name}] is not a provider of [{fields['service']}]")
+        return server.accept(fields, transport)
+
+    async def _release_publication(self, publication: Publication) -> None:
+        if publication.handle_count == 0:
+            del self._publications[publication.topic]
+            await asyncio.gather(
+                self._registrations.remove(Kind.PUBLISHER, publication.topic), publication.close()
+            )
+
+    async def _release_subscription(self, subscription: Subscription) -> None:
+        together = self._subscriptions[subscription.topic]
+        together.remove(subscription)
+        if not together:
+            del self._subscriptions[subscription.topic]
+            await self._registrations.remove(Kind.SUBSCRIBER, subscription.topic)
+
+    async def _release_service(self, server: ServiceServer) -> None:
+        del self._services[server.service]
+        await self._registrations.remove(Kind.SERVICE, server.service)

@@ -1,0 +1,191 @@
+"""Everything one node has on the graph: publishers, subscribers, services and clients of services."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections import Counter
+from collections.abc import Callable, Container, Mapping
+
+from rostether.errors import GraphError, ServiceUnavailableError, TypeMismatchError
+from rostether.graph.ports import OnMessages, ServiceHandler
+from rostether.msgdef.interface import ANY_TYPE, MessageType, ServiceType
+from rostether.ros2.listed_client import ListedClient
+from rostether.ros2.rclpy.own_node import OwnNode
+from rostether.ros2.rclpy.publication import Publication, RclpyPublisher
+from rostether.ros2.rclpy.service_client import DISCOVERY_S, LOOK_INTERVAL_S, RclpyServiceClient
+from rostether.ros2.rclpy.service_server import RclpyServiceServer
+from rostether.ros2.rclpy.subscription import RclpySubscriber
+from rostether.ros2.types.type_support import ServiceSupport
+
+LOOK_AT_PUBLISHERS_INTERVAL_S = 0.2
+"""How often a subscriber that nobody tells looks for publishers: people do not feel it."""
+
+
+class Endpoints:
+    """Names are fully resolved here."""
+
+    def __init__(self, own: OwnNode) -> None:
+        self._own = own
+        self._publications: dict[str, Publication] = {}
+        self._publishers: set[RclpyPublisher] = set()
+        self._subscribers: set[RclpySubscriber] = set()
+        self._servers: dict[str, RclpyServiceServer] = {}
+        self._clients: dict[tuple[str, str], RclpyServiceClient] = {}
+        # How many handles want a client to be listed; the others stay as long as the node.
+        self._listed: Counter[tuple[str, str]] = Counter()
+        # Making and ending endpoints of one name take their turns.
+        self._lock = asyncio.Lock()
+        self._looking: asyncio.Task[None] | None = None
+
+    async def advertise(self, topic: str, message_type: MessageType, *, latch: bool) -> RclpyPublisher:
+        """Advertise a topic."""
+        support = self._own.types.message(message_type)
+        async with self._lock:
+            publication = self._publications.get(topic)
+            if publication is None:
+                publication = Publication(self._own, topic, support, latch=latch)
+                await self._own.thread.run(publication.open)
+                self._publications[topic] = publication
+            elif publication.support.ros1_type.md5sum != message_type.md5sum:
+                raise TypeMismatchError(
+                    f"this node publishes {topic} as {publication.support.ros1_type.name} already, not as "
+                    f"{message_type.name}: choose another topic"
+                )
+            publication.users += 1
+        publisher = RclpyPublisher(publication, message_type, self._end_publisher)
+        self._publishers.add(publisher)
+        return publisher
+
+    async def subscribe(
+        self,
+        topic: str,
+        message_type: MessageType,
+        on_messages: OnMessages,
+        *,
+        on_connection: Callable[[Mapping[str, str]], None] | None,
+        skip_own: bool,
+        skip_nodes: Container[str],
+    ) -> RclpySubscriber:
+        """Subscribe."""
+        subscriber = RclpySubscriber(
+            self._own,
+            topic,
+            message_type,
+            on_messages,
+            on_connection=on_connection,
+            on_close=self._end_subscriber,
+            skip_own=skip_own,
+            skip_nodes=skip_nodes,
+        )
+        await self._own.thread.run(subscriber.open)
+        self._subscribers.add(subscriber)
+        if subscriber.needs_looks and self._looking is None:
+            self._looking = asyncio.ensure_future(self._look())
+        return subscriber
+
+    async def advertise_service(
+        self, service: str, service_type: ServiceType, handler: ServiceHandler
+    ) -> RclpyServiceServer:
+        """Offer a service."""
+        support = self._own.types.service(service_type)
+        async with self._lock:
+            if service in self._servers:
+                raise GraphError(f"this node offers the service {service} already: choose another name")
+            server = RclpyServiceServer(self._own, service, support, handler, self._end_server)
+            await self._own.thread.run(server.open)
+            self._servers[service] = server
+        return server
+
+    async def call_service(
+        self, service: str, service_type: ServiceType, request: bytes, timeout_s: float | None
+    ) -> bytes:
+        """Call a service."""
+        if service_type.name == ANY_TYPE:
+            support = await self._learn_service(service)
+        else:
+            support = self._own.types.service(service_type)
+        async with self._lock:
+            client = await self._client(service, support)
+        return await client.call(request, timeout_s)
+
+    async def list_client(self, service: str, service_type: ServiceType) -> ListedClient:
+        """Have a client of a service until the handle closes, called or not."""
+        support = self._own.types.service(service_type)
+        key = (service, support.name)
+        async with self._lock:
+            await self._client(service, support)
+            self._listed[key] += 1
+        return ListedClient(lambda: self._unlist(key))
+
+    async def close(self) -> None:
+        """End everything."""
+        if self._looking is not None:
+            self._looking.cancel()
+            with contextlib.suppress(asyncio.CancelledError):
+                await self._looking
+        await asyncio.gather(
+            *(each.close() for each in list(self._servers.values())),
+            *(each.close() for each in list(self._subscribers)),
+            *(each.close() for each in list(self._publishers)),
+        )
+        clients = list(self._clients.values())
+        self._clients.clear()
+        for client in clients:
+            await self._own.thread.run(client.end)
+
+    async def _client(self, service: str, support: ServiceSupport) -> RclpyServiceClient:
+        """Return the one client of a service and type; call it with the lock held."""
+        client = self._clients.get((service, support.name))
+        if client is None:
+            client = RclpyServiceClient(self._own, service, support)
+            await self._own.thread.run(client.open)
+            self._clients[service, support.name] = client
+        return client
+
+    async def _unlist(self, key: tuple[str, str]) -> None:
+        async with self._lock:
+            self._listed[key] -= 1
+            if self._listed[key]:
+                return
+            del self._listed[key]
+            client = self._clients.pop(key, None)
+            # With the node, `close` has ended it already.
+            if client is not None:
+                await self._own.thread.run(client.end)
+
+    async def _learn_service(self, service: str) -> ServiceSupport:
+        loop = asyncio.get_running_loop()
+        deadline_s = loop.time() + DISCOVERY_S
+        while not (types := await self._own.thread.run(lambda: self._own.service_types(service))):
+            if loop.time() >= deadline_s:
+                raise ServiceUnavailableError(
+                    f"no node offers the service {service}: start the node that does"
+                )
+            await asyncio.sleep(LOOK_INTERVAL_S)
+        return self._own.types.service_by_name(types[0])
+
+    async def _look(self) -> None:
+        while True:
+            await asyncio.sleep(LOOK_AT_PUBLISHERS_INTERVAL_S)
+            for subscriber in list(self._subscribers):
+                if subscriber.needs_looks:
+                    await self._own.thread.run(subscriber.look)
+
+    async def _end_publisher(self, publisher: RclpyPublisher) -> None:
+        self._publishers.discard(publisher)
+        publication = publisher.publication
+        async with self._lock:
+            publication.users -= 1
+            if publication.users == 0:
+                del self._publications[publication.topic]
+                await self._own.thread.run(publication.close)
+
+    async def _end_subscriber(self, subscriber: RclpySubscriber) -> None:
+        self._subscribers.discard(subscriber)
+        await self._own.thread.run(subscriber.end)
+
+    async def _end_server(self, server: RclpyServiceServer) -> None:
+        async with self._lock:
+            del self._servers[server.service]
+            await self._own.thread.run(server.end)

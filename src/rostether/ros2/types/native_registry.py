@@ -1,0 +1,132 @@
+"""All types in ROS 2's own words: what programs and tools on a ROS 2 graph read and write.
+
+`std_msgs/Header` has no `seq` here and a stamp of `sec` and `nanosec`, as `ros2 topic echo` shows it.
+Names may be typed as ROS 2 has them (`std_msgs/msg/String`) or short (`std_msgs/String`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+
+from rostether.errors import UnknownTypeError
+from rostether.msgdef.interface import MessageType, ServiceType
+from rostether.msgdef.registry import Registry
+from rostether.msgdef.ros2.definitions import Ros2Definitions
+from rostether.msgdef.ros2.parse import REQUEST_SUFFIX, RESPONSE_SUFFIX
+from rostether.msgdef.ros2.spec import Ros2Message, Ros2Service
+from rostether.msgdef.ros2.to_ros1 import express, ros1_name
+from rostether.msgdef.spec import MessageSpec, ServiceSpec
+from rostether.ros2.types.paired_definitions import PairedDefinitions
+
+_NAME_PARTS = 3
+_HALVES = {"Request": REQUEST_SUFFIX, "Response": RESPONSE_SUFFIX}
+
+
+def short_name(name: str) -> str:
+    """Return a type's name without its middle: `std_msgs/msg/String` -> `std_msgs/String`."""
+    return ros1_name(name) if len(name.split("/")) == _NAME_PARTS else name
+
+
+class NativeRegistry(Registry):
+    """ROS 2's definitions as a registry; a type that only ROS 1 defines here appears as it is in ROS 2."""
+
+    def __init__(self, definitions: Ros2Definitions, ros1: Registry) -> None:
+        super().__init__(bundled=False)
+        self.definitions = definitions
+        self._ros1 = ros1
+        self.source = PairedDefinitions(ros1, definitions)
+
+    @classmethod
+    def from_environment(
+        cls, msg_paths: Iterable[Path | str] = (), environ: Mapping[str, str] | None = None
+    ) -> NativeRegistry:
+        """Use --msg-path folders and the variables of both ROS. Raises ConfigError for a missing folder."""
+        paths = tuple(msg_paths)
+        return cls(
+            Ros2Definitions.from_environment(paths, environ), Registry.from_environment(paths, environ)
+        )
+
+    def is_at_hand(self, look: Callable[[], object]) -> bool:
+        """Whether `look` has its answer or error without a search of ROS 1's folders."""
+        return self._ros1.is_at_hand(look)
+
+    def search(self) -> None:
+        """Search ROS 1's folders now. It may take seconds."""
+        self._ros1.search()
+
+    def ros2_message(self, name: str) -> Ros2Message:
+        """Return a message, or half a service, as ROS 2 has it. Raises UnknownTypeError, DefinitionError."""
+        package, _, rest = short_name(name).partition("/")
+        full_name = f"{package}/msg/{rest}"
+        if not self.definitions.has(full_name):
+            for ending, suffix in _HALVES.items():
+                service = rest.removesuffix(ending)
+                if service not in (rest, "") and self._has_service(package, service):
+                    found = self.ros2_service(f"{package}/{service}")
+                    return found.request if suffix == REQUEST_SUFFIX else found.response
+            if not self._has_ros1(short_name(name)):
+                return self.definitions.message(full_name)
+        return self.source.message(full_name)
+
+    def ros2_service(self, name: str) -> Ros2Service:
+        """Return a service as ROS 2 defines it. Raises UnknownTypeError, DefinitionError."""
+        package, _, rest = short_name(name).partition("/")
+        full_name = f"{package}/srv/{rest}"
+        if not self.definitions.has(full_name) and self._has_service(package, rest):
+            return self.source.service_counterpart(self._ros1.service_type(f"{package}/{rest}"))
+        return self.definitions.service(full_name)
+
+    def message(self, name: str) -> MessageSpec:
+        """Return a message in ROS 1's words. Raises UnknownTypeError, DefinitionError."""
+        spec = self._messages.get(name)
+        if spec is None:
+            spec = self._messages[name] = express(self.ros2_message(name), self.source)[0]
+        return spec
+
+    def service(self, name: str) -> ServiceSpec:
+        """Return a service in ROS 1's words. Raises UnknownTypeError, DefinitionError."""
+        spec = self._services.get(name)
+        if spec is None:
+            service = self.ros2_service(name)
+            halves = [express(half, self.source)[0] for half in (service.request, service.response)]
+            text = f"{halves[0].text}---\n{halves[1].text}"
+            spec = ServiceSpec(service.package, service.name, halves[0], halves[1], text)
+            self._services[name] = spec
+        return spec
+
+    def message_type(self, name: str) -> MessageType:
+        """Return a message's type in ROS 1's words. Raises as `message`."""
+        return super().message_type(short_name(name))
+
+    def service_type(self, name: str) -> ServiceType:
+        """Return a service's type in ROS 1's words. Raises as `service`."""
+        return super().service_type(short_name(name))
+
+    def packages(self) -> list[str]:
+        """Return the names of all packages that have ROS 2 definitions, sorted."""
+        return self.definitions.packages()
+
+    def messages(self, package: str | None = None) -> list[str]:
+        """Return all messages by ROS 2's names, sorted."""
+        return self.definitions.messages(package)
+
+    def services(self, package: str | None = None) -> list[str]:
+        """Return all services by ROS 2's names, sorted."""
+        return self.definitions.services(package)
+
+    def _has_service(self, package: str, name: str) -> bool:
+        if self.definitions.has(f"{package}/srv/{name}"):
+            return True
+        try:
+            self._ros1.service(f"{package}/{name}")
+        except UnknownTypeError:
+            return False
+        return True
+
+    def _has_ros1(self, name: str) -> bool:
+        try:
+            self._ros1.message(name)
+        except UnknownTypeError:
+            return False
+        return True

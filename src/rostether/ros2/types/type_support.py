@@ -1,0 +1,190 @@
+"""What a ROS 2 graph asks for a type: its name and hash there, its ROS 1 form here, and the way between."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from rostether.errors import DefinitionError, TypeMismatchError
+from rostether.msgdef.interface import MessageType, ServiceType
+from rostether.msgdef.md5sum import digest
+from rostether.msgdef.registry import Registry
+from rostether.msgdef.ros2.definition_text import full_text
+from rostether.msgdef.ros2.definitions import Ros2Definitions
+from rostether.ros2.types.paired_definitions import NativeView, PairedDefinitions, native_service_type
+from rostether.ros2.types.type_hash import message_hash, service_hash
+from rostether.serde.cdr.converter import CdrConverter
+from rostether.serde.cdr.renamed_types import ros1_message_name, ros1_service_name
+
+_MD5SUM_OF_NOTHING = digest("")  # of messages without fields, whose text may well be empty
+
+
+@dataclass(frozen=True, slots=True)
+class MessageSupport:
+    """One message type: `name` as `sensor_msgs/msg/Imu`, its RIHS01 hash, and its form and type in ROS 1."""
+
+    name: str
+    type_hash: str
+    ros1_type: MessageType
+    converter: CdrConverter
+
+
+@dataclass(frozen=True, slots=True)
+class ServiceSupport:
+    """One service type: `name` as `std_srvs/srv/SetBool`, its RIHS01 hash, and how its halves convert."""
+
+    name: str
+    type_hash: str
+    request: CdrConverter
+    response: CdrConverter
+    ros1_type: ServiceType
+
+
+class Ros2Types:
+    """Types by their ROS 1 definition or by their ROS 2 name, each compiled when first asked for.
+
+    A type without a ROS 2 definition gets one derived from its ROS 1 definition.
+    """
+
+    def __init__(self, registry: Registry, definitions: Ros2Definitions) -> None:
+        self.registry = registry
+        self.definitions = definitions
+        self._messages: dict[tuple[str, str], MessageSupport] = {}
+        self._services: dict[tuple[str, str], ServiceSupport] = {}
+        self._by_name: dict[str, MessageSupport] = {}
+        self._services_by_name: dict[str, ServiceSupport] = {}
+        self._native_messages: dict[str, MessageSupport] = {}
+        self._native_services: dict[str, ServiceSupport] = {}
+
+    def message(self, message_type: MessageType) -> MessageSupport:
+        """Return what a ROS 1 message type is in ROS 2; its own definition counts, not that of its name here.
+
+        Raises UnknownTypeError, DefinitionError, TypeMismatchError.
+        """
+        key = (message_type.name, message_type.md5sum)
+        support = self._messages.get(key)
+        if support is None:
+            source = PairedDefinitions(self._source(message_type), self.definitions)
+            ros2 = source.counterpart(message_type.name)
+            support = self._messages[key] = MessageSupport(
+                ros2.full_name,
+                message_hash(ros2, source),
+                message_type,
+                source.converter(message_type.name, ros2),
+            )
+        return support
+
+    def service(self, service_type: ServiceType) -> ServiceSupport:
+        """Return what a ROS 1 service type is in ROS 2. Raises as `message`."""
+        key = (service_type.name, service_type.md5sum)
+        support = self._services.get(key)
+        if support is None:
+            source = PairedDefinitions(self._service_source(service_type), self.definitions)
+            ros2 = source.service_counterpart(service_type)
+            support = self._services[key] = ServiceSupport(
+                ros2.full_name,
+                service_hash(ros2, source),
+                source.converter(service_type.request.name, ros2.request),
+                source.converter(service_type.response.name, ros2.response),
+                service_type,
+            )
+        return support
+
+    def by_name(self, name: str) -> MessageSupport:
+        """Return a ROS 2 message: as ROS 1's message of the name if there is one that fits, else as it is.
+
+        Raises UnknownTypeError, DefinitionError.
+        """
+        support = self._by_name.get(name)
+        if support is None:
+            support = self._by_name[name] = self._paired(name) or self._native_message(name)
+        return support
+
+    def service_by_name(self, name: str) -> ServiceSupport:
+        """Return a ROS 2 service, as `by_name` does."""
+        support = self._services_by_name.get(name)
+        if support is None:
+            support = self._paired_service(name) or self._native_service(name)
+            self._services_by_name[name] = support
+        return support
+
+    def native_message(self, name: str) -> MessageType:
+        """Return a ROS 2 message's own fields in ROS 1's words. Raises UnknownTypeError, DefinitionError."""
+        return self._native_message(name).ros1_type
+
+    def native_service(self, name: str) -> ServiceType:
+        """Return a ROS 2 service's own fields in ROS 1's words. Raises UnknownTypeError, DefinitionError."""
+        return self._native_service(name).ros1_type
+
+    def full_text(self, message_type: MessageType) -> str:
+        """Return the text of what a message type is in ROS 2, and of all below, as ROS 2's bags carry it.
+
+        Raises as `message`.
+        """
+        source = self._texts(message_type)
+        return full_text(source.message(self.message(message_type).name), source)
+
+    def _texts(self, message_type: MessageType) -> PairedDefinitions:
+        return PairedDefinitions(self._source(message_type), self.definitions)
+
+    def _paired(self, name: str) -> MessageSupport | None:
+        try:
+            support = self.message(self.registry.message_type(ros1_message_name(name)))
+        except (DefinitionError, TypeMismatchError):
+            return None
+        return support if support.name == name else None
+
+    def _paired_service(self, name: str) -> ServiceSupport | None:
+        try:
+            support = self.service(self.registry.service_type(ros1_service_name(name)))
+        except (DefinitionError, TypeMismatchError):
+            return None
+        return support if support.name == name else None
+
+    def _native_message(self, name: str) -> MessageSupport:
+        support = self._native_messages.get(name)
+        if support is None:
+            ros2 = self.definitions.message(name)
+            view = NativeView(ros2, self.definitions)
+            type_hash = message_hash(ros2, self.definitions)
+            support = MessageSupport(name, type_hash, view.message_type, view.converter)
+            self._native_messages[name] = support
+        return support
+
+    def _native_service(self, name: str) -> ServiceSupport:
+        support = self._native_services.get(name)
+        if support is None:
+            ros2 = self.definitions.service(name)
+            request = NativeView(ros2.request, self.definitions)
+            response = NativeView(ros2.response, self.definitions)
+            support = ServiceSupport(
+                name,
+                service_hash(ros2, self.definitions),
+                request.converter,
+                response.converter,
+                native_service_type(ros2, request, response),
+            )
+            self._native_services[name] = support
+        return support
+
+    def _source(self, message_type: MessageType) -> Registry:
+        """Return where the type's own definition is: here, or in the text that came with it."""
+        try:
+            if self.registry.message_type(message_type.name).md5sum == message_type.md5sum:
+                return self.registry
+        except DefinitionError:
+            pass
+        if not message_type.definition and message_type.md5sum != _MD5SUM_OF_NOTHING:
+            return self.registry
+        learned = Registry(bundled=False)
+        learned.add_full_text(message_type.name, message_type.definition)
+        return learned
+
+    def _service_source(self, service_type: ServiceType) -> Registry:
+        request, response = service_type.request, service_type.response
+        sources = self._source(request), self._source(response)
+        if sources == (self.registry, self.registry):
+            return self.registry
+        learned = Registry(bundled=False)
+        for half in (request, response):
+            learned.add_full_text(half.name, half.definition)
+        return learned

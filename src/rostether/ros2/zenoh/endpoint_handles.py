@@ -1,0 +1,228 @@
+"""What one node publishes, subscribes to, offers and calls; names are resolved."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import Counter
+from collections.abc import Callable, Container, Mapping
+
+from rostether.errors import GraphError, ServiceUnavailableError, TypeMismatchError
+from rostether.graph.log_message import LOG_TYPE, ROSOUT
+from rostether.graph.ports import Level, OnMessages, ServiceHandler
+from rostether.msgdef.interface import ANY_TYPE, MessageType, ServiceType
+from rostether.ros2.listed_client import ListedClient
+from rostether.ros2.naming import dds_name, type_of_dds_name
+from rostether.ros2.qos import ROSOUT_QOS
+from rostether.ros2.types.type_support import ServiceSupport
+from rostether.ros2.zenoh.entities import NodeEntities
+from rostether.ros2.zenoh.publication import Publication, Publisher
+from rostether.ros2.zenoh.service_client import ServiceClient
+from rostether.ros2.zenoh.service_server import ServiceServer
+from rostether.ros2.zenoh.session import LiveToken
+from rostether.ros2.zenoh.subscription import Subscription, Taker
+from rostether.ros2.zenoh.tokens import Kind, Token
+
+NEWS_TIME_S = 0.2
+"""How long a service that is not known may still be on its way to us: news takes a millisecond on one
+machine, and less than this through several routers."""
+
+MAX_CLIENTS = 256
+"""Services that one node calls before it forgets the first ones; a board's sketch holds a handful."""
+
+Report = Callable[[Level, str], None]
+
+
+class Endpoints:
+    """Makes the endpoints of a node, and ends them with it."""
+
+    def __init__(self, node: NodeEntities, *, report: Report) -> None:
+        self._node = node
+        self._report = report
+        self._publications: dict[str, Publication] = {}
+        self._subscriptions: dict[Subscription, None] = {}
+        self._servers: dict[str, ServiceServer] = {}
+        self._clients: dict[tuple[str, str], ServiceClient] = {}
+        # How many handles want a client to be listed; the others stay until there are too many.
+        self._listed: Counter[tuple[str, str]] = Counter()
+        self._node_token: LiveToken | None = None
+        self._rosout: Publication | None = None
+
+    def open(self) -> None:
+        """Appear in the graph, with /rosout."""
+        self._node_token = self._node.declare_node()
+        support = self._node.session.types.message(LOG_TYPE)
+        self._rosout = Publication(
+            ROSOUT, LOG_TYPE, support, node=self._node, report=self._report, latch=True, qos=ROSOUT_QOS
+        )
+        # For good: a handle that is closed does not end it.
+        self._rosout.handle_count = 1
+        self._publications[ROSOUT] = self._rosout
+
+    def publish_log(self, message: bytes) -> None:
+        """Publish a message on /rosout."""
+        if self._rosout is not None:
+            self._rosout.publish([message])
+
+    def advertise(
+        self, topic: str, message_type: MessageType, *, latch: bool, queue_bytes: int | None
+    ) -> Publisher:
+        """Publish a topic. Raises TypeMismatchError, UnknownTypeError."""
+        publication = self._publications.get(topic)
+        if publication is None:
+            support = self._node.session.types.message(message_type)
+            publication = Publication(
+                topic,
+                message_type,
+                support,
+                node=self._node,
+                report=self._report,
+                latch=latch,
+                queue_bytes=queue_bytes,
+            )
+            self._publications[topic] = publication
+        else:
+            publication.share(message_type, latch=latch)
+        return Publisher(publication, self._release_publication)
+
+    def subscribe(
+        self,
+        topic: str,
+        message_type: MessageType,
+        on_messages: OnMessages,
+        *,
+        on_connection: Callable[[Mapping[str, str]], None] | None,
+        skip_own: bool,
+        skip_nodes: Container[str],
+    ) -> Subscription:
+        """Subscribe to a topic. Raises TypeMismatchError, UnknownTypeError."""
+        is_any = message_type.name == ANY_TYPE
+        subscription = Subscription(
+            topic,
+            None if is_any else self._node.session.types.message(message_type),
+            Taker(on_messages, on_connection, self._release_subscription, self._report),
+            node=self._node,
+            own_gids=(lambda: self._own_gids(topic)) if skip_own else None,
+            skip_nodes=skip_nodes,
+        )
+        self._subscriptions[subscription] = None
+        return subscription
+
+    def advertise_service(
+        self, service: str, service_type: ServiceType, handler: ServiceHandler
+    ) -> ServiceServer:
+        """Offer a service. Raises GraphError when this node offers it already."""
+        if service in self._servers:
+            raise GraphError(f"this node offers the service {service} already: choose another name")
+        support = self._node.session.types.service(service_type)
+        server = ServiceServer(service, support, handler, node=self._node, on_close=self._release_server)
+        self._servers[service] = server
+        return server
+
+    async def call_service(
+        self, service: str, service_type: ServiceType, request: bytes, *, timeout_s: float | None
+    ) -> bytes:
+        """Call a service. Raises what `Graph.call_service` raises."""
+        servers = await self._servers_of(service)
+        if service_type.name == ANY_TYPE:
+            support = self._node.session.types.service_by_name(_type_of(servers[0]))
+        else:
+            support = self._node.session.types.service(service_type)
+        _check_type(service, support, servers)
+        return await self._client(service, support).call(request, timeout_s)
+
+    def list_client(self, service: str, service_type: ServiceType) -> ListedClient:
+        """Have a client of a service until the handle closes, called or not. Raises UnknownTypeError."""
+        support = self._node.session.types.service(service_type)
+        self._client(service, support)
+        key = (service, support.name)
+        self._listed[key] += 1
+        return ListedClient(lambda: self._unlist(key))
+
+    async def close(self) -> None:
+        """End everything, and disappear."""
+        await asyncio.gather(
+            *(each.close() for each in list(self._subscriptions)),
+            *(each.close() for each in list(self._servers.values())),
+        )
+        publications = list(self._publications.values())
+        self._publications.clear()
+        await asyncio.gather(*(publication.close() for publication in publications))
+        self._rosout = None
+        for client in self._clients.values():
+            client.close()
+        self._clients.clear()
+        if self._node_token is not None:
+            self._node_token.withdraw()
+            self._node_token = None
+
+    def _client(self, service: str, support: ServiceSupport) -> ServiceClient:
+        key = (service, support.name)
+        client = self._clients.get(key)
+        if client is None:
+            unlisted = [each for each in self._clients if each not in self._listed]
+            if len(unlisted) >= MAX_CLIENTS:
+                self._clients.pop(unlisted[0]).close()
+            client = self._clients[key] = ServiceClient(service, support, node=self._node)
+        return client
+
+    async def _unlist(self, key: tuple[str, str]) -> None:
+        self._listed[key] -= 1
+        if self._listed[key]:
+            return
+        del self._listed[key]
+        client = self._clients.pop(key, None)
+        # With the node, `close` has ended it already.
+        if client is not None:
+            client.close()
+
+    async def _servers_of(self, service: str) -> list[Token]:
+        graph = self._node.session.graph
+        if not graph.endpoints(Kind.SERVER, service):
+            heard = asyncio.Event()
+            graph.listen(Kind.SERVER, service, heard.set)
+            try:
+                async with asyncio.timeout(NEWS_TIME_S):
+                    await heard.wait()
+            except TimeoutError:
+                pass
+            finally:
+                graph.unlisten(Kind.SERVER, service, heard.set)
+        servers = graph.endpoints(Kind.SERVER, service)
+        if not servers:
+            raise ServiceUnavailableError(f"no node offers the service {service}")
+        return servers
+
+    def _own_gids(self, topic: str) -> set[bytes]:
+        publication = self._publications.get(topic)
+        return set() if publication is None else publication.gids
+
+    async def _release_publication(self, publication: Publication) -> None:
+        if self._publications.pop(publication.topic, None) is not None:
+            await publication.close()
+
+    def _release_subscription(self, subscription: Subscription) -> None:
+        self._subscriptions.pop(subscription, None)
+
+    def _release_server(self, server: ServiceServer) -> None:
+        self._servers.pop(server.service, None)
+
+
+def _type_of(server: Token) -> str:
+    return type_of_dds_name(server.type) or server.type
+
+
+def _check_type(service: str, support: ServiceSupport, servers: list[Token]) -> None:
+    type_name = dds_name(support.name)
+    if any(each.type == type_name and each.type_hash == support.type_hash for each in servers):
+        return
+    other = servers[0]
+    if other.type == type_name:
+        raise TypeMismatchError(
+            f"service {service} has another definition of {support.name} "
+            f"({other.type_hash:.80}, not {support.type_hash}): set ROS_DISTRO to its distribution, "
+            "or give its definition with --msg-path"
+        )
+    raise TypeMismatchError(
+        f"service {service} has type {_type_of(other):.200}, not {support.name}: "
+        "make both ends use one definition"
+    )

@@ -1,0 +1,237 @@
+"""actionlib.ActionServer: takes goals and cancel requests, keeps the list of goals and publishes it."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import Any
+
+from rostether.rospy.actionlib.action_client import queue_size
+from rostether.rospy.actionlib.action_types import ActionParts, GoalID, GoalStatus, GoalStatusArray
+from rostether.rospy.actionlib.goal_ids import GoalIDGenerator
+from rostether.rospy.actionlib.server_goal import ServedGoal, ServerGoalHandle
+from rostether.rospy.client.logs import logdebug, logwarn
+from rostether.rospy.client.names import remap_name
+from rostether.rospy.client.parameters import get_param, has_param, search_param
+from rostether.rospy.client.publisher import Publisher
+from rostether.rospy.client.ros_time import Duration, Time, Timer
+from rostether.rospy.client.shutdown import is_shutdown
+from rostether.rospy.client.subscriber import Subscriber
+
+DEFAULT_QUEUE_SIZE = 50
+DEFAULT_STATUS_HZ = 5.0
+DEFAULT_LISTED_S = 5.0
+"""How long a goal stays in the list after its end, so that its client hears of it."""
+
+MAX_LISTED = 10_000
+"""Goals and cancel requests that a list holds: beyond it the oldest that has ended goes early."""
+
+_CANCELLED_BEFORE = (
+    "This goal handle was canceled by the action server because its timestamp is before the timestamp of the "
+    "last cancel request"
+)
+
+
+def no_cancel(goal_handle: ServerGoalHandle) -> None:
+    """Take no notice of a cancel request."""
+
+
+class ActionServer:
+    """A server of the action in a namespace: `goal` and `cancel` in, `status`, `result`, `feedback` out.
+
+    Callbacks get a ServerGoalHandle, with the server's lock held.
+    """
+
+    def __init__(
+        self,
+        ns: str,
+        ActionSpec: Any,  # noqa: N803 - the name is actionlib's
+        goal_cb: Callable[[ServerGoalHandle], object],
+        cancel_cb: Callable[[ServerGoalHandle], object] = no_cancel,
+        auto_start: bool = True,
+    ) -> None:
+        parts = ActionParts.of(ActionSpec)
+        self.ns = ns
+        self.ActionSpec = ActionSpec
+        self.ActionGoal = parts.goal
+        self.ActionResult: Any = parts.result
+        self.ActionResultType: Any = parts.plain_result
+        self.ActionFeedback: Any = parts.feedback
+        self.goal_callback = goal_cb
+        self.cancel_callback = cancel_cb
+        self.auto_start = auto_start
+        self.started = False
+        self.lock = threading.RLock()
+        self.status_list: list[ServedGoal] = []
+        self.status_list_timeout: Any = Duration.from_sec(DEFAULT_LISTED_S)
+        self.status_frequency = DEFAULT_STATUS_HZ
+        self.status_timer: Timer | None = None
+        self.last_cancel = Time()
+        self.id_generator = GoalIDGenerator()
+        self._endpoints: list[Publisher | Subscriber] = []
+        if auto_start:
+            logwarn(
+                "You've passed in true for auto_start to the python action server, you should always pass "
+                "in false to avoid race conditions."
+            )
+            self.start()
+
+    def register_goal_callback(self, cb: Callable[[ServerGoalHandle], object]) -> None:
+        """Call another function with new goals from now on."""
+        self.goal_callback = cb
+
+    def register_cancel_callback(self, cancel_cb: Callable[[ServerGoalHandle], object]) -> None:
+        """Call another function with goals to be cancelled from now on."""
+        self.cancel_callback = cancel_cb
+
+    def start(self) -> None:
+        """Join the action's topics."""
+        with self.lock:
+            self.initialize()
+            self.started = True
+            self.publish_status()
+
+    def stop(self) -> None:
+        """Leave the action's topics."""
+        with self.lock:
+            self.started = False
+            if self.status_timer is not None:
+                self.status_timer.shutdown()
+            endpoints, self._endpoints = self._endpoints, []
+        for endpoint in endpoints:
+            endpoint.unregister()
+
+    def initialize(self) -> None:
+        """Make publishers, subscribers and the timer of the status list; `start` does it."""
+        name = remap_name(self.ns)
+        size = queue_size("actionlib_server_pub_queue_size") or DEFAULT_QUEUE_SIZE
+        self.status_pub = Publisher(f"{name}/status", GoalStatusArray, latch=True, queue_size=size)
+        self.result_pub = Publisher(f"{name}/result", self.ActionResult, queue_size=size)
+        self.feedback_pub = Publisher(f"{name}/feedback", self.ActionFeedback, queue_size=size)
+        self.status_frequency = _status_hz(name)
+        self.status_list_timeout = Duration.from_sec(
+            get_param(f"{name}/status_list_timeout", DEFAULT_LISTED_S)
+        )
+        size_in = queue_size("actionlib_server_sub_queue_size")
+        self.goal_sub = Subscriber(
+            f"{name}/goal", self.ActionGoal, self.internal_goal_callback, queue_size=size_in
+        )
+        self.cancel_sub = Subscriber(
+            f"{name}/cancel", GoalID, self.internal_cancel_callback, queue_size=size_in
+        )
+        self._endpoints = [
+            self.goal_sub,
+            self.cancel_sub,
+            self.status_pub,
+            self.feedback_pub,
+            self.result_pub,
+        ]
+        if self.status_frequency > 0:
+            self.status_timer = Timer(
+                Duration.from_sec(1.0 / self.status_frequency), self.publish_status_async
+            )
+
+    def publish_result(self, status: Any, result: Any) -> None:
+        """Publish how a goal ended, and the list."""
+        with self.lock:
+            message = self.ActionResult(status=status, result=result)
+            message.header.stamp = Time.now()
+            if not is_shutdown():
+                self.result_pub.publish(message)
+            self.publish_status()
+
+    def publish_feedback(self, status: Any, feedback: Any) -> None:
+        """Publish how far a goal is."""
+        with self.lock:
+            message = self.ActionFeedback(status=status, feedback=feedback)
+            message.header.stamp = Time.now()
+            if not is_shutdown():
+                self.feedback_pub.publish(message)
+
+    def publish_status_async(self, event: object) -> None:
+        """Publish the list, as the timer does."""
+        with self.lock:
+            if self.started:
+                self.publish_status()
+
+    def publish_status(self) -> None:
+        """Publish the list of goals; those that ended some time ago leave it."""
+        with self.lock:
+            now = Time.now()
+            ended_before = [goal for goal in self.status_list if self._is_over(goal, now)]
+            for goal in ended_before:
+                self.status_list.remove(goal)
+            message = GoalStatusArray(status_list=[goal.status for goal in self.status_list])
+            message.header.stamp = now
+            if not is_shutdown():
+                self.status_pub.publish(message)
+
+    def internal_goal_callback(self, goal: Any) -> None:
+        """Take a goal."""
+        with self.lock:
+            if not self.started:
+                return
+            logdebug("The action server has received a new goal request")
+            for known in self.status_list:
+                if known.status.goal_id.id == goal.goal_id.id:
+                    self._take_again(known)
+                    return
+            served = ServedGoal(goal=goal)
+            self._list(served)
+            handle = ServerGoalHandle(served, self)
+            if Time() != goal.goal_id.stamp <= self.last_cancel:
+                handle.set_canceled(None, _CANCELLED_BEFORE)
+            else:
+                self.goal_callback(handle)
+
+    def internal_cancel_callback(self, goal_id: Any) -> None:
+        """Take a cancel request: of one goal, of all until a time, or of all."""
+        with self.lock:
+            if not self.started:
+                return
+            logdebug("The action server has received a new cancel request")
+            is_known = False
+            for served in list(self.status_list):
+                own_id = served.status.goal_id
+                is_meant = own_id.id == goal_id.id
+                is_known = is_known or is_meant
+                is_before = bool(goal_id.stamp) and own_id.stamp <= goal_id.stamp
+                is_for_all = not goal_id.id and not goal_id.stamp
+                if (is_meant or is_before or is_for_all) and served.goal is not None:
+                    handle = ServerGoalHandle(served, self)
+                    if handle.set_cancel_requested():
+                        self.cancel_callback(handle)
+            if goal_id.id and not is_known:
+                # The goal itself may be late.
+                early = ServedGoal(goal_id, GoalStatus.RECALLING)
+                early.ended_at = Time.now()
+                self._list(early)
+            self.last_cancel = max(self.last_cancel, goal_id.stamp)
+
+    def _take_again(self, known: ServedGoal) -> None:
+        if known.status.status == GoalStatus.RECALLING:
+            known.status.status = GoalStatus.RECALLED
+            self.publish_result(known.status, self.ActionResultType())
+        if known.goal is None:
+            known.ended_at = Time.now()
+
+    def _list(self, served: ServedGoal) -> None:
+        if len(self.status_list) >= MAX_LISTED:
+            oldest = next((goal for goal in self.status_list if goal.ended_at), None)
+            if oldest is not None:
+                self.status_list.remove(oldest)
+        self.status_list.append(served)
+
+    def _is_over(self, goal: ServedGoal, now: Any) -> bool:
+        return bool(goal.ended_at) and goal.ended_at + self.status_list_timeout < now
+
+
+def _status_hz(name: str) -> float:
+    if has_param(f"{name}/status_frequency"):
+        logwarn(
+            "You're using the deprecated status_frequency parameter, please switch to "
+            "actionlib_status_frequency."
+        )
+        return float(get_param(f"{name}/status_frequency", DEFAULT_STATUS_HZ))
+    found = search_param("actionlib_status_frequency")
+    return DEFAULT_STATUS_HZ if found is None else float(get_param(found, DEFAULT_STATUS_HZ))

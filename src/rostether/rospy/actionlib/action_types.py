@@ -1,0 +1,53 @@
+"""What clients and servers of actions share: the parts of an action's type, names of states, errors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from rostether.rospy.client.message import Message
+from rostether.rospy.client.message_types import all_types
+
+GoalID: Any = all_types().message_class("actionlib_msgs/GoalID")
+GoalStatus: Any = all_types().message_class("actionlib_msgs/GoalStatus")
+GoalStatusArray: Any = all_types().message_class("actionlib_msgs/GoalStatusArray")
+
+
+class ActionException(Exception):  # noqa: N818 - the name is actionlib's
+    """A type that is no action."""
+
+
+@dataclass(frozen=True, slots=True)
+class ActionParts:
+    """The classes that an action's class `NameAction` is made of."""
+
+    goal: type[Message]
+    result: type[Message]
+    feedback: type[Message]
+    plain_result: type[Message]
+
+    @classmethod
+    def of(cls, action: Any) -> ActionParts:
+        """Return the parts of `action`, as genpy makes it of an .action file. Raises ActionException."""
+        try:
+            example = action()
+            return cls(
+                type(example.action_goal),
+                type(example.action_result),
+                type(example.action_feedback),
+                type(example.action_result.result),
+            )
+        except AttributeError:
+            raise ActionException(f"Type is not an action spec: {action}") from None
+
+
+def name_of_state(states: Any, number: int) -> str:
+    """Return the name of the constant in `states` that has a value."""
+    for name, value in vars(states).items():
+        if isinstance(value, int) and value == number:
+            return str(name)
+    return f"NO_SUCH_STATE_{number}"
+
+
+# Programs print GoalStatus.to_string(client.get_state()).
+GoalStatus.to_string = classmethod(name_of_state)

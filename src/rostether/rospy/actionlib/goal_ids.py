@@ -1,0 +1,28 @@
+"""Ids of goals that came without one."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Any
+
+from rostether.rospy.actionlib.action_types import GoalID
+from rostether.rospy.client.names import get_name
+from rostether.rospy.client.ros_time import Time
+
+_numbers = itertools.count(1)
+
+
+class GoalIDGenerator:
+    """Makes ids that begin with a name, the node's unless another is given."""
+
+    def __init__(self, name: str | None = None) -> None:
+        self.name = get_name() if name is None else name
+
+    def set_name(self, name: str) -> None:
+        """Take another name."""
+        self.name = name
+
+    def generate_ID(self) -> Any:  # noqa: N802 - the name is actionlib's
+        """Return a GoalID that nobody else has."""
+        now = Time.now()
+        return GoalID(id=f"{self.name}-{next(_numbers)}-{now.secs}.{now.nsecs}", stamp=now)

@@ -1,0 +1,188 @@
+"""actionlib.SimpleActionServer: one goal at a time, a new one preempts it."""
+
+from __future__ import annotations
+
+import threading
+import traceback
+from collections.abc import Callable
+from typing import Any
+
+from rostether.rospy.actionlib.action_server import ActionServer
+from rostether.rospy.actionlib.action_types import GoalStatus
+from rostether.rospy.actionlib.server_goal import ServerGoalHandle
+from rostether.rospy.client.logs import logdebug, logerr, logwarn
+from rostether.rospy.client.shutdown import is_shutdown
+
+_POLL_S = 0.1
+"""How often the thread that executes goals looks whether the node is shut down."""
+
+_ANOTHER_CAME = "This goal was canceled because another goal was received by the simple action server"
+_ACCEPTED = "This goal has been accepted by the simple action server"
+
+
+class SimpleActionServer:
+    """A server that runs `execute_cb(goal)` in a thread of its own, or hands goals out as they are asked for.
+
+    Its lock is taken after that of its `action_server`, never before.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        ActionSpec: Any,  # noqa: N803 - the name is actionlib's
+        execute_cb: Callable[[Any], object] | None = None,
+        auto_start: bool = True,
+    ) -> None:
+        self.execute_callback = execute_cb
+        self.goal_callback: Callable[[], object] | None = None
+        self.preempt_callback: Callable[[], object] | None = None
+        self.new_goal = False
+        self.preempt_request = False
+        self.new_goal_preempt_request = False
+        self.need_to_terminate = False
+        self.lock = threading.RLock()
+        self.execute_condition = threading.Condition(self.lock)
+        self.current_goal = ServerGoalHandle()
+        self.next_goal = ServerGoalHandle()
+        self.action_server = ActionServer(
+            name, ActionSpec, self.internal_goal_callback, self.internal_preempt_callback, auto_start
+        )
+        self.execute_thread: threading.Thread | None = None
+        if execute_cb is not None:
+            # No daemon: a program whose main function has ended goes on serving.
+            self.execute_thread = threading.Thread(target=self._execute_goals, name=f"actionlib {name}")
+            self.execute_thread.start()
+
+    def start(self) -> None:
+        """Begin to take goals, where `auto_start` is False."""
+        self.action_server.start()
+
+    def accept_new_goal(self) -> Any:
+        """Begin with the newest goal and return it, None where there is none; the one before is cancelled."""
+        with self.action_server.lock, self.lock:
+            if not self.new_goal or self.next_goal.get_goal() is None:
+                logerr("Attempting to accept the next goal when a new goal is not available")
+                return None
+            if self.is_active() and self.current_goal != self.next_goal:
+                self.current_goal.set_canceled(None, _ANOTHER_CAME)
+            self.current_goal = self.next_goal
+            self.new_goal = False
+            self.preempt_request = self.new_goal_preempt_request
+            self.new_goal_preempt_request = False
+            self.current_goal.set_accepted(_ACCEPTED)
+            return self.current_goal.get_goal()
+
+    def is_new_goal_available(self) -> bool:
+        """Tell whether a goal waits."""
+        return self.new_goal
+
+    def is_preempt_requested(self) -> bool:
+        """Tell whether the current goal is to be given up."""
+        return self.preempt_request
+
+    def is_active(self) -> bool:
+        """Tell whether a goal is being worked on."""
+        if self.current_goal.get_goal() is None:
+            return False
+        return self.current_goal.get_goal_status().status in (GoalStatus.ACTIVE, GoalStatus.PREEMPTING)
+
+    def set_succeeded(self, result: Any = None, text: str = "") -> None:
+        """End the current goal as done."""
+        with self.action_server.lock, self.lock:
+            self.current_goal.set_succeeded(result, text)
+
+    def set_aborted(self, result: Any = None, text: str = "") -> None:
+        """End the current goal as failed."""
+        with self.action_server.lock, self.lock:
+            self.current_goal.set_aborted(result, text)
+
+    def set_preempted(self, result: Any = None, text: str = "") -> None:
+        """End the current goal as cancelled."""
+        with self.action_server.lock, self.lock:
+            self.current_goal.set_canceled(result, text)
+
+    def publish_feedback(self, feedback: Any) -> None:
+        """Tell how far the current goal is."""
+        self.current_goal.publish_feedback(feedback)
+
+    def get_default_result(self) -> Any:
+        """Return an empty result."""
+        return self.action_server.ActionResultType()
+
+    def register_goal_callback(self, cb: Callable[[], object]) -> None:
+        """Call a function when a goal comes, without `execute_cb`."""
+        if self.execute_callback is not None:
+            logwarn(
+                "Cannot call SimpleActionServer.register_goal_callback() because an executeCallback exists. "
+                "Not going to register it."
+            )
+        else:
+            self.goal_callback = cb
+
+    def register_preempt_callback(self, cb: Callable[[], object]) -> None:
+        """Call a function when the current goal is to be given up."""
+        self.preempt_callback = cb
+
+    def internal_goal_callback(self, goal: ServerGoalHandle) -> None:
+        """Take a goal, unless it is older than those that are here."""
+        with self.execute_condition:
+            try:
+                self._take(goal)
+            except Exception as error:  # noqa: BLE001 - a program's callback must not end the server
+                logerr("SimpleActionServer.internal_goal_callback - exception %s", error)
+
+    def internal_preempt_callback(self, preempt: ServerGoalHandle) -> None:
+        """Take a request to give a goal up."""
+        with self.lock:
+            if preempt == self.current_goal:
+                self._request_preemption()
+            elif preempt == self.next_goal:
+                self.new_goal_preempt_request = True
+
+    def _take(self, goal: ServerGoalHandle) -> None:
+        here = [each for each in (self.current_goal, self.next_goal) if each.get_goal() is not None]
+        if any(goal.get_goal_id().stamp < each.get_goal_id().stamp for each in here):
+            goal.set_canceled(None, _ANOTHER_CAME)
+            return
+        if self.next_goal.get_goal() is not None and self.next_goal != self.current_goal:
+            self.next_goal.set_canceled(None, _ANOTHER_CAME)
+        self.next_goal = goal
+        self.new_goal = True
+        self.new_goal_preempt_request = False
+        if self.is_active():
+            self._request_preemption()
+        if self.goal_callback is not None:
+            self.goal_callback()
+        self.execute_condition.notify()
+
+    def _request_preemption(self) -> None:
+        logdebug("The current goal is to be given up")
+        self.preempt_request = True
+        if self.preempt_callback is not None:
+            self.preempt_callback()
+
+    def _execute_goals(self) -> None:
+        while not (is_shutdown() or self.need_to_terminate):
+            if self.is_active():
+                logerr("Should never reach this code with an active goal")
+                return
+            if self.is_new_goal_available() and (goal := self.accept_new_goal()) is not None:
+                self._execute(goal)
+            with self.execute_condition:
+                if not self.new_goal:
+                    self.execute_condition.wait(_POLL_S)
+
+    def _execute(self, goal: Any) -> None:
+        assert self.execute_callback is not None
+        try:
+            self.execute_callback(goal)
+            if self.is_active():
+                logwarn(
+                    "Your executeCallback did not set the goal to a terminal status. This is a bug in your "
+                    "ActionServer implementation. Fix your code! For now, the ActionServer will set this "
+                    "goal to aborted"
+                )
+                self.set_aborted(None, "No terminal state was set.")
+        except Exception as error:  # noqa: BLE001 - a program's mistake ends its goal, not its server
+            logerr("Exception in your execute callback: %s\n%s", error, traceback.format_exc())
+            self.set_aborted(None, f"Exception in execute callback: {error}")

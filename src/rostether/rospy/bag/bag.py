@@ -1,0 +1,317 @@
+"""rosbag.Bag: bags read and written by scripts, as rosbag's Python does it.
+
+Recordings of other formats, MCAP and ROS 2's, are read as well. Source: wiki.ros.org/rosbag/Code API
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import closing, contextmanager
+from io import UnsupportedOperation
+from pathlib import Path
+from typing import Any
+
+from rostether.errors import ConfigError, RecordingError
+from rostether.recording.bag.reindexing import reindex
+from rostether.recording.bag.writer import BagWriter
+from rostether.recording.files import open_recording
+from rostether.recording.recorded import Connection, RecordedMessage, RecordingReader
+from rostether.rospy.bag.exceptions import (
+    ROSBagException,
+    ROSBagFormatException,
+    ROSBagUnindexedException,
+)
+from rostether.rospy.bag.facts import (
+    BagMessage,
+    BagMessageWithConnectionHeader,
+    Compression,
+    CompressionTuple,
+    TypesAndTopicsTuple,
+    compression_of,
+    types_and_topics,
+    yaml_text,
+)
+from rostether.rospy.bag.types import BagTypes, header_of, raw_parts, with_header
+from rostether.rospy.client.message import message_bytes, read_message
+from rostether.rospy.client.message_types import message_type_of
+from rostether.rospy.client.stamps import Time
+from rostether.rostime import NS_PER_S
+
+VERSION = 200
+
+
+class Bag:
+    """A bag opened to be read (`r`), written (`w`) or continued (`a`)."""
+
+    def __init__(
+        self,
+        f: Any,
+        mode: str = "r",
+        compression: str = Compression.NONE,
+        chunk_threshold: int = 768 * 1024,
+        allow_unindexed: bool = False,
+        options: Mapping[str, Any] | None = None,
+        skip_index: bool = False,
+    ) -> None:
+        # A stream is opened again by its name: recordings are read and written there, not through it.
+        f = f if isinstance(f, str | Path) else getattr(f, "name", None)
+        if not isinstance(f, str | Path):
+            raise ValueError("our rosbag takes the path of a file, or a file that has one")  # noqa: TRY004
+        if mode not in ("r", "w", "a"):
+            raise ValueError(f'mode "{mode}" is invalid')
+        settings = dict(options or {})
+        self._filename = str(f)
+        self._mode = mode
+        self._compression = settings.get("compression", compression)
+        self._chunk_threshold = settings.get("chunk_threshold", chunk_threshold)
+        self._reader: RecordingReader | None = None
+        self._writer: BagWriter | None = None
+        self._types = BagTypes()
+        path = self._path = Path(f)
+        # What is missing is told as Python tells it.
+        if mode == "r":
+            path.stat()
+            self._reader = self._open(path)
+            if self._reader.damage and not allow_unindexed:
+                self.close()
+                raise ROSBagUnindexedException
+        elif mode == "w" or not path.exists():
+            path.open("ab").close()
+            self._writer = self._create(path)
+        else:
+            self._continue(path)
+
+    def __enter__(self) -> Bag:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def __iter__(self) -> Iterator[BagMessage]:
+        return self.read_messages()
+
+    @property
+    def filename(self) -> str:
+        """The file's name as it was given."""
+        return self._filename
+
+    @property
+    def version(self) -> int:
+        """The format's version: 200."""
+        return VERSION
+
+    @property
+    def mode(self) -> str:
+        """How it was opened."""
+        return self._mode
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """How chunks are made."""
+        return {"compression": self._compression, "chunk_threshold": self._chunk_threshold}
+
+    @property
+    def compression(self) -> str:
+        """How chunks are compressed that are written."""
+        return str(self._compression)
+
+    @property
+    def chunk_threshold(self) -> int:
+        """At how many bytes a chunk is full."""
+        return int(self._chunk_threshold)
+
+    @property
+    def size(self) -> int:
+        """The file's size in bytes."""
+        if self._writer is not None:
+            return self._writer.size_bytes
+        with self._facts() as reader:
+            return reader.size_bytes
+
+    def read_messages(
+        self,
+        topics: Any = None,
+        start_time: Any = None,
+        end_time: Any = None,
+        connection_filter: Callable[..., bool] | None = None,
+        raw: bool = False,
+        return_connection_header: bool = False,
+    ) -> Iterator[Any]:
+        """Yield (topic, message, time) by time, both ends included.
+
+        A raw message is (type, bytes, md5sum, position, class); the position is always None.
+        """
+        reader = self._readable()
+        names = _names(topics)
+
+        def is_wanted(connection: Connection) -> bool:
+            if names is not None and connection.topic not in names:
+                return False
+            if connection_filter is None:
+                return True
+            kind = connection.type
+            return bool(
+                connection_filter(
+                    connection.topic, kind.name, kind.md5sum, kind.definition, header_of(connection)
+                )
+            )
+
+        found = reader.messages(is_wanted, start_ns=_nanoseconds(start_time), end_ns=_nanoseconds(end_time))
+        return self._given(found, raw=raw, with_header=return_connection_header)
+
+    def write(
+        self,
+        topic: str,
+        msg: Any,
+        t: Any = None,
+        raw: bool = False,
+        connection_header: Mapping[str, str | bytes] | None = None,
+    ) -> None:
+        """Write a message with a time, that of the wall clock when there is none."""
+        if self._writer is None:
+            raise ValueError(_CLOSED) if self._reader is None else UnsupportedOperation("write")
+        if not topic or msg is None:
+            raise ValueError("topic or message is missing")
+        time_ns = time.time_ns() if t is None else t.to_nsec()
+        if raw:
+            kind, payload = raw_parts(msg)
+        else:
+            kind, payload = message_type_of(type(msg)), message_bytes(msg)
+        connection = with_header(topic, kind, connection_header or {})
+        try:
+            self._writer.write(self._writer.add_connection(connection), time_ns, (bytes(payload),))
+        except RecordingError as error:
+            raise ROSBagException(str(error)) from None
+
+    def flush(self) -> None:
+        """Hand all that was written to the operating system."""
+        if self._writer is not None:
+            self._writer.flush()
+
+    def close(self) -> None:
+        """Write the index and close the file. Idempotent."""
+        writer, self._writer = self._writer, None
+        reader, self._reader = self._reader, None
+        if writer is not None:
+            try:
+                writer.close()
+            except RecordingError as error:
+                raise ROSBagException(str(error)) from None
+            if writer.path != self._path:
+                writer.path.replace(self._path)
+        if reader is not None:
+            reader.close()
+
+    def reindex(self) -> Iterator[int]:
+        """Mend a bag that was not closed; yields how far it is, as rosbag's does."""
+        yield 0
+        if self._reader is not None:
+            self._reader.close()
+            reindex(self._path, self._path)
+            self._reader = self._open(self._path)
+        yield self.size
+
+    def get_message_count(self, topic_filters: Any = None) -> int:
+        """Return how many messages there are, of some topics or all."""
+        names = _names(topic_filters)
+        with self._facts() as reader:
+            counts = reader.counts
+        return sum(count for each, count in counts.items() if names is None or each.topic in names)
+
+    def get_start_time(self) -> float:
+        """Return the time of the first message in seconds."""
+        return self._span()[0] / NS_PER_S
+
+    def get_end_time(self) -> float:
+        """Return the time of the last message in seconds."""
+        return self._span()[1] / NS_PER_S
+
+    def get_type_and_topic_info(self, topic_filters: Any = None) -> TypesAndTopicsTuple:
+        """Return types with their md5sums, and topics with type, counts and frequency."""
+        with self._facts() as reader:
+            return types_and_topics(reader, _names(topic_filters))
+
+    def get_compression_info(self) -> CompressionTuple:
+        """Return how most chunks are compressed, and the bytes of all before and after."""
+        with self._facts() as reader:
+            return compression_of(reader)
+
+    def _get_yaml_info(self, key: str | None = None) -> str:
+        with self._facts() as reader:
+            return yaml_text(self._filename, reader, key)
+
+    def _open(self, path: Path) -> RecordingReader:
+        try:
+            return open_recording(path)
+        except (RecordingError, ConfigError) as error:
+            raise ROSBagFormatException(str(error)) from None
+
+    def _create(self, path: Path) -> BagWriter:
+        try:
+            return BagWriter(path, compression=self._compression, chunk_bytes=self._chunk_threshold)
+        except ConfigError as error:
+            raise ValueError(str(error)) from None
+        except RecordingError as error:
+            raise ROSBagException(str(error)) from None
+
+    def _continue(self, path: Path) -> None:
+        """Write what is there to a new file, which takes its place when it is closed."""
+        reader = self._open(path)
+        writer = self._create(path.with_name(f".{path.name}.unfinished"))
+        for message in reader.messages():
+            writer.write(writer.add_connection(message.connection), message.time_ns, (message.payload,))
+        reader.close()
+        self._writer = writer
+
+    def _readable(self) -> RecordingReader:
+        if self._reader is None:
+            if self._writer is None:
+                raise ValueError(_CLOSED)
+            # What was written so far is whole chunks after a flush, and so a bag that was not closed.
+            self._writer.flush()
+            return self._open(self._writer.path)
+        return self._reader
+
+    @contextmanager
+    def _facts(self) -> Iterator[RecordingReader]:
+        """Give what tells about the bag, also when it is closed, as rosbag's does."""
+        if self._reader is not None:
+            yield self._reader
+            return
+        with closing(self._readable() if self._writer is not None else self._open(self._path)) as reader:
+            yield reader
+
+    def _span(self) -> tuple[int, int]:
+        with self._facts() as reader:
+            span_ns = reader.span_ns
+        if span_ns is None:
+            raise ROSBagException("Bag contains no message")
+        return span_ns
+
+    def _given(self, found: Iterator[RecordedMessage], *, raw: bool, with_header: bool) -> Iterator[Any]:
+        for connection, time_ns, payload in found:
+            stamp = Time(*divmod(time_ns, NS_PER_S))
+            made = self._types.class_of(connection.type)
+            message: Any
+            if raw:
+                message = (connection.type.name, payload, connection.type.md5sum, None, made)
+            else:
+                message = read_message(made, payload)
+            if with_header:
+                yield BagMessageWithConnectionHeader(connection.topic, message, stamp, header_of(connection))
+            else:
+                yield BagMessage(connection.topic, message, stamp)
+
+
+_CLOSED = "I/O operation on closed bag"
+
+
+def _names(topics: Any) -> frozenset[str] | None:
+    if not topics:
+        return None
+    return frozenset([topics] if isinstance(topics, str) else topics)
+
+
+def _nanoseconds(stamp: Any) -> int | None:
+    return None if stamp is None else int(stamp.to_nsec())

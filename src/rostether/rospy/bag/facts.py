@@ -1,0 +1,120 @@
+"""What rosbag's Python gives of a bag: its messages, and facts about it as a whole."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from statistics import median
+from typing import Any, NamedTuple
+
+from rostether.recording.recorded import RecordingReader
+from rostether.rospy.client.stamps import Time
+from rostether.rostime import NS_PER_S
+
+
+class Compression:
+    """How chunks may be compressed."""
+
+    NONE = "none"
+    BZ2 = "bz2"
+    LZ4 = "lz4"
+
+
+class BagMessage(NamedTuple):
+    """One message of a bag, and when it was received."""
+
+    topic: str
+    message: Any
+    timestamp: Time
+
+
+class BagMessageWithConnectionHeader(NamedTuple):
+    """One message of a bag, and what its publisher told of itself."""
+
+    topic: str
+    message: Any
+    timestamp: Time
+    connection_header: dict[str, bytes]
+
+
+class TopicTuple(NamedTuple):
+    """One topic; `frequency` in Hz is None for less than two messages."""
+
+    msg_type: str
+    message_count: int
+    connections: int
+    frequency: float | None
+
+
+class TypesAndTopicsTuple(NamedTuple):
+    """Md5sums by type, and topics by name."""
+
+    msg_types: dict[str, str]
+    topics: dict[str, TopicTuple]
+
+
+class CompressionTuple(NamedTuple):
+    """How most chunks are compressed, and the bytes of all chunks before and after."""
+
+    compression: str
+    uncompressed: int
+    compressed: int
+
+
+def types_and_topics(reader: RecordingReader, names: frozenset[str] | None) -> TypesAndTopicsTuple:
+    """Return a recording's types and topics; frequencies are those of the median pause."""
+    counts = {each: n for each, n in reader.counts.items() if names is None or each.topic in names}
+    types = {each.type.name: each.type.md5sum for each in counts}
+    times: dict[str, list[int]] = {}
+    for message in reader.messages(counts.__contains__):
+        times.setdefault(message.connection.topic, []).append(message.time_ns)
+    topics = {}
+    for name in sorted({each.topic for each in counts}):
+        own = [each for each in counts if each.topic == name]
+        topics[name] = TopicTuple(
+            own[0].type.name, sum(counts[each] for each in own), len(own), _frequency_hz(times.get(name, []))
+        )
+    return TypesAndTopicsTuple(types, topics)
+
+
+def compression_of(reader: RecordingReader) -> CompressionTuple:
+    """Return how a recording's chunks are compressed."""
+    shares = reader.compressions
+    if not shares:
+        return CompressionTuple("none", 0, 0)
+    plain = sum(each.size_bytes for each in shares)
+    return CompressionTuple(shares[0].name, plain, sum(each.compressed_bytes for each in shares))
+
+
+def yaml_text(filename: str, reader: RecordingReader, key: str | None) -> str:
+    """Return what `rosbag info -y` prints, or the value of one key of it."""
+    import yaml
+
+    facts: dict[str, Any] = {"path": filename, "version": 2.0}
+    if (span := reader.span_ns) is not None:
+        start_s, end_s = span[0] / NS_PER_S, span[1] / NS_PER_S
+        facts |= {"duration": end_s - start_s, "start": start_s, "end": end_s}
+    found = types_and_topics(reader, None)
+    facts |= {
+        "size": reader.size_bytes,
+        "messages": sum(reader.counts.values()),
+        "indexed": not reader.damage,
+        "compression": compression_of(reader).compression,
+        "types": [{"type": name, "md5": md5sum} for name, md5sum in sorted(found.msg_types.items())],
+        "topics": [
+            {"topic": name, "type": topic.msg_type, "messages": topic.message_count}
+            | ({"connections": topic.connections} if topic.connections > 1 else {})
+            | ({"frequency": topic.frequency} if topic.frequency is not None else {})
+            for name, topic in found.topics.items()
+        ],
+    }
+    if key is not None:
+        return str(facts[key])
+    return yaml.safe_dump(facts, sort_keys=False)
+
+
+def _frequency_hz(times_ns: list[int]) -> float | None:
+    if len(times_ns) < 2:
+        return None
+    pauses = [later - earlier for earlier, later in pairwise(times_ns)]
+    pause = median(pauses)
+    return NS_PER_S / pause if pause > 0 else None

@@ -1,0 +1,80 @@
+"""The classes of a bag's messages: this process' own where they are the same, else those of the bag."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from rostether.errors import RostetherError
+from rostether.msgdef.interface import MessageType
+from rostether.msgdef.registry import Registry
+from rostether.recording.recorded import Connection
+from rostether.rospy.bag.exceptions import ROSBagException
+from rostether.rospy.client.message import Message
+from rostether.rospy.client.message_types import MessageTypes, all_types
+
+
+class BagTypes:
+    """The classes of one bag."""
+
+    def __init__(self) -> None:
+        self._classes: dict[MessageType, type[Message]] = {}
+
+    def class_of(self, kind: MessageType) -> type[Message]:
+        """Return a type's class. Raises ROSBagException for one that cannot be read."""
+        found = self._classes.get(kind)
+        if found is None:
+            try:
+                found = self._classes[kind] = _message_class(kind)
+            except RostetherError as error:
+                raise ROSBagException(f"{kind.name} cannot be read: {error}") from None
+        return found
+
+
+def header_of(connection: Connection) -> dict[str, bytes]:
+    """Return a connection's header as rosbag has it after reading: values are bytes."""
+    return {key: value.encode("utf-8", "surrogateescape") for key, value in connection.fields().items()}
+
+
+def with_header(topic: str, kind: MessageType, header: Mapping[str, str | bytes]) -> Connection:
+    """Return the connection of a topic to which a script gave a header."""
+
+    given = {
+        str(name): value.decode("utf-8", "surrogateescape") if isinstance(value, bytes) else str(value)
+        for name, value in header.items()
+    }
+    told = {"type": kind.name, "md5sum": kind.md5sum, "message_definition": kind.definition}
+    return Connection.from_fields(topic, given | told)
+
+
+def raw_parts(message: Any) -> tuple[MessageType, bytes]:
+    """Return type and bytes of a raw message, as `read_messages(raw=True)` yields it.
+
+    Raises ROSBagException.
+    """
+    name, payload, md5sum = message[:3]
+    made = message[-1] if len(message) > 3 else None
+    if isinstance(made, type) and issubclass(made, Message):
+        return MessageType(name, md5sum, made._full_text), payload
+    try:
+        known = all_types().registry.message_type(name)
+    except RostetherError as error:
+        raise ROSBagException(str(error)) from None
+    if md5sum not in (known.md5sum, "*"):
+        raise ROSBagException(f"{name} has md5sum {known.md5sum} here, not {md5sum}: give its class as well")
+    return known, payload
+
+
+def _message_class(kind: MessageType) -> type[Message]:
+    """Return this process' own class where it is the same type, else one of the recorded definition."""
+    try:
+        own = all_types().message_class(kind.name)
+    except RostetherError:
+        if not kind.definition:
+            raise
+    else:
+        if own._md5sum == kind.md5sum or not kind.definition:
+            return own
+    registry = Registry(bundled=False)
+    registry.add_full_text(kind.name, kind.definition)
+    return MessageTypes(registry).message_class(kind.name)

@@ -1,0 +1,37 @@
+"""rosmsg, as programs use it: the names and texts of definitions."""
+
+from __future__ import annotations
+
+from rostether.errors import DefinitionError, UnknownTypeError
+from rostether.rospy.client.message_types import all_types
+
+
+class ROSMsgException(Exception):  # noqa: N818 - the name is rosmsg's
+    """A type that nobody knows."""
+
+
+def list_msgs(package: str, rospack: object = None) -> list[str]:
+    """Return the messages of a package."""
+    return all_types().registry.messages(package)
+
+
+def list_srvs(package: str, rospack: object = None) -> list[str]:
+    """Return the services of a package."""
+    return all_types().registry.services(package)
+
+
+def get_msg_text(type_: str, raw: bool = False, rospack: object = None) -> str:
+    """Return a message's definition as it is written. Raises ROSMsgException."""
+    try:
+        return all_types().registry.message(type_).text
+    except (UnknownTypeError, DefinitionError) as error:
+        raise ROSMsgException(f"{error}") from None
+
+
+def get_srv_text(type_: str, raw: bool = False, rospack: object = None) -> str:
+    """Return a service's definition as it is written. Raises ROSMsgException."""
+    try:
+        service = all_types().registry.service(type_)
+    except (UnknownTypeError, DefinitionError) as error:
+        raise ROSMsgException(f"{error}") from None
+    return f"{service.request.text}\n---\n{service.response.text}"

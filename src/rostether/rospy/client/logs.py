@@ -1,0 +1,216 @@
+"""rospy.loginfo and its family: to the terminal, to /rosout, and to the file that `__log:=` names."""
+
+from __future__ import annotations
+
+import logging
+import os
+import sys
+import threading
+import time
+from collections.abc import Callable
+from types import FrameType
+from typing import Any, TextIO
+
+from rostether.graph.log_message import ROSOUT
+from rostether.rospy.client.names import get_name, names
+
+DEBUG, INFO, WARN, ERROR, FATAL = 1, 2, 4, 8, 16
+
+_LEVELS = {
+    logging.DEBUG: DEBUG,
+    logging.INFO: INFO,
+    logging.WARNING: WARN,
+    logging.ERROR: ERROR,
+    logging.CRITICAL: FATAL,
+}
+_PYTHON_LEVELS = {level: python for python, level in _LEVELS.items()}
+_NAMES = {DEBUG: "DEBUG", INFO: "INFO", WARN: "WARN", ERROR: "ERROR", FATAL: "FATAL"}
+_COLORS = {DEBUG: "\033[32m", WARN: "\033[33m", ERROR: "\033[31m", FATAL: "\033[31m"}
+_FORMAT = "[${severity}] [${time}]: ${message}"
+_FILE_FORMAT = "[%(name)s][%(levelname)s] %(asctime)s: %(message)s"
+_BYTES_A_FILE = 50_000_000  # as rospy: what a node that logs in a loop may leave on the disk, five times
+_FILES_KEPT = 4
+
+_rosout_logger = logging.getLogger("rosout")
+_last_logged: dict[Any, Any] = {}
+_last_texts: dict[Any, str] = {}
+_logged_once: set[Any] = set()
+
+
+class TerminalHandler(logging.Handler):
+    """Prints as rospy does: information on standard output, warnings and worse on standard error.
+
+    ROSCONSOLE_FORMAT may give another form. `simulated_time` returns ROS time where it is not the clock's.
+    """
+
+    def __init__(self, simulated_time: Callable[[], float | None]) -> None:
+        super().__init__()
+        self._simulated_time = simulated_time
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Print one record."""
+        level = _LEVELS.get(record.levelno, INFO)
+        wall = f"{time.time():f}"
+        ros_time = self._simulated_time()
+        values = {
+            "severity": _NAMES[level],
+            "message": logging.Formatter().format(record),
+            "walltime": wall,
+            "time": wall if ros_time is None else f"{wall}, {ros_time:f}",
+            "thread": f"{record.thread}",
+            "logger": record.name,
+            "file": record.pathname,
+            "line": f"{record.lineno}",
+            "function": record.funcName,
+            "node": get_name(),
+        }
+        text = os.environ.get("ROSCONSOLE_FORMAT", _FORMAT)
+        for key, value in values.items():
+            text = text.replace(f"${{{key}}}", value)
+        stream: TextIO = sys.stdout if record.levelno < logging.WARNING else sys.stderr
+        if stream.isatty() and level in _COLORS:
+            text = f"{_COLORS[level]}{text}\033[0m"
+        stream.write(f"{text}\n")
+
+
+class RosoutHandler(logging.Handler):
+    """Publishes records on /rosout."""
+
+    def __init__(self, publish: Callable[..., None], now: Callable[[], Any]) -> None:
+        super().__init__()
+        self._publish = publish
+        self._now = now
+        self._inside = threading.local()
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Publish one record; what goes wrong in it is not logged in turn."""
+        if getattr(self._inside, "flag", False):
+            return
+        self._inside.flag = True
+        try:
+            self._publish(record, self._now())
+        except Exception:  # noqa: BLE001 - a log line that cannot be published must not end who logs
+            self.handleError(record)
+        finally:
+            self._inside.flag = False
+
+
+def configure(simulated_time: Callable[[], float | None], log_level: int | None) -> None:
+    """Begin to print, and to write the file that `__log:=` names. Idempotent."""
+    if not any(isinstance(handler, TerminalHandler) for handler in _rosout_logger.handlers):
+        _rosout_logger.addHandler(TerminalHandler(simulated_time))
+        if file := names.mappings.get("__log"):
+            from logging.handlers import RotatingFileHandler
+
+            handler = RotatingFileHandler(
+                file, maxBytes=_BYTES_A_FILE, backupCount=_FILES_KEPT, delay=True, encoding="utf-8"
+            )
+            handler.setFormatter(logging.Formatter(_FILE_FORMAT))
+            logging.getLogger().addHandler(handler)
+            logging.getLogger().setLevel(logging.INFO)
+    _rosout_logger.setLevel(logging.INFO if log_level is None else _PYTHON_LEVELS[log_level])
+
+
+def publish_logs(handler: RosoutHandler) -> None:
+    """Begin to publish logs on /rosout."""
+    _rosout_logger.addHandler(handler)
+
+
+def log_fields(record: logging.LogRecord, topics: list[str]) -> dict[str, Any]:
+    """Return the fields of a rosgraph_msgs/Log, without its stamp."""
+    return {
+        "level": _LEVELS.get(record.levelno, INFO),
+        "name": get_name(),
+        "msg": logging.Formatter().format(record),
+        "topics": topics if ROSOUT in topics else [*topics, ROSOUT],
+        "file": record.filename,
+        "line": record.lineno,
+        "function": record.funcName,
+    }
+
+
+def _log(level: int, msg: Any, args: tuple[Any, ...], kwargs: dict[str, Any]) -> None:
+    name = kwargs.pop("logger_name", None)
+    logger = _rosout_logger.getChild(name) if name else _rosout_logger
+    if not logger.isEnabledFor(level):
+        return
+    frame: FrameType | None = sys._getframe(2)
+    if frame is None:
+        return
+    function = frame.f_code.co_name
+    if "self" in frame.f_locals:
+        function = f"{type(frame.f_locals['self']).__name__}.{function}"
+    exc_info = kwargs.get("exc_info")
+    record = logger.makeRecord(
+        logger.name,
+        level,
+        frame.f_code.co_filename,
+        frame.f_lineno,
+        msg,
+        args,
+        None if not exc_info else exc_info if isinstance(exc_info, tuple) else sys.exc_info(),
+        function,
+        kwargs.get("extra"),
+    )
+    logger.handle(record)
+
+
+def _place() -> tuple[str, int, int]:
+    """Return what tells one log statement of a program from the others."""
+    frame = sys._getframe(2)
+    return frame.f_code.co_filename, frame.f_lineno, frame.f_lasti
+
+
+def _is_due(place: Any, period: float) -> bool:
+    from rostether.rospy.client.ros_time import Duration, Time
+
+    now = Time.now()
+    last = _last_logged.get(place)
+    if last is None or now - last > Duration(period) or last > now:
+        _last_logged[place] = now
+        return True
+    return False
+
+
+def _is_new_text(place: Any, text: Any) -> bool:
+    is_new = _last_texts.get(place) != str(text)
+    _last_texts[place] = str(text)
+    return is_new
+
+
+def _family(level: int) -> tuple[Callable[..., None], ...]:
+    """Return the plain, throttled, throttled-if-identical and once-only functions of one level."""
+
+    def log(msg: Any, *args: Any, **kwargs: Any) -> None:
+        """Log a text, with arguments as `logging` takes them."""
+        _log(level, msg, args, kwargs)
+
+    def log_throttle(period: float, msg: Any, *args: Any, **kwargs: Any) -> None:
+        """Log at most once in `period` seconds from this place."""
+        if _is_due(_place(), period):
+            _log(level, msg, args, kwargs)
+
+    def log_throttle_identical(period: float, msg: Any, *args: Any, **kwargs: Any) -> None:
+        """Log at once when the text is another one, else at most once in `period` seconds."""
+        place = _place()
+        is_due = _is_due(place, period)
+        if _is_new_text(place, msg) or is_due:
+            _log(level, msg, args, kwargs)
+
+    def log_once(msg: Any, *args: Any, **kwargs: Any) -> None:
+        """Log the first time that this place is reached."""
+        place = _place()
+        if place not in _logged_once:
+            _logged_once.add(place)
+            _log(level, msg, args, kwargs)
+
+    return log, log_throttle, log_throttle_identical, log_once
+
+
+logdebug, logdebug_throttle, logdebug_throttle_identical, logdebug_once = _family(logging.DEBUG)
+loginfo, loginfo_throttle, loginfo_throttle_identical, loginfo_once = _family(logging.INFO)
+logwarn, logwarn_throttle, logwarn_throttle_identical, logwarn_once = _family(logging.WARNING)
+logerr, logerr_throttle, logerr_throttle_identical, logerr_once = _family(logging.ERROR)
+logfatal, logfatal_throttle, logfatal_throttle_identical, logfatal_once = _family(logging.CRITICAL)
+logout = loginfo
+logerror = logerr

@@ -1,0 +1,199 @@
+"""Message and service classes of every definition that this process can find, each made when asked for."""
+
+from __future__ import annotations
+
+import keyword
+import os
+import threading
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from rostether.errors import DefinitionError, UnknownTypeError
+from rostether.msgdef.interface import MessageType, ServiceType
+from rostether.msgdef.registry import Registry
+from rostether.rospy.client.message import AnyMsg, Message
+from rostether.rospy.client.stamps import Duration, Time, new_stamp
+from rostether.rospy.environment import PACKAGES_VARIABLE
+from rostether.serde.codec import Codec
+from rostether.serde.store import TypeStore
+from rostether.serde.type_tree import Node, Stamp, Struct
+from rostether.serde.values import Message as SerdeMessage
+from rostether.serde.values import MessageClasses
+
+
+class ServiceClass:
+    """Base of service classes, as `std_srvs.srv.SetBool` is one."""
+
+    _type: str
+    _md5sum: str
+    _request_class: type[Message]
+    _response_class: type[Message]
+
+
+class FacadeClasses(MessageClasses):
+    """Makes classes of rospy's kind for one type store."""
+
+    time = Time
+    duration = Duration
+    new_stamp = staticmethod(new_stamp)
+    numbers = tuple
+    text_errors = "replace"
+
+    def __init__(self, types: MessageTypes) -> None:
+        super().__init__()
+        self._types = types
+
+    def _zero(self, node: Node) -> Any:
+        if isinstance(node, Stamp):
+            return self.time if node.name == "time" else self.duration  # mutable: each message its own
+        return super()._zero(node)
+
+    def _make(self, tree: Struct) -> type[SerdeMessage]:
+        made = super()._make(tree)
+        namespace: dict[str, Any] = {
+            key: value
+            for key, value in vars(made).items()
+            if key not in (*made.__slots__, "__dict__", "__doc__", "__weakref__")
+        }
+        description = self._types.registry.message_type(tree.name)
+        first = tree.members[0] if tree.members else None
+        namespace |= {
+            _python_name(name): value for name, value in namespace.items() if keyword.iskeyword(name)
+        }
+        namespace |= {
+            "__slots__": [member.name for member in tree.members],
+            "_zeros": tuple((_python_name(name), zero) for name, zero in made._zeros),
+            "__module__": f"{tree.name.partition('/')[0]}.{self._types.module_of(tree.name)}",
+            "_md5sum": description.md5sum,
+            "_full_text": description.definition,
+            "_slot_types": [str(member.type) for member in tree.members],
+            "_has_header": first is not None
+            and (first.name, str(first.type)) == ("header", "std_msgs/Header"),
+            "__hash__": None,
+        }
+        facade_class: Any = type(made.__name__, (Message,), namespace)
+        for member in tree.members:
+            # One slot under two names: the codec knows that of the definition.
+            setattr(facade_class, _python_name(member.name), vars(facade_class)[member.name])
+        # A list: programs of users join and index it.
+        facade_class.__slots__ = [_python_name(member.name) for member in tree.members]
+        return facade_class  # type: ignore[no-any-return]
+
+
+def _python_name(name: str) -> str:
+    """Return the name that genpy gives a field or constant in Python: `from`, a keyword, is `from_`."""
+    return f"{name}_" if keyword.iskeyword(name) or name == "self" else name
+
+
+class MessageTypes:
+    """All types of one registry as classes; safe to use from any thread."""
+
+    def __init__(self, registry: Registry) -> None:
+        self.registry = registry
+        self._store = TypeStore(registry, FacadeClasses(self))
+        self._services: dict[str, type[ServiceClass]] = {}
+        self._codecs: dict[str, Codec] = {}
+        self._lock = threading.RLock()
+
+    @cached_property
+    def packages(self) -> frozenset[str]:
+        """The packages that have definitions."""
+        return frozenset(self.registry.packages())
+
+    def codec(self, name: str) -> Codec:
+        """Return a message's codec. Raises UnknownTypeError, DefinitionError."""
+        with self._lock:
+            codec = self._codecs.get(name)
+            if codec is None:
+                codec = self._store.codec(name)
+                made: Any = codec.message_class
+                made._codec = codec
+                for member in codec.tree.members:
+                    nested = getattr(member.node, "element", member.node)
+                    if isinstance(nested, Struct):
+                        self.codec(nested.name)
+                self._codecs[name] = codec
+            return codec
+
+    def message_class(self, name: str) -> type[Message]:
+        """Return the class of `package/Name`. Raises UnknownTypeError, DefinitionError."""
+        made: Any = self.codec(name).message_class
+        return made  # type: ignore[no-any-return]
+
+    def service_class(self, name: str) -> type[ServiceClass]:
+        """Return the class of a service. Raises UnknownTypeError, DefinitionError."""
+        with self._lock:
+            if name not in self._services:
+                description = self.registry.service_type(name)
+                package, _, short_name = name.partition("/")
+                self._services[name] = type(
+                    short_name,
+                    (ServiceClass,),
+                    {
+                        "__module__": f"{package}.srv",
+                        "_type": name,
+                        "_md5sum": description.md5sum,
+                        "_request_class": self.message_class(description.request.name),
+                        "_response_class": self.message_class(description.response.name),
+                    },
+                )
+            return self._services[name]
+
+    def module_of(self, message_name: str) -> str:
+        """Return `srv` for halves of services, else `msg`."""
+        for half in ("Request", "Response"):
+            service = message_name.removesuffix(half)
+            if service != message_name and service in self.registry.services(message_name.partition("/")[0]):
+                return "srv"
+        return "msg"
+
+
+def message_type_of(message_class: type[Message]) -> MessageType:
+    """Return what a connection header says of a message class."""
+    if issubclass(message_class, AnyMsg):
+        return MessageType(AnyMsg._type, AnyMsg._md5sum)
+    return MessageType(message_class._type, message_class._md5sum, message_class._full_text)
+
+
+def service_type_of(service_class: type[ServiceClass]) -> ServiceType:
+    """Return what a connection header says of a service class."""
+    return ServiceType(
+        service_class._type,
+        service_class._md5sum,
+        message_type_of(service_class._request_class),
+        message_type_of(service_class._response_class),
+    )
+
+
+_types: MessageTypes | None = None
+_types_lock = threading.Lock()
+
+
+def all_types() -> MessageTypes:
+    """Return the types of this process: ROS_PACKAGE_PATH, the folders its starter found, the bundled ones."""
+    global _types
+    with _types_lock:
+        if _types is None:
+            found = [Path(part) for part in os.environ.get(PACKAGES_VARIABLE, "").split(os.pathsep) if part]
+            path = [Path(part) for part in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if part]
+            _types = MessageTypes(Registry(package_path=[*path, *found]))
+        return _types
+
+
+def get_message_class(message_type: str, reload_on_error: bool = False) -> Any:
+    """Return the class of a type name, or None where nobody knows it."""
+    if message_type in ("time", "duration"):
+        return Time if message_type == "time" else Duration
+    try:
+        return all_types().message_class("std_msgs/Header" if message_type == "Header" else message_type)
+    except (UnknownTypeError, DefinitionError):
+        return None
+
+
+def get_service_class(service_type: str, reload_on_error: bool = False) -> Any:
+    """Return the class of a service's type name, or None where nobody knows it."""
+    try:
+        return all_types().service_class(service_type)
+    except (UnknownTypeError, DefinitionError):
+        return None

@@ -1,0 +1,157 @@
+"""Names as a rospy program sees them: remapped by its command line, resolved before and after init_node."""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from rostether.bounded_yaml import YamlError, load
+from rostether.names.graph_name import canonical, is_global, is_private
+from rostether.names.resolve import resolve_name as _resolve
+from rostether.rospy.client.exceptions import ROSInitException
+
+UNNAMED = "unnamed"
+"""What a program is called until init_node."""
+
+_REMAP = re.compile(r"([~/A-Za-z_][\w/]*):=(.*)", re.DOTALL)
+
+
+class NodeNames:
+    """One program's name, namespace and remappings; rospy has one of them in a process."""
+
+    def __init__(self, argv: Iterable[str], environ: Mapping[str, str]) -> None:
+        self.mappings: dict[str, str] = {}
+        self.resolved_mappings: dict[str, str] = {}
+        self.private_params: dict[str, Any] = {}
+        self.load(argv)
+        self.namespace = _namespace(self.mappings.get("__ns") or environ.get("ROS_NAMESPACE") or "/")
+        self.caller_id = self.namespace + UNNAMED
+
+    def load(self, argv: Iterable[str]) -> None:
+        """Read the remappings of a command line."""
+        self.mappings = {}
+        self.private_params = {}
+        for argument in argv:
+            if (match := _REMAP.fullmatch(argument)) is None:
+                continue
+            source, target = match[1], match[2].strip()
+            if not target:
+                continue
+            if source.startswith("_") and not source.startswith("__") and len(source) > 1:
+                self.private_params[source[1:]] = _yaml(argument, target)
+            else:
+                self.mappings[source] = target
+
+    def set_node_name(self, base_name: str) -> str:
+        """Take the name of init_node; from now on private names have a meaning. Returns the full name."""
+        self.caller_id = self._plain(base_name, self.caller_id)
+        self.namespace = _parent(self.caller_id)
+        self.resolved_mappings = {
+            source if source.startswith("__") else self._plain(source, self.caller_id): target
+            if source.startswith("__")
+            else self._plain(target, self.caller_id)
+            for source, target in self.mappings.items()
+        }
+        return self.caller_id
+
+    def resolve(self, name: str, caller_id: str | None = None) -> str:
+        """Return the full name after remapping, as seen from a node."""
+        caller_id = caller_id or self.caller_id
+        if not name:
+            return _parent(caller_id)
+        resolved = self._plain(str(name), caller_id)
+        return self.resolved_mappings.get(resolved, resolved)
+
+    def resolve_early(self, name: str) -> str:
+        """Return the full name of a topic or service that is made before init_node. Raises ValueError."""
+        if is_private(name):
+            raise ValueError("~name topics cannot be created before init_node() has been called")
+        fake_caller = self.namespace + "node"
+        resolved = self._plain(name, fake_caller)
+        for source, target in self.mappings.items():
+            if not source.startswith("__") and self._plain(source, fake_caller) == resolved:
+                if is_private(target):
+                    raise ROSInitException(
+                        f"{name} cannot be remapped to a ~name here: the topic is created before init_node()"
+                    )
+                return self._plain(target, fake_caller)
+        return resolved
+
+    def remap(self, name: str) -> str:
+        """Return the resolved target of a name that is remapped as written, else the name as it is."""
+        return self._plain(self.mappings[name], self.caller_id) if name in self.mappings else name
+
+    def _plain(self, name: str, caller_id: str) -> str:
+        try:
+            return _resolve(name, namespace=_parent(caller_id), node_name=caller_id)
+        except ValueError:
+            # rospy warns of illegal names and goes on; the graph has the last word.
+            if is_private(name):
+                return canonical(f"{caller_id}/{name[1:]}")
+            return canonical(name if is_global(name) else _parent(caller_id) + name)
+
+
+def is_remap_argument(argument: str) -> bool:
+    """Tell whether a command line argument is ROS's: a remapping, a parameter or a special name."""
+    return _REMAP.fullmatch(argument) is not None
+
+
+def _parent(full_name: str) -> str:
+    """Return the namespace of a full name, with a slash at the end, as rospy has it."""
+    return full_name[: full_name.rstrip("/").rfind("/") + 1] or "/"
+
+
+def _namespace(text: str) -> str:
+    name = canonical(f"/{text}")
+    return name if name == "/" else f"{name}/"
+
+
+def _yaml(argument: str, text: str) -> Any:
+    try:
+        return load(text)
+    except YamlError as error:
+        raise ROSInitException(f"invalid command-line parameter {argument!r}: this is {error}") from None
+
+
+names = NodeNames(sys.argv, os.environ)
+
+
+def get_name() -> str:
+    """Return the node's full name."""
+    return names.caller_id
+
+
+get_caller_id = get_name
+
+
+def get_namespace() -> str:
+    """Return the node's namespace, with a slash at the end."""
+    return names.namespace
+
+
+def resolve_name(name: str, caller_id: str | None = None) -> str:
+    """Return the full, remapped form of a name."""
+    return names.resolve(name, caller_id)
+
+
+def remap_name(name: str, caller_id: str | None = None, resolved: bool = True) -> str:
+    """Return what a name is remapped to, or the name itself."""
+    return names.remap(name)
+
+
+def get_mappings() -> dict[str, str]:
+    """Return the remappings as written on the command line."""
+    return names.mappings
+
+
+def get_resolved_mappings() -> dict[str, str]:
+    """Return the remappings between full names."""
+    return names.resolved_mappings
+
+
+def resolve_name_without_node_name(name: str) -> str:
+    """Return the full name of what is made before init_node. Raises ValueError, ROSInitException."""
+    return names.resolve_early(name)

@@ -1,0 +1,32 @@
+"""rospy.numpy_msg: a message class whose arrays of numbers are numpy arrays when they come from the graph."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+from rostether.rospy.client.message import Message
+
+
+@cache
+def numpy_msg(msg_type: type[Message]) -> type[Message]:
+    """Return the class. Raises ImportError where numpy is not installed."""
+    # By name: numpy is the program's, not one of our dependencies.
+    from importlib import import_module
+
+    numpy = import_module("numpy")
+
+    def deserialize(self: Message, str: bytes) -> Message:  # noqa: A002 - the name is genpy's
+        return self.deserialize_numpy(str, numpy)
+
+    namespace: dict[str, Any] = {"__slots__": (), "deserialize": deserialize}
+    # A class over its own base: `deserialize_numpy` there reads the plain form first.
+    namespace["deserialize_numpy"] = lambda self, payload, module: _read(self, msg_type, payload, module)
+    return type(f"Numpy_{msg_type._type.replace('/', '__')}", (msg_type,), namespace)
+
+
+def _read(message: Message, msg_type: type[Message], payload: bytes, numpy: Any) -> Message:
+    found = msg_type().deserialize_numpy(payload, numpy)
+    for name in message._field_names():
+        setattr(message, name, getattr(found, name))
+    return message

@@ -1,0 +1,263 @@
+"""rospy.Publisher: publishing from any thread, at the pace the graph takes it."""
+
+from __future__ import annotations
+
+import threading
+import warnings
+from collections.abc import Callable
+from typing import Any
+
+from rostether.errors import RostetherError
+from rostether.ros1.node.publication import Publisher as Ros1Publisher
+from rostether.ros1.node.subscriber_connection import SubscriberConnection
+from rostether.rospy.client.callback_thread import CallbackThread
+from rostether.rospy.client.exceptions import ROSException, ROSSerializationException
+from rostether.rospy.client.message import AnyMsg, Message, SerializationError, message_bytes
+from rostether.rospy.client.message_types import message_type_of
+from rostether.rospy.client.node import is_initialized, node
+from rostether.rospy.client.shutdown import is_shutdown
+from rostether.rospy.client.topic import Topic, topics
+from rostether.tcpros.message_framing import encode_messages
+
+MAX_WAITING_MESSAGES = 100
+MAX_WAITING_BYTES = 4 << 20
+"""What may wait for the loop's thread before a program that floods waits for it."""
+
+MAX_WAIT_S = 1.0
+"""How long it waits at most: a graph that is shutting down takes nothing any more."""
+
+MAX_PAUSE_S = 0.1
+"""How long a subscriber that is behind may hold a program up at a time."""
+
+
+class SubscribeListener:
+    """What a program derives to hear of a topic's subscribers."""
+
+    def peer_subscribe(
+        self,
+        topic_name: str,
+        topic_publish: Callable[..., object],
+        peer_publish: Callable[..., object],
+    ) -> None:
+        """Hear of a new subscriber; `peer_publish` publishes to it alone."""
+
+    def peer_unsubscribe(self, topic_name: str, num_peers: int) -> None:
+        """Hear that one has left, and how many remain."""
+
+
+class PublishedTopic:
+    """What all Publishers of one topic share."""
+
+    def __init__(self, name: str, data_class: type[Message]) -> None:
+        self.resolved_name = name
+        self.type = data_class._type
+        self.data_class = data_class
+        self.handle_count = 0
+        self.is_latch = False
+        self.listeners: list[SubscribeListener] = []
+        self._publisher: Ros1Publisher | None = None
+        self._sequence = 0
+        self._lock = threading.RLock()
+        self._waiting: list[bytes] = []
+        self._waiting_bytes = 0
+        self._is_behind = False
+        self._is_empty = threading.Condition()
+        self._listener_thread: CallbackThread[Callable[[], object]] | None = None
+        self._is_closed = False
+
+    def open(self) -> None:
+        """Advertise."""
+        if self._is_closed:
+            return
+        try:
+            self._publisher = node.call(self._advertise())
+        except RostetherError as error:
+            raise ROSException(f"cannot publish {self.resolved_name}: {error}") from None
+
+    def latch(self) -> None:
+        """Keep the last message for those who come later."""
+        self.is_latch = True
+        publisher = self._publisher
+        if publisher is not None:
+            node.loop.post(publisher.latch)
+
+    def close(self) -> None:
+        """Unadvertise."""
+        self._is_closed = True
+        node.forget(self.open)
+        if self._publisher is not None and not is_shutdown():
+            node.call(self._close())
+
+    @property
+    def connection_count(self) -> int:
+        """How many subscribers are connected."""
+        return 0 if self._publisher is None else self._publisher.subscriber_count
+
+    def has_connection(self, node_name: str) -> bool:
+        """Tell whether a node is among the subscribers."""
+        return node.loop.call(self._has_connection(node_name))
+
+    async def _has_connection(self, node_name: str) -> bool:
+        connections = [] if self._publisher is None else self._publisher.connections
+        return any(connection.record.peer == node_name for connection in connections)
+
+    def publish(self, message: Message, only: SubscriberConnection | None = None) -> None:
+        """Publish to all subscribers, or to one."""
+        if self._is_closed or self._publisher is None:
+            if not is_shutdown():
+                raise ROSException("publish() to a closed topic")
+            return
+        if not self.connection_count and not self.is_latch:
+            return
+        with self._lock:
+            self._sequence += 1
+            if message._has_header:
+                message.header.seq = self._sequence
+            payload = message_bytes(message)
+            if only is not None:
+                node.loop.post(only.send, encode_messages([payload]), 1)
+            else:
+                self._queue(payload)
+
+    def _queue(self, payload: bytes) -> None:
+        with self._is_empty:
+            if self._is_busy():
+                self._is_empty.wait_for(lambda: not self._is_busy() or is_shutdown(), MAX_WAIT_S)
+            self._waiting.append(payload)
+            self._waiting_bytes += len(payload)
+            if len(self._waiting) == 1:
+                node.loop.post(self._flush)
+
+    def _flush(self) -> None:
+        with self._is_empty:
+            payloads, self._waiting = self._waiting, []
+            self._waiting_bytes = 0
+            publisher = self._publisher
+            keeps_up = publisher is None or publisher.publish_raw(payloads)
+            if not keeps_up and not self._is_behind:
+                self._is_behind = True
+                node.loop.start(self._catch_up())
+            self._is_empty.notify_all()
+
+    def _is_busy(self) -> bool:
+        return (
+            self._is_behind
+            or len(self._waiting) >= MAX_WAITING_MESSAGES
+            or self._waiting_bytes >= MAX_WAITING_BYTES
+        )
+
+    async def _catch_up(self) -> None:
+        if self._publisher is not None:
+            await self._publisher.drained(MAX_PAUSE_S)
+        with self._is_empty:
+            self._is_behind = False
+            self._is_empty.notify_all()
+
+    async def _advertise(self) -> Ros1Publisher:
+        publisher = await node.graph.advertise(
+            self.resolved_name, message_type_of(self.data_class), latch=self.is_latch
+        )
+        publisher.watch_subscribers(self._note_subscriber)
+        return publisher
+
+    async def _close(self) -> None:
+        self._flush()
+        if self._publisher is not None:
+            await self._publisher.close()
+
+    def _note_subscriber(self, connection: SubscriberConnection, is_connected: bool) -> None:
+        if not self.listeners:
+            return
+        count = self.connection_count
+
+        def tell() -> None:
+            for listener in list(self.listeners):
+                if is_connected:
+                    listener.peer_subscribe(
+                        self.resolved_name, self.publish, lambda message: self.publish(message, connection)
+                    )
+                else:
+                    listener.peer_unsubscribe(self.resolved_name, count)
+
+        if self._listener_thread is None:
+            self._listener_thread = CallbackThread(f"rospy {self.resolved_name}", _run_contained)
+        self._listener_thread.put([tell])
+
+
+class Publisher(Topic):
+    """Publishes messages on a topic; may be made before init_node."""
+
+    def __init__(
+        self,
+        name: str,
+        data_class: type[Message],
+        subscriber_listener: SubscribeListener | None = None,
+        tcp_nodelay: bool = False,
+        latch: bool = False,
+        headers: dict[str, str] | None = None,
+        queue_size: int | None = None,
+    ) -> None:
+        super().__init__(name, data_class)
+        if queue_size is None:
+            warnings.warn(
+                "The publisher should be created with an explicit keyword argument 'queue_size'.",
+                SyntaxWarning,
+                stacklevel=2,
+            )
+        self.impl: PublishedTopic | None
+        self.impl, is_new = topics.acquire(topics.published, (self.name, data_class), PublishedTopic)
+        if subscriber_listener is not None:
+            self.impl.listeners.append(subscriber_listener)
+        if latch:
+            self.impl.latch()
+        if is_new:
+            node.when_joined(self.impl.open)
+
+    def publish(self, *args: Any, **kwds: Any) -> None:
+        """Publish a message, or one made of the arguments.
+
+        Raises ROSSerializationException when a value does not fit, ROSException before init_node.
+        """
+        if self.impl is None:
+            raise ROSException("publish() to an unregistered() handle")
+        if not is_initialized():
+            raise ROSException("ROS node has not been initialized yet. Please call init_node() first")
+        message = message_of(self.data_class, args, kwds)
+        try:
+            self.impl.publish(message)
+        except SerializationError as error:
+            raise ROSSerializationException(f"{error}") from None
+
+    def get_num_connections(self) -> int:
+        """Return how many subscribers are connected."""
+        return 0 if self.impl is None else self.impl.connection_count
+
+    def unregister(self) -> None:
+        """End publishing. Idempotent."""
+        impl, self.impl = self.impl, None
+        if impl is not None:
+            topics.release(topics.published, impl.resolved_name)
+
+
+def message_of(data_class: type[Message], args: tuple[Any, ...], kwds: dict[str, Any]) -> Message:
+    """Return the message that a call's arguments are or make. Raises TypeError."""
+    if args and kwds:
+        raise TypeError("publish() can be called with arguments or keywords, but not both.")
+    if len(args) == 1:
+        given = args[0]
+        if isinstance(given, Message):
+            if given._md5sum == data_class._md5sum or isinstance(given, AnyMsg):
+                return given
+            wanted = data_class._slot_types[0] if data_class._slot_types else "[]"
+            if given._type != wanted:
+                raise TypeError(f"expected [{wanted}] but got [{given._type}]")
+    return data_class(*args, **kwds)
+
+
+def _run_contained(function: Callable[[], object]) -> None:
+    try:
+        function()
+    except Exception:  # noqa: BLE001 - a listener's mistake ends nothing
+        import traceback
+
+        traceback.print_exc()

@@ -1,0 +1,194 @@
+"""rospy.Time and rospy.Duration, the clock they read, and waiting on it."""
+
+from __future__ import annotations
+
+import threading
+import time
+from typing import Any
+
+from rostether.rospy.client import stamps
+from rostether.rospy.client.exceptions import (
+    ROSInitException,
+    ROSInterruptException,
+    ROSTimeMovedBackwardsException,
+)
+from rostether.rospy.client.node import node
+from rostether.rospy.client.shutdown import is_shutdown, shutdown
+from rostether.rostime import NS_PER_S
+
+SIMULATED_POLL_S = 0.002
+"""How often simulated time is looked at: it comes a hundred times a second or so."""
+
+
+class Duration(stamps.Duration):
+    """A span of time."""
+
+    __slots__ = ()
+
+    @classmethod
+    def _shown_as(cls) -> str:
+        return "rospy.Duration"
+
+
+class Time(stamps.Time):
+    """A point in ROS time."""
+
+    __slots__ = ()
+
+    @staticmethod
+    def now() -> Time:
+        """Return ROS time: the clock's, or what /clock says. Raises ROSInitException before init_node."""
+        return get_rostime()
+
+    @classmethod
+    def from_seconds(cls, float_secs: float) -> Time:
+        """Make one of seconds; the older name of `from_sec`."""
+        return cls.from_sec(float_secs)
+
+    @classmethod
+    def _shown_as(cls) -> str:
+        return "rospy.Time"
+
+
+def is_wallclock() -> bool:
+    """Tell whether ROS time is the wall clock's."""
+    return not (node.is_initialized and node.graph.is_time_simulated)
+
+
+def get_rostime() -> Time:
+    """Return ROS time. Raises ROSInitException before init_node."""
+    if not node.is_initialized:
+        raise ROSInitException("time is not initialized. Have you called init_node()?")
+    if node.graph.is_time_simulated:
+        return Time(*node.graph.now())
+    return Time(*divmod(time.time_ns(), NS_PER_S))
+
+
+def get_time() -> float:
+    """Return ROS time in seconds."""
+    return get_rostime().to_sec()
+
+
+def simulated_time_s() -> float | None:
+    """Return ROS time in seconds where it is not the wall clock's."""
+    return None if is_wallclock() else get_time()
+
+
+def sleep(duration: Any) -> None:
+    """Sleep for seconds or a Duration of ROS time; a shutdown ends it.
+
+    In simulated time raises ROSTimeMovedBackwardsException, and ROSInterruptException at a shutdown.
+    """
+    seconds = duration.to_sec() if isinstance(duration, stamps.Duration) else float(duration)
+    if is_wallclock():
+        if seconds > 0:
+            shutdown.event.wait(seconds)
+        return
+    start = get_time()
+    while start == 0 and not shutdown.event.wait(SIMULATED_POLL_S):
+        start = get_time()  # there is no time before the first /clock
+    end = start + seconds
+    now = start
+    while now < end and not shutdown.event.wait(SIMULATED_POLL_S):
+        now = get_time()
+        if now < start:
+            raise ROSTimeMovedBackwardsException(start - now)
+    if is_shutdown():
+        raise ROSInterruptException("ROS shutdown request")
+
+
+def wallsleep(duration: float) -> None:
+    """Sleep for seconds of the wall clock; a shutdown ends it."""
+    if duration > 0:
+        shutdown.event.wait(duration)
+
+
+class Rate:
+    """Sleeps so that a loop runs `hz` times a second."""
+
+    def __init__(self, hz: float, reset: bool = False) -> None:
+        self.last_time = get_rostime()
+        self.sleep_dur = Duration(0, int(NS_PER_S / hz))
+        self._reset = reset
+
+    def remaining(self) -> Any:
+        """Return how long the next sleep will be."""
+        return self._remaining(get_rostime())
+
+    def sleep(self) -> None:
+        """Sleep until the next turn is due; a loop that is two turns late starts to count anew."""
+        now = get_rostime()
+        try:
+            sleep(self._remaining(now))
+        except ROSTimeMovedBackwardsException:
+            if not self._reset:
+                raise
+            self.last_time = get_rostime()
+            return
+        self.last_time = self.last_time + self.sleep_dur
+        if now - self.last_time > self.sleep_dur * 2:
+            self.last_time = now
+
+    def _remaining(self, now: Time) -> Any:
+        self.last_time = min(self.last_time, now)
+        return self.sleep_dur - (now - self.last_time)
+
+
+class TimerEvent:
+    """What a timer's callback gets: when this and the last call were due and happened."""
+
+    def __init__(
+        self,
+        last_expected: Time | None,
+        last_real: Time | None,
+        current_expected: Time,
+        current_real: Time,
+        last_duration: float | None,
+    ) -> None:
+        self.last_expected = last_expected
+        self.last_real = last_real
+        self.current_expected = current_expected
+        self.current_real = current_real
+        self.last_duration = last_duration
+
+
+class Timer(threading.Thread):
+    """Calls back with a TimerEvent every `period`, or once, in a thread of its own."""
+
+    def __init__(self, period: Any, callback: Any, oneshot: bool = False, reset: bool = False) -> None:
+        super().__init__(daemon=True)
+        self._period = period
+        self._callback = callback
+        self._oneshot = oneshot
+        self._reset = reset
+        self._is_shut_down = False
+        self.start()
+
+    def shutdown(self) -> None:
+        """Call back no more."""
+        self._is_shut_down = True
+
+    def run(self) -> None:
+        """Call back until it is enough."""
+        rate = Rate(1.0 / self._period.to_sec(), reset=self._reset)
+        expected = get_rostime() + self._period
+        last_expected: Time | None = None
+        last_real: Time | None = None
+        last_duration: float | None = None
+        while not is_shutdown() and not self._is_shut_down:
+            try:
+                rate.sleep()
+            except ROSInterruptException:
+                if is_shutdown():
+                    return
+                raise
+            if self._is_shut_down or is_shutdown():
+                return
+            real = get_rostime()
+            start_s = time.time()
+            self._callback(TimerEvent(last_expected, last_real, expected, real, last_duration))
+            if self._oneshot:
+                return
+            last_duration = time.time() - start_s
+            last_expected, last_real = expected, real
+            expected = expected + self._period

@@ -1,0 +1,192 @@
+"""rospy.Subscriber: callbacks in a thread for each publisher, one connection for all callbacks of a topic."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from rostether.errors import RostetherError
+from rostether.rospy.client.callback_thread import CallbackThread
+from rostether.rospy.client.exceptions import ROSException
+from rostether.rospy.client.logs import logerr
+from rostether.rospy.client.message import DeserializationError, Message, read_message
+from rostether.rospy.client.message_types import message_type_of
+from rostether.rospy.client.node import node
+from rostether.rospy.client.shutdown import is_shutdown
+from rostether.rospy.client.topic import Topic, topics
+
+DEFAULT_BUFF_SIZE = 65536
+
+
+class SubscribedTopic:
+    """What all Subscribers of one topic and class share."""
+
+    def __init__(self, name: str, data_class: type[Message]) -> None:
+        self.resolved_name = name
+        self.type = data_class._type
+        self.data_class = data_class
+        self.handle_count = 0
+        self.callbacks: list[tuple[Callable[..., object], Any]] = []
+        self.queue_size: int | None = None
+        self.tcp_nodelay = False
+        self._latched: dict[str, Message] = {}
+        self._threads: list[CallbackThread[tuple[bytes, Mapping[str, str]]]] = []
+        self._full = 0
+        self._subscriber: Any = None
+        self._is_closed = False
+        self._has_told = False
+
+    def open(self) -> None:
+        """Subscribe."""
+        if self._is_closed:
+            return
+        try:
+            self._subscriber = node.call(
+                node.graph.subscribe(
+                    self.resolved_name,
+                    message_type_of(self.data_class),
+                    _ignore,
+                    on_connection=self._take_connection,
+                    tcp_nodelay=self.tcp_nodelay,
+                )
+            )
+        except RostetherError as error:
+            raise ROSException(f"cannot subscribe to {self.resolved_name}: {error}") from None
+
+    def close(self) -> None:
+        """Unsubscribe."""
+        self._is_closed = True
+        node.forget(self.open)
+        for thread in self._threads:
+            thread.close()
+        self.callbacks = []
+        if self._subscriber is not None and not is_shutdown():
+            node.call(self._subscriber.close())
+
+    @property
+    def connection_count(self) -> int:
+        """How many publishers are connected."""
+        return 0 if self._subscriber is None else self._subscriber.publisher_count
+
+    def has_connection(self, node_name: str) -> bool:
+        """Tell whether a node is among the publishers."""
+        return node.loop.call(self._has_connection(node_name))
+
+    async def _has_connection(self, node_name: str) -> bool:
+        connections = [] if self._subscriber is None else self._subscriber.connections
+        return any(connection.node_name == node_name for connection in connections)
+
+    def add_callback(self, callback: Callable[..., object], arguments: Any) -> None:
+        """Call back with every message from now on, and with each latched one that is here already."""
+        self.callbacks = [*self.callbacks, (callback, arguments)]
+        for message in list(self._latched.values()):
+            _invoke(message, callback, arguments)
+
+    def remove_callback(self, callback: Callable[..., object], arguments: Any) -> None:
+        """End that. Raises KeyError."""
+        remaining = list(self.callbacks)
+        try:
+            remaining.remove((callback, arguments))
+        except ValueError:
+            raise KeyError("no matching cb") from None
+        self.callbacks = remaining
+
+    def _take_connection(self, fields: Mapping[str, str]) -> Callable[[Sequence[bytes]], None]:
+        header = dict(fields)
+        thread = CallbackThread(
+            f"rospy {self.resolved_name}", self._receive, limit=self.queue_size, on_full=self._note_full
+        )
+        self._threads = [*(each for each in self._threads if each.is_alive), thread]
+
+        def take(payloads: Sequence[bytes]) -> None:
+            thread.limit = self.queue_size
+            thread.put((payload, header) for payload in payloads)
+
+        return take
+
+    def _note_full(self, is_full: bool) -> None:
+        node.loop.post(self._pause_or_resume, 1 if is_full else -1)
+
+    def _pause_or_resume(self, change: int) -> None:
+        self._full += change
+        if self._subscriber is not None and not self._is_closed:
+            if self._full:
+                self._subscriber.pause()
+            else:
+                self._subscriber.resume()
+
+    def _receive(self, item: tuple[bytes, Mapping[str, str]]) -> None:
+        payload, header = item
+        try:
+            message: Any = read_message(self.data_class, payload)
+        except DeserializationError as error:
+            if not self._has_told:
+                self._has_told = True
+                logerr("cannot deserialize a message of %s: %s", self.resolved_name, error)
+            return
+        message._connection_header = header
+        if header.get("latching") == "1":
+            self._latched[header.get("callerid", "")] = message
+        for callback, arguments in self.callbacks:
+            _invoke(message, callback, arguments)
+
+
+class Subscriber(Topic):
+    """Calls a function with each message of a topic."""
+
+    def __init__(
+        self,
+        name: str,
+        data_class: type[Message],
+        callback: Callable[..., object] | None = None,
+        callback_args: Any = None,
+        queue_size: int | None = None,
+        buff_size: int = DEFAULT_BUFF_SIZE,
+        tcp_nodelay: bool = False,
+    ) -> None:
+        super().__init__(name, data_class)
+        if queue_size == 0:
+            raise ROSException("queue size may not be set to zero")
+        if queue_size is not None and type(queue_size) is not int:
+            raise ROSException("queue size must be an integer")
+        if type(buff_size) is not int or buff_size <= 0:
+            raise ROSException("buffer size must be a positive integer")
+        self.callback = callback
+        self.callback_args = callback_args
+        self.impl: SubscribedTopic | None
+        self.impl, is_new = topics.acquire(topics.subscribed, (self.name, data_class), SubscribedTopic)
+        if queue_size is not None:
+            self.impl.queue_size = None if queue_size == -1 else queue_size
+        self.impl.tcp_nodelay = self.impl.tcp_nodelay or tcp_nodelay
+        if callback is not None:
+            self.impl.add_callback(callback, callback_args)
+        if is_new:
+            node.when_joined(self.impl.open)
+
+    def get_num_connections(self) -> int:
+        """Return how many publishers are connected."""
+        return 0 if self.impl is None else self.impl.connection_count
+
+    def unregister(self) -> None:
+        """End the subscription. Idempotent."""
+        impl, self.impl = self.impl, None
+        if impl is not None:
+            if self.callback is not None:
+                impl.remove_callback(self.callback, self.callback_args)
+            topics.release(topics.subscribed, (impl.resolved_name, impl.data_class))
+
+
+def _invoke(message: Message, callback: Callable[..., object], arguments: Any) -> None:
+    try:
+        if arguments is None:
+            callback(message)
+        else:
+            callback(message, arguments)
+    except Exception:  # noqa: BLE001 - a program's mistake must not end its subscription
+        if not is_shutdown():
+            logerr("bad callback: %s\n%s", callback, traceback.format_exc())
+
+
+def _ignore(_: Sequence[bytes]) -> None:
+    """Take messages of no connection; there are none."""

@@ -1,0 +1,150 @@
+"""`import mearm_model.msg` from a package's .msg files, and a package's own Python from its `src` folder.
+
+Installed only where no real rospy is: so a `std_msgs.msg` that Python finds by itself is ROS 2's, whose
+messages rospy's programs cannot use, and the definitions win over it.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import sys
+from collections.abc import Callable, Sequence
+from importlib.abc import Loader, MetaPathFinder
+from importlib.machinery import ModuleSpec
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from rostether.errors import RostetherError
+
+_KINDS = ("msg", "srv")
+
+MODULES_FOLDER = Path(__file__).with_name("modules")
+
+# ROS 2's package of that name, which Python finds first where it is on the path, has no such module.
+_BESIDE_MESSAGES = frozenset({"sensor_msgs.point_cloud2"})
+
+
+def install() -> None:
+    """Make definitions and packages importable in this process. Idempotent."""
+    if not any(isinstance(finder, DefinitionFinder) for finder in sys.meta_path):
+        # Before Python's own: a folder `msg` full of definitions would pass as an empty package, and ROS 2's
+        # messages for ours.
+        sys.meta_path.insert(0, DefinitionFinder())
+        sys.meta_path.append(PackageFinder())
+
+
+class DefinitionFinder(MetaPathFinder):
+    """Finds `package.msg`, `package.srv`, and `package.msg._Name` as genpy has it."""
+
+    def find_spec(
+        self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        """Return a spec for a module of definitions that we know."""
+        if fullname in _BESIDE_MESSAGES:
+            return importlib.util.spec_from_file_location(
+                fullname, MODULES_FOLDER.joinpath(*fullname.split(".")).with_suffix(".py")
+            )
+        package, _, rest = fullname.partition(".")
+        kind, _, single = rest.partition(".")
+        if kind not in _KINDS or (single and not single.startswith("_")):
+            return None
+        from rostether.rospy.client.message_types import all_types
+
+        types = all_types()
+        names = (types.registry.messages if kind == "msg" else types.registry.services)(package)
+        if not names:
+            return None
+        loader = _DefinitionLoader(package, kind, [name.partition("/")[2] for name in names])
+        return ModuleSpec(fullname, loader, is_package=not single)
+
+
+class PackageFinder(MetaPathFinder):
+    """Finds the package itself: its Python in `src` as catkin's setup.py has it, else an empty package."""
+
+    def __init__(self) -> None:
+        self._folders: dict[str, Path] | None = None
+
+    def find_spec(
+        self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        """Return a spec for a package that Python itself does not find."""
+        if "." in fullname:
+            return None
+        from rostether.rospy.client.message_types import all_types
+
+        if self._folders is None:
+            self._folders = package_folders()
+        own = self._folders.get(fullname)
+        for folder in (own, *self._folders.values()):
+            if folder is not None and (spec := _python_of(folder, fullname)):
+                return spec
+        if fullname in all_types().packages:
+            return ModuleSpec(fullname, _EmptyLoader(), is_package=True)
+        return None
+
+
+def package_folders() -> dict[str, Path]:
+    """Map packages to their folders: those of ROS_PACKAGE_PATH, and what this process' starter found."""
+    from rostether.packages.search_path import find_packages, ros_package_path
+    from rostether.rospy.environment import PACKAGES_VARIABLE
+
+    found = [Path(part) for part in os.environ.get(PACKAGES_VARIABLE, "").split(os.pathsep) if part]
+    return find_packages([*ros_package_path(os.environ), *found])
+
+
+class _EmptyLoader(Loader):
+    def exec_module(self, module: ModuleType) -> None:
+        pass
+
+
+class _DefinitionLoader(Loader):
+    def __init__(self, package: str, kind: str, names: list[str]) -> None:
+        self._package = package
+        self._kind = kind
+        self._names = names
+
+    def exec_module(self, module: ModuleType) -> None:
+        public = [*self._names]
+        if self._kind == "srv":
+            public += [f"{name}{half}" for name in self._names for half in ("Request", "Response")]
+        space: dict[str, Any] = vars(module)
+        space["__all__"] = sorted(public)
+        space["__dir__"] = lambda: sorted({*space, *public})
+        space["__getattr__"] = self._attribute(module, frozenset(public))
+
+    def _attribute(self, module: ModuleType, public: frozenset[str]) -> Callable[[str], Any]:
+        from rostether.rospy.client.message_types import all_types
+
+        def attribute(name: str) -> Any:
+            if name not in public:
+                raise AttributeError(
+                    f"module {module.__name__!r} has no {name!r}: no such .{self._kind} file in package "
+                    f"{self._package}"
+                )
+            types = all_types()
+            make: Callable[[str], Any] = (
+                types.service_class if name in self._names and self._kind == "srv" else types.message_class
+            )
+            try:
+                made = make(f"{self._package}/{name}")
+            except RostetherError as error:
+                raise ImportError(f"{error}", name=module.__name__) from None
+            setattr(module, name, made)
+            return made
+
+        return attribute
+
+
+def _python_of(folder: Path, name: str) -> ModuleSpec | None:
+    """Return the spec of a package or module in a ROS package's `src`."""
+    init = folder / "src" / name / "__init__.py"
+    if init.is_file():
+        return importlib.util.spec_from_file_location(
+            name, init, submodule_search_locations=[str(init.parent)]
+        )
+    module = folder / "src" / f"{name}.py"
+    if module.is_file() and (folder / "setup.py").is_file():
+        return importlib.util.spec_from_file_location(name, module)
+    return None

@@ -1,0 +1,17 @@
+"""genpy, as far as programs use it: message values, their base class and their errors."""
+
+# ruff: noqa: F401
+import struct as _struct
+
+from rostether.rospy.client.message import (
+    DeserializationError,
+    Message,
+    MessageException,
+    SerializationError,
+    strify_message,
+)
+from rostether.rospy.client.stamps import Duration, Time, TVal
+
+from . import dynamic, message, rostime
+
+struct_I = _struct.Struct("<I")  # noqa: N816

@@ -1,0 +1,10 @@
+"""rosbag: bags read and written by scripts."""
+
+# ruff: noqa: F401
+from rostether.rospy.bag.bag import Bag
+from rostether.rospy.bag.exceptions import (
+    ROSBagException,
+    ROSBagFormatException,
+    ROSBagUnindexedException,
+)
+from rostether.rospy.bag.facts import Compression

@@ -1,0 +1,15 @@
+"""rosgraph: the master's API, and names."""
+
+# ruff: noqa: F401
+from rostether.rospy.tools.graph_names import myargv
+from rostether.rospy.tools.master_tools import (
+    Master,
+    MasterError,
+    MasterException,
+    MasterFailure,
+    get_master_uri,
+    is_master_online,
+)
+
+from . import masterapi, names, network, rosenv
+from .rosenv import ROS_HOSTNAME, ROS_IP, ROS_IPV6, ROS_MASTER_URI, ROS_NAMESPACE

@@ -1,0 +1,17 @@
+"""rosparam: parameters of YAML files."""
+
+# ruff: noqa: F401
+from rostether.rospy.client.parameters import get_master as get_param_server
+from rostether.rospy.tools.master_tools import (
+    RosParamException,
+    RosParamIOException,
+    delete_param,
+    dump_params,
+    get_param,
+    list_params,
+    load_file,
+    load_str,
+    set_param,
+    set_param_raw,
+    upload_params,
+)

@@ -1,0 +1,19 @@
+"""rospkg: where packages are, and what is in them."""
+
+# ruff: noqa: F401
+from rostether.rospy.tools.ros_packages import (
+    Depend,
+    InvalidManifest,
+    Manifest,
+    ResourceNotFound,
+    RosPack,
+    get_log_dir,
+    get_package_name,
+    get_ros_home,
+    get_ros_package_path,
+    get_ros_paths,
+    get_ros_root,
+    get_test_results_dir,
+)
+
+from . import common, environment, rospack

@@ -1,0 +1,4 @@
+"""rospy.timer."""
+
+# ruff: noqa: F401
+from rostether.rospy.client.ros_time import Rate, Timer, TimerEvent, sleep

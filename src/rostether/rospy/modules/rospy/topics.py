@@ -1,0 +1,6 @@
+"""rospy.topics."""
+
+# ruff: noqa: F401
+from rostether.rospy.client.message import Message
+from rostether.rospy.client.publisher import Publisher, SubscribeListener
+from rostether.rospy.client.subscriber import Subscriber

@@ -1,0 +1,17 @@
+"""The first tf, on rostether's tf buffer."""
+
+# ruff: noqa: F401, A004
+from rostether.rospy.tf.buffer import (
+    ConnectivityException,
+    ExtrapolationException,
+    LookupException,
+)
+from rostether.rospy.tf.buffer import TransformException as Exception
+from rostether.rospy.tf.transformer import (
+    TransformBroadcaster,
+    Transformer,
+    TransformerROS,
+    TransformListener,
+)
+
+from . import transformations

@@ -1,0 +1,12 @@
+"""tf2_geometry_msgs: importing it lets buffers transform stamped geometry."""
+
+# ruff: noqa: F401
+from rostether.rospy.tf.geometry import (
+    do_transform_point,
+    do_transform_pose,
+    do_transform_vector3,
+    do_transform_wrench,
+    register,
+)
+
+register()

@@ -1,0 +1,11 @@
+"""tf2_py: the exceptions of tf2."""
+
+# ruff: noqa: F401
+from rostether.rospy.tf.buffer import (
+    ConnectivityException,
+    ExtrapolationException,
+    InvalidArgumentException,
+    LookupException,
+    TimeoutException,
+    TransformException,
+)

@@ -1,0 +1,36 @@
+"""Python reads this at start, where `run` and `launch` have put its folder on PYTHONPATH.
+
+It puts the folder with our `rospy` at the very end of the path, and nothing at all where a real rospy is
+installed. A sitecustomize of the system's or the user's is run as well.
+"""
+
+import importlib.machinery
+import importlib.util
+import os
+import sys
+
+
+def _run_other_sitecustomize(here: str) -> None:
+    others = [entry for entry in sys.path if os.path.abspath(entry) != here]  # noqa: PTH100
+    spec = importlib.machinery.PathFinder.find_spec("sitecustomize", others)
+    if spec is not None and spec.loader is not None:
+        spec.loader.exec_module(importlib.util.module_from_spec(spec))
+
+
+def _add_rospy(here: str) -> None:
+    if sys.version_info < (3, 11) or importlib.util.find_spec("rospy") is not None:
+        return
+    facade = os.path.dirname(here)  # noqa: PTH120
+    for folder in os.environ.get("ROSTETHER_IMPORT_PATH", "").split(os.pathsep):
+        # A script for another Python than ours: it finds us, and what we need, after all of its own.
+        if folder and folder not in sys.path:
+            sys.path.append(folder)
+    sys.path.append(os.path.join(facade, "modules"))  # noqa: PTH118
+    from rostether.rospy.import_hook import install
+
+    install()
+
+
+_here = os.path.dirname(os.path.abspath(__file__))  # noqa: PTH100, PTH120
+_run_other_sitecustomize(_here)
+_add_rospy(_here)

@@ -1,0 +1,315 @@
+"""tf2_ros.Buffer: our tf buffer with ROS messages and times, safe to use from any thread."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from copy import deepcopy
+from typing import Any, ClassVar
+
+from rostether.errors import (
+    ExtrapolationError,
+    TransformError,
+    UnconnectedFramesError,
+    UnknownFrameError,
+)
+from rostether.robot.tf_buffer import TransformBuffer
+from rostether.robot.tf_cache import DEFAULT_CACHE_NS
+from rostether.robot.transform import StampedTransform, Transform
+from rostether.rospy.client.message_types import all_types
+from rostether.rospy.client.ros_time import Duration, Time, get_rostime, sleep
+
+POLLING_SCALE = 0.01
+"""Which part of a timeout passes between two looks, as in tf2_ros."""
+
+_NO_TIME = Duration(0)
+
+
+class TransformException(Exception):  # noqa: N818 - the names are tf2's
+    """Root of what a lookup raises."""
+
+
+class ConnectivityException(TransformException):
+    """The two frames are in different trees."""
+
+
+class LookupException(TransformException):
+    """A frame that nobody has told of, or a loop."""
+
+
+class ExtrapolationException(TransformException):
+    """The moment is before or after what is known."""
+
+
+class InvalidArgumentException(TransformException):
+    """A frame's name or a quaternion that makes no sense."""
+
+
+class TimeoutException(TransformException):
+    """An answer came too late."""
+
+
+class TypeException(Exception):  # noqa: N818
+    """A type that nobody has said how to transform."""
+
+    def __init__(self, errstr: str) -> None:
+        super().__init__(errstr)
+        self.errstr = errstr
+
+
+class NotImplementedException(Exception):  # noqa: N818
+    """A buffer that cannot look up."""
+
+
+class TransformRegistration:
+    """How to transform stamped messages, by their class; shared by all buffers."""
+
+    _by_class: ClassVar[dict[Any, Callable[[Any, Any], Any]]] = {}
+
+    def add(self, key: Any, callback: Callable[[Any, Any], Any]) -> None:
+        """Say how to transform messages of a class."""
+        self._by_class[key] = callback
+
+    def get(self, key: Any) -> Callable[[Any, Any], Any]:
+        """Return how. Raises TypeException."""
+        if key not in self._by_class:
+            raise TypeException(f"Type {key} if not loaded or supported")
+        return self._by_class[key]
+
+
+class BufferInterface:
+    """What transforms messages by looking up transforms."""
+
+    def __init__(self) -> None:
+        self.registration = TransformRegistration()
+
+    def transform(
+        self, object_stamped: Any, target_frame: str, timeout: Any = _NO_TIME, new_type: Any = None
+    ) -> Any:
+        """Return a stamped message in another frame. Import tf2_geometry_msgs for its types."""
+        header = object_stamped.header
+        found = self.lookup_transform(target_frame, header.frame_id, header.stamp, timeout)
+        return _as_type(self.registration.get(type(object_stamped))(object_stamped, found), new_type)
+
+    def transform_full(
+        self,
+        object_stamped: Any,
+        target_frame: str,
+        target_time: Any,
+        fixed_frame: str,
+        timeout: Any = _NO_TIME,
+        new_type: Any = None,
+    ) -> Any:
+        """Return a stamped message in another frame at another time."""
+        header = object_stamped.header
+        found = self.lookup_transform_full(
+            target_frame, target_time, header.frame_id, header.stamp, fixed_frame, timeout
+        )
+        return _as_type(self.registration.get(type(object_stamped))(object_stamped, found), new_type)
+
+    def lookup_transform(
+        self, target_frame: str, source_frame: str, time: Any, timeout: Any = _NO_TIME
+    ) -> Any:
+        """Return where the source stands in the target."""
+        raise NotImplementedException
+
+    def lookup_transform_full(
+        self,
+        target_frame: str,
+        target_time: Any,
+        source_frame: str,
+        source_time: Any,
+        fixed_frame: str,
+        timeout: Any = _NO_TIME,
+    ) -> Any:
+        """Return where the source stood at one time in the target at another."""
+        raise NotImplementedException
+
+
+class Buffer(BufferInterface):
+    """Keeps the transforms of the last ten seconds, or of `cache_time`."""
+
+    def __init__(self, cache_time: Any = None, debug: bool = True) -> None:
+        super().__init__()
+        cache_ns = DEFAULT_CACHE_NS if cache_time is None else cache_time.to_nsec()
+        self._buffer = TransformBuffer(cache_ns)
+        self._lock = threading.RLock()
+
+    def set_transform(self, transform: Any, authority: str = "default_authority") -> None:
+        """Remember a TransformStamped."""
+        self._set(transform, authority, is_static=False)
+
+    def set_transform_static(self, transform: Any, authority: str = "default_authority") -> None:
+        """Remember a TransformStamped that holds for all times."""
+        self._set(transform, authority, is_static=True)
+
+    def lookup_transform(
+        self, target_frame: str, source_frame: str, time: Any, timeout: Any = _NO_TIME
+    ) -> Any:
+        """Return a TransformStamped, waiting for it at most `timeout`.
+
+        Raises LookupException, ConnectivityException, ExtrapolationException, InvalidArgumentException.
+        """
+        self.can_transform(target_frame, source_frame, time, timeout)
+        return self.lookup_transform_core(target_frame, source_frame, time)
+
+    def lookup_transform_core(self, target_frame: str, source_frame: str, time: Any) -> Any:
+        """Return what `lookup_transform` does, without waiting."""
+        with self._lock, _tf2_errors():
+            return _to_message(self._buffer.lookup(target_frame, source_frame, time.to_nsec()))
+
+    def lookup_transform_full(
+        self,
+        target_frame: str,
+        target_time: Any,
+        source_frame: str,
+        source_time: Any,
+        fixed_frame: str,
+        timeout: Any = _NO_TIME,
+    ) -> Any:
+        """Return where the source stood at one time in the target at another."""
+        route = (target_frame, target_time, source_frame, source_time, fixed_frame)
+        self.can_transform_full(*route, timeout)
+        return self.lookup_transform_full_core(*route)
+
+    def lookup_transform_full_core(
+        self, target_frame: str, target_time: Any, source_frame: str, source_time: Any, fixed_frame: str
+    ) -> Any:
+        """Return what `lookup_transform_full` does, without waiting."""
+        with self._lock, _tf2_errors():
+            return _to_message(
+                self._buffer.lookup_through(
+                    target_frame, target_time.to_nsec(), source_frame, source_time.to_nsec(), fixed_frame
+                )
+            )
+
+    def can_transform(
+        self,
+        target_frame: str,
+        source_frame: str,
+        time: Any,
+        timeout: Any = _NO_TIME,
+        return_debug_tuple: bool = False,
+    ) -> Any:
+        """Tell whether a lookup would succeed within `timeout`; as a pair with the reason if it would not."""
+        result = _wait(lambda: self.can_transform_core(target_frame, source_frame, time), timeout)
+        return result if return_debug_tuple else result[0]
+
+    def can_transform_core(self, target_frame: str, source_frame: str, time: Any) -> tuple[bool, str]:
+        """Tell whether a lookup would succeed now, and why not."""
+        with self._lock:
+            reason = self._buffer.why_not(target_frame, source_frame, time.to_nsec())
+        return not reason, reason
+
+    def can_transform_full(
+        self,
+        target_frame: str,
+        target_time: Any,
+        source_frame: str,
+        source_time: Any,
+        fixed_frame: str,
+        timeout: Any = _NO_TIME,
+        return_debug_tuple: bool = False,
+    ) -> Any:
+        """Tell whether a lookup over time would succeed within `timeout`."""
+        route = (target_frame, target_time, source_frame, source_time, fixed_frame)
+        result = _wait(lambda: self._can_look_up_full(*route), timeout)
+        return result if return_debug_tuple else result[0]
+
+    def get_latest_common_time(self, target_frame: str, source_frame: str) -> Time:
+        """Return the latest time at which a lookup succeeds; zero where everything is static."""
+        with self._lock, _tf2_errors():
+            return Time(0, self._buffer.latest_common_time_ns(target_frame, source_frame))
+
+    def all_frames_as_string(self) -> str:
+        """Return a line for each frame that has a parent."""
+        with self._lock:
+            return "".join(
+                f"Frame {frame} exists with parent {cache.latest.parent}.\n"
+                for frame in self._buffer.children
+                if (cache := self._buffer.cache_of(frame)) is not None
+            )
+
+    def all_frames_as_yaml(self) -> str:
+        """Return the frames that have a parent, with it, as YAML."""
+        import yaml
+
+        with self._lock:
+            frames = {
+                frame: {"parent": cache.latest.parent, "most_recent_transform": cache.latest_ns / 1e9}
+                for frame in self._buffer.children
+                if (cache := self._buffer.cache_of(frame)) is not None
+            }
+        return str(yaml.safe_dump(frames)) if frames else "[]"
+
+    def frame_names(self) -> list[str]:
+        """Return the names of the frames that have a parent."""
+        with self._lock:
+            return self._buffer.children
+
+    def clear(self) -> None:
+        """Forget all transforms."""
+        with self._lock:
+            self._buffer.clear()
+
+    def _can_look_up_full(self, *route: Any) -> tuple[bool, str]:
+        try:
+            self.lookup_transform_full_core(*route)
+        except TransformException as error:
+            return False, str(error)
+        return True, ""
+
+    def _set(self, transform: Any, authority: str, *, is_static: bool) -> None:
+        place, turn = transform.transform.translation, transform.transform.rotation
+        stamped = StampedTransform(
+            transform.header.frame_id,
+            transform.child_frame_id,
+            transform.header.stamp.to_nsec(),
+            Transform((place.x, place.y, place.z), (turn.x, turn.y, turn.z, turn.w)),
+        )
+        with self._lock:
+            self._buffer.set_transform(stamped, authority=authority, is_static=is_static)
+
+
+@contextmanager
+def _tf2_errors() -> Iterator[None]:
+    try:
+        yield
+    except UnknownFrameError as error:
+        raise LookupException(f"{error}") from None
+    except UnconnectedFramesError as error:
+        raise ConnectivityException(f"{error}") from None
+    except ExtrapolationError as error:
+        raise ExtrapolationException(f"{error}") from None
+    except TransformError as error:
+        raise InvalidArgumentException(f"{error}") from None
+
+
+def _wait(can: Callable[[], tuple[bool, str]], timeout: Any) -> tuple[bool, str]:
+    result = can()
+    if not result[0] and timeout.to_nsec() > 0:
+        start = get_rostime()
+        # A large jump back in time is a bag that starts over.
+        while not result[0] and start - Duration(3) <= get_rostime() < start + timeout:
+            sleep(timeout * POLLING_SCALE)
+            result = can()
+    return result
+
+
+def _to_message(stamped: StampedTransform) -> Any:
+    types = all_types()
+    message: Any = types.message_class("geometry_msgs/TransformStamped")()
+    message.header.frame_id = stamped.parent
+    message.header.stamp = Time(0, stamped.stamp_ns)
+    message.child_frame_id = stamped.child
+    place, turn = message.transform.translation, message.transform.rotation
+    place.x, place.y, place.z = stamped.transform.translation
+    turn.x, turn.y, turn.z, turn.w = stamped.transform.rotation
+    return message
+
+
+def _as_type(message: Any, new_type: Any) -> Any:
+    if new_type is None or isinstance(message, new_type):
+        return message if new_type is None else deepcopy(message)
+    raise TypeException(f"Type {new_type} if not loaded or supported")

@@ -1,0 +1,214 @@
+"""The first tf's listener and broadcaster, over tf2's as in every ROS since Hydro."""
+
+# ruff: noqa: N802 - the names are tf's
+
+from __future__ import annotations
+
+from typing import Any
+
+from rostether.rospy.client.message_types import all_types
+from rostether.rospy.tf import endpoints as tf2_ros
+from rostether.rospy.tf import geometry as tf_geometry
+from rostether.rospy.tf import rotations as tf_rotations
+from rostether.rospy.tf.buffer import Buffer, TransformException
+
+
+class Transformer:
+    """Looks transforms up as lists of numbers; names may begin with a slash."""
+
+    def __init__(self, interpolate: bool = True, cache_time: Any = None) -> None:
+        self._buffer = Buffer(cache_time, debug=False)
+        self._using_dedicated_thread = False
+
+    def setTransform(self, transform: Any, authority: str = "default_authority") -> None:
+        """Remember a TransformStamped."""
+        self._buffer.set_transform(transform, authority)
+
+    def canTransform(self, target_frame: str, source_frame: str, time: Any) -> bool:
+        """Tell whether a lookup would succeed."""
+        return bool(self._buffer.can_transform(_bare(target_frame), _bare(source_frame), time))
+
+    def canTransformFull(
+        self, target_frame: str, target_time: Any, source_frame: str, source_time: Any, fixed_frame: str
+    ) -> bool:
+        """Tell whether a lookup over time would succeed."""
+        route = (_bare(target_frame), target_time, _bare(source_frame), source_time, _bare(fixed_frame))
+        return bool(self._buffer.can_transform_full(*route))
+
+    def waitForTransform(
+        self,
+        target_frame: str,
+        source_frame: str,
+        time: Any,
+        timeout: Any,
+        polling_sleep_duration: Any = None,
+    ) -> None:
+        """Wait until a lookup would succeed. Raises tf.Exception after the time."""
+        self._require_listening()
+        can, reason = self._buffer.can_transform(
+            _bare(target_frame), _bare(source_frame), time, timeout, return_debug_tuple=True
+        )
+        if not can:
+            raise TransformException(reason)
+
+    def waitForTransformFull(
+        self,
+        target_frame: str,
+        target_time: Any,
+        source_frame: str,
+        source_time: Any,
+        fixed_frame: str,
+        timeout: Any,
+        polling_sleep_duration: Any = None,
+    ) -> None:
+        """Wait until a lookup over time would succeed. Raises tf.Exception after the time."""
+        self._require_listening()
+        route = (_bare(target_frame), target_time, _bare(source_frame), source_time, _bare(fixed_frame))
+        can, reason = self._buffer.can_transform_full(*route, timeout, return_debug_tuple=True)
+        if not can:
+            raise TransformException(reason)
+
+    def lookupTransform(
+        self, target_frame: str, source_frame: str, time: Any
+    ) -> tuple[list[float], list[float]]:
+        """Return where the source stands in the target: a translation and a quaternion."""
+        found = self._buffer.lookup_transform(_bare(target_frame), _bare(source_frame), time)
+        return _lists(found)
+
+    def lookupTransformFull(
+        self, target_frame: str, target_time: Any, source_frame: str, source_time: Any, fixed_frame: str
+    ) -> tuple[list[float], list[float]]:
+        """Return where the source stood at one time in the target at another."""
+        route = (_bare(target_frame), target_time, _bare(source_frame), source_time, _bare(fixed_frame))
+        return _lists(self._buffer.lookup_transform_full(*route))
+
+    def getLatestCommonTime(self, source_frame: str, dest_frame: str) -> Any:
+        """Return the latest time at which a lookup succeeds."""
+        return self._buffer.get_latest_common_time(_bare(source_frame), _bare(dest_frame))
+
+    def frameExists(self, frame_id: str) -> bool:
+        """Tell whether a frame has a parent."""
+        return frame_id in self.getFrameStrings()
+
+    def getFrameStrings(self) -> list[str]:
+        """Return the names of the frames."""
+        return self._buffer.frame_names()
+
+    def allFramesAsString(self) -> str:
+        """Return a line for each frame that has a parent."""
+        return self._buffer.all_frames_as_string()
+
+    def clear(self) -> None:
+        """Forget all transforms."""
+        self._buffer.clear()
+
+    def setUsingDedicatedThread(self, value: bool) -> None:
+        """Say whether somebody fills the buffer meanwhile."""
+        self._using_dedicated_thread = value
+
+    def getTFPrefix(self) -> str:
+        """Return the prefix of frames: there is none since tf2."""
+        return ""
+
+    def _require_listening(self) -> None:
+        if not self._using_dedicated_thread:
+            raise TransformException(
+                "cannot wait for transform without a dedicated thread that listens to incoming TF messages"
+            )
+
+
+class TransformerROS(Transformer):
+    """Transforms stamped messages as well."""
+
+    def asMatrix(self, target_frame: str, hdr: Any) -> Any:
+        """Return the transform from a header's frame as a matrix."""
+        return self.fromTranslationRotation(*self.lookupTransform(target_frame, hdr.frame_id, hdr.stamp))
+
+    def fromTranslationRotation(self, translation: Any, rotation: Any) -> Any:
+        """Return a 4x4 matrix."""
+        return tf_rotations.concatenate_matrices(
+            tf_rotations.translation_matrix(translation), tf_rotations.quaternion_matrix(rotation)
+        )
+
+    def transformPoint(self, target_frame: str, ps: Any) -> Any:
+        """Return a PointStamped in another frame."""
+        return self._moved(tf_geometry.do_transform_point, target_frame, ps)
+
+    def transformVector3(self, target_frame: str, v3s: Any) -> Any:
+        """Return a Vector3Stamped in another frame."""
+        return self._moved(tf_geometry.do_transform_vector3, target_frame, v3s)
+
+    def transformQuaternion(self, target_frame: str, ps: Any) -> Any:
+        """Return a QuaternionStamped in another frame."""
+        return self._moved(tf_geometry.do_transform_quaternion, target_frame, ps)
+
+    def transformPose(self, target_frame: str, ps: Any) -> Any:
+        """Return a PoseStamped in another frame."""
+        return self._moved(tf_geometry.do_transform_pose, target_frame, ps)
+
+    def transformPointCloud(self, target_frame: str, point_cloud: Any) -> Any:
+        """Return a PointCloud in another frame."""
+        header = point_cloud.header
+        found = self._buffer.lookup_transform(_bare(target_frame), _bare(header.frame_id), header.stamp)
+        transform = tf_geometry.transform_of(found)
+        moved: Any = type(point_cloud)()
+        moved.header.stamp = header.stamp
+        moved.header.frame_id = target_frame
+        moved.channels = point_cloud.channels
+        point_class: Any = all_types().message_class("geometry_msgs/Point32")
+        moved.points = [
+            point_class(*transform.apply((point.x, point.y, point.z))) for point in point_cloud.points
+        ]
+        return moved
+
+    def _moved(self, function: Any, target_frame: str, message: Any) -> Any:
+        header = message.header
+        found = self._buffer.lookup_transform(_bare(target_frame), _bare(header.frame_id), header.stamp)
+        moved = function(message, found)
+        moved.header.stamp = header.stamp
+        moved.header.frame_id = target_frame
+        return moved
+
+
+class TransformListener(TransformerROS):
+    """A transformer that listens to /tf and /tf_static."""
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+        self._listener = tf2_ros.TransformListener(self._buffer)
+        self.setUsingDedicatedThread(True)
+
+    def unregister(self) -> None:
+        """Listen no more."""
+        self._listener.unregister()
+
+
+class TransformBroadcaster:
+    """Publishes transforms given as numbers."""
+
+    def __init__(self, queue_size: int = tf2_ros.QUEUE_SIZE) -> None:
+        self.tf2_broadcaster = tf2_ros.TransformBroadcaster()
+
+    def sendTransform(self, translation: Any, rotation: Any, time: Any, child: str, parent: str) -> None:
+        """Publish where the frame `child` stands in `parent`."""
+        message: Any = all_types().message_class("geometry_msgs/TransformStamped")()
+        message.header.frame_id = parent
+        message.header.stamp = time
+        message.child_frame_id = child
+        place, turn = message.transform.translation, message.transform.rotation
+        place.x, place.y, place.z = translation
+        turn.x, turn.y, turn.z, turn.w = rotation
+        self.sendTransformMessage(message)
+
+    def sendTransformMessage(self, transform: Any) -> None:
+        """Publish a TransformStamped."""
+        self.tf2_broadcaster.sendTransform([transform])
+
+
+def _bare(frame: str) -> str:
+    return frame.removeprefix("/")
+
+
+def _lists(message: Any) -> tuple[list[float], list[float]]:
+    transform = tf_geometry.transform_of(message)
+    return list(transform.translation), list(transform.rotation)

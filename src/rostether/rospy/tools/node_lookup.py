@@ -1,0 +1,168 @@
+"""rosnode, as programs use it: which nodes there are, whether they answer, and ending them."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Iterable
+from typing import Any
+
+from rostether.errors import ConfigError, RostetherError
+from rostether.ros1.environment import parse_rpc_uri
+from rostether.ros1.xmlrpc_client import XmlRpcClient
+from rostether.rospy.client.node import node
+from rostether.rospy.tools.graph_names import make_global_ns
+from rostether.rospy.tools.master_tools import Master, MasterError, MasterException
+
+PING_TIMEOUT_S = 3.0
+PING_INTERVAL_S = 1.0
+_OWN_NAME = "/rosnode"
+
+
+class ROSNodeException(Exception):  # noqa: N818 - the names are rosnode's
+    """Root of rosnode's errors."""
+
+
+class ROSNodeIOException(ROSNodeException):
+    """The master does not answer."""
+
+
+def get_node_names(namespace: str | None = None) -> list[str]:
+    """Return the names of all nodes, or of those in a namespace, in no order. Raises ROSNodeIOException."""
+    found = {name for table in _state() for _, nodes in table for name in nodes}
+    if namespace:
+        below = make_global_ns(namespace)
+        found = {name for name in found if name == namespace or name.startswith(below)}
+    return list(found)
+
+
+def get_api_uri(master: Master, caller_id: str, skip_cache: bool = False) -> str | None:
+    """Return a node's URI, None where the master does not know it. Raises ROSNodeIOException."""
+    try:
+        return str(master.lookupNode(caller_id))
+    except MasterError:
+        return None
+    except ConnectionRefusedError:
+        raise ROSNodeIOException("Unable to communicate with master!") from None
+
+
+def get_machines_by_nodes() -> list[str]:
+    """Return the machines that nodes run on. Raises ROSNodeIOException."""
+    return list(dict.fromkeys(machine for _, machine in _machines()))
+
+
+def get_nodes_by_machine(machine: str) -> list[str]:
+    """Return the nodes that run on a machine, by the name that they give it. Raises ROSNodeIOException."""
+    return [name for name, found in _machines() if found == machine]
+
+
+def rosnode_ping(
+    node_name: str, max_count: int | None = None, verbose: bool = False, skip_cache: bool = False
+) -> bool:
+    """Ask a node once a second, `max_count` times; False where it does not answer."""
+    uri = get_api_uri(Master(_OWN_NAME), node_name)
+    if uri is None:
+        sys.stderr.write(f"cannot ping [{node_name}]: unknown node\n")
+        return False
+    if verbose:
+        print(f"pinging {node_name} with a timeout of {PING_TIMEOUT_S}s")
+    count = 0
+    while True:
+        start_s = time.monotonic()
+        try:
+            _call(uri, "getPid")
+        except (RostetherError, TimeoutError):
+            sys.stderr.write(f"connection to [{node_name}] failed\n")
+            return False
+        if verbose:
+            print(f"xmlrpc reply from {uri}\ttime={(time.monotonic() - start_s) * 1000:f}ms")
+        count += 1
+        if max_count and count >= max_count:
+            return True
+        time.sleep(PING_INTERVAL_S)
+
+
+def rosnode_ping_all(verbose: bool = False, skip_cache: bool = False) -> tuple[list[str], list[str]]:
+    """Return the nodes that answer, and those that do not. Raises ROSNodeIOException."""
+    answers = {name: rosnode_ping(name, max_count=1, verbose=verbose) for name in get_node_names()}
+    return [name for name in answers if answers[name]], [name for name in answers if not answers[name]]
+
+
+def kill_nodes(node_names: Iterable[str]) -> tuple[list[str], list[str]]:
+    """Ask nodes to end; returns those that were asked, and those that nobody knows."""
+    master = Master(_OWN_NAME)
+    asked: list[str] = []
+    unknown: list[str] = []
+    for name in node_names:
+        uri = get_api_uri(master, name)
+        if uri is None:
+            unknown.append(name)
+            continue
+        asked.append(name)
+        try:
+            _call(uri, "shutdown", "user request")
+        except (RostetherError, TimeoutError):
+            # One that ends at once does not answer.
+            continue
+    return asked, unknown
+
+
+def cleanup_master_blacklist(master: Master, blacklist: Iterable[str]) -> None:
+    """Make the master forget nodes."""
+    publishers, subscribers, services = master.getSystemState()
+    for name in blacklist:
+        print("Unregistering", name)
+        uri = get_api_uri(master, name)
+        own = Master(name)
+        for topic in (topic for topic, nodes in publishers if name in nodes):
+            own.unregisterPublisher(topic, uri)
+        for topic in (topic for topic, nodes in subscribers if name in nodes):
+            own.unregisterSubscriber(topic, uri)
+        for service in (service for service, nodes in services if name in nodes):
+            own.unregisterService(service, master.lookupService(service))
+
+
+def rosnode_listnodes(namespace: str | None = None, list_uri: bool = False, list_all: bool = False) -> None:
+    """Print the names of nodes, their URIs, or both."""
+    master = Master(_OWN_NAME)
+    for name in sorted(get_node_names(namespace)):
+        uri = (get_api_uri(master, name) or "unknown address") if list_uri or list_all else ""
+        print(f"{uri} \t{name}" if list_all else uri or name)
+
+
+def get_node_info_description(node_name: str) -> str:
+    """Return what a node publishes, subscribes to and offers, as text."""
+    state = _state()
+    types = dict(Master(_OWN_NAME).getPublishedTopics("/"))
+    text = f"Node [{node_name}]"
+    for title, table in zip(("Publications", "Subscriptions", "Services"), state, strict=True):
+        lines = [
+            f" * {name}" + ("" if title == "Services" else f" [{types.get(name, 'unknown type')}]")
+            for name in sorted(name for name, nodes in table if node_name in nodes)
+        ]
+        text += f"\n{title}: \n" + "\n".join(lines) + "\n" if lines else f"\n{title}: None\n"
+    return text
+
+
+def _state() -> list[list[tuple[str, list[str]]]]:
+    try:
+        return [[(name, nodes) for name, nodes in table] for table in Master(_OWN_NAME).getSystemState()]
+    except ConnectionRefusedError:
+        raise ROSNodeIOException("Unable to communicate with master!") from None
+
+
+def _machines() -> list[tuple[str, str]]:
+    master = Master(_OWN_NAME)
+    found = []
+    for name in get_node_names():
+        try:
+            found.append((name, parse_rpc_uri(master.lookupNode(name)).host))
+        except (MasterException, ConfigError):
+            continue
+    return found
+
+
+def _call(uri: str, method: str, *arguments: Any) -> None:
+    client = XmlRpcClient(uri)
+    node.loop.call(client.call_status(method, _OWN_NAME, *arguments), timeout_s=PING_TIMEOUT_S)
+    node.loop.call(client.close())

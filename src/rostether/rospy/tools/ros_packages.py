@@ -1,0 +1,221 @@
+"""rospkg and roslib.packages, as far as nodes use them: where packages are, and what is in them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from functools import cache
+from pathlib import Path
+
+from rostether.errors import ConfigError
+from rostether.packages.package_xml import PackageXml, parse_package_xml
+from rostether.packages.search_path import PACKAGE_FILE, ROSBUILD_FILE, find_packages, walk
+from rostether.rospy.import_hook import package_folders
+
+
+class ResourceNotFound(Exception):  # noqa: N818 - the name is rospkg's
+    """A package that is nowhere to be found."""
+
+    def __init__(self, msg: str, ros_paths: list[str] | None = None) -> None:
+        super().__init__(msg)
+        self.ros_paths = ros_paths
+
+
+class InvalidManifest(Exception):  # noqa: N818 - the name is rospkg's
+    """A package.xml that cannot be read."""
+
+
+class Depend:
+    """A package that another needs."""
+
+    def __init__(self, name: str, type: str = "package") -> None:  # noqa: A002 - the name is rospkg's
+        self.name = name
+        self.type = type
+
+    def __repr__(self) -> str:
+        return self.name
+
+
+class Manifest:
+    """What a package says of itself."""
+
+    def __init__(self, description: PackageXml, file: Path) -> None:
+        self.name = description.name
+        self.version = description.version
+        self.description = description.description
+        self.licenses = list(description.licenses)
+        self.license = ", ".join(description.licenses)
+        self.author = ", ".join(f"Maintainer: {each}" for each in description.maintainers)
+        self.depends = [Depend(name) for name in sorted(description.dependencies)]
+        self.filename = str(file)
+        self.type = "package"
+        self.is_catkin = file.name == PACKAGE_FILE
+
+
+class RosPack:
+    """Finds packages in ROS_PACKAGE_PATH and where this program was started."""
+
+    @staticmethod
+    def get_instance(ros_paths: list[str] | None = None) -> RosPack:
+        """Return one."""
+        return RosPack(ros_paths)
+
+    def __init__(self, ros_paths: list[str] | None = None) -> None:
+        self._ros_paths = ros_paths
+
+    @property
+    def ros_paths(self) -> list[str]:
+        """The folders below which packages are."""
+        return get_ros_paths() if self._ros_paths is None else list(self._ros_paths)
+
+    def get_ros_paths(self) -> list[str]:
+        """Return the folders below which packages are."""
+        return self.ros_paths
+
+    def get_path(self, name: str) -> str:
+        """Return a package's folder. Raises ResourceNotFound."""
+        folder = self._folders().get(name)
+        if folder is None:
+            raise ResourceNotFound(name, self.ros_paths)
+        return str(folder)
+
+    def list(self) -> list[str]:
+        """Return the names of all packages."""
+        return sorted(self._folders())
+
+    def get_manifest(self, name: str) -> Manifest:
+        """Return what a package says of itself. Raises ResourceNotFound, InvalidManifest."""
+        return _manifest_in(Path(self.get_path(name)))
+
+    def get_depends(self, name: str, implicit: bool = True) -> Sequence[str]:
+        """Return the packages that one needs, with those that these need; only of those that are here.
+
+        Raises ResourceNotFound, InvalidManifest.
+        """
+        here = self._folders()
+        found: dict[str, None] = {}
+        waiting = [name]
+        while waiting:
+            for each in self.get_manifest(waiting.pop()).depends:
+                if each.name in here and each.name not in found:
+                    found[each.name] = None
+                    waiting += [each.name] if implicit else []
+        return [*found]
+
+    def get_depends_on(self, name: str, implicit: bool = True) -> Sequence[str]:
+        """Return the packages that need one."""
+        found = []
+        for each in self._folders():
+            try:
+                if name in self.get_depends(each, implicit):
+                    found.append(each)
+            except InvalidManifest:
+                continue
+        return found
+
+    def _folders(self) -> dict[str, Path]:
+        return (
+            _all_folders()
+            if self._ros_paths is None
+            else find_packages(Path(each) for each in self._ros_paths)
+        )
+
+
+def get_package_name(path: str) -> str | None:
+    """Return the package that a file or folder is in, None outside of packages."""
+    folder, _ = get_dir_pkg(path)
+    return None if folder is None else _manifest_in(Path(folder)).name
+
+
+def get_dir_pkg(d: str) -> tuple[str | None, str | None]:
+    """Return the folder and the folder's name of the package that a path is in, or two None."""
+    start = Path(d).resolve()
+    for folder in (start, *start.parents):
+        if (folder / PACKAGE_FILE).is_file() or (folder / ROSBUILD_FILE).is_file():
+            return str(folder), folder.name
+    return None, None
+
+
+def get_pkg_dir(
+    package: str, required: bool = True, ros_root: object = None, ros_package_path: object = None
+) -> str | None:
+    """Return a package's folder. Raises ResourceNotFound where it is `required`."""
+    try:
+        return RosPack().get_path(package)
+    except ResourceNotFound:
+        if required:
+            raise
+        return None
+
+
+def find_resource(
+    pkg: str,
+    resource_name: str,
+    filter_fn: Callable[[str], object] | None = None,
+    rospack: RosPack | None = None,
+) -> list[str]:
+    """Return the files of a name in a package. Raises ResourceNotFound."""
+    folder = Path((rospack or RosPack()).get_path(pkg))
+    found = [
+        str(each.path / resource_name)
+        for each in walk(folder, below_packages=True)
+        if resource_name in each.files
+    ]
+    return [each for each in found if filter_fn is None or filter_fn(each)]
+
+
+def find_node(pkg: str, node_type: str, rospack: RosPack | None = None) -> list[str]:
+    """Return the programs of a name in a package. Raises ResourceNotFound."""
+    return find_resource(pkg, node_type, lambda path: os.access(path, os.R_OK | os.X_OK), rospack)
+
+
+def get_ros_paths(env: dict[str, str] | None = None) -> list[str]:
+    """Return the folders of ROS_PACKAGE_PATH."""
+    text = get_ros_package_path(env) or ""
+    return [part for part in text.split(os.pathsep) if part]
+
+
+def get_ros_package_path(env: dict[str, str] | None = None) -> str | None:
+    """Return ROS_PACKAGE_PATH."""
+    return _variable("ROS_PACKAGE_PATH", env)
+
+
+def get_ros_root(env: dict[str, str] | None = None) -> str | None:
+    """Return ROS_ROOT, None where it is not set, as without ROS."""
+    return _variable("ROS_ROOT", env)
+
+
+def get_ros_home(env: dict[str, str] | None = None) -> str:
+    """Return the folder of logs and other files that programs leave."""
+    return _variable("ROS_HOME", env) or str(Path("~").expanduser() / ".ros")
+
+
+def get_log_dir(env: dict[str, str] | None = None) -> str:
+    """Return the folder of logs."""
+    return _variable("ROS_LOG_DIR", env) or str(Path(get_ros_home(env)) / "log")
+
+
+def get_test_results_dir(env: dict[str, str] | None = None) -> str:
+    """Return the folder of test results."""
+    return _variable("ROS_TEST_RESULTS_DIR", env) or str(Path(get_ros_home(env)) / "test_results")
+
+
+def _variable(name: str, env: dict[str, str] | None) -> str | None:
+    return (os.environ if env is None else env).get(name)
+
+
+def _manifest_in(folder: Path) -> Manifest:
+    file = folder / PACKAGE_FILE
+    default_name = ""
+    if not file.is_file():
+        file, default_name = folder / ROSBUILD_FILE, folder.name
+    try:
+        description = parse_package_xml(file.read_bytes(), file=str(file), default_name=default_name)
+    except (OSError, ConfigError) as error:
+        raise InvalidManifest(f"{error}") from None
+    return Manifest(description, file)
+
+
+@cache
+def _all_folders() -> dict[str, Path]:
+    return package_folders()

@@ -1,0 +1,162 @@
+"""The runner's process: lines in, events out, and its end."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import itertools
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Self, TypeVar
+
+from rostether.errors import BoardError
+from rostether.simulation.simavr.board_events import BoardEvent, parse_event
+
+T = TypeVar("T")
+
+# The longest event (4096 bytes of memory in hexadecimal) is far below.
+MAX_LINE_BYTES = 1 << 18
+START_LIMIT_S = 20.0
+ANSWER_LIMIT_S = 20.0
+# It leaves its loop within a slice of a millisecond; what does not is killed.
+END_LIMIT_S = 2.0
+
+
+class RunnerProcess:
+    """One running runner. `on_event` is called with each event but the answers to `tell`."""
+
+    def __init__(self, process: asyncio.subprocess.Process) -> None:
+        self.on_event: Callable[[BoardEvent], None] = lambda _event: None
+        self._process = process
+        self._numbers = itertools.count(1)
+        self._answers: dict[int, asyncio.Future[BoardEvent]] = {}
+        self._failure = ""
+        self._reading: asyncio.Task[None] | None = None
+
+    @classmethod
+    async def start(cls, program: Path, arguments: Sequence[str]) -> tuple[Self, list[BoardEvent]]:
+        """Start it; return it with its first events: "ready" and what its words gave. Raises BoardError."""
+        process = await asyncio.create_subprocess_exec(
+            str(program),
+            *arguments,
+            stdin=asyncio.subprocess.PIPE,
+            stdout=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.DEVNULL,
+            limit=MAX_LINE_BYTES,
+        )
+        made = cls(process)
+        try:
+            async with asyncio.timeout(START_LIMIT_S):
+                events = await made._first_events()
+        except BaseException as error:
+            await made.close()
+            if isinstance(error, TimeoutError):
+                raise BoardError(
+                    f"the simulated board did not start within {START_LIMIT_S:g} s; is the machine busy?"
+                ) from None
+            raise
+        made._reading = asyncio.get_running_loop().create_task(made._read())
+        return made, events
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether it is gone."""
+        return self._reading is None or self._reading.done()
+
+    @property
+    def exit_code(self) -> int | None:
+        """Return how it ended; None while it runs, negative by a signal."""
+        return self._process.returncode
+
+    async def send_command(self, line: str) -> None:
+        """Say a line and wait until it is done. Raises BoardError with what was wrong with it."""
+        if "\n" in line:
+            raise BoardError("words for a simulated board are one line")
+        number = next(self._numbers)
+        answer: asyncio.Future[BoardEvent] = asyncio.get_running_loop().create_future()
+        self._answers[number] = answer
+        try:
+            stdin = self._process.stdin
+            assert stdin is not None
+            with contextlib.suppress(ConnectionError):
+                stdin.write(f"#{number} {line}\n".encode())
+                await stdin.drain()
+            event = await self.before_end(answer, f"answer to {line!r}", ANSWER_LIMIT_S)
+        finally:
+            del self._answers[number]
+        if event.name == "error":
+            raise BoardError(f"{line}: {event['text']}")
+
+    async def before_end(self, found: asyncio.Future[T], what: str, timeout_s: float) -> T:
+        """Await a future, but no longer than the process lives. Raises BoardError."""
+        reading = self._reading
+        waited = {found} if reading is None else {found, reading}
+        await asyncio.wait(waited, timeout=timeout_s, return_when=asyncio.FIRST_COMPLETED)  # type: ignore[type-var]
+        if found.done():
+            return found.result()
+        found.cancel()
+        if self.has_ended:
+            raise BoardError(f"the simulated board has ended{f': {self._failure}' if self._failure else ''}")
+        raise BoardError(f"the simulated board gave no {what} within {timeout_s:g} s")
+
+    async def wait_end(self) -> None:
+        """Wait until it has ended by itself."""
+        if self._reading is not None:
+            await asyncio.shield(self._reading)
+        await self._process.wait()
+
+    async def close(self) -> None:
+        """End it and wait for that."""
+        process = self._process
+        assert process.stdin is not None
+        process.stdin.close()
+        try:
+            async with asyncio.timeout(END_LIMIT_S):
+                if self._reading is not None:
+                    await asyncio.shield(self._reading)
+                await process.wait()
+        except (TimeoutError, asyncio.CancelledError) as error:
+            with contextlib.suppress(ProcessLookupError):
+                process.kill()
+            if isinstance(error, asyncio.CancelledError):
+                raise
+        finally:
+            if self._reading is not None:
+                await asyncio.gather(self._reading, return_exceptions=True)
+            await process.wait()
+            with contextlib.suppress(ConnectionError):
+                await process.stdin.wait_closed()
+
+    async def _first_events(self) -> list[BoardEvent]:
+        events: list[BoardEvent] = []
+        while not any(event.name == "reset" for event in events):
+            line = await self._next_line()
+            if not line:
+                raise BoardError("the simulated board ended as it started")
+            event = parse_event(line)
+            if event.name == "failed":
+                raise BoardError(event["text"])
+            events.append(event)
+        return events
+
+    async def _next_line(self) -> bytes:
+        assert self._process.stdout is not None
+        try:
+            return await self._process.stdout.readline()
+        except ValueError:
+            raise BoardError("the simulated board's runner printed a line without end") from None
+
+    async def _read(self) -> None:
+        try:
+            while line := await self._next_line():
+                event = parse_event(line)
+                answer = self._answers.get(event.values.get("id", 0))
+                if answer is not None and event.name in ("done", "error"):
+                    if not answer.done():
+                        answer.set_result(event)
+                    continue
+                self.on_event(event)
+        except BoardError as error:
+            self._failure = str(error)
+            with contextlib.suppress(ProcessLookupError):
+                self._process.kill()

@@ -1,0 +1,291 @@
+"""A simulated AVR board that runs real firmware, in a process of its own: started, told, listened to, ended.
+
+async with await SimulatedBoard.start(elf, board="uno", words=["adc A0=2.5"]) as board:
+    ...                                   # `board.address` is what `serve` opens
+    await board.wait_for_pin("D13", True)
+    assert await board.servo_angle("D9") == approx(90, abs=1)
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import math
+from collections import deque
+from collections.abc import AsyncIterator, Callable, Iterator, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Literal, Self
+
+from rostether.errors import BoardError
+from rostether.simulation.simavr.board_events import BoardEvent
+from rostether.simulation.simavr.compile import build_runner
+from rostether.simulation.simavr.kinds import kind_of
+from rostether.simulation.simavr.runner_process import RunnerProcess
+from rostether.transports.pty_link import check_link, place_link, remove_link
+
+DEFAULT_TIMEOUT_S = 10.0
+# A watched pin that toggles at 1 kHz, for ten seconds; older events are of the past.
+MAX_RECENT_EVENTS = 20_000
+# A minute of a 115200 baud line.
+MAX_SERIAL_BYTES = 1 << 20
+
+LinkKind = Literal["pty", "tcp", "none"]
+Settled = Callable[[BoardEvent], bool]
+
+
+class SimulatedBoard:
+    """One board. Its methods raise BoardError when a word makes no sense to the board, or when it has ended.
+
+    `recent` holds its last events, `serial` what it sent while "serial" was watched.
+    """
+
+    def __init__(self, process: RunnerProcess, ready: BoardEvent, link_path: Path | None) -> None:
+        self.kind: str = ready["board"]
+        self.mcu: str = ready["mcu"]
+        self.note: str = ready.values.get("note", "")
+        self.recent: deque[BoardEvent] = deque([ready], maxlen=MAX_RECENT_EVENTS)
+        self.serial = bytearray()
+        self._process = process
+        self._terminal: str = ready["link"]
+        self._link_path = link_path
+        self._listeners: list[Callable[[BoardEvent], None]] = []
+        self._levels: dict[str, bool] = {}
+        process.on_event = self._take
+
+    @classmethod
+    async def start(
+        cls,
+        program: Path,
+        *,
+        board: str = "uno",
+        link: LinkKind = "pty",
+        tcp_port: int = 0,
+        link_path: Path | None = None,
+        uart: int | None = None,
+        realtime: bool = True,
+        paused: bool = False,
+        seed: int = 0,
+        words: Sequence[str] = (),
+    ) -> Self:
+        """Start an ELF or HEX file on a board.
+
+        `words` are told before its first instruction. With `realtime=False` it runs as fast as it goes, with
+        `paused` only when told to `run`: then all that happens is the same each time. `seed` makes the noise
+        in RAM.
+        Raises BoardError, ConfigError for an unknown board, TransportOpenError for a `link_path` in use.
+        """
+        kind = kind_of(board)
+        if link_path is not None:
+            check_link(link_path)
+        runner = await build_runner()
+        arguments = [
+            "--board",
+            kind,
+            "--link",
+            f"tcp:{tcp_port}" if link == "tcp" else link,
+            "--seed",
+            str(seed),
+        ]
+        arguments += [] if uart is None else ["--uart", str(uart)]
+        arguments += [] if realtime else ["--fast"]
+        arguments += ["--paused"] if paused else []
+        process, events = await RunnerProcess.start(runner, [*arguments, "--", str(program), *words])
+        made = cls(process, events[0], link_path)
+        for event in events[1:]:
+            made._take(event)
+        try:
+            if link_path is not None and link == "pty":
+                place_link(link_path, made._terminal)
+            wrong = next((event for event in events if event.name == "error"), None)
+            if wrong is not None:
+                raise BoardError(f"{wrong['line']}: {wrong['text']}")
+        except BaseException:
+            await made.close()
+            raise
+        return made
+
+    @property
+    def address(self) -> str:
+        """Return the link address of the board's serial line, as `serve` takes it; empty without a link."""
+        return self._terminal
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether its process is gone."""
+        return self._process.has_ended
+
+    @property
+    def was_to_end(self) -> bool:
+        """Whether it has ended because it was told to: by `quit`, or after `for`."""
+        return self._process.exit_code == 0
+
+    async def send_command(self, line: str) -> None:
+        """Say a line of words, and wait until the board has done it."""
+        await self._process.send_command(line)
+
+    async def ask(self, line: str, answer: str) -> BoardEvent:
+        """Say a line of words that is answered with an event."""
+        answers: list[BoardEvent] = []
+        with self._listening(lambda event: answers.append(event) if event.name == answer else None):
+            await self.send_command(line)
+        if not answers:
+            raise BoardError(f"the simulated board did not answer {line!r} with {answer!r}")
+        return answers[-1]
+
+    async def wait_for(
+        self, name: str, settled: Settled = lambda _event: True, *, timeout_s: float = DEFAULT_TIMEOUT_S
+    ) -> BoardEvent:
+        """Wait for an event that is still to come. Raises BoardError when it does not, within that time."""
+        found: asyncio.Future[BoardEvent] = asyncio.get_running_loop().create_future()
+
+        def look(event: BoardEvent) -> None:
+            if event.name == name and not found.done() and settled(event):
+                found.set_result(event)
+
+        with self._listening(look):
+            return await self._process.before_end(found, f"event {name!r}", timeout_s)
+
+    async def events(self) -> AsyncIterator[BoardEvent]:
+        """Yield the events from now on until the board ends; a reader who is slow misses the oldest."""
+        waiting: deque[BoardEvent] = deque(maxlen=MAX_RECENT_EVENTS)
+        came = asyncio.Event()
+
+        def keep(event: BoardEvent) -> None:
+            waiting.append(event)
+            came.set()
+
+        ended = asyncio.ensure_future(self._process.wait_end())
+        ended.add_done_callback(lambda _ended: came.set())
+        try:
+            with self._listening(keep):
+                while not (ended.done() and not waiting):
+                    await came.wait()
+                    came.clear()
+                    while waiting:
+                        yield waiting.popleft()
+                    if ended.done():
+                        came.set()
+        finally:
+            ended.cancel()
+
+    async def set_adc(self, pin: str, volts: float) -> None:
+        """Put a voltage on an analog input, 0 to 5.5 V."""
+        await self.send_command(f"adc {pin}={volts:.6f}")
+
+    async def set_range(self, metres: float | None) -> None:
+        """Set the distance before the HC-SR04; None: nothing in sight."""
+        await self.send_command("range none" if metres is None else f"range {metres:.6f}")
+
+    async def set_attitude(self, roll: float, pitch: float, yaw: float, *, over_s: float = 0.0) -> None:
+        """Turn the board, angles in radians, at once or in `over_s` of its time."""
+        degrees = " ".join(f"{math.degrees(angle):.6f}" for angle in (roll, pitch, yaw))
+        await self.send_command(f"attitude {degrees} in {over_s:.6f}")
+
+    async def drive_pin(self, pin: str, level: bool | None) -> None:
+        """Drive a pin from outside; None lets it go."""
+        await self.send_command(f"pin {pin}={'z' if level is None else int(level)}")
+
+    async def pin_level(self, pin: str) -> bool:
+        """Return a pin's level now."""
+        return bool((await self.ask(f"pin {pin}", "pin"))["level"])
+
+    async def wait_for_pin(self, pin: str, level: bool, *, timeout_s: float = DEFAULT_TIMEOUT_S) -> None:
+        """Wait until a pin has a level; at once when it has. Watches the pin from then on."""
+        await self.send_command(f"watch {pin}")
+        if self._levels.get(pin) != level:
+            await self.wait_for(
+                "pin", lambda event: event["pin"] == pin and event["level"] == level, timeout_s=timeout_s
+            )
+
+    async def servo_pulse_us(self, pin: str, *, timeout_s: float = DEFAULT_TIMEOUT_S) -> float:
+        """Return the length of the last servo pulse on a pin; waits for the first."""
+        if not self._has_pulsed(pin):
+            await self.send_command(f"servo {pin}")
+        if not self._has_pulsed(pin):
+            first = await self.wait_for("servo", lambda event: event["pin"] == pin, timeout_s=timeout_s)
+            return float(first["pulse_us"])
+        return float((await self.ask(f"servo {pin}", "servo"))["pulse_us"])
+
+    async def servo_angle(self, pin: str, *, timeout_s: float = DEFAULT_TIMEOUT_S) -> float:
+        """Return where a servo on a pin stands, in degrees from 0 to 180; waits for the first pulse."""
+        return (await self.servo_pulse_us(pin, timeout_s=timeout_s) - 544.0) * 180.0 / (2400.0 - 544.0)
+
+    async def set_faults(self, faults: str) -> None:
+        """Make the line bad: `flip=0.01,to:drop=0.001,seed=3`, or `none`."""
+        await self.send_command(f"fault {faults}")
+
+    async def reset(self) -> None:
+        """Press the reset button."""
+        await self.send_command("reset")
+
+    async def power(self, on: bool) -> None:
+        """Switch the supply on or off."""
+        await self.send_command(f"power {'on' if on else 'off'}")
+
+    async def send(self, data: bytes) -> None:
+        """Send bytes to the board's UART at line speed, besides what comes through the link."""
+        await self.send_command(f"send {data.hex()}")
+
+    async def run(self, duration: str | int, *, timeout_s: float = 60.0) -> None:
+        """Run for cycles, or for `"20ms"` of the board's time, then pause."""
+        found = asyncio.ensure_future(self.wait_for("stopped", timeout_s=timeout_s))
+        try:
+            await asyncio.sleep(0)
+            await self.send_command(f"run {duration}")
+            await found
+        finally:
+            found.cancel()
+            await asyncio.gather(found, return_exceptions=True)
+
+    async def cycles(self) -> int:
+        """Return how many cycles the board has run."""
+        return int((await self.ask("cycles", "cycles"))["cycles"])
+
+    async def memory(self, place: str, count: int | None = None) -> bytes:
+        """Read RAM at a symbol of the program, or at an address (`"0x100"`)."""
+        answer = await self.ask(f"memory {place}{'' if count is None else f' {count}'}", "memory")
+        return bytes.fromhex(answer["data"])
+
+    async def free_stack_bytes(self) -> int:
+        """Return how many bytes between heap and stack were never used since power-up."""
+        return int((await self.ask("stack", "stack"))["free_bytes"])
+
+    async def guard(self, place: str) -> None:
+        """Report each write into a symbol or `0x100..0x180` from now on, as "guarded_write"."""
+        await self.send_command(f"guard {place}")
+
+    async def close(self) -> None:
+        """End the board. Nothing of it stays behind."""
+        await self._process.close()
+        if self._link_path is not None:
+            remove_link(self._link_path, self._terminal)
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        await self.close()
+
+    def _has_pulsed(self, pin: str) -> bool:
+        return any(event.name == "servo" and event["pin"] == pin for event in self.recent)
+
+    @contextlib.contextmanager
+    def _listening(self, listener: Callable[[BoardEvent], None]) -> Iterator[None]:
+        self._listeners.append(listener)
+        try:
+            yield
+        finally:
+            self._listeners.remove(listener)
+
+    def _take(self, event: BoardEvent) -> None:
+        self.recent.append(event)
+        if event.name == "pin":
+            self._levels[event["pin"]] = bool(event["level"])
+        elif event.name == "serial":
+            self.serial += bytes.fromhex(event["data"])
+            del self.serial[:-MAX_SERIAL_BYTES]
+        for listener in tuple(self._listeners):
+            listener(event)

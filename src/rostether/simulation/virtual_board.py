@@ -1,0 +1,215 @@
+"""The demo board: what a small robot's sketch would do, in Python, without hardware or toolchain.
+
+    topic         type               rate    what
+    toggle_led    std_msgs/Empty     in      turns the LED on or off
+    led           std_msgs/Bool      1 Hz    the LED, and at once when it changes
+    ultrasound    sensor_msgs/Range  20 Hz   an HC-SR04 before which somebody walks
+    imu_data      sensor_msgs/Imu    40 Hz   the robot's turn rate, acceleration and orientation
+    /tf           tf/tfMessage       20 Hz   odom -> base_link, a circle on the floor
+    count         std_msgs/UInt32    1 Hz    one more each time
+
+Services `set_led` (std_srvs/SetBool) and `test_srv` (rosserial_arduino/Test); parameters `~blink_hz`, how
+often the LED blinks by itself (0: not), and `~frame_id`, the robot's frame (base_link); logs.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from random import Random
+from typing import Any
+
+from rostether.device import Device
+from rostether.device.parameters import DeviceParam
+from rostether.errors import TransportTimeoutError, UnknownNameError
+from rostether.serde.values import Message
+from rostether.simulation.motion import CircleDrive, Quaternion, Vector
+from rostether.simulation.ultrasound import FIELD_OF_VIEW, MAX_RANGE, MIN_RANGE, Ultrasound
+
+# Multiples of each other, so that one wake-up serves several.
+RANGE_HZ = 20.0
+IMU_HZ = 40.0
+TF_HZ = 20.0
+LED_HZ = 1.0
+COUNT_HZ = 1.0
+
+ULTRASOUND_FRAME = "ultrasound"
+ODOMETRY_FRAME = "odom"
+ROBOT_FRAME = "base_link"
+# Faster than this nobody sees it blink, and a slow line would carry nothing else.
+MAX_BLINK_HZ = 50.0
+
+# An MPU-6050's noise at that rate.
+_TURN_RATE_NOISE = 0.001
+_ACCELERATION_NOISE = 0.03
+_ORIENTATION_VARIANCE = 1e-4
+
+
+@dataclass(slots=True)
+class _Periodic:
+    action: Callable[[float], None]
+    period_s: float
+    due_s: float
+
+
+class VirtualBoard:
+    """Declares the demo's endpoints on a device and plays the sketch; the same `seed`, the same noise."""
+
+    def __init__(self, device: Device, *, clock: Callable[[], float] | None = None, seed: int = 0) -> None:
+        self.led = False
+        self.count = 0
+        self._device = device
+        self._clock = clock if clock is not None else asyncio.get_running_loop().time
+        self._booted_s = self._clock()
+        self._rng = Random(seed)  # noqa: S311 - noise, no secret
+        self._drive = CircleDrive()
+        self._ultrasound = Ultrasound(self._rng)
+        self._frame_id = ROBOT_FRAME
+        self._led = device.publisher("led", "std_msgs/Bool")
+        self._range = device.publisher("ultrasound", "sensor_msgs/Range")
+        self._imu = device.publisher("imu_data", "sensor_msgs/Imu")
+        self._tf = device.publisher("/tf", "tf/tfMessage")
+        self._count = device.publisher("count", "std_msgs/UInt32")
+        self._range_message = self._range.message_class(
+            radiation_type=0, field_of_view=FIELD_OF_VIEW, min_range=MIN_RANGE, max_range=MAX_RANGE
+        )
+        self._range_message.header.frame_id = ULTRASOUND_FRAME
+        self._imu_message = self._imu.message_class(
+            orientation_covariance=_diagonal(_ORIENTATION_VARIANCE),
+            angular_velocity_covariance=_diagonal(_TURN_RATE_NOISE**2),
+            linear_acceleration_covariance=_diagonal(_ACCELERATION_NOISE**2),
+        )
+        self._tf_message = self._tf.message_class(
+            transforms=[device.message("geometry_msgs/TransformStamped")]
+        )
+        self._tf_message.transforms[0].header.frame_id = ODOMETRY_FRAME
+        device.subscriber("toggle_led", "std_msgs/Empty", lambda _message: self._set_led(not self.led))
+        device.service_server("set_led", "std_srvs/SetBool", self._serve_set_led)
+        device.service_server("test_srv", "rosserial_arduino/Test", self._serve_test)
+        self._blink = _Periodic(self._blink_once, float("inf"), float("inf"))
+        self._tasks = [
+            self._every(RANGE_HZ, self._publish_range),
+            self._every(IMU_HZ, self._publish_imu),
+            self._every(TF_HZ, self._publish_tf),
+            self._every(LED_HZ, self._publish_led),
+            self._every(COUNT_HZ, self._publish_count),
+            self._blink,
+        ]
+
+    def step(self, now_s: float) -> float:
+        """Do what is due by `now_s` and return when to be called again; what was missed is left out."""
+        for task in self._tasks:
+            if task.due_s <= now_s:
+                task.action(now_s)
+                task.due_s += task.period_s
+                if task.due_s <= now_s:
+                    task.due_s = now_s + task.period_s
+        return min(task.due_s for task in self._tasks)
+
+    async def run(self) -> None:
+        """Play until cancelled, while a host listens; after each new connection greet and read parameters."""
+        while True:
+            await self._device.wait_connected()
+            greeting = asyncio.get_running_loop().create_task(self._greet())
+            try:
+                while self._device.connected:
+                    due_s = self.step(self._clock())
+                    await asyncio.sleep(max(0.0, due_s - self._clock()))
+            finally:
+                greeting.cancel()
+                await asyncio.gather(greeting, return_exceptions=True)
+
+    async def read_parameters(self) -> None:
+        """Read `~blink_hz` and `~frame_id` from the host; what is unset or makes no sense changes nothing."""
+        blink_hz = await self._get_param("~blink_hz")
+        if isinstance(blink_hz, int | float) and 0 <= blink_hz <= MAX_BLINK_HZ:
+            self._blink.period_s = 0.5 / blink_hz if blink_hz else float("inf")
+            self._blink.due_s = self._clock() + self._blink.period_s
+        elif blink_hz is not None:
+            self._device.logwarn(f"~blink_hz is {blink_hz!r}; write a number from 0 to {MAX_BLINK_HZ:g}")
+        frame_id = await self._get_param("~frame_id")
+        if isinstance(frame_id, str) and frame_id:
+            self._frame_id = frame_id
+
+    async def _greet(self) -> None:
+        self._device.loginfo("virtual board ready")
+        await self.read_parameters()
+
+    async def _get_param(self, name: str) -> DeviceParam | None:
+        with contextlib.suppress(UnknownNameError, TransportTimeoutError):
+            return await self._device.get_param(name)
+        return None
+
+    def _every(self, rate_hz: float, action: Callable[[float], None]) -> _Periodic:
+        return _Periodic(action, 1.0 / rate_hz, self._booted_s)
+
+    def _set_led(self, on: bool) -> None:
+        self.led = on
+        self._led.publish(data=on)
+        self._device.loginfo(f"LED {'on' if on else 'off'}")
+
+    def _blink_once(self, _now_s: float) -> None:
+        self.led = not self.led
+        self._led.publish(data=self.led)
+
+    def _serve_set_led(self, request: Message) -> dict[str, Any]:
+        changed = request.data != self.led
+        self._set_led(request.data)
+        return {
+            "success": True,
+            "message": f"LED {'on' if self.led else 'off'}{'' if changed else ' already'}",
+        }
+
+    def _serve_test(self, request: Message) -> dict[str, Any]:
+        return {"output": f"hello, {request.input}"}
+
+    def _publish_led(self, _now_s: float) -> None:
+        self._led.publish(data=self.led)
+
+    def _publish_count(self, _now_s: float) -> None:
+        self._count.publish(data=self.count)
+        self.count = (self.count + 1) & 0xFFFFFFFF
+
+    def _publish_range(self, now_s: float) -> None:
+        reading = self._range_message
+        reading.header.stamp = self._device.now()
+        reading.range = self._ultrasound.measure(now_s - self._booted_s)
+        self._range.publish(reading)
+
+    def _publish_imu(self, now_s: float) -> None:
+        time_s = now_s - self._booted_s
+        feeling = self._drive.feeling(time_s)
+        imu = self._imu_message
+        imu.header.stamp = self._device.now()
+        imu.header.frame_id = self._frame_id
+        _set_rotation(imu.orientation, self._drive.pose(time_s).orientation)
+        _set_vector(imu.angular_velocity, self._noisy(feeling.turn_rate, _TURN_RATE_NOISE))
+        _set_vector(imu.linear_acceleration, self._noisy(feeling.acceleration, _ACCELERATION_NOISE))
+        self._imu.publish(imu)
+
+    def _publish_tf(self, now_s: float) -> None:
+        pose = self._drive.pose(now_s - self._booted_s)
+        stamped = self._tf_message.transforms[0]
+        stamped.header.stamp = self._device.now()
+        stamped.child_frame_id = self._frame_id
+        _set_vector(stamped.transform.translation, pose.position)
+        _set_rotation(stamped.transform.rotation, pose.orientation)
+        self._tf.publish(self._tf_message)
+
+    def _noisy(self, vector: Vector, deviation: float) -> Vector:
+        gauss = self._rng.gauss
+        return Vector(*(value + gauss(0.0, deviation) for value in vector))
+
+
+def _set_vector(message: Message, vector: Vector) -> None:
+    message.x, message.y, message.z = vector
+
+
+def _set_rotation(message: Message, rotation: Quaternion) -> None:
+    message.x, message.y, message.z, message.w = rotation
+
+
+def _diagonal(variance: float) -> list[float]:
+    return [variance, 0.0, 0.0, 0.0, variance, 0.0, 0.0, 0.0, variance]

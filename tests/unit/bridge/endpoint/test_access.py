@@ -1,0 +1,89 @@
+"""What devices.toml does not let a board do is not set up, and one line names the entry."""
+
+from __future__ import annotations
+
+import pytest
+
+from rostether.bridge.endpoint.access import check_endpoint, check_parameter
+from rostether.bridge.endpoint.factory import EndpointFactory
+from rostether.bridge.endpoint.table import EndpointTable
+from rostether.bridge.parameter_relay import Answer, ParameterRelay
+from rostether.bridge.settings import DEFAULT_SETTINGS
+from rostether.errors import AccessDeniedError
+from rostether.ports.devices_toml import parse_devices_toml
+from rostether.ports.settings import ANY_ACCESS, Access, DeviceSettings, NameRule
+from rostether.rosserial.events import ServiceRole, TopicRole
+from unit.bridge.doubles import FakeLine, until
+from unit.bridge.nodes import STORE, World, publisher, service, subscriber
+from unit.bridge.test_parameter_relay import Answers
+
+LIMITED = Access(
+    publish=NameRule(allow=("/lab/*",)),
+    subscribe=NameRule(deny=("/cmd_vel",)),
+    serve=NameRule(allow=()),
+    call=NameRule(allow=("/lab/*",), deny=("/lab/estop",)),
+    parameters=NameRule(allow=("/gains/*",)),
+)
+
+
+@pytest.mark.parametrize(
+    ("role", "name", "reason"),
+    [
+        (TopicRole.PUBLISHER, "/lab/imu", None),
+        (TopicRole.PUBLISHER, "/cmd_vel", "may not publish /cmd_vel: access.publish.allow has no entry"),
+        (TopicRole.SUBSCRIBER, "/led", None),
+        (TopicRole.SUBSCRIBER, "/cmd_vel", 'not subscribe to /cmd_vel: access.subscribe.deny has "/cmd_vel"'),
+        (ServiceRole.SERVER, "/switch", "may not serve /switch: access.serve.allow has no entry"),
+        (ServiceRole.CLIENT, "/lab/open", None),
+        (ServiceRole.CLIENT, "/lab/estop", 'may not call /lab/estop: access.call.deny has "/lab/estop"'),
+    ],
+)
+def test_each_direction_has_its_rule(role: TopicRole | ServiceRole, name: str, reason: str | None) -> None:
+    check_endpoint(ANY_ACCESS, role, name)
+    if reason is None:
+        check_endpoint(LIMITED, role, name)
+        return
+    with pytest.raises(AccessDeniedError) as caught:
+        check_endpoint(LIMITED, role, name)
+    assert reason in str(caught.value)
+
+
+def test_parameters_have_a_rule() -> None:
+    check_parameter(LIMITED, "/gains/p")
+    with pytest.raises(AccessDeniedError, match=r"may not read /secret: access\.parameters\.allow"):
+        check_parameter(LIMITED, "/secret")
+
+
+async def test_a_denied_endpoint_is_not_set_up_and_said_once() -> None:
+    world = await World().open()
+    device = DeviceSettings(access=LIMITED)
+    factory = EndpointFactory(world.board, STORE, world.notices, DEFAULT_SETTINGS, device)
+    table = EndpointTable(factory, world.notices)
+    line = FakeLine()
+    for _ in range(3):
+        assert not table.announce_topic(subscriber("cmd_vel"), line)
+        assert not table.announce_service(service(ServiceRole.SERVER), line)
+    assert table.announce_topic(publisher("lab/imu"), line)
+    await until(lambda: "/lab/imu" in world.network.snapshot().topics, "the topic")
+    assert "/cmd_vel" not in world.network.snapshot().topics
+    denied = [text for text in world.reporter.texts if "may not" in text]
+    assert len(denied) == 2
+    await table.close()
+
+
+async def test_a_denied_parameter_is_answered_with_nothing() -> None:
+    world = await World().open()
+    await world.board.set_param("/secret", 7)
+    await world.board.set_param("/gains/p", 3)
+    answers = Answers()
+    relay = ParameterRelay(answers, world.board, world.notices, DEFAULT_SETTINGS, answers.send, LIMITED)
+    for name in ("/secret", "secret", "/gains/p", "~gains//p"):
+        relay.ask(name)
+    await until(lambda: len(answers.given) == 4, "the answers")
+    assert answers.given == [Answer(), Answer(), Answer(ints=(3,)), Answer()]
+
+
+async def test_rules_of_a_file_reach_the_endpoints() -> None:
+    book = parse_devices_toml('[defaults.access]\npublish = { allow = ["/lab/*"] }\n')
+    with pytest.raises(AccessDeniedError):
+        check_endpoint(book.defaults.access, TopicRole.PUBLISHER, "/imu")

@@ -1,0 +1,151 @@
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+import pytest
+
+from rostether.bridge.endpoint.openings import EndpointOpenings
+from rostether.errors import GraphError, TypeMismatchError
+from rostether.rosserial.events import TopicRole
+from unit.bridge.doubles import until
+from unit.bridge.nodes import World, topic_info
+
+SLOT = (TopicRole.PUBLISHER, "level")
+
+
+class Endpoint:
+    """Notes what is done with it in a list it shares with others."""
+
+    def __init__(self, name: str, done: list[str]) -> None:
+        self.info = topic_info(name)
+        self.name = name
+        self.done = done
+        self.errors: list[Exception] = []
+        self.may_close = asyncio.Event()
+        self.may_close.set()
+
+    async def open(self) -> None:
+        if self.errors:
+            raise self.errors.pop(0)
+        self.done.append(f"{self.name} in")
+
+    async def close(self) -> None:
+        await self.may_close.wait()
+        self.done.append(f"{self.name} out")
+        if self.errors:
+            raise self.errors.pop(0)
+
+
+@pytest.fixture
+async def world() -> World:
+    return await World().open()
+
+
+async def test_the_old_leaves_before_the_new_comes_in(world: World) -> None:
+    done: list[str] = []
+    openings = EndpointOpenings(world.notices)
+    old: Any = Endpoint("old", done)
+    new: Any = Endpoint("new", done)
+    old.may_close.clear()
+    openings.open(SLOT, old)
+    await until(lambda: done == ["old in"], "the old")
+    openings.close(SLOT, old)
+    openings.open(SLOT, new)
+    await asyncio.sleep(0.01)
+    assert done == ["old in"]
+    old.may_close.set()
+    await until(lambda: done == ["old in", "old out", "new in"], "the new")
+
+
+async def test_what_leaves_before_it_came_in_waits_for_nothing(world: World) -> None:
+    done: list[str] = []
+    openings = EndpointOpenings(world.notices)
+    endpoints: list[Any] = [Endpoint(str(number), done) for number in range(3)]
+    for endpoint in endpoints:
+        openings.open(SLOT, endpoint)
+        openings.close(SLOT, endpoint)
+    await asyncio.wait_for(openings.finish(), 0.5)
+    assert done == ["0 out", "1 out", "2 out"]
+
+
+async def test_what_was_refused_for_its_type_opens_when_another_has_left(world: World) -> None:
+    done: list[str] = []
+    openings = EndpointOpenings(world.notices)
+    holder: Any = Endpoint("/level", done)
+    refused: Any = Endpoint("level", done)
+    refused.errors = [TypeMismatchError("published as another type")]
+    openings.open((TopicRole.PUBLISHER, "/level"), holder)
+    openings.open(SLOT, refused)
+    await until(lambda: world.reporter.having("level is not bridged"), "the refusal")
+    openings.close((TopicRole.PUBLISHER, "/level"), holder)
+    await until(lambda: done == ["/level in", "/level out", "level in"], "the second try")
+    await until(lambda: world.reporter.texts[-1] == "level is bridged now", "the line")
+
+
+async def test_a_refusal_at_the_end_is_a_line(world: World) -> None:
+    openings = EndpointOpenings(world.notices)
+    endpoint: Any = Endpoint("level", [])
+    openings.open(SLOT, endpoint)
+    await until(lambda: endpoint.done, "the opening")
+    endpoint.errors = [GraphError("the master is away")]
+    openings.close(SLOT, endpoint)
+    await until(lambda: world.reporter.texts, "the line")
+    assert world.reporter.texts == ["level may still be listed: the master is away"]
+
+
+async def test_a_defect_of_one_endpoint_is_a_line_and_the_next_opens(world: World) -> None:
+    done: list[str] = []
+    openings = EndpointOpenings(world.notices)
+    defective: Any = Endpoint("level", done)
+    defective.errors = [KeyError("open"), KeyError("close")]
+    openings.open(SLOT, defective)
+    await until(lambda: world.reporter.texts, "the line")
+    openings.close(SLOT, defective)
+    following: Any = Endpoint("next", done)
+    openings.open(SLOT, following)
+    await until(lambda: "next in" in done, "the next")
+    assert world.reporter.texts == [
+        "level is not bridged: KeyError: 'open'; please report it",
+        "level may still be listed: KeyError: 'close'; please report it",
+    ]
+
+
+async def test_finishing_waits_for_nobody_for_long(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rostether.bridge.endpoint.openings.CLOSE_LIMIT_S", 0.02)
+    openings = EndpointOpenings(world.notices)
+    hanging: Any = Endpoint("level", [])
+    hanging.may_close.clear()
+    openings.open(SLOT, hanging)
+    openings.close(SLOT, hanging)
+    await asyncio.wait_for(openings.finish(), 10.0)
+
+
+async def test_what_is_announced_at_once_comes_in_turn_by_turn(world: World) -> None:
+    done: list[str] = []
+    openings = EndpointOpenings(world.notices)
+    endpoints: list[Any] = [Endpoint(str(number), done) for number in range(50)]
+    for number, endpoint in enumerate(endpoints):
+        openings.open((TopicRole.PUBLISHER, str(number)), endpoint)
+    most, before = 0, 0
+    for _ in range(500):
+        await asyncio.sleep(0)
+        most, before = max(most, len(done) - before), len(done)
+    assert done == [f"{number} in" for number in range(50)]
+    assert most == 1
+
+
+async def test_an_endpoint_that_hangs_holds_up_no_other(world: World) -> None:
+    done: list[str] = []
+    openings = EndpointOpenings(world.notices)
+    hanging: Any = Endpoint("hanging", done)
+    hanging.may_close.clear()
+    openings.open(SLOT, hanging)
+    await until(lambda: done == ["hanging in"], "the first")
+    openings.close(SLOT, hanging)
+    other: Any = Endpoint("other", done)
+    openings.open((TopicRole.PUBLISHER, "other"), other)
+    await until(lambda: "other in" in done, "the other")
+    assert "hanging out" not in done
+    hanging.may_close.set()
+    await until(lambda: "hanging out" in done, "the end")

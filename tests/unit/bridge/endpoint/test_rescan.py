@@ -1,0 +1,74 @@
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+from rostether.bridge.board_node import BoardNode
+from rostether.bridge.endpoint.rescan import MAX_DEPTH, Rescan
+from rostether.bridge.session import Session
+from rostether.bridge.settings import BridgeSettings
+from rostether.rosserial import topic_id as ids
+from rostether.rosserial.events import HostEvent, TimeRequested
+from rostether.rosserial.frame import encode_frame
+from rostether.transports.memory import memory_pair
+from unit.bridge.doubles import until
+from unit.bridge.nodes import STORE, World, text, topic_info
+from unit.bridge.raw_board import RawBoard
+
+
+def lucky_header(topic_id: int, following: bytes) -> bytes:
+    """A header whose frame swallows what follows and passes its checksum by chance, if there is one."""
+    for size in range(200, len(following)):
+        candidate = encode_frame(topic_id, following[:size])
+        if candidate[-1] == following[size]:
+            return candidate[:7]
+    return b""
+
+
+class Swallower:
+    """A link in which every payload holds another."""
+
+    looks = 0
+
+    def look_inside(self, payload: bytes, now_s: float) -> list[HostEvent]:
+        self.looks += 1
+        return [TimeRequested()]
+
+
+def test_looks_end() -> None:
+    link: Any = Swallower()
+    look = Rescan(link, lambda event: look.rescan(b"", 0.0))
+    look.rescan(b"", 0.0)
+    assert link.looks == MAX_DEPTH
+    look.rescan(b"", 0.0)
+    assert link.looks == 2 * MAX_DEPTH
+
+
+async def test_header_garbage_between_messages_loses_hardly_any() -> None:
+    world = await World().open()
+    heard = await world.listen("/chatter")
+    loop = asyncio.get_running_loop()
+    node = BoardNode(world.board, STORE, world.reporter, loop.time, BridgeSettings())
+    ours, theirs = memory_pair()
+    RawBoard(theirs, (ids.PUBLISHER, topic_info("chatter", topic_id=125, buffer_size=2048)))
+    session = Session(ours, node)
+    session.start()
+    try:
+        await until(lambda: session.link.is_settled, "the negotiation")
+        sent = [text(f"message {number}") for number in range(3000)]
+        frames = [encode_frame(125, payload) for payload in sent]
+        stream = bytearray()
+        for number, frame in enumerate(frames):
+            if number % 100 == 0 and number < 2900:
+                stream += lucky_header(125, b"".join(frames[number : number + 85]))
+            stream += frame
+        for start in range(0, len(stream), 16384):
+            session.data_received(bytes(stream[start : start + 16384]))
+        await until(lambda: sent[-1] in heard, "the last message")
+        misfits = session.link.statistics.messages_received[125] - len(heard)
+        assert misfits > 15
+        assert len(sent) - len(heard) <= misfits
+        assert heard == [payload for payload in sent if payload in set(heard)]
+    finally:
+        await session.stop()
+        await node.close()

@@ -1,0 +1,322 @@
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from rostether.bridge.endpoint.factory import EndpointFactory
+from rostether.bridge.endpoint.table import EndpointTable
+from rostether.bridge.settings import DEFAULT_SETTINGS
+from rostether.errors import GraphError
+from rostether.graph.memory_graph import MemoryGraph
+from rostether.graph.memory_topics import MemoryPublisher
+from rostether.msgdef.interface import MessageType
+from rostether.rosserial.events import (
+    ServiceRole,
+    ServiceWithdrawn,
+    TopicAnnounced,
+    TopicRole,
+    TopicWithdrawn,
+)
+from unit.bridge.doubles import FakeLine, until
+from unit.bridge.nodes import STORE, World, publisher, service, subscriber, text, topic_info
+
+
+class Table(World):
+    """A world with the board's endpoint table in it."""
+
+    table: EndpointTable
+
+    async def open(self) -> Table:
+        await super().open()
+        factory = EndpointFactory(self.board, STORE, self.notices, DEFAULT_SETTINGS)
+        self.table = EndpointTable(factory, self.notices)
+        return self
+
+    def publishers(self, topic: str) -> tuple[str, ...]:
+        info = self.network.snapshot().topics.get(topic)
+        return info.publishers if info is not None else ()
+
+    def subscribers(self, topic: str) -> tuple[str, ...]:
+        info = self.network.snapshot().topics.get(topic)
+        return info.subscribers if info is not None else ()
+
+    async def advertised(self, topic: str) -> None:
+        await until(lambda: "/board" in self.publishers(topic), f"{topic} to be advertised")
+
+    async def withdrawn(self, topic: str) -> None:
+        await until(lambda: "/board" not in self.publishers(topic), f"{topic} to be withdrawn")
+
+
+@pytest.fixture
+async def world() -> Table:
+    return await Table().open()
+
+
+async def test_a_board_may_publish_and_subscribe_one_name(world: Table) -> None:
+    line = FakeLine()
+    assert world.table.announce_topic(publisher("loop"), line)
+    assert world.table.announce_topic(subscriber("loop"), line)
+    await world.advertised("/loop")
+    await until(lambda: "/board" in world.subscribers("/loop"), "the subscription")
+
+
+async def test_two_ids_of_one_topic_both_count(world: Table) -> None:
+    heard, line = await world.listen("/chatter"), FakeLine()
+    world.table.announce_topic(publisher(topic_id=125), line)
+    world.table.announce_topic(publisher(topic_id=126), line)
+    line.receivers[125]([text("a")])
+    line.receivers[126]([text("b")])
+    await until(lambda: len(heard) == 2, "both messages")
+
+
+async def test_an_unknown_type_is_one_line_and_stops_no_other_topic(world: Table) -> None:
+    line = FakeLine()
+    info = topic_info("odd", md5sum="0" * 32)
+    for _ in range(3):
+        unknown = TopicAnnounced(TopicRole.PUBLISHER, replace(info, message_type="my_robot/Odd"))
+        assert not world.table.announce_topic(unknown, line)
+    assert world.table.announce_topic(publisher(topic_id=126), line)
+    await world.advertised("/chatter")
+    (said,) = world.reporter.having("odd")
+    assert "my_robot" in said
+    assert "--msg-path" in said
+
+
+async def test_another_definition_is_one_line_with_both_md5sums(world: Table) -> None:
+    line = FakeLine()
+    theirs = "f" * 32
+    info = topic_info("chatter", md5sum=theirs)
+    assert not world.table.announce_topic(TopicAnnounced(TopicRole.PUBLISHER, info), line)
+    (said,) = world.reporter.texts
+    assert theirs in said
+    assert STORE.registry.message_type("std_msgs/String").md5sum in said
+    assert world.publishers("/chatter") == ()
+
+
+async def test_another_definition_of_a_service_is_told_by_its_half(world: Table) -> None:
+    switch = service(ServiceRole.SERVER)
+    switch = replace(switch, response=replace(switch.response, md5sum="f" * 32))
+    assert not world.table.announce_service(switch, FakeLine())
+    assert "SetBoolResponse" in world.reporter.texts[0]
+
+
+async def test_an_illegal_name_is_one_line(world: Table) -> None:
+    assert not world.table.announce_topic(publisher("1st"), FakeLine())
+    assert "1st" in world.reporter.texts[0]
+
+
+async def test_a_board_that_comes_back_finds_its_topics_as_they_were(world: Table) -> None:
+    heard, old, new = await world.listen("/chatter"), FakeLine(), FakeLine()
+    connections: list[Mapping[str, str]] = []
+    await world.peer.subscribe(
+        "/chatter",
+        STORE.registry.message_type("std_msgs/String"),
+        lambda _: None,
+        on_connection=connections.append,
+    )
+    world.table.announce_topic(publisher(topic_id=125), old)
+    await world.advertised("/chatter")
+    world.table.detach_all()
+    assert world.publishers("/chatter") == ("/board",)
+    world.table.announce_topic(publisher(topic_id=130), new)
+    world.table.settle()
+    new.receivers[130]([text("back")])
+    await until(lambda: heard, "the message")
+    assert len(connections) == 1, "the subscriber was not connected anew"
+    assert [endpoint.info for _, endpoint in world.table] == [topic_info(topic_id=130)]
+
+
+async def test_what_is_not_announced_again_leaves_the_graph(world: Table) -> None:
+    old, new = FakeLine(), FakeLine()
+    world.table.announce_topic(publisher("kept"), old)
+    world.table.announce_topic(publisher("gone", topic_id=126), old)
+    await world.advertised("/gone")
+    world.table.detach_all()
+    world.table.announce_topic(publisher("kept"), new)
+    assert world.publishers("/gone") == ("/board",)
+    world.table.settle()
+    await world.withdrawn("/gone")
+    assert world.publishers("/kept") == ("/board",)
+
+
+async def test_another_type_replaces_the_topic(world: Table) -> None:
+    line = FakeLine()
+    world.table.announce_topic(publisher("level"), line)
+    await world.advertised("/level")
+    world.table.detach_all()
+    world.table.announce_topic(publisher("level", "std_msgs/UInt16"), line)
+    await until(lambda: world.network.snapshot().topics["/level"].type == "std_msgs/UInt16", "the new type")
+    assert len(list(world.table)) == 1
+
+
+async def test_a_sketch_flashed_anew_gives_a_name_another_type_under_another_id(world: Table) -> None:
+    heard, line = await world.listen("/level", "std_msgs/UInt16"), FakeLine()
+    world.table.announce_topic(publisher("gone", topic_id=125), line)
+    world.table.announce_topic(publisher("level", topic_id=126), line)
+    await world.advertised("/level")
+    # As the link tells of a reset: the ids that changed, and, some time later, what was not announced again.
+    world.table.withdraw(TopicWithdrawn(TopicRole.PUBLISHER, topic_info("gone", topic_id=125)))
+    world.table.announce_topic(publisher("level", "std_msgs/UInt16", topic_id=125), line)
+    await asyncio.sleep(0.01)
+    world.table.withdraw(TopicWithdrawn(TopicRole.PUBLISHER, topic_info("level", topic_id=126)))
+    world.table.settle()
+    line.receivers[125]([b"\x07\x00"])
+    await until(lambda: heard == [b"\x07\x00"], "the message of the new type")
+    assert world.reporter.texts == []
+    assert set(line.receivers) == {125}
+
+
+async def test_two_ids_of_a_lost_board_both_give_way_to_another_type(world: Table) -> None:
+    old, new = FakeLine(), FakeLine()
+    world.table.announce_topic(publisher("level", topic_id=125), old)
+    world.table.announce_topic(publisher("level", topic_id=126), old)
+    await world.advertised("/level")
+    world.table.detach_all()
+    world.table.announce_topic(publisher("level", "std_msgs/UInt16", topic_id=125), new)
+    await until(lambda: world.network.snapshot().topics["/level"].type == "std_msgs/UInt16", "the new type")
+    assert world.reporter.texts == []
+    assert len(list(world.table)) == 1
+
+
+async def test_one_name_with_two_types_is_one_line_and_the_last_is_served(world: Table) -> None:
+    line = FakeLine()
+    # In one chunk: the first is still on its way into the graph when it must leave it.
+    world.table.announce_topic(publisher("level", topic_id=125), line)
+    world.table.announce_topic(publisher("level", "std_msgs/UInt16", topic_id=126), line)
+    world.table.settle()
+    await world.advertised("/level")
+    assert world.network.snapshot().topics["/level"].type == "std_msgs/UInt16"
+    (said,) = world.reporter.texts
+    assert "level twice with two types" in said
+
+
+async def test_a_name_that_another_spelling_held_is_bridged_when_that_has_gone(world: Table) -> None:
+    heard, line = await world.listen("/level", "std_msgs/UInt16"), FakeLine()
+    world.table.announce_topic(publisher("/level", topic_id=126), line)
+    await world.advertised("/level")
+    world.table.announce_topic(publisher("level", "std_msgs/UInt16", topic_id=125), line)
+    await until(lambda: world.reporter.having("level is not bridged"), "the refusal")
+    world.table.withdraw(TopicWithdrawn(TopicRole.PUBLISHER, topic_info("/level", topic_id=126)))
+    line.receivers[125]([b"\x07\x00"])
+    await until(lambda: heard == [b"\x07\x00"], "the message of the new type")
+    await until(lambda: world.reporter.texts[-1] == "level is bridged now", "the good news")
+
+
+async def test_the_device_withdraws_a_topic(world: Table) -> None:
+    line = FakeLine()
+    world.table.announce_topic(publisher(), line)
+    await world.advertised("/chatter")
+    world.table.withdraw(TopicWithdrawn(TopicRole.PUBLISHER, topic_info()))
+    await world.withdrawn("/chatter")
+    assert line.receivers == {}
+
+
+async def test_services_come_and_go(world: Table) -> None:
+    line = FakeLine()
+    served, called = (
+        service(ServiceRole.SERVER, "served"),
+        service(ServiceRole.CLIENT, "called", first_id=120),
+    )
+    assert world.table.announce_service(served, line)
+    assert world.table.announce_service(called, line)
+    await until(lambda: "/served" in world.network.snapshot().services, "the service")
+    assert set(line.receivers) == {111, 120}
+    for event in (served, called):
+        world.table.withdraw(
+            ServiceWithdrawn(event.role, event.name, event.type, event.request, event.response)
+        )
+    await until(lambda: not world.network.snapshot().services, "the service to go")
+    assert line.receivers == {}
+
+
+async def test_a_service_that_comes_back_under_other_ids_is_the_same(world: Table) -> None:
+    old, new = FakeLine(), FakeLine()
+    world.table.announce_service(service(ServiceRole.SERVER), old)
+    await until(lambda: "/switch" in world.network.snapshot().services, "the service")
+    world.table.detach_all()
+    world.table.announce_service(service(ServiceRole.SERVER, first_id=120), new)
+    assert set(new.receivers) == {121}
+    assert len(list(world.table)) == 1
+
+
+async def test_the_old_ids_of_a_service_go_and_it_stays(world: Table) -> None:
+    line = FakeLine()
+    old = service(ServiceRole.SERVER, first_id=110)
+    world.table.announce_service(old, line)
+    await until(lambda: "/switch" in world.network.snapshot().services, "the service")
+    world.table.announce_service(service(ServiceRole.SERVER, first_id=120), line)
+    world.table.withdraw(ServiceWithdrawn(old.role, old.name, old.type, old.request, old.response))
+    world.table.settle()
+    assert set(line.receivers) == {121}
+    assert len(list(world.table)) == 1
+
+
+async def test_a_reset_board_gets_latched_messages_again(world: Table) -> None:
+    latched = await world.peer.advertise("/led", STORE.registry.message_type("std_msgs/String"), latch=True)
+    latched.publish_raw([text("config")])
+    line = FakeLine()
+    world.table.announce_topic(subscriber("led"), line)
+    await until(lambda: line.transport.written.count(b"config") == 1, "the latched message")
+    world.table.renew_latched()
+    await until(lambda: line.transport.written.count(b"config") == 2, "the latched message again")
+    world.table.detach_all()
+    again = FakeLine()
+    world.table.announce_topic(subscriber("led"), again)
+    await until(lambda: again.transport.written.count(b"config") == 1, "the latched message after the loss")
+
+
+class RefusingGraph:
+    """Passes on to a real node, but refuses to advertise a few times."""
+
+    def __init__(self, graph: MemoryGraph, refusals: int) -> None:
+        self._graph = graph
+        self.refusals = refusals
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._graph, name)
+
+    async def advertise(self, topic: str, message_type: MessageType, **options: Any) -> MemoryPublisher:
+        if self.refusals:
+            self.refusals -= 1
+            raise GraphError("the master said no")
+        return await self._graph.advertise(topic, message_type, **options)
+
+
+async def test_a_graph_that_refuses_is_asked_again(world: Table) -> None:
+    heard, line = await world.listen("/chatter"), FakeLine()
+    refusing: Any = RefusingGraph(world.board, 2)
+    factory = EndpointFactory(refusing, STORE, world.notices, DEFAULT_SETTINGS)
+    table = EndpointTable(factory, world.notices)
+    table.announce_topic(publisher(), line)
+    line.receivers[125]([text("early")])
+    await until(lambda: heard, "the message")
+    assert heard == [text("early")]
+    assert len(world.reporter.having("the master said no")) == 1
+
+
+async def test_a_topic_that_goes_while_the_graph_refuses_it_is_given_up(world: Table) -> None:
+    refusing: Any = RefusingGraph(world.board, 10_000)
+    table = EndpointTable(EndpointFactory(refusing, STORE, world.notices, DEFAULT_SETTINGS), world.notices)
+    table.announce_topic(publisher(), FakeLine())
+    await until(lambda: world.reporter.texts, "the refusal")
+    asked = refusing.refusals
+    await asyncio.wait_for(table.close(), 10.0)
+    assert refusing.refusals >= asked - 1
+
+
+async def test_closing_takes_everything_out_of_the_graph(world: Table) -> None:
+    line = FakeLine()
+    world.table.announce_topic(publisher(), line)
+    world.table.announce_topic(subscriber("led"), line)
+    world.table.announce_service(service(ServiceRole.SERVER), line)
+    await world.advertised("/chatter")
+    await world.table.close()
+    snapshot = world.network.snapshot()
+    assert world.publishers("/chatter") == ()
+    assert world.subscribers("/led") == ()
+    assert snapshot.services == {}
+    assert line.receivers == {}

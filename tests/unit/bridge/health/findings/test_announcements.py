@@ -1,0 +1,76 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+from rostether.bridge.health.findings.announcements import MAX_KEPT, Announcements, is_overwritten
+from rostether.bridge.health.findings.finding import Code
+from rostether.rosserial import topic_id as ids
+from rostether.rosserial.events import AnnouncementRefused, DiscardReason, FrameDiscarded
+from rostether.rosserial.packets import TopicInfo
+
+GARBLED = TopicInfo(101, "te\x00mp", "std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1", 280)
+
+
+def refused(info: TopicInfo) -> FrameDiscarded:
+    return FrameDiscarded(DiscardReason.REFUSED, info.encode())
+
+
+def test_names_that_no_compiler_has_put_there() -> None:
+    assert is_overwritten(GARBLED)
+    assert is_overwritten(replace(GARBLED, topic_name="temp", md5sum=""))
+    assert not is_overwritten(replace(GARBLED, topic_name="temp"))
+    assert not is_overwritten(replace(GARBLED, topic_name="my topic"))
+
+
+def test_once_may_be_the_line_and_twice_is_the_board() -> None:
+    announcements = Announcements()
+    announcements.discarded(refused(GARBLED))
+    assert announcements.find() == []
+    announcements.discarded(refused(replace(GARBLED, topic_name="te\x7fmp")))
+    (finding,) = announcements.find()
+    assert finding.code is Code.RAM_OVERFLOW
+    assert "\\x00" in finding.seen or "\\x7f" in finding.seen
+
+
+def test_lengths_that_were_overwritten() -> None:
+    announcements = Announcements()
+    packet = FrameDiscarded(DiscardReason.PACKET, b"\x65\x00\xff\xff\x00\x00temp")
+    announcements.discarded(packet)
+    announcements.discarded(FrameDiscarded(DiscardReason.PACKET, b"noise that passed its checksum"))
+    assert announcements.find() == []
+    announcements.discarded(packet)
+    announcements.discarded(packet)
+    assert [each.code for each in announcements.find()] == [Code.RAM_OVERFLOW]
+
+
+def test_it_is_said_which_packets_are_damaged() -> None:
+    announcements = Announcements()
+    for _ in range(3):
+        announcements.discarded(FrameDiscarded(DiscardReason.PACKET, b"", ids.LOG))
+    (finding,) = announcements.find()
+    assert finding.seen.startswith("log lines are damaged inside the board (empty) though")
+
+
+def test_a_readable_name_that_is_wrong_is_the_sketch() -> None:
+    announcements = Announcements()
+    reason = "a name begins with a letter; write my_topic in the sketch"
+    announcements.refused(AnnouncementRefused("my topic", "std_msgs/String", reason))
+    (finding,) = announcements.find()
+    assert finding.code is Code.NOT_BRIDGED
+    assert finding.seen == "my topic [std_msgs/String] is not bridged: a name begins with a letter"
+    assert finding.next_step == "write my_topic in the sketch"
+    assert finding.is_told
+
+
+def test_a_damaged_name_is_not_told_twice() -> None:
+    announcements = Announcements()
+    announcements.refused(AnnouncementRefused("te\x00mp", "std_msgs/String", "a name begins; write it"))
+    assert announcements.find() == []
+
+
+def test_a_board_that_makes_up_names_fills_no_memory() -> None:
+    announcements = Announcements()
+    for number in range(1000):
+        announcements.discarded(refused(replace(GARBLED, topic_name=f"\x00{number}")))
+        announcements.refused(AnnouncementRefused(str(number), "a/B", "no; change it"))
+    assert len(announcements.find()) <= MAX_KEPT + 1

@@ -1,0 +1,67 @@
+from __future__ import annotations
+
+from rostether.bridge.health.findings.damage import WINDOW_S, Damage
+from rostether.bridge.health.findings.finding import Code
+from rostether.rosserial.events import DiscardReason, FrameDiscarded
+
+CHECKSUM = FrameDiscarded(DiscardReason.PAYLOAD_CHECKSUM, b"\xff\xfe\x05\x00\xfa")
+REST = FrameDiscarded(DiscardReason.NOISE, b"the rest of it")
+
+
+def test_the_share_is_told() -> None:
+    damage = Damage()
+    assert damage.find(0, 0.0) is None
+    for number in range(10):
+        damage.count_discarded(CHECKSUM, number / 10)
+    finding = damage.find(490, 1.0)
+    assert finding is not None
+    assert finding.code is Code.FRAMES_DAMAGED
+    assert finding.seen.startswith("2 % of the frames come damaged (10 of 500")
+
+
+def test_the_rest_of_a_damaged_frame_is_no_second_one() -> None:
+    damage = Damage()
+    damage.find(0, 0.0)
+    for number in range(5):
+        damage.count_discarded(CHECKSUM, float(number))
+        damage.count_discarded(REST, float(number))
+    finding = damage.find(5, 5.0)
+    assert finding is not None
+    assert "(5 of 10" in finding.seen
+
+
+def test_a_frame_whose_first_byte_was_damaged_counts() -> None:
+    damage = Damage()
+    damage.find(0, 0.0)
+    for number in range(1, 5):
+        damage.count_discarded(REST, float(number))
+    finding = damage.find(4, 5.0)
+    assert finding is not None
+    assert "(4 of 8" in finding.seen
+
+
+def test_one_damaged_frame_is_nothing() -> None:
+    damage = Damage()
+    damage.find(0, 0.0)
+    damage.count_discarded(CHECKSUM, 0.5)
+    assert damage.find(10, 1.0) is None
+
+
+def test_what_was_repaired_is_over_after_a_while() -> None:
+    damage = Damage()
+    damage.find(0, 0.0)
+    for number in range(10):
+        damage.count_discarded(CHECKSUM, number / 10)
+    assert damage.find(100, 1.0) is not None
+    for second in range(2, int(3 * WINDOW_S)):
+        finding = damage.find(100 * second, float(second))
+    assert finding is None
+
+
+def test_what_resets_cut_in_two_is_not_the_lines_fault() -> None:
+    damage = Damage()
+    damage.find(0, 0.0)
+    for number in range(6):
+        damage.count_discarded(CHECKSUM, number / 10)
+    assert damage.find(100, 1.0, 3) is None
+    assert damage.find(100, 1.0, 1) is not None

@@ -1,0 +1,93 @@
+from __future__ import annotations
+
+import pytest
+
+from rostether.bridge.health.findings.finding import Code
+from rostether.bridge.health.findings.loop_speed import LoopSpeed
+
+
+def requests(period_s: float, count: int = 6) -> LoopSpeed:
+    speed = LoopSpeed()
+    for number in range(count):
+        speed.request(number * period_s, 0)
+    return speed
+
+
+def test_a_prompt_board() -> None:
+    speed = requests(2.503)
+    assert speed.late_s == pytest.approx(0.003)
+    assert speed.find(is_listener=True) is None
+
+
+def test_a_board_that_is_late() -> None:
+    finding = requests(2.8).find(is_listener=True)
+    assert finding is not None
+    assert finding.code is Code.SLOW_LOOP
+    assert "late by 300 ms" in finding.seen
+
+
+def test_a_board_that_only_publishes_may_be_slower() -> None:
+    assert requests(3.0).find(is_listener=False) is None
+    assert requests(3.3).find(is_listener=False) is not None
+
+
+def test_answers_to_our_own_questions_say_nothing() -> None:
+    speed = LoopSpeed()
+    for number in range(10):
+        speed.request(number * 2.7, number)
+    assert speed.late_s is None
+
+
+def test_a_request_that_was_overdue_counts_whatever_was_asked() -> None:
+    speed = LoopSpeed()
+    for number in range(4):
+        speed.request(number * 3.4, number)
+    assert speed.late_s == pytest.approx(0.9)
+
+
+def test_one_request_that_was_lost_is_no_rule() -> None:
+    speed = LoopSpeed()
+    for time_s in (0.0, 2.5, 5.0, 10.0, 12.5, 15.0):
+        speed.request(time_s, 0)
+    assert speed.find(is_listener=True) is None
+
+
+def test_after_a_reset_it_begins_anew() -> None:
+    speed = LoopSpeed()
+    speed.request(0.0, 0)
+    speed.forget()
+    speed.request(4.0, 0)
+    assert speed.late_s is None
+
+
+def test_a_single_late_request_is_worth_another_look() -> None:
+    speed = LoopSpeed()
+    speed.request(0.0, 0)
+    speed.request(3.3, 0)
+    assert speed.is_suspect
+    speed.request(5.8, 0)
+    assert not speed.is_suspect
+
+
+def test_our_own_library_asks_sooner() -> None:
+    speed = LoopSpeed()
+    speed.is_ours = True
+    for number in range(5):
+        speed.request(number * 2.4, 0)
+    assert speed.late_s == pytest.approx(0.2)
+    assert speed.find(is_listener=True) is not None
+
+
+def test_a_library_that_asks_sooner_is_taken_for_ours() -> None:
+    speed = LoopSpeed()
+    for number in range(5):
+        speed.request(number * 2.35, 0)
+    assert speed.late_s == pytest.approx(0.15)
+
+
+def test_jitter_does_not_make_an_established_board_ours() -> None:
+    speed = LoopSpeed()
+    for moment_s in (0.0, 2.5, 5.05, 7.4, 10.0, 12.5):
+        speed.request(moment_s, 0)
+    assert speed.late_s == pytest.approx(0.0, abs=0.06)
+    assert speed.find(is_listener=True) is None

@@ -1,0 +1,75 @@
+from __future__ import annotations
+
+import errno
+
+import pytest
+
+from rostether.bridge.health.findings.finding import Code
+from rostether.bridge.health.findings.port import open_error_finding, port_findings
+from rostether.errors import TransportOpenError
+from rostether.transports.port_facts import PortFacts
+from rostether.transports.port_holders import Holder
+
+PORT = "/dev/ttyACM0"
+
+
+def told(facts: PortFacts) -> str:
+    (finding,) = port_findings(facts)
+    return f"{finding.code}: {finding}"
+
+
+def test_a_good_port() -> None:
+    assert port_findings(PortFacts(PORT)) == []
+
+
+def test_a_port_that_is_not_there() -> None:
+    alone = told(PortFacts(PORT, exists=False))
+    assert alone.startswith("no-port: there is no port /dev/ttyACM0")
+    assert "carries data" in alone
+    near = told(PortFacts(PORT, exists=False, near=("/dev/ttyACM1 (Arduino Uno)",), others=("/dev/ttyS0",)))
+    assert "did you mean /dev/ttyACM1 (Arduino Uno)?" in near
+    assert "there is /dev/ttyS0" in told(PortFacts(PORT, exists=False, others=("/dev/ttyS0",)))
+
+
+def test_permission_with_the_exact_command() -> None:
+    assert "type: sudo usermod -aG dialout $USER" in told(PortFacts(PORT, may_open=False, group="dialout"))
+    assert f"type: sudo chmod a+rw {PORT}" in told(PortFacts(PORT, may_open=False))
+
+
+def test_who_has_it() -> None:
+    line = told(PortFacts(PORT, holders=(Holder(4711, "screen"), Holder(4712, "cat"))))
+    assert "screen (pid 4711), cat (pid 4712)" in line
+    assert "kill 4711 4712" in line
+
+
+def test_no_port_at_all() -> None:
+    assert told(PortFacts("/tmp", is_device=False)).startswith("not-a-port")
+
+
+@pytest.mark.parametrize(
+    ("code", "expected"),
+    [
+        (errno.ENOENT, Code.NO_PORT),
+        (errno.ENXIO, Code.NO_PORT),
+        (errno.EACCES, Code.NO_PERMISSION),
+        (errno.EPERM, Code.NO_PERMISSION),
+        (errno.EBUSY, Code.BUSY),
+        (errno.ENOTTY, Code.NOT_A_PORT),
+        (errno.EIO, Code.CANNOT_OPEN),
+    ],
+)
+def test_why_a_port_did_not_open(code: int, expected: Code) -> None:
+    failure = TransportOpenError("cannot open it; do something")
+    failure.__cause__ = OSError(code, "reason")
+    finding = open_error_finding(PortFacts(PORT), failure)
+    assert finding.code is expected
+    assert finding.next_step
+
+
+def test_a_failure_in_its_own_words() -> None:
+    finding = open_error_finding(PortFacts(PORT), TransportOpenError("robot:11411 refuses; start it"))
+    assert (finding.code, finding.seen, finding.next_step) == (
+        Code.CANNOT_OPEN,
+        "robot:11411 refuses",
+        "start it",
+    )

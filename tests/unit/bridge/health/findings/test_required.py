@@ -1,0 +1,39 @@
+from __future__ import annotations
+
+from rostether.bridge.health.findings.finding import Code
+from rostether.bridge.health.findings.required import RequiredTopics
+from rostether.errors import InvalidNameError
+
+
+def resolve(name: str) -> str:
+    if " " in name:
+        raise InvalidNameError(name)
+    return name if name.startswith("/") else f"/{name}"
+
+
+def test_nothing_is_required_unless_somebody_says_so() -> None:
+    required = RequiredTopics()
+    required.settled([])
+    assert required.find() == []
+
+
+def test_names_are_compared_in_full() -> None:
+    required = RequiredTopics(["imu", "/odom"], resolve)
+    assert required.find() == []
+    required.settled(["/imu", "odom", "a b"])
+    assert required.find() == []
+
+
+def test_what_is_missing_is_named_with_what_is_there() -> None:
+    required = RequiredTopics(["imu", "/odom"], resolve)
+    required.settled(["imu", "chatter"])
+    (finding,) = required.find()
+    assert finding.code is Code.MISSING_TOPIC
+    assert "does not announce /odom, which" in finding.seen
+    assert "it has imu, chatter" in finding.seen
+    required.settled([])
+    assert "it has no topic" in required.find()[0].seen
+    required.settled([f"t{number}" for number in range(20)])
+    assert "and 12 more" in required.find()[0].seen
+    required.forget()
+    assert required.find() == []

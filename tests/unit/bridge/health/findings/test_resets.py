@@ -1,0 +1,33 @@
+from __future__ import annotations
+
+from rostether.bridge.health.findings.finding import Code
+from rostether.bridge.health.findings.resets import WINDOW_S, Resets
+
+
+def test_three_in_a_minute_are_a_loop() -> None:
+    resets = Resets()
+    for second in (0.0, 10.0):
+        resets.happened(second)
+    assert resets.find(20.0, None) is None
+    resets.happened(20.0)
+    finding = resets.find(20.0, None)
+    assert finding is not None
+    assert finding.code is Code.RESET_LOOP
+    assert "3 times in 20 s" in finding.seen
+
+
+def test_what_the_board_says_is_told() -> None:
+    resets = Resets()
+    for second in range(3):
+        resets.happened(float(second))
+    finding = resets.find(3.0, "Brownout detector was triggered")
+    assert finding is not None
+    assert "Brownout detector" in finding.seen
+
+
+def test_the_button_pressed_now_and_then_is_no_loop() -> None:
+    resets = Resets()
+    for number in range(20):
+        resets.happened(number * WINDOW_S / 2.2)
+        assert resets.find(number * WINDOW_S / 2.2, None) is None or number >= 2
+    assert resets.find(1e6, None) is None

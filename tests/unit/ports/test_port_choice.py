@@ -1,0 +1,55 @@
+from __future__ import annotations
+
+import pytest
+
+from rostether.ports.port_choice import Choice, choose, identify
+from rostether.ports.settings import NO_SETTINGS, DeviceMatch, DeviceSettings, DiscoverySettings
+from rostether.transports.serial_port import SerialPort
+
+UNO = SerialPort("/dev/ttyACM0", "Uno", usb_vendor_id=0x2341, usb_product_id=0x43, serial_number="7")
+NANO = SerialPort("/dev/ttyUSB0", "USB Serial", usb_vendor_id=0x1A86, usb_product_id=0x7523)
+MODEM = SerialPort("/dev/ttyUSB1", "LTE modem", usb_vendor_id=0x2C7C, usb_product_id=0x125)
+GPS = SerialPort("/dev/ttyACM1", "u-blox", usb_vendor_id=0x1546, usb_product_id=0x1A8)
+SERVOS = SerialPort("/dev/ttyUSB2", "U2D2", usb_vendor_id=0x403, usb_product_id=0x6014)
+BOOTLOADER = SerialPort("/dev/ttyACM2", "Leonardo", usb_vendor_id=0x2341, usb_product_id=0x36)
+BUILT_IN = SerialPort("/dev/ttyS0", "serial port")
+
+
+@pytest.mark.parametrize(
+    ("port", "choice"),
+    [
+        (UNO, Choice.ASK),
+        (NANO, Choice.LISTEN),
+        (MODEM, Choice.OFFER),
+        (GPS, Choice.OFFER),
+        (SERVOS, Choice.OFFER),
+        (BOOTLOADER, Choice.OFFER),
+        (BUILT_IN, Choice.LEAVE),
+    ],
+)
+def test_without_a_word_of_the_user(port: SerialPort, choice: Choice) -> None:
+    assert choose(port, NO_SETTINGS, DiscoverySettings()) is choice
+
+
+@pytest.mark.parametrize("entry", ["2c7c:0125", "2C7C:0125", "/dev/ttyUSB1", "/dev/ttyUSB*", "all"])
+def test_the_user_allows_a_port(entry: str) -> None:
+    assert choose(MODEM, NO_SETTINGS, DiscoverySettings(probe=(entry,))) is Choice.EXPECT
+    assert choose(MODEM, NO_SETTINGS, DiscoverySettings(probe=(entry,), ignore=(entry,))) is Choice.LEAVE
+
+
+def test_all_means_ports_that_are_not_on_usb_too() -> None:
+    assert choose(BUILT_IN, NO_SETTINGS, DiscoverySettings(probe=("all",))) is Choice.EXPECT
+
+
+def test_a_board_in_the_users_file_is_allowed() -> None:
+    match = DeviceMatch(usb_id="2c7c:0125")
+    assert choose(MODEM, DeviceSettings(match=match), DiscoverySettings()) is Choice.EXPECT
+    assert choose(MODEM, DeviceSettings(match=match, baud=9600), DiscoverySettings()) is Choice.SERVE
+    assert choose(MODEM, DeviceSettings(match=match), DiscoverySettings(ignore=("all",))) is Choice.EXPECT
+    # A speed for all boards does not say which ports have one.
+    assert choose(MODEM, DeviceSettings(baud=9600), DiscoverySettings()) is Choice.OFFER
+
+
+def test_marks() -> None:
+    assert identify(UNO).key == "usb 2341:0043 7"
+    assert identify(BUILT_IN).key == "port /dev/ttyS0"

@@ -1,0 +1,55 @@
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from rostether.ports import port_locks
+from rostether.ports.port_locks import find_user
+
+
+def test_our_own_use_is_none(tmp_path: Path) -> None:
+    port = tmp_path / "ttyACM0"
+    with port.open("w"):
+        assert find_user(str(port)) is None
+
+
+def test_a_program_without_any_lock_is_seen(tmp_path: Path) -> None:
+    port = tmp_path / "ttyACM0"
+    port.touch()
+    code = f"import sys; port = open({str(port)!r}); print(); sys.stdin.read()"
+    with subprocess.Popen(
+        [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    ) as program:
+        assert program.stdout is not None
+        program.stdout.readline()
+        assert f"(pid {program.pid})" in (find_user(str(port)) or "")
+        program.kill()
+    assert find_user(str(port)) is None
+
+
+@pytest.mark.parametrize("form", ["{:>10}\n", "{}", "{:>10} minicom root\n"])
+def test_a_lock_file_counts_while_its_program_runs(
+    form: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(port_locks, "LOCK_FOLDERS", (str(tmp_path),))
+    lock = tmp_path / "LCK..ttyACM0"
+    lock.write_text(form.format(os.getppid()))
+    assert f"pid {os.getppid()}" in (find_user("/dev/ttyACM0") or "")
+    assert find_user("/dev/ttyACM1") is None
+    ended = subprocess.Popen([sys.executable, "-c", ""])
+    ended.wait()
+    lock.write_text(form.format(ended.pid))
+    assert find_user("/dev/ttyACM0") is None
+
+
+@pytest.mark.parametrize("content", [b"", b"rubbish", b"-1", b"99999999999999999999", b"\xff\xff\xff\xff"])
+def test_a_lock_file_that_makes_no_sense_locks_nothing(
+    content: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(port_locks, "LOCK_FOLDERS", (str(tmp_path),))
+    (tmp_path / "LCK..ttyACM0").write_bytes(content)
+    assert find_user("/dev/ttyACM0") is None

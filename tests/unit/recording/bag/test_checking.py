@@ -1,0 +1,66 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rostether.recording.bag.checking import faults_of
+from rostether.recording.bag.records import OP_CHUNK, OP_CHUNK_INFO, OP_INDEX, op_of, read_record
+from unit.recording.bags import write_bag
+
+
+@pytest.fixture
+def data(tmp_path: Path) -> bytearray:
+    write_bag(tmp_path / "a.bag")
+    return bytearray((tmp_path / "a.bag").read_bytes())
+
+
+def _first(data: bytearray, op: int) -> tuple[int, int]:
+    position = 13
+    while True:
+        before = position
+        fields, start, position = read_record(bytes(data), position)
+        if op_of(fields) == op:
+            return before, start
+
+
+@pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])
+def test_what_was_written_is_sound(tmp_path: Path, compression: str) -> None:
+    write_bag(tmp_path / "a.bag", compression=compression)
+    assert faults_of((tmp_path / "a.bag").read_bytes()) == []
+
+
+@pytest.mark.parametrize(
+    ("place", "told"),
+    [(0, "no message of connection"), (4, "no message of connection"), (8, "the index behind it is wrong")],
+)
+def test_an_index_that_names_another_time_or_place(data: bytearray, place: int, told: str) -> None:
+    _, start = _first(data, OP_INDEX)
+    data[start + place] ^= 0x11
+    (fault,) = faults_of(bytes(data))
+    assert told in fault
+
+
+def test_an_index_of_another_connection(data: bytearray) -> None:
+    before, _ = _first(data, OP_INDEX)
+    data[data.index(b"conn=", before) + 5] ^= 1
+    (fault,) = faults_of(bytes(data))
+    assert "the index behind it is wrong" in fault
+
+
+def test_counts_and_times_of_the_bags_own_index(data: bytearray) -> None:
+    before, start = _first(data, OP_CHUNK_INFO)
+    data[start + 4] ^= 1
+    data[data.index(b"end_time=", before) + 9] ^= 1
+    counts, times = faults_of(bytes(data))
+    assert "the bag's index counts its messages wrong" in counts
+    assert "its times are" in times
+
+
+def test_a_broken_chunk_is_told(tmp_path: Path) -> None:
+    write_bag(tmp_path / "a.bag", compression="bz2")
+    data = bytearray((tmp_path / "a.bag").read_bytes())
+    _, start = _first(data, OP_CHUNK)
+    data[start + 30] ^= 0xFF
+    (fault,) = faults_of(bytes(data))
+    assert "compressed by bz2 is broken" in fault

@@ -1,0 +1,66 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rostether.errors import RecordingError
+from rostether.recording.bag.reindexing import copy, refuse_same, reindex
+from rostether.recording.files import open_recording
+from unit.recording.bags import write_bag
+
+
+def test_a_cut_bag_becomes_whole_and_the_old_one_stays(tmp_path: Path) -> None:
+    path, backup = tmp_path / "a.bag", tmp_path / "a.orig.bag"
+    written = write_bag(path, compression="bz2")
+    data = path.read_bytes()
+    path.write_bytes(data[: len(data) * 2 // 3])
+    cut = path.read_bytes()
+    mended = reindex(path, path, keep_original=backup)
+    reader = open_recording(path)
+    found = [each.payload for each in reader.messages()]
+    assert mended.damage
+    assert 0 < len(found) == mended.message_count < len(written)
+    assert found == [payload for _, _, payload in written[: len(found)]]
+    assert reader.damage == ""
+    assert reader.compressions[0].name == "bz2"
+    assert backup.read_bytes() == cut
+
+
+def test_a_whole_bag_is_left_alone(tmp_path: Path) -> None:
+    path = tmp_path / "a.bag"
+    write_bag(path)
+    before = path.read_bytes()
+    assert reindex(path, path, keep_original=tmp_path / "b.bag").damage == ""
+    assert path.read_bytes() == before
+    assert not (tmp_path / "b.bag").exists()
+
+
+@pytest.mark.parametrize("compression", ["none", "lz4"])
+def test_bag_to_mcap_and_back_keeps_everything(tmp_path: Path, compression: str) -> None:
+    first, middle, last = tmp_path / "a.bag", tmp_path / "a.mcap", tmp_path / "b.bag"
+    write_bag(first)
+    assert copy(open_recording(first), middle, compression=compression) == 30
+    assert copy(open_recording(middle), last) == 30
+    readers = [open_recording(path) for path in (first, middle, last)]
+    assert list(readers[0].messages()) == list(readers[1].messages()) == list(readers[2].messages())
+    assert readers[0].counts == readers[1].counts == readers[2].counts
+    assert len({reader.span_ns for reader in readers}) == 1
+
+
+def test_a_command_never_writes_over_what_it_reads(tmp_path: Path) -> None:
+    path = tmp_path / "a.bag"
+    write_bag(path)
+    with pytest.raises(RecordingError, match="is what is read"):
+        refuse_same(path, tmp_path / "." / "a.bag")
+
+
+def test_what_cannot_be_copied_whole_leaves_no_file(tmp_path: Path) -> None:
+    path = tmp_path / "a.bag"
+    write_bag(path, compression="bz2")
+    data = bytearray(path.read_bytes())
+    data[data.index(b"BZh") + 20] ^= 0xFF
+    path.write_bytes(data)
+    with pytest.raises(RecordingError, match="broken"):
+        copy(open_recording(path), tmp_path / "b.bag")
+    assert not (tmp_path / "b.bag").exists()

@@ -1,0 +1,173 @@
+"""Sound files of several writers have no fault; files damaged in one place have theirs told."""
+
+from __future__ import annotations
+
+import io
+import struct
+from pathlib import Path
+from typing import Any
+
+import pytest
+from mcap.writer import CompressionType, IndexType, Writer
+
+from rostether.recording.mcap.checking import MAX_FAULTS, faults_of
+from rostether.recording.mcap.decoding import read_record
+from rostether.recording.mcap.records import (
+    MAGIC,
+    OP_CHANNEL,
+    OP_CHUNK,
+    OP_CHUNK_INDEX,
+    OP_DATA_END,
+    OP_MESSAGE_INDEX,
+    OP_STATISTICS,
+    OP_SUMMARY_OFFSET,
+    encode_record,
+)
+from rostether.recording.mcap.writer import McapWriter
+from unit.recording.bags import IMU, START_NS, connection, text
+
+
+@pytest.fixture
+def ours(tmp_path: Path) -> bytearray:
+    writer = McapWriter(tmp_path / "a.mcap", chunk_bytes=800)
+    numbers = [writer.add_connection(connection(topic)) for topic in ("/a", "/b")]
+    writer.add_connection(connection("/imu", IMU))
+    for index in range(40):
+        writer.write(numbers[index % 2], START_NS + index, [text(f"message {index}")])
+    writer.close()
+    return bytearray((tmp_path / "a.mcap").read_bytes())
+
+
+def _records(data: bytes | bytearray, wanted: int) -> list[tuple[int, int, int]]:
+    """Where records of a kind begin, and where their content begins and ends."""
+    found = []
+    position = len(MAGIC)
+    while position < len(data) - len(MAGIC):
+        before = position
+        op, start, position = read_record(bytes(data), position)
+        if op == wanted:
+            found.append((before, start, position))
+    return found
+
+
+def _unsummed(data: bytearray) -> bytearray:
+    """Take the sums of data and summary out, so that only what is damaged speaks."""
+    _, start, end = _records(data, OP_DATA_END)[0]
+    data[start:end] = bytes(4)
+    data[-12:-8] = bytes(4)
+    return data
+
+
+def test_ours_are_sound(ours: bytearray, tmp_path: Path) -> None:
+    assert faults_of(bytes(ours)) == []
+    McapWriter(tmp_path / "empty.mcap").close()
+    assert faults_of((tmp_path / "empty.mcap").read_bytes()) == []
+
+
+@pytest.mark.parametrize("compression", list(CompressionType))
+@pytest.mark.parametrize("use_chunking", [True, False])
+@pytest.mark.parametrize("repeats", [True, False])
+def test_those_of_the_package_are_sound(
+    compression: CompressionType, use_chunking: bool, repeats: bool
+) -> None:
+    file = io.BytesIO()
+    writer: Any = Writer(
+        file,
+        chunk_size=300,
+        compression=compression,
+        use_chunking=use_chunking,
+        repeat_channels=repeats,
+        repeat_schemas=repeats,
+        index_types=IndexType.ALL if repeats else IndexType.NONE,
+    )
+    writer.start(profile="ros1", library="another")
+    schema = writer.register_schema(IMU.name, "ros1msg", IMU.definition.encode())
+    channel = writer.register_channel("/imu", "ros1", schema)
+    for index in range(30):
+        writer.add_message(channel, START_NS - index, bytes(20), START_NS)
+    writer.add_attachment(1, 2, "a.txt", "text/plain", b"hello")
+    writer.add_metadata("m", {"a": "b"})
+    writer.finish()
+    faults = faults_of(file.getvalue())
+    if repeats:
+        assert faults == []
+    else:
+        assert all("summary does not tell of the chunk" in fault for fault in faults)
+
+
+def test_a_sum_that_is_wrong(ours: bytearray) -> None:
+    _, start, end = _records(ours, OP_CHUNK)[1]
+    ours[end - 5] ^= 1
+    told = faults_of(bytes(ours))
+    assert any("the sum (CRC) of its records is wrong" in fault for fault in told)
+    assert any("the sum (CRC) of its data is wrong" in fault for fault in told)
+    assert start < end
+
+
+def test_a_summary_whose_sum_is_wrong(ours: bytearray) -> None:
+    _, start, _ = _records(ours, OP_STATISTICS)[0]
+    ours[start] ^= 1
+    told = faults_of(bytes(ours))
+    assert "the sum (CRC) of its summary is wrong" in told
+    assert any(fault == "its statistics tell of 41 messages, but there are 40" for fault in told)
+
+
+@pytest.mark.parametrize(
+    ("op", "place", "which", "told"),
+    [
+        (OP_CHUNK, 0, 0, "its times are"),
+        (OP_CHUNK, 16, 0, "in place of"),
+        (OP_CHUNK, 24, 0, "the sum (CRC) of its records"),
+        (OP_MESSAGE_INDEX, 6, 0, "does not name the messages of channel 1"),
+        (OP_MESSAGE_INDEX, 0, 0, "does not name the messages"),
+        (OP_CHUNK_INDEX, 0, 1, "otherwise than it is"),
+        (OP_CHUNK_INDEX, 16, 0, "where none is"),
+        (OP_CHUNK_INDEX, 24, 0, "otherwise than it is"),
+        (OP_STATISTICS, 8, 0, "schemas, but there are 2"),
+        (OP_STATISTICS, 10, 0, "channels, but there are 3"),
+        (OP_STATISTICS, 22, 0, "chunks, but there are"),
+        (OP_STATISTICS, 26, 0, "ns at the first message"),
+        (OP_SUMMARY_OFFSET, 1, 0, "its summary offset of schema is wrong"),
+        (OP_CHANNEL, 0, -1, "its summary tells of channel"),
+    ],
+)
+def test_one_byte_that_lies(ours: bytearray, op: int, place: int, which: int, told: str) -> None:
+    _, start, _ = _records(ours, op)[which]
+    data = _unsummed(ours)
+    data[start + place] ^= 0x40
+    faults = faults_of(bytes(data))
+    assert any(told in fault for fault in faults), faults
+    assert all("\n" not in fault for fault in faults)
+
+
+def test_a_channel_without_its_schema_and_a_message_without_its_channel(ours: bytearray) -> None:
+    data = MAGIC + encode_record(0x01, bytes(8))
+    data += encode_record(OP_CHANNEL, struct.pack("<HHIII", 1, 5, 0, 0, 0))
+    data += encode_record(0x05, struct.pack("<HIQQ", 9, 0, 1, 1))
+    data += encode_record(OP_DATA_END, bytes(4))
+    data += encode_record(0x02, bytes(20)) + MAGIC
+    assert faults_of(data) == [
+        "channel 1 has schema 5, which nobody told of",
+        "a message is of channel 9, which nobody told of",
+        "it has no summary",
+    ]
+
+
+def test_cut_files_are_not_sound(ours: bytearray) -> None:
+    for size in range(0, len(ours), 37):
+        (*_, last) = faults_of(bytes(ours[:size]))
+        assert last
+
+
+def test_no_flipped_byte_of_the_data_is_missed(ours: bytearray) -> None:
+    for place in range(0, len(ours), 5):
+        broken = bytearray(ours)
+        broken[place] ^= 0x15
+        faults = faults_of(bytes(broken))
+        assert faults, place
+        assert len(faults) <= MAX_FAULTS + 1
+
+
+def test_faults_are_not_told_without_end() -> None:
+    stray = encode_record(OP_MESSAGE_INDEX, struct.pack("<HI", 1, 0))
+    assert len(faults_of(MAGIC + encode_record(0x01, bytes(8)) + stray * 500)) == MAX_FAULTS + 1

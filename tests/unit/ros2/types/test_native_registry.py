@@ -1,0 +1,97 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rostether.errors import UnknownTypeError
+from rostether.msgdef.registry import Registry
+from rostether.msgdef.ros2.definitions import Ros2Definitions
+from rostether.ros2.types.native_registry import NativeRegistry, short_name
+from rostether.ros2.types.native_types import NativeTypes
+from rostether.ros2.types.type_support import Ros2Types
+from rostether.serde.store import TypeStore
+
+REGISTRY = NativeRegistry(Ros2Definitions(), Registry())
+
+
+def test_names() -> None:
+    assert short_name("std_msgs/msg/String") == short_name("std_msgs/String") == "std_msgs/String"
+    assert short_name("std_srvs/srv/SetBool_Request") == "std_srvs/SetBoolRequest"
+    assert REGISTRY.message_type("std_msgs/msg/String") is REGISTRY.message_type("std_msgs/String")
+
+
+def test_messages_are_as_in_ros2() -> None:
+    header = REGISTRY.message("std_msgs/Header")
+    assert [field.name for field in header.fields] == ["stamp", "frame_id"]
+    store = TypeStore(REGISTRY)
+    message = store.codec("sensor_msgs/Imu").message_class()
+    assert (message.header.stamp.sec, message.header.stamp.nanosec) == (0, 0)
+
+
+def test_services() -> None:
+    service = REGISTRY.service_type("std_srvs/srv/SetBool")
+    assert (service.name, service.request.name) == ("std_srvs/SetBool", "std_srvs/SetBoolRequest")
+    assert [field.name for field in REGISTRY.message("std_srvs/SetBoolResponse").fields] == [
+        "success",
+        "message",
+    ]
+    assert "std_srvs/srv/SetBool" in REGISTRY.services("std_srvs")
+
+
+def test_a_graph_converts_them() -> None:
+    types = NativeTypes(REGISTRY)
+    support = types.message(REGISTRY.message_type("sensor_msgs/Imu"))
+    assert support.name == "sensor_msgs/msg/Imu"
+    payload = TypeStore(REGISTRY).codec("sensor_msgs/Imu").encode({"header": {"frame_id": "a"}})
+    assert support.converter.from_cdr(support.converter.to_cdr(payload)) == payload
+    assert types.by_name("sensor_msgs/msg/Imu").ros1_type.md5sum == support.ros1_type.md5sum
+
+
+def test_a_type_that_only_ros1_defines(tmp_path: Path) -> None:
+    folder = tmp_path / "own_msgs"
+    (folder / "msg").mkdir(parents=True)
+    (folder / "srv").mkdir()
+    (folder / "package.xml").write_text(
+        "<package><name>own_msgs</name><version>1.0.0</version><description>x</description>"
+        "<buildtool_depend>catkin</buildtool_depend></package>"
+    )
+    (folder / "msg" / "Reading.msg").write_text("Header header\ntime taken\nfloat32 value\n")
+    (folder / "srv" / "Take.srv").write_text("bool now\n---\nReading reading\n")
+    registry = NativeRegistry(Ros2Definitions([tmp_path]), Registry([tmp_path]))
+    reading = registry.message("own_msgs/msg/Reading")
+    assert [str(field.type) for field in reading.fields] == [
+        "std_msgs/Header",
+        "builtin_interfaces/Time",
+        "float32",
+    ]
+    assert [field.name for field in registry.message("own_msgs/TakeRequest").fields] == ["now"]
+    assert registry.service_type("own_msgs/srv/Take").response.name == "own_msgs/TakeResponse"
+
+
+def test_tools_and_boards_have_one_hash_of_a_type_of_one_s_own(tmp_path: Path) -> None:
+    (tmp_path / "own_msgs" / "msg").mkdir(parents=True)
+    (tmp_path / "own_msgs" / "srv").mkdir()
+    (tmp_path / "own_msgs" / "msg" / "Inner.msg").write_text("byte a\nchar b\nfloat64[3] D\nint8 BIG=5\n")
+    (tmp_path / "own_msgs" / "msg" / "Outer.msg").write_text(
+        "Header header\nInner[] inners\nduration howLong\nstring text\nuint8[] data\n"
+    )
+    (tmp_path / "own_msgs" / "srv" / "Take.srv").write_text("time when\n---\nOuter outer\n")
+    ros1, definitions = Registry([tmp_path]), Ros2Definitions([tmp_path])
+    native = NativeRegistry(definitions, ros1)
+    boards, tools = Ros2Types(ros1, definitions), NativeTypes(native)
+    for name in ("own_msgs/Inner", "own_msgs/Outer"):
+        theirs = boards.message(ros1.message_type(name))
+        ours = tools.message(native.message_type(name))
+        assert (ours.name, ours.type_hash) == (theirs.name, theirs.type_hash)
+        assert tools.by_name(ours.name).type_hash == theirs.type_hash
+    service = tools.service(native.service_type("own_msgs/Take"))
+    assert service.type_hash == boards.service(ros1.service_type("own_msgs/Take")).type_hash
+    assert tools.service_by_name("own_msgs/srv/Take").type_hash == service.type_hash
+
+
+def test_unknown_types_say_what_to_do() -> None:
+    with pytest.raises(UnknownTypeError, match="std_msgs"):
+        REGISTRY.message("std_msgs/msg/Strin")
+    with pytest.raises(UnknownTypeError):
+        REGISTRY.service("std_srvs/srv/SetBol")

@@ -1,0 +1,78 @@
+"""RIHS01 hashes against those that rosidl itself wrote, and those published."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+import pytest
+
+from rostether.msgdef.ros2.definitions import Ros2Definitions
+from rostether.msgdef.ros2.parse import parse_message
+from rostether.ros2.types.type_hash import event_message, message_hash, rihs01, service_hash
+
+# Where the rosidl wheels put what they were built from.
+INSTALLED = Path(sys.prefix)
+PUBLISHED = {
+    "std_msgs/msg/String": "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18",
+    "builtin_interfaces/msg/Time": "RIHS01_b106235e25a4c5ed35098aa0a61a3ee9c9b18d197f398b0e4206cea9acf9c197",
+    "service_msgs/msg/ServiceEventInfo": (
+        "RIHS01_41bcbbe07a75c9b52bc96bfd5c24d7f0fc0a08c0cb7921b3373c5732345a6f45"
+    ),
+    "std_srvs/srv/SetBool": "RIHS01_abe9e4bb6b41b40e6789712c00ec8871923e089af3f667a79992a428cff2da0a",
+    "std_srvs/srv/SetBool_Request": "RIHS01_c62fbb99d94e1b25e8ef9e109f9581956bb1b3361a45a4e5810c36a90d29932e",
+    "std_srvs/srv/SetBool_Response": (
+        "RIHS01_d0814e7f7b4880ab77e9c57426c7aa1562ab69f11eef8e2e968812f9cbd0b059"
+    ),
+}
+
+
+def hash_of(name: str, definitions: Ros2Definitions) -> str:
+    if name.endswith("_Event"):
+        return rihs01(event_message(definitions.service(name.removesuffix("_Event"))), definitions)
+    if "/srv/" in name and not name.endswith(("_Request", "_Response")):
+        return service_hash(definitions.service(name), definitions)
+    return message_hash(definitions.message(name), definitions)
+
+
+@pytest.mark.parametrize("name", PUBLISHED)
+def test_gives_the_published_hashes(name: str) -> None:
+    assert hash_of(name, Ros2Definitions()) == PUBLISHED[name]
+
+
+@pytest.mark.parametrize("installed", [True, False], ids=["installed", "bundled"])
+def test_gives_the_hashes_of_every_installed_type(installed: bool) -> None:
+    files = sorted((INSTALLED / "share").glob("*/*/*.json"))
+    definitions = Ros2Definitions(prefixes=[INSTALLED], bundled=False) if installed else Ros2Definitions()
+    checked = 0
+    for file in files:
+        for entry in json.loads(file.read_text()).get("type_hashes", ()):
+            name = entry["type_name"]
+            if not installed and name.partition("/")[0] not in definitions.packages():
+                continue
+            assert hash_of(name, definitions) == entry["hash_string"], name
+            checked += 1
+    if not checked:
+        pytest.skip("the rosidl packages are not installed here")
+    assert checked > 500
+
+
+def test_humble_has_no_hashes() -> None:
+    definitions = Ros2Definitions(distro="humble")
+    assert hash_of("std_msgs/msg/String", definitions) == "TypeHashNotSupported"
+    assert hash_of("std_srvs/srv/SetBool", definitions) == "TypeHashNotSupported"
+
+
+def test_only_names_and_types_count() -> None:
+    definitions = Ros2Definitions()
+
+    def hashed(text: str) -> str:
+        return rihs01(parse_message(text, package="x", name="Foo"), definitions)
+
+    plain = hashed("int8 a\n")
+    assert hashed("# a comment\nint8 B=1\nint8 a 3\n") == plain
+    assert hashed("char a\n") == hashed("uint8 a\n")
+    texts = ["int8 b", "uint8 a", "byte a", "int8[] a", "int8[2] a", "int8[<=2] a", "int8[<=3] a"]
+    texts += ["string a", "string<=2 a", "string<=3 a", "string<=3[] a", "wstring a", "wstring<=3 a"]
+    assert len({plain, *map(hashed, texts)}) == len(texts) + 1

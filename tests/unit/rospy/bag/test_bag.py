@@ -1,0 +1,50 @@
+"""`import rosbag` where no ROS is: what rosbag itself is not there to compare with."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rostether.recording.bag.reindexing import copy
+from rostether.recording.files import Form, open_recording
+from unit.recording.bags import write_bag
+from unit.rospy.programs import printed
+
+READ = """
+import sys, rosbag, yaml
+from std_msgs.msg import String
+with rosbag.Bag(sys.argv[1]) as bag:
+    for topic, message, t in bag.read_messages(topics='/a'):
+        print(topic, message.data, isinstance(message, String), t.to_nsec())
+info = yaml.safe_load(rosbag.Bag(sys.argv[1])._get_yaml_info())
+print(info['messages'], [each['topic'] for each in info['topics']], info['indexed'])
+"""
+UNINDEXED = """
+import sys, rosbag
+try:
+    rosbag.Bag(sys.argv[1])
+except rosbag.ROSBagUnindexedException as error:
+    print(error)
+with rosbag.Bag(sys.argv[1], allow_unindexed=True) as bag:
+    print(bag.get_message_count(), len(list(bag.reindex())))
+print(rosbag.Bag(open(sys.argv[1], 'rb')).get_message_count())
+"""
+
+
+async def test_bags_and_those_of_ros2_are_read(tmp_path: Path) -> None:
+    bag, folder = tmp_path / "a.bag", tmp_path / "ros2"
+    written = write_bag(bag, count=6)
+    reader = open_recording(bag)
+    copy(reader, folder, form=Form.ROS2)
+    reader.close()
+    times = [time_ns for topic, time_ns, _ in written if topic == "/a"]
+    expected = [
+        f"/a message {number} True {time_ns}" for number, time_ns in zip((0, 2, 4), times, strict=True)
+    ]
+    for path in (bag, folder):
+        assert await printed(READ, str(path)) == [*expected, "6 ['/a', '/b'] True"]
+
+
+async def test_a_bag_that_was_not_closed(tmp_path: Path) -> None:
+    bag = tmp_path / "a.bag"
+    write_bag(bag, closes=False)
+    assert await printed(UNINDEXED, str(bag)) == ["Unindexed bag", "30 2", "30"]

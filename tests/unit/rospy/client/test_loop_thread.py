@@ -1,0 +1,75 @@
+from __future__ import annotations
+
+import asyncio
+import threading
+
+import pytest
+
+from rostether.rospy.client.exceptions import ROSInterruptException
+from rostether.rospy.client.loop_thread import LoopThread, run_in_thread
+
+
+@pytest.fixture(scope="module")
+def loop() -> LoopThread:
+    return LoopThread()
+
+
+def test_results_and_errors_come_back(loop: LoopThread) -> None:
+    async def add(left: int, right: int) -> int:
+        await asyncio.sleep(0)
+        return left + right
+
+    async def fail() -> None:
+        raise KeyError("x")
+
+    assert loop.call(add(1, 2)) == 3
+    with pytest.raises(KeyError):
+        loop.call(fail())
+
+
+def test_a_limit(loop: LoopThread) -> None:
+    with pytest.raises(TimeoutError):
+        loop.call(asyncio.sleep(30), timeout_s=0.01)
+
+
+def test_waiting_is_interrupted(loop: LoopThread) -> None:
+    started = threading.Event()
+
+    async def wait() -> None:
+        started.set()
+        await asyncio.sleep(30)
+
+    def interrupt() -> None:
+        started.wait()
+        loop.interrupt()
+
+    threading.Thread(target=interrupt).start()
+    with pytest.raises(ROSInterruptException):
+        loop.call(wait())
+
+
+def test_posted_functions_run_in_order(loop: LoopThread) -> None:
+    seen: list[int] = []
+    for number in range(50):
+        loop.post(seen.append, number)
+    loop.call(asyncio.sleep(0))
+    assert seen == list(range(50))
+
+
+def test_handlers_may_wait_for_one_another(loop: LoopThread) -> None:
+    count = 40
+    barrier = threading.Barrier(count)
+
+    async def run() -> list[int]:
+        return await asyncio.gather(*(run_in_thread(barrier.wait) for _ in range(count)))
+
+    assert sorted(loop.call(run(), timeout_s=60)) == list(range(count))
+
+
+def test_an_exit_in_a_handler_ends_nothing(loop: LoopThread) -> None:
+    def leave() -> None:
+        raise SystemExit(3)
+
+    with pytest.raises(RuntimeError, match="SystemExit"):
+        loop.call(run_in_thread(leave))
+    assert loop.call(run_in_thread(lambda: 5)) == 5

@@ -1,0 +1,85 @@
+"""tf, message_filters, rosparam and rosgraph without ROS; tests/interop compares them with Debian's."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+import pytest
+import pytest_asyncio
+
+from rostether.ros1.master.server import MasterServer
+from rostether.rospy.tf import rotations as tf_rotations
+from unit.rospy.programs import printed
+
+SCRIPTS = Path(__file__).parents[2] / "interop" / "rospy_scripts"
+
+
+@pytest_asyncio.fixture
+async def master() -> AsyncIterator[str]:
+    """Run our master."""
+    server = await MasterServer.start(port=0)
+    yield server.uri
+    await server.close()
+
+
+async def test_frames(master: str) -> None:
+    lines = await printed(SCRIPTS / "frames.py", master_uri=master)
+    assert "10500000000 world arm" in lines
+    assert any(line.startswith("future raises ExtrapolationException Lookup would require") for line in lines)
+    assert any(line.startswith("apart raises ConnectivityException") for line in lines)
+    assert "['dock', 'odom', 'wheel'] True" in lines
+
+
+async def test_messages_of_several_topics_together(master: str) -> None:
+    lines = await printed(SCRIPTS / "filters.py", master_uri=master)
+    assert "exact [('a', 1000000000), ('d', 1000000000)]" in lines
+    assert "near [('a', 1000000000), ('b', 1050000000), ('e', 1040000000)]" in lines
+
+
+async def test_the_masters_api_and_parameter_files(master: str) -> None:
+    lines = await printed(SCRIPTS / "tools.py", master_uri=master)
+    assert lines[0] == "True True"
+    assert "lookup raises MasterError" in lines
+
+
+async def test_what_programs_ask_of_the_graph(master: str) -> None:
+    lines = await printed(SCRIPTS / "lookups.py", master_uri=master)
+    assert "/look/poses/pose/position/x geometry_msgs/PoseStamped /look/poses True" in lines
+    assert "/lookups ['/look/set']" in lines
+    assert "std_srvs/SetBool None" in lines
+
+
+async def test_point_clouds() -> None:
+    lines = await printed(SCRIPTS / "clouds.py")
+    assert "[(1.0, 2.0, 3.0), (7.5, 8.0, 9.0)] 3" in lines
+    assert "[(515,), (1543,), (2828,), (3856,)]" in lines
+
+
+async def test_point_clouds_beside_ros_2s_messages(tmp_path: Path) -> None:
+    (tmp_path / "sensor_msgs").mkdir()
+    (tmp_path / "sensor_msgs" / "__init__.py").touch()
+    script = "import sensor_msgs.point_cloud2 as pc2; print(pc2.create_cloud_xyz32(None, []).point_step)"
+    assert await printed(script, environ={"PYTHONPATH": str(tmp_path)}) == ["12"]
+
+
+@pytest.mark.parametrize("axes", ["sxyz", "rzyx", "sxyx", "rzxz", "syxz"])
+def test_euler_angles_there_and_back(axes: str) -> None:
+    angles = (0.3, 0.9, -1.2)
+    found = tf_rotations.euler_from_quaternion(tf_rotations.quaternion_from_euler(*angles, axes), axes)
+    assert found == pytest.approx(angles)
+
+
+@pytest.mark.parametrize("axes", ["xyz", "sxxz", "qxyz", "sxyw"])
+def test_axes_that_are_none(axes: str) -> None:
+    with pytest.raises(ValueError, match="are no axes"):
+        tf_rotations.quaternion_from_euler(1, 2, 3, axes)
+
+
+def test_a_matrix_and_its_inverse() -> None:
+    matrix = tf_rotations.concatenate_matrices(
+        tf_rotations.translation_matrix((1, 2, 3)), tf_rotations.rotation_matrix(0.5, (1, 1, 0))
+    )
+    product = tf_rotations.concatenate_matrices(matrix, tf_rotations.inverse_matrix(matrix))
+    for row, wanted in zip(product, tf_rotations.identity_matrix(), strict=True):
+        assert list(row) == pytest.approx(list(wanted))

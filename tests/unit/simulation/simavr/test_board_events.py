@@ -1,0 +1,34 @@
+from __future__ import annotations
+
+import pytest
+
+from rostether.errors import BoardError
+from rostether.simulation.simavr.board_events import BoardEvent, parse_event, show_event
+
+
+def test_an_event_as_the_runner_prints_it() -> None:
+    event = parse_event(b'{"event":"pin","time_us":1500000.0625,"pin":"D13","level":1}\n')
+    assert (event.name, event.time_s, event["pin"], event["level"]) == ("pin", 1.5000000625, "D13", 1)
+
+
+@pytest.mark.parametrize("line", [b"", b"hello\n", b"{}\n", b"[1]\n", b'{"event":"x"}\n', b"\xff\n"])
+def test_what_is_no_event(line: bytes) -> None:
+    with pytest.raises(BoardError, match="no event"):
+        parse_event(line)
+
+
+@pytest.mark.parametrize(
+    ("event", "line"),
+    [
+        (BoardEvent("pin", 1.5, {"pin": "D13", "level": 1}), "    1.500000  pin D13 level=1"),
+        (
+            BoardEvent("servo", 0.02, {"pin": "D9", "angle_deg": 90.07}),
+            "    0.020000  servo D9 angle_deg=90.07",
+        ),
+        (BoardEvent("power", 2.0, {"on": False}), "    2.000000  power on=no"),
+        (BoardEvent("asleep", 3.0, {"text": "it sleeps"}), "    3.000000  asleep: it sleeps"),
+        (BoardEvent("stack_overflow", 3.0, {"free_bytes": 0}), "    3.000000  stack overflow free_bytes=0"),
+    ],
+)
+def test_an_event_for_people(event: BoardEvent, line: str) -> None:
+    assert show_event(event) == line
