@@ -11,6 +11,9 @@ from pathlib import Path
 
 import pytest
 
+from children import MARK
+from interop.ros1_peers import ros_environment
+
 TESTS = Path(__file__).parents[1]
 PATIENCE_S = 60.0
 IGNORED = (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP)
@@ -91,3 +94,10 @@ def test_sigterm_ends_the_tests_and_what_they_started(tmp_path: Path, options: t
     printed, _ = running.communicate(timeout=PATIENCE_S)
     assert "KeyboardInterrupt" in printed
     wait_until_gone(int(pid_file.read_text()))
+
+
+def test_benchmarks_start_ros_programs_without_a_mark(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.delenv(MARK)
+    assert ros_environment("http://localhost:11311", tmp_path)["ROS_MASTER_URI"] == "http://localhost:11311"
