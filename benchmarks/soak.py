@@ -25,6 +25,7 @@ from unit.bridge.line_boards import Board, line, numbered
 PERIOD_S = 0.005
 DAMAGED, GARBAGE = 0.01, 0.02
 LINE_S = (2.0, 6.0)
+PATIENCE_S = 20.0
 WARM_UP_S = 20.0
 MAX_GROWTH_MB = 8.0
 
@@ -74,6 +75,10 @@ async def one_line(board: Board, heard: list[int], count: Count, number: int, rn
         await board.send(garbage + bytes(frame))
         number += 1
         await asyncio.sleep(PERIOD_S)
+    # What is lost never comes; a busy machine may bring the rest late.
+    last_s = time.monotonic() + PATIENCE_S
+    while not count.whole.issubset(heard) and time.monotonic() < last_s:
+        await asyncio.sleep(0.05)
     await asyncio.sleep(0.5)
     await board.hang_up()
     count.reconnects += 1

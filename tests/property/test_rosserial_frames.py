@@ -124,8 +124,21 @@ def test_frames_after_garbage_are_found_while_the_line_flows(garbage: bytes, som
     decoder = FrameDecoder()
     wanted = b"".join(frame(125, payload) for payload in some)
     filler = frame(126, bytes(1000)) * 67
-    found = by_topic(decoder.feed(garbage + wanted + filler, 0.0))
+    data = garbage + wanted + filler
+    found = by_topic(decoder.feed(data, 0.0))
     assume(set(found) == {125, 126})
+
+    def begins_in_garbage(topic_id: int, payload: bytes) -> bool:
+        whole = frame(topic_id, payload)
+        begin = data.find(whole)
+        return begin < len(garbage) < begin + len(whole)
+
+    # As above: a false header may complete a sound frame with what follows.
+    assume(
+        not any(
+            begins_in_garbage(topic_id, each) for topic_id, pieces in found.items() for each in set(pieces)
+        )
+    )
     assert found[125][-len(some) :] == some
 
 
@@ -134,4 +147,4 @@ def test_round_trip(version: int, topic_id: int, some: list[bytes]) -> None:
     data = encode_frames(topic_id, some, version)
     assert data == b"".join(encode_frame(topic_id, payload, version) for payload in some)
     decoded = FrameDecoder(version).feed(data, 0.0)
-    assert decoded == ([Frames(topic_id, some)] if some else [])
+    assert by_topic(decoded) == ({topic_id: some} if some else {})

@@ -40,7 +40,7 @@ class OwnNames:
 def is_address(host: str) -> bool:
     """Tell whether a host is an IP address; an IPv6 one may be in brackets."""
     try:
-        ipaddress.ip_address(host.strip("[]"))
+        ipaddress.ip_address(host[1:-1] if host.startswith("[") and host.endswith("]") else host)
     except ValueError:
         return False
     return True

@@ -25,6 +25,8 @@ from vectors.captures import Capture, load, names
 
 ANNOUNCEMENT_IDS = range(6)
 LOG_ID = 7
+# Types of the captures that begin with a Header: the bridge counts their messages in Header.seq, from 1.
+COUNTED_TYPES = {"sensor_msgs/Imu", "sensor_msgs/Range"}
 LOG_LEVELS = [Level.DEBUG, Level.INFO, Level.WARN, Level.ERROR, Level.FATAL]
 
 
@@ -81,7 +83,9 @@ def held_by(capture: Capture) -> Held:
         elif frame.topic_id == LOG_ID:
             logs.append((LOG_LEVELS[frame.payload[0]], frame.payload[5:].decode()))
         elif topic is not None and topic.kind == "publisher" and frame.topic_id in announced:
-            messages["/" + topic.name.lstrip("/")].append(frame.payload)
+            published = messages["/" + topic.name.lstrip("/")]
+            count = struct.pack("<I", len(published) + 1) if topic.type in COUNTED_TYPES else b""
+            published.append(count + frame.payload[len(count) :])
     return Held(dict(messages), logs)
 
 
