@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from rostether.rosserial.events import FrameDiscarded
 from rostether.rosserial.frame import VERSIONS, encode_frame, encode_frames
-from rostether.rosserial.frame_decoder import MAX_LOOK_S, Decoded, FrameDecoder, Frames
+from rostether.rosserial.frame_decoder import MAX_LOOK_S, Decoded, FrameDecoder
 from unit.rosserial.decoding import by_topic, frame
 
 versions = st.sampled_from(VERSIONS)
