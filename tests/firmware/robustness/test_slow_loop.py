@@ -54,10 +54,16 @@ async def test_a_slow_loop_is_no_reset(loop_ms: int) -> None:
             await linked.run(host_starts_s)
             linked.link.start(linked.now_s)
             await linked.run(16.0)
+            # A board that spins every 2 s may be silent for 4 s; after 3 s the host asks it again: wait.
+            for _ in range(round(4.0 / STEP_S)):
+                if linked.link.is_settled:
+                    break
+                await linked.run(STEP_S)
             assert linked.link.is_settled
             assert linked.resets_s == []
             await board.reset()
             reset_s = linked.now_s
             await linked.run(10.0)
             (found_s,) = linked.resets_s
-            assert found_s - reset_s < 2.0
+            # Its first time request may be taken for a late answer, the one of its next loop() is not.
+            assert found_s - reset_s < max(2.0, loop_ms / 1000 + 0.5)
