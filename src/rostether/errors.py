@@ -1,4 +1,4 @@
-"""The whole error tree. Every error says in one sentence what was wrong and what to do about it.
+"""All errors of rostether. The text of each says in one sentence what was wrong and what to do about it.
 
 RostetherError
 ├── InvalidNameError            a graph name, package name or type name that breaks the naming rules
@@ -28,11 +28,11 @@ RostetherError
 │       ├── ServiceUnavailableError
 │       └── ServiceTimeoutError
 ├── RecordingError              a recording that cannot be read or written
-├── TransformError              tf cannot say where a frame stands
-│   ├── UnknownFrameError       nobody has published the frame, or the frames form a loop
+├── TransformError              tf cannot compute the transform between two frames
+│   ├── UnknownFrameError       no node has published the frame, or the frames form a loop
 │   ├── UnconnectedFramesError  no path of transforms leads from one frame to the other
-│   └── ExtrapolationError      the moment lies outside of what was received
-└── SessionError                one board's session cannot go on
+│   └── ExtrapolationError      the requested time is outside the received transforms
+└── SessionError                the session of one board cannot continue
 """
 
 from __future__ import annotations
@@ -135,7 +135,7 @@ class TransportClosedError(TransportError):
 
 
 class PeerClosedError(TransportClosedError):
-    """The peer closed the connection in order, as a program that ends; a board that resets cannot."""
+    """The peer closed the connection cleanly, as a program does at its end; a board that resets cannot."""
 
 
 class TransportTimeoutError(TransportError, TimeoutError):
@@ -167,7 +167,7 @@ class ServiceCallError(GraphError):
 
 
 class ServiceUnavailableError(ServiceCallError):
-    """Nobody offers the service, or its server does not answer."""
+    """No node offers the service, or its server does not answer."""
 
 
 class ServiceTimeoutError(ServiceCallError, TimeoutError):
@@ -175,15 +175,15 @@ class ServiceTimeoutError(ServiceCallError, TimeoutError):
 
 
 class RecordingError(RostetherError):
-    """A recording cannot be read, or the disk takes no more of it."""
+    """A recording cannot be read, or cannot be written to the disk."""
 
 
 class TransformError(RostetherError):
-    """Tf cannot say where one frame stands in another."""
+    """Tf cannot compute the transform between two frames."""
 
 
 class UnknownFrameError(TransformError, LookupError):
-    """Nobody has published the frame, or the frames form a loop."""
+    """No node has published the frame, or the frames form a loop."""
 
 
 class UnconnectedFramesError(TransformError):
@@ -191,12 +191,12 @@ class UnconnectedFramesError(TransformError):
 
 
 class ExtrapolationError(TransformError):
-    """The moment lies outside of what was received."""
+    """The requested time is outside the received transforms."""
 
 
 class SessionError(RostetherError):
-    """One board's session cannot go on."""
+    """The session of one board cannot continue."""
 
 
 class NodeEndedError(SessionError):
-    """A board's node was shut down from outside; the board is served again when it connects anew."""
+    """Another program shut down the board's node; the board is served again after it reconnects."""

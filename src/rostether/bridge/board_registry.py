@@ -60,11 +60,10 @@ class BoardRegistry:
         return iter([board for board in self._boards.values() if board.node is not None])
 
     async def claim(self, node_name: str, *, replaces_silent: bool = False) -> Board:
-        """Return the board that a new connection is: a lost one that came back, else a new one.
+        """Return the board of a new connection: a lost board that reconnected, else a new one.
 
-        `node_name` is the full name, to which a number is added while others have it.
-
-        With `replaces_silent` a connection that has fallen silent gives way, since its peer has come anew.
+        `node_name` is the full name; a number is appended if another board has it. With `replaces_silent`,
+        the new connection replaces one of the same peer that has fallen silent.
         Raises SessionError for a name that was dismissed.
         """
         number = 1
@@ -113,7 +112,7 @@ class BoardRegistry:
             board.farewell = asyncio.get_running_loop().call_later(grace_s, self._part, board)
 
     def end(self, board: Board) -> None:
-        """The board's node was shut down from outside: it leaves at once, until the board connects anew."""
+        """Remove a board at once because its node was shut down from outside; it may reconnect later."""
         self._leave(board)
 
     def dismiss(self, board: Board) -> None:

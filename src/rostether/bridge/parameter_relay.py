@@ -48,7 +48,7 @@ class Answer(NamedTuple):
 
 
 def to_answer(value: ParamValue) -> Answer | None:
-    """Return what a board can be told of a value, None if nothing: mappings, mixed lists, huge integers."""
+    """Return a value as a board can receive it; None for mappings, mixed lists and huge integers."""
     items = value if isinstance(value, list) else [value]
     if all(isinstance(item, int) for item in items):
         ints = tuple(int(item) for item in items if isinstance(item, int))
@@ -94,7 +94,7 @@ class ParameterRelay:
             self._working = asyncio.get_running_loop().create_task(self._work())
 
     def close(self) -> None:
-        """The board is gone; nobody waits any more."""
+        """Cancel all requests, because the board is gone."""
         self._names.clear()
         if self._working is not None:
             self._working.cancel()

@@ -249,11 +249,11 @@ class Supervisor:
         session = board.session
         if board.is_kept or NAME_TAKEN in reason:
             self._boards.dismiss(board)
-            return_way = "you start again"
+            return_way = "you restart rostether"
         else:
             self._boards.end(board)
             return_way = way_back(address)
-        text = f"{reason}; its board is served no more until {return_way}"
+        text = f"{reason}; its board is not served until {return_way}"
         self._reporter.line(Level.ERROR, text, node=node.graph.node_name)
         if session is not None:
             await session.stop()
@@ -282,14 +282,14 @@ class Supervisor:
 
     async def _join_graph(self, name: str, namespace: str, remappings: Mapping[str, str]) -> Graph:
         backoff = Backoff(first_s=0.2, limit_s=MAX_JOIN_WAIT_S)
-        told = False
+        reported = False
         while True:
             try:
                 return await self._join(name, namespace=namespace, remappings=remappings)
             except MasterUnreachableError as error:
-                if not told:
+                if not reported:
                     self._reporter.line(Level.WARN, f"{error}; waiting for it", node=name)
-                told = True
+                reported = True
                 await asyncio.sleep(backoff.next_delay_s())
 
     def _run(self, work: Awaitable[object]) -> asyncio.Task[None]:

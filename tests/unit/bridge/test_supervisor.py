@@ -260,9 +260,7 @@ async def test_a_board_whose_node_was_shut_down_joins_when_it_connects_anew(site
     await site.network.nodes["/arm"].close("/rosnode asked for it")
     await until(lambda: site.boards[0].is_lost and not site.nodes(), "the end of the session")
     assert site.boards[0].order[-1] == ids.TX_STOP
-    assert site.reporter.texts.count(
-        "/rosnode asked for it; its board is served no more until it connects anew"
-    )
+    assert site.reporter.texts.count("/rosnode asked for it; its board is not served until it reconnects")
     site.connect()
     await site.serving("/arm")
 
@@ -276,7 +274,7 @@ async def test_a_board_whose_node_was_shut_down_joins_when_it_is_plugged_in_agai
     await site.serving("/arm")
     await site.network.nodes["/arm"].close("/rosnode asked for it")
     await until(lambda: site.boards[0].is_lost and not site.nodes(), "the end of the session")
-    assert site.reporter.having("served no more until it is plugged out and in")
+    assert site.reporter.having("not served until you unplug it and plug it in again")
     await asyncio.sleep(0.2)
     assert len(site.boards) == 1
     port.unlink()

@@ -52,7 +52,7 @@ class EndpointOpenings:
         self._opening[endpoint] = self._run(self._open(endpoint, endpoint.open, self._closing.get(slot)))
 
     def renew(self, endpoint: SubscriberEndpoint) -> None:
-        """Subscribe anew, unless the endpoint is just opening anyway."""
+        """Subscribe again, unless the endpoint is still being opened."""
         if endpoint not in self._opening:
             self._opening[endpoint] = self._run(self._open(endpoint, endpoint.renew, None))
 

@@ -60,7 +60,7 @@ class ServiceClientEndpoint:
         line.receivers[info.request.topic_id] = self.receive
 
     def detach(self) -> None:
-        """Let go of the connection; a call in flight has nobody to answer to."""
+        """Release the connection; the response to a pending call is dropped."""
         if self._line is not None:
             if self._line.receivers.get(self.info.request.topic_id) == self.receive:
                 del self._line.receivers[self.info.request.topic_id]

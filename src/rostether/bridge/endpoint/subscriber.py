@@ -59,7 +59,7 @@ class SubscriberEndpoint:
             self._report_oversize(size)
 
     def detach(self) -> None:
-        """Let go of the connection; messages that come meanwhile have nobody to go to."""
+        """Release the connection; messages that arrive until the next one are dropped."""
         if self._line is not None and self._lane is not None:
             self._line.outbox.remove(self._lane)
             self._dropped_before += self._lane.dropped_count
@@ -83,7 +83,7 @@ class SubscriberEndpoint:
             await subscriber.close()
 
     async def renew(self) -> None:
-        """Subscribe anew, so that a board that has forgotten everything gets latched messages again."""
+        """Subscribe again, so that a board that has lost its state receives latched messages again."""
         await self.close()
         await self.open()
 

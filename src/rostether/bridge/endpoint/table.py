@@ -2,8 +2,8 @@
 
 An endpoint outlives the connection it was announced on. When the board comes back and announces the same
 name and type, the endpoint is attached to the new connection and its publisher or subscription never left
-the graph; what the board did not announce again by the end of the negotiation is closed. A sketch that was
-flashed anew may give a name another type, under any id: the old endpoint ends before the new one opens.
+the graph; endpoints that the board did not announce again by the end of the negotiation are closed. A new
+sketch may use a name with another type and any id: the old endpoint is closed before the new one opens.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""How one board is: what is wrong with it, what was told of that, and its clock. Outlives connections."""
+"""The health of one board: its findings, which of them were reported, and its clock. Outlives connections."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ class BoardHealth:
     def report(self, findings: list[Finding], now_s: float) -> None:
         """Tell each finding once, in one line."""
         for finding in self._ledger.news(findings, now_s):
-            if not finding.is_told:
+            if not finding.reported:
                 self._notices.report(_LEVELS[finding.severity], str(finding))
 
 

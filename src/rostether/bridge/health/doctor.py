@@ -65,7 +65,7 @@ class Diagnosis:
 
 
 class Doctor:
-    """Examines links. `say` is told what is being done, for people who wait."""
+    """Examines links. `say` receives progress texts for the user."""
 
     def __init__(
         self,

@@ -63,9 +63,9 @@ class Scheduler(Protocol):
 
 
 class Outbox:
-    """Everything one session writes goes through here.
+    """Queues everything that one session writes.
 
-    `on_dropped(lane, count)` is told of each overflow. `baud` is the line's speed, where it has one.
+    `on_dropped(lane, count)` is called for each overflow. `baud` is the speed of the line, if it has one.
     """
 
     def __init__(

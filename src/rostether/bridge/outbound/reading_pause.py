@@ -9,7 +9,7 @@ from rostether.transports.transport import Transport
 
 
 class ReadingPause:
-    """Pauses one transport for as long as anybody asked for it; `on_failed` hears of a wait that failed."""
+    """Pauses one transport until all `wait` functions have ended; calls `on_failed` if one of them raised."""
 
     def __init__(self, transport: Transport, on_failed: Callable[[Exception], None]) -> None:
         self._transport = transport
@@ -28,7 +28,7 @@ class ReadingPause:
         return True
 
     def close(self) -> None:
-        """Wait for nobody any more."""
+        """Cancel all waits."""
         if self._draining is not None:
             self._draining.cancel()
 

@@ -118,7 +118,7 @@ class FoundPort:
             await self._leave_alone(ask_again.next_delay_s() if is_expected else None)
 
     async def _open(self) -> TunableTransport | None:
-        """Open the port as soon as nobody else uses it; None if it has gone."""
+        """Open the port as soon as no other program uses it; None if it has gone."""
         loop = asyncio.get_running_loop()
         backoff = Backoff(first_s=FIRST_RETRY_S, limit_s=MAX_RETRY_S)
         began_s = loop.time()

@@ -112,10 +112,10 @@ class LinkKeeper:
         """Return the path to open, None for what is no serial port with a path."""
         if self._finder is None:
             return None
-        told = False
+        reported = False
         while (path := self._finder.find()) is None:
-            if not told:
-                told = True
+            if not reported:
+                reported = True
                 self._reporter.line(
                     Level.WARN, f"{self._address} is not there; waiting for it to be plugged in"
                 )
@@ -136,10 +136,10 @@ class LinkKeeper:
 
 
 def way_back(address: Address) -> str:
-    """Return what must happen to serve a board again whose node was shut down from outside."""
+    """Return when a board is served again whose node was shut down from outside; continues "until ..."."""
     if address.listens:
-        return "it connects anew"
-    return "it is plugged out and in" if _comes_and_goes(address) else "you start again"
+        return "it reconnects"
+    return "you unplug it and plug it in again" if _comes_and_goes(address) else "you restart rostether"
 
 
 def identify_address(address: Address, list_ports: ListPorts = list_serial_ports) -> BoardIdentity:

@@ -21,7 +21,7 @@ class TunableTransport(Transport, Protocol):
         """Change the speed; False if this port cannot have it."""
 
     def release(self, unread: bytes = b"") -> None:
-        """Deliver to nobody until `start` is called once more, which then gets `unread` first."""
+        """Stop delivering until the next `start`, which then receives `unread` first."""
 
 
 async def probe_port(

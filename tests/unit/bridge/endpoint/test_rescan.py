@@ -30,7 +30,7 @@ class Swallower:
 
     looks = 0
 
-    def look_inside(self, payload: bytes, now_s: float) -> list[HostEvent]:
+    def rescan(self, payload: bytes, now_s: float) -> list[HostEvent]:
         self.looks += 1
         return [TimeRequested()]
 

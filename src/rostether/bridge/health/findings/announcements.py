@@ -14,7 +14,7 @@ MIN_COUNT = 2
 """One damaged frame in 256 passes its checksum: once may be the line."""
 
 MAX_KEPT = 64
-"""More than fit one board; one that makes up ever new ones is not followed for ever."""
+"""More than any board has room for; bounds the memory for a device that announces new names all the time."""
 
 
 _PACKETS: dict[int | None, str] = {
@@ -81,7 +81,7 @@ class Announcements:
                         f"{name} [{event.message_type}] is not bridged: {reason or step}",
                         step if reason else "correct it in the sketch",
                         event.topic_name,
-                        is_told=True,
+                        reported=True,
                     )
                 )
         return findings

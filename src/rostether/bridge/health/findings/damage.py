@@ -15,7 +15,7 @@ RESET_DAMAGES = 2
 """A reset in the middle of a frame, and what the boot loader prints, damage two."""
 
 MIN_SHARE = 0.002
-"""One in 500: below that nobody notices, and radios are never better."""
+"""One in 500: a lower loss is not noticeable, and radio links are never better."""
 
 _CHECKS = frozenset({DiscardReason.LENGTH_CHECKSUM, DiscardReason.PAYLOAD_CHECKSUM, DiscardReason.PACKET})
 _REMAINS = frozenset({DiscardReason.NOISE, DiscardReason.VERSION, DiscardReason.UNFINISHED})

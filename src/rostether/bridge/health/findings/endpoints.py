@@ -15,7 +15,7 @@ from rostether.rosserial.events import ServiceRole
 from rostether.rosserial.packets import TopicInfo
 
 RECENT_S = 30.0
-"""A loss is told as long as it is recent."""
+"""How long a loss is reported after it happened."""
 
 MIN_MISFITS = 3
 MISFIT_SHARE = 0.05
@@ -116,7 +116,7 @@ class EndpointFindings:
                     f"input buffer takes {info.buffer_size}: they are not sent",
                     f"{_LARGER}, or send less",
                     info.topic_name,
-                    is_told=endpoint.largest_oversize_bytes > 0,
+                    reported=endpoint.largest_oversize_bytes > 0,
                 )
             )
         count, changed_s = self._losses.get(info.topic_name, (0, float("-inf")))
@@ -132,7 +132,7 @@ class EndpointFindings:
                     "were lost, the oldest first",
                     "publish it less often, or choose a higher baud rate",
                     info.topic_name,
-                    is_told=True,
+                    reported=True,
                 )
             )
         return found
@@ -166,7 +166,7 @@ def _refusal(kind: type[RostetherError], text: str, topics: list[str]) -> Findin
             f"the message headers in the sketch of {listed} are stale: {reason or text}",
             step if reason else "rebuild its message headers",
             subject,
-            is_told=True,
+            reported=True,
         )
     if issubclass(kind, UnknownTypeError):
         return error(
@@ -174,13 +174,13 @@ def _refusal(kind: type[RostetherError], text: str, topics: list[str]) -> Findin
             f"{listed} is not bridged: {reason or text}",
             step if reason else "give its package with --msg-path DIR",
             topics[0],
-            is_told=True,
+            reported=True,
         )
     told = step if reason else "correct it in the sketch"
     if issubclass(kind, DefinitionError):
         told = step if reason else "correct the definition"
     return error(
-        Code.NOT_BRIDGED, f"{listed} is not bridged: {reason or text}", told, topics[0], is_told=True
+        Code.NOT_BRIDGED, f"{listed} is not bridged: {reason or text}", told, topics[0], reported=True
     )
 
 

@@ -50,7 +50,8 @@ class Code(StrEnum):
 class Finding:
     """One thing that is wrong; `subject` tells findings of one code apart (a topic, a type), else empty.
 
-    `seen` and `next_step` are one line each, without a full stop. `is_told`: who met it has said so already.
+    `seen` and `next_step` are one line each, without a full stop. `reported`: whoever found it has
+    already reported it.
     """
 
     code: Code
@@ -58,7 +59,7 @@ class Finding:
     seen: str
     next_step: str
     subject: str = ""
-    is_told: bool = field(default=False, compare=False)
+    reported: bool = field(default=False, compare=False)
 
     @property
     def key(self) -> tuple[Code, str]:
@@ -70,11 +71,11 @@ class Finding:
         return f"{self.seen}; {self.next_step}"
 
 
-def error(code: Code, seen: str, next_step: str, subject: str = "", *, is_told: bool = False) -> Finding:
+def error(code: Code, seen: str, next_step: str, subject: str = "", *, reported: bool = False) -> Finding:
     """Return a finding that keeps messages from flowing."""
-    return Finding(code, Severity.ERROR, seen, next_step, subject, is_told)
+    return Finding(code, Severity.ERROR, seen, next_step, subject, reported)
 
 
-def warning(code: Code, seen: str, next_step: str, subject: str = "", *, is_told: bool = False) -> Finding:
+def warning(code: Code, seen: str, next_step: str, subject: str = "", *, reported: bool = False) -> Finding:
     """Return a finding with which messages still flow."""
-    return Finding(code, Severity.WARN, seen, next_step, subject, is_told)
+    return Finding(code, Severity.WARN, seen, next_step, subject, reported)

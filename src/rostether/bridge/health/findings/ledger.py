@@ -1,4 +1,4 @@
-"""Which findings people have been told: each once, and again when it comes back."""
+"""Remembers which findings were reported: each once, and again when it comes back."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from collections.abc import Iterable
 from rostether.bridge.health.findings.finding import Code, Finding, Severity
 
 FORGET_AFTER_S = 60.0
-"""A finding that comes and goes with its figures is one; after a minute without it, it is news again."""
+"""A finding that comes and goes is reported once; after a minute without it, it is reported again."""
 
 MAX_KEYS = 256
-"""Subjects are names that a board chose; forgetting the oldest keeps a hostile one from filling memory."""
+"""Boards choose the subjects; dropping the oldest keys keeps a hostile board from filling the memory."""
 
 
 class FindingLedger:
-    """What has been told of one board."""
+    """The reported findings of one board."""
 
     def __init__(self) -> None:
         self._told: OrderedDict[tuple[Code, str], tuple[Severity, float]] = OrderedDict()
 
     def news(self, findings: Iterable[Finding], now_s: float) -> list[Finding]:
-        """Return the findings to tell now, of those that stand now."""
+        """Return those of the current findings that are to be reported now."""
         news = []
         for finding in findings:
             severity, seen_s = self._told.get(finding.key, (None, 0.0))
@@ -34,6 +34,6 @@ class FindingLedger:
         return news
 
     def forget(self, *codes: Code) -> None:
-        """Let the next finding of these codes be news: its cause was gone for certain."""
+        """Report the next finding of these codes again, because its cause was certainly gone."""
         for key in [key for key in self._told if key[0] in codes]:
             del self._told[key]

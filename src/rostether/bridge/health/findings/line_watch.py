@@ -1,6 +1,6 @@
-"""Watches one connection: told of every event but messages, it says what is wrong with the line.
+"""Watches one connection: handles every event except messages, and reports what is wrong with the line.
 
-It stands on what the link reports and counts, and knows neither graph nor transport.
+It depends only on the events and counters of the link, not on the graph or the transport.
 """
 
 from __future__ import annotations
@@ -227,8 +227,7 @@ def absence(noise: Noise, baud: int | None, waited_s: float) -> Finding:
     if noise.other_version is not None:
         return error(
             Code.PROTOCOL_VERSION,
-            f"{what}: frames of a protocol version that nobody knows (version byte "
-            f"{noise.other_version:#04x})",
+            f"{what}: frames of an unknown protocol version (version byte {noise.other_version:#04x})",
             "generate the client library again with rostether firmware lib and upload the sketch",
         )
     if baud:

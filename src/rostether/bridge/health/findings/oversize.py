@@ -18,7 +18,7 @@ REST_GAP_S = 0.1
 """The rest of one frame comes within this at 9600 baud, a few bytes at a time."""
 
 MAX_IDS = 64
-"""More than fit one board; one that makes up ever new ids is not followed for ever."""
+"""More than any board has room for; bounds the memory for a device that uses new ids all the time."""
 
 
 @dataclass(slots=True)
