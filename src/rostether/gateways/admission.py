@@ -71,7 +71,7 @@ def is_of_program(origin: str | None) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Token:
-    """What clients must know; an empty secret is asked of nobody."""
+    """The secret that clients must present; with an empty one no client is asked."""
 
     secret: str = field(default="", repr=False)
 
@@ -100,9 +100,9 @@ class Headers(Protocol):
 
 
 def single_header(headers: Headers, name: str) -> str | None:
-    """Return a header that is there, None where it is not.
+    """Return the value of a header, None if it is missing.
 
-    What is there twice is neither: it is "null", an Origin that no page has and a token that nobody has.
+    A repeated header counts as "null", which is neither the Origin of a page nor a valid token.
     """
     values = headers.get_all(name)
     if not values:

@@ -16,9 +16,9 @@ MAX_REASONS = 5
 
 
 class ConnectionLimiter:
-    """Counts connections in and out, and tells of those that it refuses, now and then.
+    """Admits and counts connections, and reports those that it refuses at a limited rate.
 
-    `allow` are the networks that may connect, all where there are none; `most` bounds the connections.
+    `allow` are the networks that may connect (none: all networks); `most` is the maximum of connections.
     """
 
     def __init__(self, allow: Sequence[str], most: int, tell: Callable[[str], None]) -> None:
@@ -31,7 +31,7 @@ class ConnectionLimiter:
         self._unsaid = 0
 
     def admit(self, transport: asyncio.BaseTransport) -> bool:
-        """Tell whether a new connection may stay, and count it; who lets it in tells of its end."""
+        """Return whether a new connection is admitted, and count it; the caller reports its end."""
         reason = self._refusal(transport)
         if reason:
             self.report_refusal(transport, reason)

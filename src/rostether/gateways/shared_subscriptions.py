@@ -1,7 +1,7 @@
-"""One subscription of a topic on the graph, however many clients of a gateway listen to it.
+"""One subscription of a topic on the graph, shared by all clients of a gateway that listen to it.
 
-What comes is handed to all of them as it is, with the type that its publisher said; a client that comes late
-gets what latched publishers have said last. Nobody is ever paused: each taker bounds its own queue.
+Each client gets the messages unchanged, with the type that the publisher reported; a client that subscribes
+late gets the last messages of latched publishers. No publisher is paused: each client bounds its own queue.
 """
 
 from __future__ import annotations
@@ -91,7 +91,7 @@ class SharedSubscription:
             call_contained(f"taker of {self.topic}", self._on_batch, batch)
 
     def meet(self, connection: PublisherConnection) -> None:
-        """Tell of a publisher."""
+        """Report a publisher."""
         if self._on_connection is not None and not self._is_closed:
             call_contained(f"on_connection of {self.topic}", self._on_connection, connection)
 
@@ -112,7 +112,7 @@ class SharedSubscriptions:
     async def subscribe(
         self, topic: str, on_batch: OnBatch, on_connection: OnConnection | None = None
     ) -> SharedSubscription:
-        """Listen to a topic of any type. `on_connection` is told of each publisher before its first batch.
+        """Listen to a topic of any type. `on_connection` is called for each publisher before its first batch.
 
         Raises InvalidNameError, GraphError.
         """

@@ -1,7 +1,7 @@
 """The topics of a graph as channels: which there are, and the definition by which clients read each.
 
-A type that is not known here is learned from its publisher. So is one that its publisher defines in another
-way: then the channel gets a new id, and clients subscribe anew.
+The definition of an unknown type comes from its publisher. A publisher may also define a known type
+differently: then the channel gets a new id, and clients subscribe again.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _MEETING_S = 2.0  # for a publisher to tell its type; then the next topic is ask
 
 
 class Channels:
-    """The channels of one gateway; `on_offer` and `on_end` are told of what is new and gone."""
+    """The channels of one gateway; calls `on_offer` for new channels and `on_end` for removed ones."""
 
     def __init__(
         self,

@@ -1,4 +1,4 @@
-"""One client of a gateway: what it asks for, and what it is told."""
+"""One client of a gateway: its requests and the messages sent to it."""
 
 from __future__ import annotations
 

@@ -54,7 +54,7 @@ class ClientParameters:
         self._ask(set_them, "parameters cannot be set")
 
     def watch(self, request: asked.SubscribeParameters) -> None:
-        """Tell of changes from now on; no names are all."""
+        """Report changes from now on; no names means all parameters."""
         if request.names:
             self._watch_each(request.names)
             return
@@ -65,7 +65,7 @@ class ClientParameters:
         self._ask(watch_all, "parameters cannot be watched")
 
     def unwatch(self, request: asked.UnsubscribeParameters) -> None:
-        """Tell of changes no longer; no names are all."""
+        """Stop reporting changes; no names means all parameters."""
         self._unwatch_each(request.names or tuple(self._watched))
 
     def close(self) -> None:

@@ -43,7 +43,7 @@ class ClientTopic:
         self._opening: asyncio.Task[None] | None = None
 
     def open(self, graph: Graph, store: TypeStore) -> None:
-        """Advertise the topic; what goes wrong is told."""
+        """Advertise the topic; errors are reported to the client."""
         self._opening = asyncio.ensure_future(self._open(graph, store))
 
     def publish(self, payload: bytes) -> Publisher | None:

@@ -32,7 +32,7 @@ class ClientWork:
         limit: int,
         what: str = "requests",
     ) -> None:
-        """Do something that takes time, a bounded number at once; what goes wrong is told in one line."""
+        """Start a longer task, a bounded number at once; an error is reported in one line."""
         if self._requests[what] >= limit:
             fail(f"more than {limit} {what} at once: wait for answers")
             return

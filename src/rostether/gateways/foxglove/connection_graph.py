@@ -10,7 +10,7 @@ Table: TypeAlias = dict[str, tuple[str, ...]]
 
 
 class ConnectionGraph:
-    """The graph as clients have been told of it."""
+    """The connection graph as it was last sent to the clients."""
 
     def __init__(self) -> None:
         self._published: Table = {}

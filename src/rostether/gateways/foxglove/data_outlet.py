@@ -21,7 +21,7 @@ _DRAIN_BYTES = 64 << 10  # written at once of what waited: enough for one system
 
 
 class DataOutlet:
-    """Open between the handshake and the end; `dropped` is told how many messages more were lost."""
+    """Open between the handshake and the end; `dropped` is called with the number of newly lost messages."""
 
     def __init__(self, waiting_bytes: int, dropped: Callable[[int], None]) -> None:
         self.is_open = False

@@ -3,9 +3,9 @@
 async with FoxgloveGateway(graph, store, FoxgloveSettings()) as gateway:
     print(gateway.url)
 
-Payloads go to clients as they come, with the definition of their publisher; a topic is subscribed on the
-graph only while a client wants it. A client that reads slowly loses its own oldest messages and disturbs
-nobody.
+Payloads go to clients unchanged, with the definition of their publisher; a topic is subscribed on the graph
+only while a client wants it. A client that reads slowly loses its own oldest messages, and does not slow
+down other clients.
 """
 
 from __future__ import annotations
@@ -130,7 +130,7 @@ class FoxgloveGateway:
         await self.shared.close()
 
     async def wait_ended(self) -> None:
-        """Wait until the gateway's node has left the graph; then nobody is served any more."""
+        """Wait until the gateway's node has left the graph; from then on no client is served."""
         await self._ended.wait()
 
     async def __aenter__(self) -> FoxgloveGateway:

@@ -30,7 +30,7 @@ _CLOSE_S = 5.0  # for a client to answer that the connection ends; then it is cu
 
 
 class LineUser(Protocol):
-    """What is told of one connection."""
+    """Receives the events of one connection."""
 
     def opened(self) -> None:
         """The handshake is done."""

@@ -33,7 +33,7 @@ class Listening:
             settings.origins, settings.token, (settings.host, os.environ.get("ROS_HOSTNAME", ""))
         )
         self.door = ConnectionLimiter(settings.allow, settings.limits.clients, tell_refused)
-        """Counts the connections, and tells of those that are refused."""
+        """Counts the connections, and reports those that it refuses."""
         self._servers: list[asyncio.Server] = []
         self._lines: set[_Counted] = set()
         self._is_closed = False
@@ -69,7 +69,7 @@ class Listening:
             port = self.port
 
     def close(self) -> None:
-        """Take nobody any more; who is connected stays."""
+        """Accept no more connections; existing connections stay."""
         self._is_closed = True
         for server in self._servers:
             server.close()

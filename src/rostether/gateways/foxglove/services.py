@@ -27,7 +27,7 @@ _RETRY_S = (1.0, 5.0, 30.0)
 
 
 class Services:
-    """The services of one gateway; `on_offer` and `on_end` are told of what is new and gone."""
+    """The services of one gateway; calls `on_offer` for new services and `on_end` for removed ones."""
 
     def __init__(
         self,

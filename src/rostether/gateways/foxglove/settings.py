@@ -1,4 +1,4 @@
-"""How a gateway for Foxglove serves: where, for whom, and how much of the graph."""
+"""Settings of a gateway for Foxglove: its address, its clients, and how much of the graph it serves."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rostether.gateways.foxglove.limits import FoxgloveLimits
 
 DEFAULT_HOST = "localhost"
 DEFAULT_PORT = 8765
-"""Where Foxglove looks when nobody tells it."""
+"""The default port of Foxglove."""
 
 CAPABILITIES = (
     "clientPublish",
@@ -21,7 +21,7 @@ CAPABILITIES = (
     "connectionGraph",
     "assets",
 )
-"""What clients may do beside reading topics; the time is told as well, where it is simulated."""
+"""What clients may do besides reading topics; the time is also sent if it is simulated."""
 
 
 @dataclass(frozen=True, slots=True)

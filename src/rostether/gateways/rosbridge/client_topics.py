@@ -125,9 +125,9 @@ class ClientTopics:
         return self._around.store.registry.message_type(short_type(known.type))
 
     async def _check_type(self, topic: str, message_type: MessageType) -> None:
-        """Refuse another type than other nodes have.
+        """Refuse a type that differs from the one other nodes use.
 
-        They would not hear it, and a ROS 1 master would tell everybody the new type.
+        They would not receive the messages, and a ROS 1 master would report the new type to all nodes.
         """
         graph = self._around.graph
         known = (await graph.snapshot()).topics.get(graph.resolve(topic))

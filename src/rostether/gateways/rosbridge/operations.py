@@ -25,7 +25,7 @@ def _set_level(session: Session, request: Request) -> None:
 
 
 def _ignore(session: Session, request: Request) -> None:
-    """Statuses of clients are for nobody; a client that has authenticated may do so again."""
+    """Ignore a client's status, and a repeated authentication."""
 
 
 OPERATIONS: dict[str, Operation] = {

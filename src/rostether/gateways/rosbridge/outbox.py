@@ -29,7 +29,7 @@ class TopicQueue:
         self.waiting: deque[tuple[Batch, int]] = deque()
         self.dropped_count = 0
         self.told_count = 0
-        """Of those that were dropped, how many the client has been told of."""
+        """How many of the dropped messages were reported to the client."""
         self.tell_at_s = 0.0
         self.places = 0
         """How often it stands in its client's line."""

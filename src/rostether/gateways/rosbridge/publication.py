@@ -22,9 +22,9 @@ _POLL_S = 0.005
 
 
 class Publication:
-    """A publisher on the graph that keeps a client's first words for subscribers that are on their way.
+    """A publisher on the graph that keeps a client's first messages for subscribers still connecting.
 
-    Pages advertise and publish at once; without this their first message would reach nobody.
+    Web pages advertise and publish at once; without this their first message would be lost.
     """
 
     def __init__(self, publisher: Publisher, *, is_latching: bool = False) -> None:

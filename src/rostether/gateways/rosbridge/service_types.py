@@ -55,5 +55,7 @@ class ServiceTypes:
         if listed.type != ANY_TYPE:
             return listed.type
         if self._ask_server is None:
-            raise ServiceUnavailableError(f"nobody tells the type of service {service}")
+            raise ServiceUnavailableError(
+                f"the type of service {service} is unknown: the graph does not report it"
+            )
         return await self._ask_server(service)

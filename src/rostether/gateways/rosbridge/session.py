@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from rostether.gateways.rosbridge.gateway_context import GatewayContext
 
 TOLD_EVERY_S = 5.0
-"""How often a client, and the log, is told that a topic is too fast for it."""
+"""How often the client and the log receive a report that a topic is too fast for the client."""
 
 MAX_WRITE_BYTES = 64 << 10
 """Frames are written together up to this size: system calls are what small messages cost most."""

@@ -40,7 +40,7 @@ MAX_CONTROL_BYTES = 64 << 20
 """Answers that wait for a client that does not read: it asked for each, and has hung if they pile up."""
 
 OPERATION_LIMIT_S = 10.0
-"""A graph that has not taken an advertisement or subscription by then is told of as an error."""
+"""How long a graph may take to advertise or subscribe before an error is reported."""
 
 GREETING_LIMIT_S = 10.0
 """Who has not authenticated by then frees the place."""

@@ -1,7 +1,7 @@
-"""A value that came as JSON, as the payload of a message; what does not fit is told by its field.
+"""Converts a JSON value to the payload of a message; an error names the field that does not fit.
 
-Lenient where web pages are: fields may be missing, a header's stamp as well (it becomes the time now), bytes
-are base64 or a list, null is NaN where a float is meant, times have either ROS's names for their halves.
+It accepts what web pages send: fields may be missing, also a header's stamp (it becomes the current time),
+bytes are base64 or a list, null is NaN for a float, and times have the field names of ROS 1 or ROS 2.
 """
 
 from __future__ import annotations

@@ -75,7 +75,7 @@ class GraphAnswers:
         return [topic for topic, name in (await self._topic_types()).items() if short_type(name) == wanted]
 
     async def topic_type(self, topic: str) -> str:
-        """Return a topic's type, empty where nobody knows it."""
+        """Return a topic's type, empty if it is unknown."""
         return (await self._topic_types()).get(self._graph.resolve(topic), "")
 
     async def publishers(self, topic: str) -> list[str]:
@@ -119,7 +119,7 @@ class GraphAnswers:
         ]
 
     async def service_type(self, service: str) -> str:
-        """Return a service's type, empty where nobody tells it."""
+        """Return a service's type, empty if it is unknown."""
         found = await self._service(service)
         return (await self._types_of([found]))[0] if found is not None else ""
 

@@ -26,7 +26,7 @@ class Row:
     fields: tuple[str, ...]
 
     async def answer(self, request: Message, *, tells_success: bool) -> dict[str, Any]:
-        """Return the fields of the response. Raises RostetherError, unless the response tells of it."""
+        """Return the fields of the response. Raises RostetherError, unless the response reports it."""
         success: dict[str, Any] = {"successful": True} if tells_success else {}
         try:
             found = await self.ask(request)

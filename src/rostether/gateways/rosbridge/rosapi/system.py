@@ -12,7 +12,7 @@ from rostether.graph.ports import Graph
 from rostether.msgdef.registry import Registry
 
 DEFAULT_DISTROS: Final = {1: "noetic", 2: "jazzy"}
-"""What is told where neither graph nor environment says: the releases whose definitions we bring along."""
+"""The answer if neither graph nor environment names a release: those of the bundled definitions."""
 
 _DISTRO_PARAMETER = "/rosdistro"
 
