@@ -40,9 +40,9 @@ class HandshakeProtocol(asyncio.Protocol):
     """Reads the first header of a connection, then hands the transport to the protocol `accept` returns.
 
     `accept` runs at once, so that no byte of the peer is lost, and leaves writing to its successor's
-    `connection_made`. What it raises ends the connection and is `outcome`'s exception; the successor is its
-    result. An incoming connection's peer is told the error first. One that `admit` refuses is ended by it; a
-    large header goes on only while `has_room` says so.
+    `connection_made`. The successor is the result of `outcome`. An error that `accept` raises ends the
+    connection and is the exception of `outcome`; the peer of an incoming connection receives it first.
+    `admit` closes a connection that it refuses; a large header is read only while `has_room` returns True.
     """
 
     def __init__(
@@ -155,7 +155,7 @@ async def connect(host: str, port: int, request: Mapping[str, str], accept: Acce
 
 
 class ConnectionRecord:
-    """What getBusInfo and getBusStats tell of one connection; `direction` is `i` or `o`."""
+    """One connection as getBusInfo and getBusStats report it; `direction` is `i` or `o`."""
 
     def __init__(self, transport: asyncio.Transport, *, peer: str, topic: str, direction: str) -> None:
         self.id = next(_next_id)

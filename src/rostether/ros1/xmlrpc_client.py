@@ -25,10 +25,10 @@ MAX_IDLE_CONNECTIONS = 4
 class XmlRpcClient:
     """Calls the server at `uri` (`http://host:port/`). Raises ConfigError for a URI that is none.
 
-    `peer` names the server in errors (`the ROS master`); `unreachable` is the error raised when nobody
-    answers there. Calls may overlap; each has a connection of its own meanwhile. `on_lost` is called when the
-    server closes a connection that was kept for the next call: often it has just ended. `if_other` ends the
-    error about a server that is something else: what to do next.
+    `peer` names the server in errors (`the ROS master`); `unreachable` is the error raised when no server
+    answers. Calls may overlap; each then uses its own connection. `on_lost` is called when the server closes
+    a connection that was kept for the next call: often it has just ended. `if_other` is the last part of the
+    error about a server that is another program: what to do next.
     """
 
     def __init__(

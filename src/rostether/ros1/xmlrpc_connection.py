@@ -100,7 +100,7 @@ class ServerConnection(asyncio.Protocol):
             self._transport = None
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """End; a method under way is cancelled, nobody waits for it."""
+        """Cancel the running method, because no client waits for its result."""
         if self._task is not None:
             self._task.cancel()
         self._transport = None

@@ -44,7 +44,7 @@ _service_api = api_of("service_api")
 
 
 class NodeCalls(Protocol):
-    """How the master speaks to nodes: each call is queued for the node's URI, and nobody waits for it."""
+    """How the master calls nodes: each call is queued for the node's URI, and the caller does not wait."""
 
     def publisher_update(self, api: str, topic: str, publishers: list[str]) -> None:
         """Tell a subscriber the URIs of the topic's publishers."""
@@ -145,7 +145,7 @@ class MasterApi:
         else:
             replaced = self.registrations.register(kind, key, caller_id, caller_api)
         if replaced is not None:
-            _log.info("%s is started anew: the old one at %s is shut down", caller_id, replaced.api)
+            _log.info("%s registered again: the old node at %s is shut down", caller_id, replaced.api)
             reason = f"[{caller_id}] Reason: {NAME_TAKEN}"
             self._node_calls.shut_down(replaced.api, reason)
             self._tell_subscribers(replaced.topics)

@@ -1,9 +1,9 @@
-"""The calls a master makes to nodes: news for each in order, none of them held up by another's silence.
+"""The calls of a master to nodes: updates for each node in order; a silent node does not delay the others.
 
-Each node's URI has an outbox of its own, emptied by a task of its own. News of the same topic or parameter
-replaces older news that has not left yet. A node that does not answer keeps its news and is tried again,
-less and less often: it may be stopped in a debugger. One whose port refuses the connection, again and again,
-is gone: `on_gone` hears of it.
+Each node's URI has its own outbox and its own task that empties it. An update of a topic or parameter
+replaces an older one that was not sent yet. If a node does not answer, its updates are kept and sent again,
+less and less often: it may be stopped in a debugger. If its port refuses connections repeatedly, the node is
+gone, and `on_gone` is called.
 """
 
 from __future__ import annotations
@@ -49,9 +49,9 @@ class _Outbox:
 
 
 class NodeCallQueue:
-    """Delivers a master's calls to nodes; `on_gone(api)` is told of a URI where nobody listens any more.
+    """Delivers a master's calls to nodes; calls `on_gone(api)` for a URI where no node listens any more.
 
-    What nodes answer does not matter: rospy says that it does not watch a parameter while it is about to.
+    The answers of nodes are ignored: rospy denies watching a parameter that it is about to watch.
     """
 
     def __init__(
@@ -114,7 +114,7 @@ class NodeCallQueue:
             try:
                 client = XmlRpcClient(api, timeout_s=self._call_timeout_s, on_lost=lambda: self.ping(api))
             except ConfigError as error:
-                _log.debug("a node cannot be told of changes: %s", error)
+                _log.debug("changes cannot be sent to a node: %s", error)
                 return
             outbox = self._outboxes[api] = _Outbox(client)
         # To the end, even if it waits already: news of a namespace in between must not undo it.
@@ -123,7 +123,7 @@ class NodeCallQueue:
         if len(outbox.pending) > _MAX_PENDING:
             (method, key), _ = next(iter(outbox.pending.items()))
             del outbox.pending[method, key]
-            _log.warning("%s does not answer: it will not hear of the change of %s", api, key)
+            _log.warning("%s does not answer: it will not receive the change of %s", api, key)
         if outbox.task is None:
             outbox.task = asyncio.get_running_loop().create_task(self._deliver(api, outbox))
 

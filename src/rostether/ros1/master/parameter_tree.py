@@ -1,7 +1,7 @@
 """The Parameter Server's tree, without any I/O.
 
-Names are resolved (`/a/b`); a dict is a namespace, and setting one replaces everything below it. Whoever
-watches a name hears of every change at, above and below it.
+Names are resolved (`/a/b`); a dict is a namespace, and setting one replaces everything below it. A node that
+watches a name receives every change at, above and below it.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _BYTES_PER_VALUE = 64
 
 @dataclass(frozen=True, slots=True)
 class Update:
-    """Who watches `watched` hears that `key` (with a trailing slash) is now `value`; `{}` means unset."""
+    """For watchers of `watched`: `key` (with a trailing slash) is now `value`; `{}` means unset."""
 
     watched: str
     key: str
@@ -143,10 +143,10 @@ class ParameterTree:
 
 
 def updates(watched: Iterable[str], name: str, value: XmlRpcValue) -> list[Update]:
-    """Return what the watchers of each watched key are told when `name` becomes `value`, `{}` for deleted.
+    """Return the updates for the watchers of each watched key when `name` becomes `value`, `{}` for deleted.
 
-    Watchers of the name and above hear of the change itself; those below hear of their own new value. The
-    deepest come first: who watches on several levels, and keeps a tree, has the right one in the end.
+    Watchers of the name and above receive the change itself; those below receive their own new value. The
+    deepest keys come first, so that a node that watches several levels ends up with the right tree.
     """
     key = watch_key(name)
     found: list[Update] = []

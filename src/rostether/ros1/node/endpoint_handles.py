@@ -30,7 +30,7 @@ UNREGISTER_TIMEOUT_S = 2.0
 class Endpoints:
     """Holds all endpoints of a node and keeps them registered.
 
-    `report` takes what the node has to say of itself; `on_shutdown` is called when the node is told to leave.
+    `report` receives log lines about the node; `on_shutdown` is called when the node is asked to shut down.
     """
 
     def __init__(

@@ -46,11 +46,11 @@ async def join_ros1(
     check_interval_s: float = DEFAULT_CHECK_INTERVAL_S,
     on_leave: Callable[[str], None] | None = None,
 ) -> Ros1Graph:
-    """Join the graph of a master as `node_name`; a node that has the name is told to leave, by the master.
+    """Join the graph of a master as `node_name`; the master shuts down another node that has the name.
 
     `master_uri` wins over the environment's, which is read from os.environ by default. Every
-    `check_interval_s` the master is asked whether it still knows us. A node that is told to leave does so at
-    once, or with `on_leave` leaves that to its owner, who is told the reason.
+    `check_interval_s` the node asks the master whether it is still registered. On a shutdown request it
+    leaves at once, or calls `on_leave` with the reason if that is given.
     Raises MasterUnreachableError, InvalidNameError, ConfigError, GraphError.
     """
     environment = environment or RosEnvironment.read()

@@ -36,9 +36,9 @@ class ParameterWatches:
         return watch
 
     def update(self, key: str, value: XmlRpcValue) -> bool:
-        """Take a change from the master; False when nobody here watches the name.
+        """Apply a change that the master sent; False if this node does not watch the name.
 
-        Masters do not tell a node of its own changes, see `changed_by_us`.
+        Masters do not send a node its own changes, see `changed_by_us`.
         """
         key = "/" + key.strip("/")
         watches = list(self._watches.get(key, ()))

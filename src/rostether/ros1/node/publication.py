@@ -16,7 +16,7 @@ from rostether.tcpros.message_framing import encode_messages
 
 Report = Callable[[Level, str], None]
 OnSubscriber = Callable[[SubscriberConnection, bool], None]
-"""Hears of a subscriber that has come (True) or gone (False)."""
+"""Called for a subscriber that has connected (True) or disconnected (False)."""
 
 
 class Publication:

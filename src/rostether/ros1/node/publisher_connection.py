@@ -16,7 +16,7 @@ FIRST_RETRY_S = 0.1
 """A publisher that restarts its server, or whose registration overtook it, is there again at once."""
 
 MAX_RETRY_S = 5.0
-"""One that is registered but gone costs a refused connection each time, and nobody likes to wait longer."""
+"""Each retry to a publisher that is gone costs one refused connection; longer waits annoy users."""
 
 PATIENT_FAILURES = 4
 """Failures in a row before a word is said, after 0.7 s: a publisher that ends is unregistered by then."""
@@ -98,7 +98,7 @@ class PublisherLink:
 
     `accept` makes the connection of its header, as in `HandshakeProtocol`. `tell` gets one line for people
     when the publisher cannot be reached for a while, and when its type does not match; that is not tried
-    again, because a publisher that changes its type registers anew.
+    again, because a publisher that changes its type registers again.
     """
 
     def __init__(

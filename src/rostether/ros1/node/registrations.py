@@ -1,8 +1,8 @@
-"""What this node has registered with the master, and keeping it so when the master forgets.
+"""This node's registrations with the master; they are repeated after the master has restarted.
 
-A ROS 1 master that restarts knows nobody, and nobody is told. So every few seconds we ask it for our own
-address: no answer means it is away, an unknown name that it has restarted, another address that another
-node has taken our name.
+A ROS 1 master that restarts knows no nodes and notifies none. So every few seconds we ask it for our own
+address: no answer means that it is away, an unknown name that it has restarted, and another address that
+another node has our name.
 """
 
 from __future__ import annotations

@@ -127,7 +127,7 @@ class Subscription:
         return connection
 
     def _taker(self, fields: Mapping[str, str]) -> OnMessages:
-        """Tell of a connection; returns what takes its messages."""
+        """Report a connection; returns the function that receives its messages."""
         own: list[OnMessages | None] = []
         if self._on_connection is not None:
             on_connection = self._on_connection
@@ -153,4 +153,4 @@ class Subscription:
 
 
 def _leave_out(_: Sequence[bytes]) -> None:
-    """Take messages that nobody here wants."""
+    """Drop messages that this node does not want."""

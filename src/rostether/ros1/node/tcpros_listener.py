@@ -30,9 +30,9 @@ AcceptPeer = Callable[[dict[str, str], asyncio.Transport], asyncio.Protocol]
 
 
 class TcprosListener:
-    """Takes connections and hands each to `accept_subscriber` or `accept_client` by its header.
+    """Accepts connections and passes each to `accept_subscriber` or `accept_client`, according to its header.
 
-    Those raise GraphError to refuse one; a refusal is told to the peer, and a mismatch of types to `report`.
+    Both raise GraphError to refuse one; the peer receives the error, and `report` a mismatch of types.
     """
 
     def __init__(
