@@ -30,7 +30,7 @@ class ParameterServices:
         self._servers: list[ServiceServer] = []
 
     async def open(self) -> None:
-        """Offer the services, and tell of every change. Raises GraphError."""
+        """Offer the services, and publish every change. Raises GraphError."""
         self._events = await self._membership.advertise(
             PARAMETER_EVENTS, rcl_interfaces().message("ParameterEvent")
         )

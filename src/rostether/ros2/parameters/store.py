@@ -1,4 +1,4 @@
-"""The parameters of one node: values, what may be asked for, and who is told of changes. Without I/O."""
+"""The parameters of one node: their values, constraints and listeners. Without I/O."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MAX_PARAMETERS = 4096
 """Anybody on the graph can set them; the largest nodes (navigation) have about a thousand."""
 
 MAX_ASKED_NAMES = 256
-"""Names that a board asked for and nobody has set; line noise makes up names without end."""
+"""Names that a board asked for and that are not set; line noise can produce any number of names."""
 
 MAX_NAME_CHARACTERS = 256
 """Names in use are below 100."""

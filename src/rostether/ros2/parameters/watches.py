@@ -1,4 +1,4 @@
-"""Watching parameters of any node: our own store tells us, /parameter_events tells of the others."""
+"""Watches parameters of any node: our own store reports ours, /parameter_events those of other nodes."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from rostether.ros2.rcl_interfaces import rcl_interfaces
 
 
 class TellingParameters(Protocol):
-    """Parameters that tell of their changes."""
+    """Parameters that report their changes."""
 
     def listen(self, on_changes: OnChanges) -> None:
         """Call back after each setting, until `unlisten`."""

@@ -19,7 +19,7 @@ from rostether.ros2.rclpy.subscription import RclpySubscriber
 from rostether.ros2.types.type_support import ServiceSupport
 
 LOOK_AT_PUBLISHERS_INTERVAL_S = 0.2
-"""How often a subscriber that nobody tells looks for publishers: people do not feel it."""
+"""How often a subscriber looks for publishers, as rclpy does not report them; users do not notice 0.2 s."""
 
 
 class Endpoints:

@@ -24,7 +24,7 @@ _log = logging.getLogger("rostether.ros2")
 
 
 class NoAnswerError(Exception):
-    """Raised in a service's callback to leave a request without an answer; nobody needs to see it."""
+    """Raised in a service's callback to leave a request without an answer; it is not logged."""
 
 
 class ExecutorThread:

@@ -136,7 +136,7 @@ class RclpyGraph(ParameterMethods):
         await asyncio.shield(self._closing)
 
     async def wait_closed(self) -> str:
-        """Wait until the node has left; nobody can tell a node of ROS 2 to."""
+        """Wait until the node has left by `close`; ROS 2 has no shutdown request for nodes."""
         await self._closed.wait()
         return "closed"
 

@@ -18,7 +18,7 @@ from rostether.ros2.rclpy.quality import service_profile
 from rostether.ros2.types.type_support import ServiceSupport
 
 DISCOVERY_S = 3.5
-"""How long a service may take to be found: DDS tells of it at once, and again after 3 s if that is lost."""
+"""How long finding a service may take: DDS announces it at once, and again after 3 s if that was lost."""
 
 LOOK_INTERVAL_S = 0.01
 """How often to look for a server that is being discovered."""

@@ -1,12 +1,12 @@
-"""Subscribing to one topic: a subscription of rclpy that adapts to the publishers it finds.
+"""A subscription to one topic: the rclpy subscription adapts to the publishers it finds.
 
-    publishers known                 what is asked for
-    none                             reliable; of any type: nothing yet, as nobody told a type
+    known publishers                 requested QoS
+    none                             reliable; for any type: nothing yet, because the type is unknown
     all transient local              transient local, so that their last messages come
     some volatile                    volatile
     some best effort                 best effort
 
-What is asked for cannot be changed, so another subscription takes the place of the one before.
+The QoS of a subscription cannot be changed, so a new subscription replaces the old one.
 """
 
 from __future__ import annotations

@@ -66,7 +66,7 @@ class RouterChoice(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Reach:
-    """Whom a session talks with: zenoh endpoints (`tcp/192.168.1.7:7447`) beyond what is usual."""
+    """Where a session connects and listens: endpoints (`tcp/192.168.1.7:7447`) besides the default ones."""
 
     router: RouterChoice = RouterChoice.AUTO
     connect: tuple[str, ...] = ()
@@ -108,7 +108,7 @@ def router_configuration(environment: Ros2Environment, reach: Reach) -> zenoh.Co
 
 
 def names_its_own_place(environment: Ros2Environment) -> bool:
-    """Tell whether the user's own configuration says whom to talk with, so that nothing is to be guessed."""
+    """Return whether the user's own configuration names the endpoints, so that none must be guessed."""
     return environment.zenoh_session_config is not None or any(
         path in ("mode", "connect") or path.startswith("connect/endpoints")
         for path, _ in environment.zenoh_overrides

@@ -1,4 +1,4 @@
-"""What a node tells of itself: its own token, and one for each of its ends."""
+"""The liveliness tokens of a node: its own, and one for each of its endpoints."""
 
 from __future__ import annotations
 

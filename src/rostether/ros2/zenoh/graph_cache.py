@@ -1,4 +1,4 @@
-"""The graph as its liveliness tokens tell it, kept up to date, and who wants to hear of changes."""
+"""The graph according to its liveliness tokens, kept up to date, and the listeners for changes."""
 
 from __future__ import annotations
 

@@ -94,7 +94,7 @@ class ZenohGraph(ParameterMethods):
         skip_own: bool = False,
         skip_nodes: Container[str] = (),
     ) -> Subscription:
-        """Subscribe. `ANY_MESSAGE` takes every type; `on_connection` hears of each publisher."""
+        """Subscribe. `ANY_MESSAGE` accepts every type; `on_connection` is called for each publisher."""
         self._check_open()
         return self._endpoints.subscribe(
             self._resolve_ros2(topic),

@@ -77,8 +77,8 @@ class Publication:
             node.session.put_threads,
             DEFAULT_QUEUE_BYTES if queue_bytes is None else queue_bytes,
         )
-        self._has_warned = False
-        self._has_told_of_loss = False
+        self._refusal_reported = False
+        self._loss_reported = False
         # zenoh's word comes when somebody subscribes, also who has no token; a token may come before it.
         self._is_matched = False
         self._subscribers: list[Token] = []
@@ -88,7 +88,7 @@ class Publication:
 
     @property
     def dropped_count(self) -> int:
-        """How many messages did not fit their type or met a full link; zenoh does not tell of others."""
+        """How many messages did not fit their type or met a full link; zenoh does not report others."""
         return self._lost_count + self._queue.dropped_count
 
     @property
@@ -167,8 +167,8 @@ class Publication:
     def _note(self, puts: Puts) -> None:
         self._queue.note_longest(puts.longest_ns)
         self._lost_count += puts.lost
-        if puts.lost and not self._has_told_of_loss:
-            self._has_told_of_loss = True
+        if puts.lost and not self._loss_reported:
+            self._loss_reported = True
             self._report(
                 Level.WARN,
                 f"{self.topic}: a subscriber hangs or takes less than comes, and messages are lost: look "
@@ -223,8 +223,8 @@ class Publication:
 
     def _refuse(self, count: int, error: SerializationError) -> None:
         self._lost_count += count
-        if not self._has_warned:
-            self._has_warned = True
+        if not self._refusal_reported:
+            self._refusal_reported = True
             self._report(Level.WARN, f"{self.topic}: a message cannot be put into ROS 2's form: {error}")
 
 
@@ -254,7 +254,7 @@ class Publisher:
 
     @property
     def dropped_count(self) -> int:
-        """How many messages did not fit their type or met a full link; zenoh does not tell of others."""
+        """How many messages did not fit their type or met a full link; zenoh does not report others."""
         return self._publication.dropped_count
 
     def publish_raw(self, payloads: Sequence[bytes]) -> bool:

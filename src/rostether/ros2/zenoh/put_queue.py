@@ -1,4 +1,4 @@
-"""What one publication puts while links are full: a thread does it, so that nobody else waits for their room.
+"""The puts of one publication while links are full: a thread does them, so that nothing else is delayed.
 
 States and what moves between them:
 
@@ -8,8 +8,8 @@ States and what moves between them:
     wary         as busy, for the link may      -- a minute without such a put -->            is_idle
                  be full again at any time
 
-Zenoh alone knows whether a link has room, and tells by taking its time: a put waits in vain for as long as
-`WAIT_BEFORE_DROP_US` says. So whoever hangs costs the loop one such wait a minute.
+Only zenoh knows whether a link has room, and shows it by the duration of a put: with a full link it waits for
+`WAIT_BEFORE_DROP_US` and then drops. So a subscriber that hangs costs the loop one such wait a minute.
 """
 
 from __future__ import annotations
@@ -60,9 +60,9 @@ class Puts:
 
 
 class PutQueue:
-    """Has a thread put what is added, in order; beyond `limit_bytes` the oldest go.
+    """Puts what is added in a thread and in order; drops the oldest beyond `limit_bytes`.
 
-    `put` is called in a thread, and at one time only once; `note` is told in the loop what became of it.
+    `put` is called in a thread, never twice at once; `note` is called in the loop with the result.
     """
 
     def __init__(

@@ -24,10 +24,10 @@ from rostether.ros2.zenoh.handover import Handover
 from rostether.ros2.zenoh.tokens import Kind, data_key
 
 MAX_CALLS = 1000
-"""Calls of one service at a time; a board answers one by one, and nobody waits for the thousandth."""
+"""Pending calls of one service; a board answers one by one, so the last would wait too long."""
 
 MAX_REFUSALS = 100
-"""Beyond them; callers who hear nothing at all give up by their time limit."""
+"""Pending refusals; calls beyond them get no answer and end by the caller's time limit."""
 
 LAST_WORDS_S = 0.2
 """How long a service that ends waits until its callers have been told; who hangs is not waited for."""

@@ -40,7 +40,7 @@ MAX_WAITING_NEWS = 200_000
 """Changes of the graph between two turns of the loop: twice all the tokens that we keep."""
 
 FIRST_LOOK_TIMEOUT_S = 2.0
-"""How long a session that has just opened waits to hear of the graph; who is there answers at once."""
+"""How long a new session waits for the state of the graph; a running router answers at once."""
 
 FIRST_LINK_TIMEOUT_S = 0.5
 """How long a session waits for its first connection, which zenoh does not; a router here takes 10 ms."""
@@ -195,7 +195,7 @@ class ZenohSession:
         return self
 
     async def _wait_for_link(self) -> None:
-        """Wait for the first connection: nobody hears what a session is asked before."""
+        """Wait for the first connection: a query sent earlier reaches no peer."""
         deadline_s = time.monotonic() + FIRST_LINK_TIMEOUT_S
         # Zenoh announces no connections; looking is cheap.
         while not self._is_linked() and time.monotonic() < deadline_s:  # noqa: ASYNC110

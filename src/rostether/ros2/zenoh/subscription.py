@@ -68,7 +68,7 @@ class Subscription:
         self._skipped_gids: set[bytes] = set()
         self._what = f"on_messages of {topic}"
         self._is_closed = False
-        self._has_warned = False
+        self._reported = False
         self._undecodable_count = 0
         self._publishers: set[Token] = set()
         self._learnt: dict[str, MessageSupport | None] = {}
@@ -241,6 +241,6 @@ class Subscription:
 
     def _refuse(self, error: SerializationError) -> None:
         self._undecodable_count += 1
-        if not self._has_warned:
-            self._has_warned = True
+        if not self._reported:
+            self._reported = True
             self._taker.report(Level.WARN, f"{self.topic}: a message that does not fit its type: {error}")
