@@ -57,7 +57,7 @@ def check(path: Path, registry: Registry) -> Checked:
         faults += [f"{topic}: {why}" for topic, why in reader.unreadable.items()]
         expected = sum(reader.counts.values())
         if count != expected and not faults:
-            faults.append(f"its index tells of {expected} messages, but {count} are there")
+            faults.append(f"its index counts {expected} messages, but the file has {count}")
     finally:
         reader.close()
     faults += [

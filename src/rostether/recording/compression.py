@@ -104,7 +104,7 @@ def _reader(name: str, data: Buffer) -> Callable[[int], bytes]:
         stream = _zstandard().ZstdDecompressor().stream_reader(data)
         return lambda size: bytes(stream.read(size))
     if name not in (BZ2, LZ4):
-        raise RecordingError(f"a chunk is compressed by {name!r}, which nobody knows")
+        raise RecordingError(f"a chunk uses the unknown compression {name!r}")
     decompressor = bz2.BZ2Decompressor() if name == BZ2 else _lz4_frame().LZ4FrameDecompressor()
     rest: list[Buffer] = [data]
 

@@ -19,7 +19,7 @@ class OutputFile:
             self._file: int | None = os.open(path, flags, 0o666)
         except OSError as error:
             raise RecordingError(
-                f"cannot write {path}: {error.strerror or error}; name a file in a folder of yours"
+                f"cannot write {path}: {error.strerror or error}; choose a file in a writable folder"
             ) from None
 
     def append(self, data: bytes) -> None:

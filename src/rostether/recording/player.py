@@ -126,7 +126,7 @@ class Player:
             await publisher.drained(END_DRAIN_S)
 
     async def keep_clock(self) -> None:
-        """Go on publishing the clock for ever."""
+        """Publish the clock until cancelled."""
         while True:
             self._tick_clock()
             await asyncio.sleep(LONGEST_SLEEP_S)

@@ -15,7 +15,7 @@ _TOLD = frozenset({"callerid", "md5sum", "message_definition", "reliability", "t
 class Ros2Origin:
     """What a recording of ROS 2 says of a topic: its type there, and what its publishers offered (YAML).
 
-    `encoding` is that of `definition`, `ros2msg` or `ros2idl`, empty where it is not told.
+    `encoding` is that of `definition`, `ros2msg` or `ros2idl`, empty if it is unknown.
     """
 
     type_name: str
@@ -27,11 +27,11 @@ class Ros2Origin:
 
 @dataclass(frozen=True, slots=True)
 class Connection:
-    """One publisher on one topic, as its connection header told it; `origin` where it is of ROS 2.
+    """One publisher on one topic, as its connection header describes it; `origin` is set for ROS 2.
 
-    `others` is what else the header says, so that it stays whole from file to file: `latching` where it says
-    no, which roscpp's publishers do, and what nobody but the publisher knows of.
-    `is_best_effort` is what a publisher of ROS 2 tells while it is recorded; later `origin` has it.
+    `others` are the remaining header fields, so that copies of a file keep them: a `latching` of 0, which
+    roscpp's publishers send, and private fields of the publisher.
+    `is_best_effort` is set while a ROS 2 publisher is recorded; later `origin` holds it.
     """
 
     topic: str

@@ -1,4 +1,4 @@
-"""Whether a path is a file as recordings are: opening a FIFO waits for ever, and devices have no end."""
+"""Checks that a path is a regular file: opening a FIFO may never return, and devices have no end."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _KINDS = (
 
 
 def require_regular_file(path: Path) -> None:
-    """Raise RecordingError for what is there and no file; what is missing is told by who opens it."""
+    """Raise RecordingError if the path exists and is no file; opening reports a missing file."""
     try:
         mode = path.stat().st_mode
     except (OSError, ValueError):

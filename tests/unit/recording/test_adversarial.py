@@ -61,7 +61,7 @@ def test_connections_without_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     path = tmp_path / "a.bag"
     path.write_bytes(_bag(b"".join(records)))
     reader = BagReader(path)
-    assert "it tells of 100 connections" in reader.damage
+    assert "it has at least 100 connections" in reader.damage
     assert len(reader.connections) == 100
 
 

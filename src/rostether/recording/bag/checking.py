@@ -19,7 +19,7 @@ from rostether.recording.compression import decompress
 from rostether.rostime import NS_PER_S
 
 MAX_FAULTS = 50
-"""A broken bag can have one in each chunk; nobody reads more."""
+"""A broken bag can have one fault in each chunk; a longer report does not help."""
 
 _ENTRY = struct.Struct("<III")
 

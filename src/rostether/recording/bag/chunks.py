@@ -35,7 +35,7 @@ from rostether.recording.compression import MAX_CHUNK_BYTES, NONE, check_unpacke
 from rostether.recording.recorded import Connection
 
 MAX_CONNECTIONS = 100_000
-"""Ten times those of a fleet recorded for a day; a packed chunk can tell of millions in a few bytes."""
+"""Ten times those of a fleet recorded for a day; a compressed chunk can hold millions in a few bytes."""
 
 MAX_CONNECTIONS_BYTES = 256 << 20
 """Their headers, each with its definition, which take a few KB."""
@@ -68,8 +68,8 @@ class BagContent:
         """Take a connection record. Raises RecordingError, also when there are more than any robot has."""
         self.connections_bytes += len(header)
         if len(self.connections) >= MAX_CONNECTIONS or self.connections_bytes > MAX_CONNECTIONS_BYTES:
-            told = f"{len(self.connections)} connections with {self.connections_bytes} bytes of definitions"
-            raise RecordingError(f"it tells of {told} and more, which nothing needs")
+            found = f"{len(self.connections)} connections with {self.connections_bytes} bytes of definitions"
+            raise RecordingError(f"it has at least {found}, more than rostether reads")
         named = {
             name.decode("utf-8", "surrogateescape"): value.decode("utf-8", "surrogateescape")
             for name, value in decode_fields(header).items()
@@ -123,7 +123,7 @@ def _by_index(data: Buffer, position: int, chunk_count: int) -> BagContent:
     check_unpacked_size(sum(min(each, MAX_CHUNK_BYTES) for each in packed), len(data))
     unknown = {number for chunk in content.chunks for number in chunk.counts} - content.connections.keys()
     if unknown:
-        raise RecordingError(f"it does not tell of connection {min(unknown)}")
+        raise RecordingError(f"its index has no record of connection {min(unknown)}")
     return content
 
 
@@ -205,7 +205,7 @@ def _add_found(
     first_ns, last_ns = 1 << 64, -1
     for number, time_ns, _, _ in messages_in(plain, content.add_connection):
         if number not in content.connections:
-            raise RecordingError(f"a message is of connection {number}, which nobody told of")
+            raise RecordingError(f"a message belongs to connection {number}, which is not defined")
         counts[number] = counts.get(number, 0) + 1
         first_ns = min(first_ns, time_ns)
         last_ns = max(last_ns, time_ns)

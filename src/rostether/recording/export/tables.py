@@ -45,7 +45,7 @@ class CsvTable:
             )
         except OSError as error:
             raise RecordingError(
-                f"cannot write {target}: {error.strerror or error}; name a file in a folder of yours"
+                f"cannot write {target}: {error.strerror or error}; choose a file in a writable folder"
             ) from None
         self._cells = [_cell_of(column) for column in columns]
         self._writer = csv.writer(self._file, lineterminator="\n")

@@ -39,7 +39,7 @@ from rostether.recording.mcap.records import (
 Buffer: TypeAlias = bytes | memoryview
 
 MAX_FAULTS = 50
-"""A broken file can have one in each record; nobody reads more."""
+"""A broken file can have one fault in each record; a longer report does not help."""
 
 
 def faults_of(data: Buffer) -> list[str]:
@@ -114,7 +114,7 @@ class _Check:
             elif op == OP_CHUNK_INDEX:
                 self._check_chunk_index(decode_chunk_index(data, start, position))
         for found in self._found.chunks.values():
-            self.tell(f"its summary does not tell of the chunk at byte {found.position}")
+            self.tell(f"its summary does not list the chunk at byte {found.position}")
         self._check_repeated("schema", repeated.schemas, self._found.defined.schemas)
         self._check_repeated("channel", repeated.channels, self._found.defined.channels)
         if statistics is None:
@@ -126,12 +126,12 @@ class _Check:
     def _check_repeated(self, kind: str, summary: Mapping[int, object], data: Mapping[int, object]) -> None:
         for number, value in summary.items():
             if number not in data:
-                self.tell(f"its summary tells of {kind} {number}, which is not in its data")
+                self.tell(f"its summary lists {kind} {number}, which is not in its data")
             elif data[number] != value:
-                self.tell(f"its summary tells of {kind} {number} otherwise than its data")
+                self.tell(f"its summary and its data differ in {kind} {number}")
         if summary:
             for number in data.keys() - summary.keys():
-                self.tell(f"its summary does not tell of {kind} {number}")
+                self.tell(f"its summary does not list {kind} {number}")
 
     def _check_chunk_index(self, index: ChunkIndex) -> None:
         found = self._found.chunks.pop(index.position, None)
@@ -149,7 +149,7 @@ class _Check:
             found.indexes_end - found.position - found.length,
         )
         if said != there or (dict(index.indexes) != found.indexes and index.indexes):
-            self.tell(f"its summary tells of the chunk at byte {index.position} otherwise than it is")
+            self.tell(f"its summary describes the chunk at byte {index.position} wrongly")
 
     def _check_statistics(self, statistics: Statistics) -> None:
         first, last = self._found.span or (0, 0)
@@ -165,7 +165,7 @@ class _Check:
         )
         for noun, said, there in rows:
             if said != there:
-                self.tell(f"its statistics tell of {said} {noun}, but there are {there}")
+                self.tell(f"its statistics say {said} {noun}, but there are {there}")
         counts = {number: count for number, count in statistics.counts.items() if count}
         if counts and counts != self._found.counts:
             self.tell("its statistics count the messages of its channels wrong")

@@ -44,7 +44,7 @@ from rostether.recording.mcap.records import (
 Buffer: TypeAlias = bytes | memoryview
 
 MAX_DEFINITION_BYTES = 256 << 20
-"""Schemas and channels together, each a few KB: a packed chunk can tell of gigabytes of them."""
+"""Schemas and channels together, each a few KB: a compressed chunk can hold gigabytes of them."""
 
 MAX_LOOSE_BYTES = 4 << 20
 """Messages that stand in no chunk are taken together up to this."""
@@ -151,7 +151,7 @@ def _by_summary(data: Buffer) -> McapContent:
         raise RecordingError("its messages are in no chunks, and have no index")
     unknown = statistics.counts.keys() - content.channels.keys()
     if unknown:
-        raise RecordingError(f"its index does not tell of channel {min(unknown)}")
+        raise RecordingError(f"its index does not list channel {min(unknown)}")
     content.chunks = [_indexed(data, each) for each in indexes]
     packed = (each.size_bytes for each in content.chunks if each.compression)
     check_unpacked_size(sum(min(each, MAX_CHUNK_BYTES) for each in packed), len(data))
@@ -270,7 +270,7 @@ def _add_found(content: McapContent, data: Buffer, chunk: StoredChunk) -> None:
     first_ns, last_ns = 1 << 64, -1
     for time_ns, _, _, number in messages_in(plain, content):
         if number not in content.channels:
-            raise RecordingError(f"a message is of channel {number}, which nobody told of")
+            raise RecordingError(f"a message belongs to channel {number}, which is not defined")
         counts[number] = counts.get(number, 0) + 1
         first_ns = min(first_ns, time_ns)
         last_ns = max(last_ns, time_ns)

@@ -165,14 +165,14 @@ class DataCheck:
             if self.defined.channels.get(channel.number, channel) != channel:
                 self._tell(f"channel {channel.number} is defined twice, and differs")
             if channel.schema and channel.schema not in self.defined.schemas:
-                self._tell(f"channel {channel.number} has schema {channel.schema}, which nobody told of")
+                self._tell(f"channel {channel.number} uses schema {channel.schema}, which is not defined")
         self.defined.define(op, data, start, end)
 
     def _count(self, number: int, time_ns: int) -> None:
         if number not in self.counts:
             self.counts[number] = 0
             if number not in self.defined.channels:
-                self._tell(f"a message is of channel {number}, which nobody told of")
+                self._tell(f"a message belongs to channel {number}, which is not defined")
         self.counts[number] += 1
         if self.span is None:
             self.span = (time_ns, time_ns)

@@ -48,7 +48,7 @@ class FileStorage(RecordingWriter, Protocol):
 
 
 class Ros2Bag:
-    """A bag being written, file after file; metadata.yaml tells of those that are closed.
+    """A bag being written, file after file; metadata.yaml lists those that are closed.
 
     Raises RecordingError when the folder holds a bag already, or cannot be made.
     """
@@ -77,7 +77,7 @@ class Ros2Bag:
                 raise RecordingError(f"{folder} is not empty, and a ROS 2 bag is a folder of its own")
         except OSError as error:
             raise RecordingError(
-                f"cannot write {folder}: {error.strerror or error}; name a folder of yours"
+                f"cannot write {folder}: {error.strerror or error}; choose a writable folder"
             ) from None
 
     def path_of(self, number: int) -> Path:
@@ -105,7 +105,7 @@ class Ros2Bag:
         return Db3Writer(path, types=self._types, distro=self._distro, unfit=self._unfit)
 
     def add_file(self, facts: FileFacts) -> None:
-        """Let metadata.yaml tell of a file, and no more of those that are gone. Raises RecordingError."""
+        """Add a file to metadata.yaml, and remove files that are gone from it. Raises RecordingError."""
         self._files = [each for each in self._files if (self.folder / each.name).exists()]
         self._files.append(facts)
         write_metadata(self.folder, describe(self._files, self.storage.value, self._distro))
@@ -143,7 +143,7 @@ class Ros2FileWriter:
         self._storage.flush()
 
     def close(self) -> None:
-        """Close the file, and tell of it in metadata.yaml. Idempotent. Raises RecordingError."""
+        """Close the file, and add it to metadata.yaml. Idempotent. Raises RecordingError."""
         if self._is_closed:
             return
         self._is_closed = True

@@ -64,7 +64,7 @@ class Db3Writer:
                 path.with_name(path.name + suffix).unlink(missing_ok=True)
             except OSError as error:
                 raise RecordingError(
-                    f"cannot write {path}: {error.strerror or error}; name a file in a folder of yours"
+                    f"cannot write {path}: {error.strerror or error}; choose a file in a writable folder"
                 ) from None
         try:
             self._database = sqlite3.connect(path, isolation_level=None, timeout=_LOCK_WAIT_S)

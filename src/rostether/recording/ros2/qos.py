@@ -27,7 +27,7 @@ MAX_PROFILES = 1000
 
 
 def offered(*, is_latching: bool, is_best_effort: bool = False) -> str:
-    """Return the text for a publisher of ROS 1, or one of whom no more is known than this."""
+    """Return the QoS text for a ROS 1 publisher, or for one with no other known settings."""
     return profiles_text(
         [
             {

@@ -92,7 +92,7 @@ def test_those_of_the_package_are_sound(
     if repeats:
         assert faults == []
     else:
-        assert all("summary does not tell of the chunk" in fault for fault in faults)
+        assert all("summary does not list the chunk" in fault for fault in faults)
 
 
 def test_a_sum_that_is_wrong(ours: bytearray) -> None:
@@ -109,7 +109,7 @@ def test_a_summary_whose_sum_is_wrong(ours: bytearray) -> None:
     ours[start] ^= 1
     told = faults_of(bytes(ours))
     assert "the sum (CRC) of its summary is wrong" in told
-    assert any(fault == "its statistics tell of 41 messages, but there are 40" for fault in told)
+    assert any(fault == "its statistics say 41 messages, but there are 40" for fault in told)
 
 
 @pytest.mark.parametrize(
@@ -120,15 +120,15 @@ def test_a_summary_whose_sum_is_wrong(ours: bytearray) -> None:
         (OP_CHUNK, 24, 0, "the sum (CRC) of its records"),
         (OP_MESSAGE_INDEX, 6, 0, "does not name the messages of channel 1"),
         (OP_MESSAGE_INDEX, 0, 0, "does not name the messages"),
-        (OP_CHUNK_INDEX, 0, 1, "otherwise than it is"),
+        (OP_CHUNK_INDEX, 0, 1, "wrongly"),
         (OP_CHUNK_INDEX, 16, 0, "where none is"),
-        (OP_CHUNK_INDEX, 24, 0, "otherwise than it is"),
+        (OP_CHUNK_INDEX, 24, 0, "wrongly"),
         (OP_STATISTICS, 8, 0, "schemas, but there are 2"),
         (OP_STATISTICS, 10, 0, "channels, but there are 3"),
         (OP_STATISTICS, 22, 0, "chunks, but there are"),
         (OP_STATISTICS, 26, 0, "ns at the first message"),
         (OP_SUMMARY_OFFSET, 1, 0, "its summary offset of schema is wrong"),
-        (OP_CHANNEL, 0, -1, "its summary tells of channel"),
+        (OP_CHANNEL, 0, -1, "its summary lists channel"),
     ],
 )
 def test_one_byte_that_lies(ours: bytearray, op: int, place: int, which: int, told: str) -> None:
@@ -147,8 +147,8 @@ def test_a_channel_without_its_schema_and_a_message_without_its_channel(ours: by
     data += encode_record(OP_DATA_END, bytes(4))
     data += encode_record(0x02, bytes(20)) + MAGIC
     assert faults_of(data) == [
-        "channel 1 has schema 5, which nobody told of",
-        "a message is of channel 9, which nobody told of",
+        "channel 1 uses schema 5, which is not defined",
+        "a message belongs to channel 9, which is not defined",
         "it has no summary",
     ]
 
