@@ -65,9 +65,9 @@ class ActionClient:
         transition_cb: Callable[[ClientGoalHandle], object] | None = None,
         feedback_cb: Callable[[ClientGoalHandle, Any], object] | None = None,
     ) -> ClientGoalHandle:
-        """Send a goal; it is followed as long as the handle is held.
+        """Send a goal; the client follows it as long as the program keeps the handle.
 
-        `transition_cb` hears of every CommState, `feedback_cb` of the server's feedback.
+        `transition_cb` is called for every CommState, `feedback_cb` for the server's feedback.
         """
         handle = self.follow(goal, transition_cb, feedback_cb)
         self.pub_goal.publish(handle.comm_state_machine.action_goal)

@@ -21,7 +21,7 @@ from rostether.rospy.client.subscriber import Subscriber
 DEFAULT_QUEUE_SIZE = 50
 DEFAULT_STATUS_HZ = 5.0
 DEFAULT_LISTED_S = 5.0
-"""How long a goal stays in the list after its end, so that its client hears of it."""
+"""How long a goal stays in the list after its end, so that its client receives the result."""
 
 MAX_LISTED = 10_000
 """Goals and cancel requests that a list holds: beyond it the oldest that has ended goes early."""

@@ -97,7 +97,7 @@ class FollowedGoal:
 
 
 class ClientGoalHandle:
-    """What a program holds of a goal it has sent; where nobody holds one, the goal is followed no more."""
+    """A program's handle of a goal it has sent; without a handle the client stops following the goal."""
 
     def __init__(self, comm_state_machine: FollowedGoal) -> None:
         self.comm_state_machine = comm_state_machine

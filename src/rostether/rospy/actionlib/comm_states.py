@@ -46,7 +46,7 @@ ENDED = frozenset(
         GoalStatus.LOST,
     }
 )
-"""The statuses of goals that nobody works on any more."""
+"""The statuses of goals that have ended."""
 
 _PENDING, _ACTIVE, _RESULT = CommState.PENDING, CommState.ACTIVE, CommState.WAITING_FOR_RESULT
 _RECALLING, _PREEMPTING = CommState.RECALLING, CommState.PREEMPTING

@@ -23,6 +23,6 @@ class GoalIDGenerator:
         self.name = name
 
     def generate_ID(self) -> Any:  # noqa: N802 - the name is actionlib's
-        """Return a GoalID that nobody else has."""
+        """Return a unique GoalID."""
         now = Time.now()
         return GoalID(id=f"{self.name}-{next(_numbers)}-{now.secs}.{now.nsecs}", stamp=now)

@@ -28,7 +28,7 @@ class BagMessage(NamedTuple):
 
 
 class BagMessageWithConnectionHeader(NamedTuple):
-    """One message of a bag, and what its publisher told of itself."""
+    """One message of a bag with the connection header of its publisher."""
 
     topic: str
     message: Any

@@ -22,7 +22,7 @@ LOW_WATER_ITEMS = 100
 
 
 class CallbackThread(Generic[_T]):
-    """Hands items to `run`, which must not raise. `on_full` hears True above the high water, then False.
+    """Passes items to `run`, which must not raise. Calls `on_full` with True above high water, then False.
 
     `limit` keeps only that many of the newest items waiting.
     """

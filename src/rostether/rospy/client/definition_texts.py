@@ -7,7 +7,7 @@ from rostether.rospy.client.message_types import all_types
 
 
 class ROSMsgException(Exception):  # noqa: N818 - the name is rosmsg's
-    """A type that nobody knows."""
+    """The type is unknown."""
 
 
 def list_msgs(package: str, rospack: object = None) -> list[str]:

@@ -10,7 +10,7 @@ class ROSException(Exception):
 
 
 class MasterAwayException(ROSException, ConnectionRefusedError):
-    """Nobody answers at the master's address; rospy lets the socket's own error through."""
+    """No master answers at the address; rospy raises the error of the socket here."""
 
 
 class ROSSerializationException(ROSException):

@@ -55,11 +55,11 @@ class LoopThread:
             self._waiting.discard(future)
 
     def post(self, function: Callable[..., object], *arguments: Any) -> None:
-        """Have a function called in the loop soon; nobody waits for it."""
+        """Schedule a function in the loop, without waiting for its result."""
         self.loop.call_soon_threadsafe(function, *arguments)
 
     def start(self, coroutine: Coroutine[Any, Any, object]) -> None:
-        """Have a coroutine run in the loop; nobody waits for it."""
+        """Start a coroutine in the loop, without waiting for its result."""
         self.post(self._begin, coroutine)
 
     def interrupt(self) -> None:

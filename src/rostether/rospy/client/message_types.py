@@ -182,7 +182,7 @@ def all_types() -> MessageTypes:
 
 
 def get_message_class(message_type: str, reload_on_error: bool = False) -> Any:
-    """Return the class of a type name, or None where nobody knows it."""
+    """Return the class of a message type, or None if the type is unknown."""
     if message_type in ("time", "duration"):
         return Time if message_type == "time" else Duration
     try:
@@ -192,7 +192,7 @@ def get_message_class(message_type: str, reload_on_error: bool = False) -> Any:
 
 
 def get_service_class(service_type: str, reload_on_error: bool = False) -> Any:
-    """Return the class of a service's type name, or None where nobody knows it."""
+    """Return the class of a service type, or None if the type is unknown."""
     try:
         return all_types().service_class(service_type)
     except (UnknownTypeError, DefinitionError):

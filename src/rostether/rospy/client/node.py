@@ -106,13 +106,13 @@ class Node:
             join()
 
     async def _join(self, full_name: str, environment: RosEnvironment) -> Ros1Graph:
-        has_told = False
+        reported = False
         while True:
             try:
                 return await join_ros1(full_name, environment=environment, on_leave=self._told_to_leave)
             except MasterUnreachableError:
-                if not has_told:
-                    has_told = True
+                if not reported:
+                    reported = True
                     sys.stderr.write(
                         f"Unable to register with master node [{environment.master_uri}]: "
                         "master may not be running yet. Will keep trying.\n"

@@ -31,7 +31,7 @@ MAX_PAUSE_S = 0.1
 
 
 class SubscribeListener:
-    """What a program derives to hear of a topic's subscribers."""
+    """Base class for programs that want to know the subscribers of a topic."""
 
     def peer_subscribe(
         self,
@@ -39,10 +39,10 @@ class SubscribeListener:
         topic_publish: Callable[..., object],
         peer_publish: Callable[..., object],
     ) -> None:
-        """Hear of a new subscriber; `peer_publish` publishes to it alone."""
+        """Handle a new subscriber; `peer_publish` publishes only to it."""
 
     def peer_unsubscribe(self, topic_name: str, num_peers: int) -> None:
-        """Hear that one has left, and how many remain."""
+        """Handle a subscriber that has left; `num_peers` remain."""
 
 
 class PublishedTopic:

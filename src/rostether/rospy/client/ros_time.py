@@ -116,7 +116,7 @@ class Rate:
         return self._remaining(get_rostime())
 
     def sleep(self) -> None:
-        """Sleep until the next turn is due; a loop that is two turns late starts to count anew."""
+        """Sleep until the next cycle is due; after a delay of two cycles, restart from the current time."""
         now = get_rostime()
         try:
             sleep(self._remaining(now))

@@ -35,7 +35,7 @@ class ConnectivityException(TransformException):
 
 
 class LookupException(TransformException):
-    """A frame that nobody has told of, or a loop."""
+    """A frame that was never published, or a loop of frames."""
 
 
 class ExtrapolationException(TransformException):
@@ -51,7 +51,7 @@ class TimeoutException(TransformException):
 
 
 class TypeException(Exception):  # noqa: N818
-    """A type that nobody has said how to transform."""
+    """No transformation is registered for the type."""
 
     def __init__(self, errstr: str) -> None:
         super().__init__(errstr)

@@ -105,7 +105,7 @@ def script_resolve_name(script_name: str, name: str) -> str:
 
 
 def anonymous_name(id: str) -> str:  # noqa: A002 - the name is rosgraph's
-    """Return a name that nobody else has."""
+    """Return a unique name."""
     name = f"{id}_{socket.gethostname()}_{os.getpid()}_{random.randint(0, sys.maxsize)}"  # noqa: S311
     return re.sub(r"[.:-]", "_", name)
 

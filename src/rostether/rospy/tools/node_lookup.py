@@ -89,7 +89,7 @@ def rosnode_ping_all(verbose: bool = False, skip_cache: bool = False) -> tuple[l
 
 
 def kill_nodes(node_names: Iterable[str]) -> tuple[list[str], list[str]]:
-    """Ask nodes to end; returns those that were asked, and those that nobody knows."""
+    """Ask nodes to shut down; returns the nodes that were asked, and the unknown ones."""
     master = Master(_OWN_NAME)
     asked: list[str] = []
     unknown: list[str] = []

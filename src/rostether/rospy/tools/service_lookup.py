@@ -47,7 +47,7 @@ def get_service_list(
 
 
 def get_service_uri(service_name: str) -> str | None:
-    """Return where a service is, None where nobody offers it. Raises ROSServiceIOException."""
+    """Return the URI of a service, None if no node offers it. Raises ROSServiceIOException."""
     try:
         return str(Master(_OWN_NAME).lookupService(service_name))
     except MasterException:
@@ -57,7 +57,7 @@ def get_service_uri(service_name: str) -> str | None:
 
 
 def get_service_node(service_name: str) -> str | None:
-    """Return the node that offers a service, None where nobody does."""
+    """Return the node that offers a service, None if there is none."""
     for name, nodes in get_service_list(include_nodes=True):
         if name == service_name and nodes:
             return str(nodes[0])
@@ -90,7 +90,7 @@ def get_service_headers(service_name: str, service_uri: str) -> dict[str, str]:
 
 
 def get_service_type(service_name: str) -> str | None:
-    """Return a service's type, None where nobody offers it. Raises ROSServiceIOException."""
+    """Return a service's type, None if no node offers it. Raises ROSServiceIOException."""
     try:
         uri = Master(_OWN_NAME).lookupService(service_name)
     except MasterError:

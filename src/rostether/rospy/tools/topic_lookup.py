@@ -29,17 +29,17 @@ class ROSTopicIOException(ROSTopicException):
 
 
 def get_topic_type(topic: str, blocking: bool = False) -> tuple[str | None, str | None, Evaluate | None]:
-    """Return a topic's type and full name, and what reads the field where the name goes on into a message.
+    """Return a topic's type, its full name, and a function that reads the field if the name includes one.
 
-    All None where nobody has the topic. Raises ROSTopicIOException.
+    All are None if the topic is unknown. Raises ROSTopicIOException.
     """
-    has_told = False
+    reported = False
     while True:
         found = _topic_type(topic)
         if found[0] is not None or not blocking or is_shutdown():
             return found
-        if not has_told:
-            has_told = True
+        if not reported:
+            reported = True
             sys.stderr.write(f"WARNING: topic [{topic}] does not appear to be published yet\n")
         time.sleep(_POLL_S)
 
@@ -47,7 +47,7 @@ def get_topic_type(topic: str, blocking: bool = False) -> tuple[str | None, str 
 def get_topic_class(topic: str, blocking: bool = False) -> tuple[Any, str | None, Evaluate | None]:
     """Return a topic's message class, full name and field reader, as `get_topic_type`.
 
-    Raises ROSTopicException where nobody knows the type.
+    Raises ROSTopicException if the type is unknown.
     """
     kind, name, evaluate = get_topic_type(topic, blocking)
     if kind is None:
