@@ -11,7 +11,7 @@ from pathlib import Path
 def install_command(extra: str) -> str:
     """Return the command that adds an extra to the environment that runs.
 
-    A bare `pip` is another one's where pipx brought us, or where nobody activated the environment.
+    A bare `pip` belongs to another environment if pipx installed rostether, or if no environment is active.
     """
     wanted = f"'rostether[{extra}]'"
     if Path(sys.prefix, "pipx_metadata.json").exists():

@@ -31,9 +31,9 @@ async def join(
     allow: Iterable[str] = (),
     ros2: Ros2Middleware | None = None,
 ) -> AsyncIterator[TypedGraph]:
-    """Be a node of a ROS graph as long as the block lasts.
+    """Join a ROS graph as a node as long as the block lasts.
 
-    Without a name the node gets one that nobody else has. `master` and `namespace` win over ROS_MASTER_URI
+    Without a name the node gets a unique one. `master` and `namespace` win over ROS_MASTER_URI
     and ROS_NAMESPACE; `msg_paths` are folders with message definitions of your own. With `allow` only
     machines in these networks (`192.168.1.0/24`) may connect to the node, and this one.
 

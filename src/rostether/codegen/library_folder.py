@@ -27,8 +27,8 @@ def is_ros_library(folder: Path) -> bool:
 def write_library_folder(target: Path, files: Mapping[str, bytes]) -> bool:
     """Make `target` hold exactly these files (paths with slashes); return whether a library was replaced.
 
-    Files that did not change keep their times, so that nobody compiles them again. Raises CodegenError if
-    something that is no generated library stands there, or if it cannot be written.
+    Unchanged files keep their times, so that they are not compiled again. Raises CodegenError if the folder
+    exists and is no generated library, or if it cannot be written.
     """
     # What a link points to is replaced, not the link.
     target = target.resolve()

@@ -1,4 +1,4 @@
-"""The headers of many types: what cannot be generated is told in a line a package, and the rest is there."""
+"""Generates the headers of many types; reports those that cannot be generated in one line per package."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ from rostether.expression.budget import Budget
 from rostether.rostime import Duration, Time
 
 MAX_EXPRESSION_CHARS = 2000
-"""Nobody types more; deeper nesting than this allows would only exhaust the stack."""
+"""More than users type; longer expressions could nest so deeply that they exhaust the stack."""
 
 Scope: TypeAlias = Mapping[str, Any]
 Evaluate: TypeAlias = Callable[[Scope], Any]

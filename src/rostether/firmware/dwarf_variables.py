@@ -42,7 +42,7 @@ class _Entry:
 
 
 def read_variables(elf: ElfFile) -> list[Variable]:
-    """Return the variables that debugging information tells of; none when it cannot be read."""
+    """Return the variables in the debugging information; none if it cannot be read."""
     files = file_tables(elf)
     try:
         entries, statements = _read_entries(elf)

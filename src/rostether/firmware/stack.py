@@ -1,8 +1,8 @@
-"""How much stack a program can need: the deepest way from `main`, and the deepest interrupt.
+"""Estimates how much stack a program can need: the deepest call path from `main` plus the deepest interrupt.
 
-No function is entered twice on one way, directly or through pointers: recursion is told, not followed. Any
-function whose address is taken counts for every call through a pointer of its kind, so the estimate is rather
-more than what happens than less.
+No function is entered twice on one path, directly or through pointers: recursion is reported, not followed.
+Any function whose address is taken counts for every call through a pointer of its kind, so the estimate is
+rather too high than too low.
 """
 
 from __future__ import annotations

@@ -7,12 +7,12 @@ the publisher is asked to pause (`publish_raw` returns False).
     at first, and whenever little is left       high water
     a pause is over, and it took something      stays: the publisher goes on at the subscriber's pace
     a pause is over, and it took next to        one step up, a small one while its node reads the same topic
-    nothing                                     from others; at the limit of the queue nobody waits any more,
-                                                and the oldest messages go
+    nothing                                     from others; at the limit of the queue the publisher does not
+                                                wait any more, and the oldest messages are dropped
     it takes something after that               one step below the limit
 
-So who reads, however slowly others let it, loses nothing; who hangs pauses the publisher STEPS times.
-A node that many flood may read one connection for seconds before it turns to the next.
+So a subscriber that reads, even slowly, loses nothing; one that hangs pauses the publisher STEPS times.
+A node that receives many floods may read one connection for seconds before it reads the next.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ DEFAULT_QUEUE_BYTES = 4 << 20
 (13 MB/s), three times the longest pause of a board, and 20 s of the fastest serial line."""
 
 HIGH_WATER_BYTES = 256 << 10
-"""20 ms of that flood: enough to keep a subscriber busy while its publisher is told, too little to feel."""
+"""20 ms of that flood: keeps a subscriber busy until its publisher continues; the delay is not noticeable."""
 
 LOW_WATER_SHARE = 4
 """Flow goes on when this fraction of the high-water mark is left, so that it does not flap."""
@@ -55,7 +55,7 @@ class PublicationFlow:
         return not self._congested
 
     async def drained(self, timeout_s: float) -> None:
-        """Wait until nobody is congested, or until a pause is over; `is_open` says whether another is due."""
+        """Wait until no subscriber is congested or a pause is over; `is_open` says whether another is due."""
         if not self._congested:
             return
         before = list(self._congested)

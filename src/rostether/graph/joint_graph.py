@@ -1,7 +1,7 @@
 """One node in several graphs at once: a board in ROS 1 and in ROS 2.
 
-It publishes and serves in all of them, hears all of them, and asks them in their order for services and
-parameters. A graph that fails does not disturb the others; one that comes later gets everything there is.
+It publishes and serves in all of them, subscribes in all of them, and tries them in order for service calls
+and parameters. A graph that fails does not disturb the others; one that comes later gets everything there is.
 """
 
 from __future__ import annotations
@@ -206,7 +206,7 @@ class JointGraph:
         await asyncio.shield(self._closing)
 
     async def wait_closed(self) -> str:
-        """Wait until the node has left one of the graphs, by `close` or because it was told to."""
+        """Wait until the node has left one of the graphs, by `close` or by a shutdown request."""
         await self._closed.wait()
         return self._reason
 

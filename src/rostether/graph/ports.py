@@ -38,7 +38,7 @@ class Level(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class TopicInfo:
-    """One topic in a snapshot; `type` is `*` while nobody who knows it has registered."""
+    """One topic in a snapshot; `type` is `*` until a node registers that knows it."""
 
     name: str
     type: str
@@ -235,9 +235,9 @@ class Graph(Protocol):
         """Leave the graph: everything advertised, subscribed or watched ends. Idempotent."""
 
     async def wait_closed(self) -> str:
-        """Wait until the node has left, by `close` or because it was told to; returns the reason.
+        """Wait until the node has left, by `close` or by a shutdown request; returns the reason.
 
-        A ROS 1 node is told to by `rosnode kill`, and when another node takes its name.
+        A ROS 1 node receives one from `rosnode kill`, and from the master when another node uses its name.
         """
 
 

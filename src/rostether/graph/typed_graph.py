@@ -58,7 +58,7 @@ class TypedPublisher:
         await self.raw.drained(timeout_s)
 
     async def wait_for_subscriber(self, timeout_s: float | None = None) -> bool:
-        """Wait until somebody has subscribed; False when nobody did in time."""
+        """Wait for a subscriber; returns False if none subscribed in time."""
         try:
             async with asyncio.timeout(timeout_s):
                 # The port announces no connections; looking is cheap.
@@ -102,8 +102,8 @@ class TypedGraph:
     ) -> MessageStream:
         """Return a topic's messages to loop over; the subscription lasts as long as the loop.
 
-        Without `type_name` each publisher's own definition is used, even of a type nobody here knows.
-        `queue_size` bounds what waits for the loop; then the oldest are dropped and counted.
+        Without `type_name` each publisher's own definition is used, even if the type is unknown here.
+        `queue_size` bounds the waiting messages; beyond it the oldest are dropped and counted.
         """
         return MessageStream(self.raw, self._learned, topic, type_name, queue_size)
 
@@ -138,7 +138,7 @@ class TypedGraph:
     async def serve(self, service: str, type_name: str, handler: Handler) -> ServiceServer:
         """Offer a service; `handler` takes the request and returns the response, or awaits it.
 
-        What it raises fails the call and is told to the caller.
+        If it raises, the call fails and the caller receives the error.
         """
         await definitions_at_hand(self.store.registry, lambda: self.store.registry.service_type(type_name))
         service_type = self.store.registry.service_type(type_name)

@@ -1,4 +1,4 @@
-"""Packages of ours, whose launch files people type as ever where no such package is installed."""
+"""Bundled packages: their launch files work under the usual names if no such package is installed."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from rostether.param_yaml import dump
 from rostether.ros1.node.master_client import MasterClient
 
 CALLER_ID = "/roslaunch"
-"""As whom a launch speaks to the master; what `~` means in a parameter's name."""
+"""The name under which a launch calls the master; `~` in a parameter's name stands for it."""
 
 _RUN_ID = "/run_id"
 

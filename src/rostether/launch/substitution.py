@@ -88,7 +88,7 @@ def anonymous_name(base_name: str, scope: Scope) -> str:
 
 
 def new_anonymous_name(base_name: str) -> str:
-    """Return a node name that nobody else has, made as ROS makes them: from host, process and chance."""
+    """Return a unique node name, made as in ROS: from host, process and a random number."""
     number = random.randint(0, sys.maxsize)  # noqa: S311 - no secret, only unlike others
     return _NOT_IN_NAMES.sub("_", f"{base_name}_{socket.gethostname()}_{os.getpid()}_{number}")
 

@@ -120,7 +120,7 @@ class TagReader:
                 self.warn(element, f"<{element.tag}> has no attribute {name}=; it is ignored")
 
     def warn(self, element: Element, text: str) -> None:
-        """Say something about an element that stops nobody."""
+        """Report a problem with an element that does not stop the launch."""
         self.draft.warnings.append(f"{element.file}:{element.line}: {text}")
 
     def namespace(self, element: Element, scope: Scope, node_name: str = "") -> Scope:

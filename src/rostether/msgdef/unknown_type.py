@@ -1,4 +1,4 @@
-"""The one line for a type that nobody knows: which package is missing, or which name was meant."""
+"""The error line for an unknown type: which package is missing, or which name was meant."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ from rostether.msgdef.interface import ANY_MESSAGE
 from rostether.nodes.output_topic import OutputTopic
 
 LAZY_POLL_S = 0.05
-"""How soon a lazy node sees that somebody listens: the port tells of no connections, looking is cheap."""
+"""How soon a lazy node notices a subscriber: the port does not report connections, and polling is cheap."""
 
 Select: TypeAlias = Callable[[Sequence[bytes]], Sequence[bytes]]
 
@@ -27,9 +27,9 @@ def everything(payloads: Sequence[bytes]) -> Sequence[bytes]:
 
 
 class MessageRate:
-    """Selects messages that come at least 1 / `rate_hz` after the one selected before.
+    """Selects messages that come at least 1 / `rate_hz` after the last selected one.
 
-    `now_s` is the clock; when it jumps back, the pause begins anew. Raises ConfigError for a rate below 0.
+    `now_s` is the clock; when it jumps back, the interval restarts. Raises ConfigError for a rate below 0.
     """
 
     def __init__(self, rate_hz: float, now_s: Callable[[], float]) -> None:

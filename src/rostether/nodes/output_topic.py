@@ -40,7 +40,7 @@ class OutputTopic:
         return self._publisher.subscriber_count if self._publisher is not None else 0
 
     def meet(self, header: Mapping[str, str]) -> None:
-        """Learn the type from the header of an input's publisher, and advertise it; anew if it is another."""
+        """Advertise the type in the header of an input's publisher; advertise again if it has changed."""
         name = header.get("type", ANY_TYPE)
         if name == ANY_TYPE:
             return

@@ -42,7 +42,7 @@ def ros_package_path(environ: Mapping[str, str]) -> list[Path]:
 
 
 OnNamesake = Callable[[str, Path, Path], object]
-"""Hears of two packages of one name below one root: the name, the folder that counts, and the other."""
+"""Called for two packages of one name below one root: the name, the folder in use, and the other."""
 
 
 def find_packages(roots: Iterable[Path], *, on_namesake: OnNamesake | None = None) -> dict[str, Path]:

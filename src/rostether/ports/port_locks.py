@@ -1,6 +1,6 @@
-"""Whether another program is using a serial port: ports that we open unasked are nobody else's.
+"""Checks whether another program uses a serial port, before a port is opened unasked.
 
-Opening alone does not tell: many programs take no lock, and an administrator's open succeeds in spite of one.
+Opening it is no check: many programs lock nothing, and an administrator's open succeeds in spite of a lock.
 """
 
 from __future__ import annotations

@@ -20,7 +20,7 @@ from rostether.ports.port_pattern import is_port_pattern, named_ports
 from rostether.transports.serial_port import SerialPort, find_usb_location
 
 LOOK_PERIOD_S = 0.25
-"""Where nobody wakes us, a board is noticed within this; waking up for a look takes some 0.2 ms."""
+"""How soon a board is noticed on systems without notifications; one check takes about 0.2 ms."""
 
 SETTLING_S = 2.0
 """After a change, every look makes the list: udev needs up to a second on small computers."""

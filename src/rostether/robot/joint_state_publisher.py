@@ -49,7 +49,7 @@ async def read_joint_states(graph: TypedGraph) -> JointStates:
 async def publish_joint_states(
     graph: TypedGraph, states: JointStates, on_source: Callable[[], None] | None = None
 ) -> None:
-    """Publish until cancelled or the node is told to leave; `on_source` hears that a source has spoken.
+    """Publish until cancelled or the node is shut down; `on_source` is called when a source publishes.
 
     Raises ConfigError when a parameter makes no sense.
     """

@@ -20,7 +20,7 @@ _QUEUE_MESSAGES = 100  # two seconds of one source; several may each tell some o
 
 
 async def publish_robot_state(graph: TypedGraph, warn: Callable[[str], None]) -> None:
-    """Publish until cancelled or the node is told to leave; `warn` takes what is wrong with joint states.
+    """Publish until cancelled or the node is shut down; `warn` receives problems with joint states.
 
     Raises ConfigError and RobotModelError when robot_description or a parameter makes no sense.
     """

@@ -78,7 +78,7 @@ def static_transform_of(value: ParamValue, name: str) -> StaticTransform:
 
 
 async def publish_static_transform(graph: TypedGraph, static: StaticTransform) -> None:
-    """Publish until cancelled or the node is told to leave."""
+    """Publish until cancelled or the node is shut down."""
     left = asyncio.ensure_future(graph.raw.wait_closed())
     try:
         if static.period_s is None:

@@ -149,7 +149,7 @@ class TransformBuffer:
 
     @property
     def frames(self) -> list[str]:
-        """The names of all frames, in the order in which they were first told of."""
+        """The names of all frames, in the order of their first appearance."""
         return list(self._frames)
 
     @property
@@ -158,7 +158,7 @@ class TransformBuffer:
         return [frame for frame in self._frames if frame in self._caches]
 
     def has_frame(self, frame: str) -> bool:
-        """Tell whether a frame has been told of."""
+        """Return whether a frame is known."""
         return frame in self._frames
 
     def cache_of(self, frame: str) -> TimeCache | StaticCache | None:

@@ -13,7 +13,7 @@ from rostether.rostime import NS_PER_S
 
 @dataclass(frozen=True, slots=True)
 class FrameFacts:
-    """One frame that has a parent: who tells of it, how often, and for which span of time."""
+    """One frame with a parent: its broadcaster, its rate, and the time span of its transforms."""
 
     frame: str
     parent: str
@@ -30,7 +30,7 @@ class FrameFacts:
 
 
 def frame_facts(buffer: TransformBuffer) -> list[FrameFacts]:
-    """Return the facts of all frames with a parent, in the order in which they were first told of."""
+    """Return the facts of all frames with a parent, in the order of their first appearance."""
     facts = []
     for frame in buffer.children:
         cache = buffer.cache_of(frame)

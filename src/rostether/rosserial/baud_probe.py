@@ -1,16 +1,16 @@
-"""Whether a port speaks rosserial, at which baud rate and protocol version: what to set, send, and believe.
+"""Finds out whether a port speaks rosserial, and its baud rate and protocol version.
 
-A board that hears a topic request at its own rate answers at once; at any other rate it hears noise and says
-nothing. So the rates are tried in turn, the likely ones first and again while a boot loader may still have
-the board. A board that was configured before sends messages unasked, which are noise at a wrong rate. But
+A board that receives a topic request at its own rate answers at once; at any other rate it receives noise and
+does not answer. So the rates are tried in turn, the likely ones first and again while a boot loader may still
+be running. A board that was configured before sends messages unasked, which are noise at a wrong rate. But
 230400 and 250000 baud are so close that short frames get through: such rates must bring clean frames only.
 
     phase    until                              then
-    LISTEN   1.2 s of silence                   ASK                       (only where asked to listen first)
-             something came                     SURVEY
-    SURVEY   each rate was heard for 1.1 s      ASK, if it has been quiet for long; else the end: not a board
+    LISTEN   1.2 s of silence                   ASK                       (only if asked to listen first)
+             bytes came                         SURVEY
+    SURVEY   listened 1.1 s at each rate        ASK, if it has been quiet for long; else the end: not a board
              text came twice at one rate        the end: not a board
-    ASK      each rate was asked, two times     the end: no answer
+    ASK      two requests at each rate          the end: no answer
     any      frames that only a board sends     the end: found
 """
 

@@ -26,7 +26,7 @@ CHANGES = Allowance(50.0, 256)
 """Each opens or closes something in the graph. The largest device starts at once, in 5 s as another."""
 
 LOGS = Allowance(500.0, 2000)
-"""Lines: as many as a full line of 115200 baud brings, and nobody reads more."""
+"""Log lines: as many as fit a full line of 115200 baud; users cannot read more."""
 
 TIME_REQUESTS = Allowance(50.0, 50)
 """A board asks every 2.5 s, and once more for each probe and topic request."""

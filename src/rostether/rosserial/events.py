@@ -48,7 +48,7 @@ class DiscardReason(Enum):
 
 
 DAMAGE = frozenset({DiscardReason.LENGTH_CHECKSUM, DiscardReason.PAYLOAD_CHECKSUM, DiscardReason.PACKET})
-"""What tells of a line that damages frames."""
+"""The reasons that mean that the line damages frames."""
 
 
 @dataclass(frozen=True, slots=True)

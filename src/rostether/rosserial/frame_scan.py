@@ -37,7 +37,7 @@ TAIL_SHARE = 64
 """Of a buffer too hostile to look at all of it, the end is: what the device says when the noise is over."""
 
 MAX_KNOWN_HEADERS = 1024
-"""A few dozen topics times the lengths their strings take; beyond it the memory starts anew."""
+"""A few dozen topics times the lengths of their strings; when it is full, all headers are forgotten."""
 
 _SYNC = bytes((SYNC,))
 _JOINABLE = (DiscardReason.NOISE, DiscardReason.VERSION)
@@ -99,7 +99,7 @@ class FrameScanner:
         self._known: dict[bytes, _Known] = {}
 
     def forget_headers(self) -> None:
-        """Judge every header anew."""
+        """Forget the known headers, so that each is checked again."""
         self._known.clear()
 
     def only_frame(self, buffer: bytes) -> tuple[int, bytes] | None:

@@ -1,4 +1,4 @@
-"""The host's end of a rosserial line: what a device says becomes events, what it needs to hear becomes bytes.
+"""The host's end of a rosserial line: received bytes become events, and requests become bytes to send.
 
 The link itself has no states of its own; it joins machines that have:
 

@@ -24,7 +24,7 @@ DEFAULT_INPUT_BUFFER_BYTES = 280
 """For a device without endpoints: the established library's buffers on an ATmega328P, the smallest in use."""
 
 MAX_WAITING_BYTES = 1 << 16
-"""Frames nobody takes: a few hundred bytes a minute are normal, so this is a driver that has stopped."""
+"""Unsent frames: a few hundred bytes a minute are normal, so the driver has stopped at this limit."""
 
 
 class HostOutput:

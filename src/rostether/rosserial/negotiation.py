@@ -1,23 +1,23 @@
-"""When to ask a device for its topics, and when to believe that all of them have been heard.
+"""Decides when to ask a device for its topics, and when all announcements have probably been received.
 
-There is no acknowledgement, so what has been heard is judged round by round (completeness.py). A round is one
+There is no acknowledgement, so completeness.py checks the announcements after each round. A round is one
 request and the burst that answers it.
 
     phase       input         next        what happens
     IDLE        ASK           ASKED       send a request, begin a negotiation
     ASKED       UNANSWERED    ASKED       send the next request
-    ASKED       ENOUGH        SETTLED     it answered once and never again: be content
+    ASKED       ENOUGH        SETTLED     it answered once and never again: accept that
     ASKED       ANSWER        LISTENING   a burst begins: a time request first, then the announcements (or
                                           the burst before goes on after all, and the round with it)
     LISTENING   ANSWER        LISTENING   the burst goes on: wait until it has been quiet for a while
     LISTENING   MORE_NEEDED   ASKED       the round is over, send the next request
     LISTENING   ENOUGH        SETTLED
-    SETTLED     ANSWER        LISTENING   announcements nobody asked for, or that come late
+    SETTLED     ANSWER        LISTENING   announcements without a request, or late ones
     SETTLED     ASK           ASKED       send a request, begin a negotiation
 
-While the burst flows nothing is sent: at 57600 baud fifty announcements take 0.8 s, and the board listens
-badly while it talks. How long a pause ends a burst is learned from the pauses within it. A device that has
-not been heard at all is asked in both protocol versions in turn.
+During a burst nothing is sent: at 57600 baud fifty announcements take 0.8 s, and a board that sends may lose
+received bytes. The pause that ends a burst is derived from the pauses within it. A device that has sent
+nothing at all is asked in both protocol versions in turn.
 """
 
 from __future__ import annotations
@@ -264,7 +264,7 @@ class Negotiation:
         return True
 
     def _begin(self, now_s: float, *, is_lossy: bool) -> None:
-        """Begin to hear anew."""
+        """Start a new negotiation."""
         self._completeness.begin(is_lossy=is_lossy)
         self.began_s = self._asked_s = self._first_asked_s = now_s
         self.requests = 0

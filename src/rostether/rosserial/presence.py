@@ -33,7 +33,7 @@ PROBE_AFTER_S = 1.0
 """A reset is found this long after the last message, so that messages flow again well within two seconds."""
 
 NEXT_PROBE_S = 0.4
-"""Probes and their answers get lost too; two bytes that often disturb nobody."""
+"""Probes and their answers can be lost; a probe of two bytes at this interval does no harm."""
 
 EARLY_S = 2.0
 """A configured board asks for the time every 2.5 s; half a second for the jitter of networks."""

@@ -1,7 +1,7 @@
-"""Announcements that cannot be bridged: told from line damage, and reported once each.
+"""Announcements that cannot be bridged: distinguished from line damage, and reported once each.
 
-One damaged frame in 256 passes its checksum, so a single bad announcement may be noise. Noise does not come
-twice alike; what does is what the sketch says, and the one who wrote it should hear why nothing comes of it.
+One damaged frame in 256 passes its checksum, so one bad announcement may be noise. Noise does not repeat:
+an announcement that comes twice is from the sketch, and its author gets a report why it is not bridged.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from rostether.rosserial.topic_id import (
 from rostether.rosserial.topic_table import EndpointKey, key_of
 
 MAX_REFUSALS = 256
-"""As many as endpoints; a device that makes up ever new ones is not reported on for ever."""
+"""As many as endpoints; bounds the reports about a device that announces new names all the time."""
 
 _Announcement: TypeAlias = tuple[int, TopicInfo]
 

@@ -55,7 +55,7 @@ def load_documents(text: str) -> Iterator[list[Any]]:
 
 
 def fill_message(codec: Codec, values: list[Any], *, now: Callable[[], Time]) -> Message:
-    """Return the message that loaded arguments describe; each `now` and `auto` asks the clock anew."""
+    """Return the message that loaded arguments describe; each `now` and `auto` reads the clock again."""
     tree = codec.tree
     value: Any = values
     if len(values) == 1 and isinstance(values[0], dict):

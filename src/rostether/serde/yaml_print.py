@@ -1,8 +1,8 @@
 """Messages as text, byte for byte as `rostopic echo` of ROS Noetic prints them.
 
-That includes what nobody would design today: a blank after the name of a nested message, `nsecs` padded to
-nine columns, and `--nostr` leaving strings in arrays of messages alone. Two things differ because genpy
-fails there: char[] prints as a list of numbers, and so does a uint8[] selected by a field path.
+That includes its peculiarities: a blank after the name of a nested message, `nsecs` padded to nine columns,
+and `--nostr` not applied to strings in arrays of messages. Two things differ because genpy fails there:
+char[] prints as a list of numbers, and so does a uint8[] selected by a field path.
 """
 
 from __future__ import annotations

@@ -131,7 +131,7 @@ class XbeeAddress(_Named):
 
 @dataclass(frozen=True, slots=True)
 class SimAddress(_Named):
-    """A sketch or ELF file to run on a simulated board; `words` are what it is told before it starts."""
+    """A sketch or ELF file to run on a simulated board; `words` are commands given to it before it starts."""
 
     program: str
     board: str = "uno"
@@ -170,7 +170,7 @@ def show_endpoint(host: str, port: int) -> str:
 def parse_address(text: str) -> Address:
     """Read a link address. Raises ConfigError naming what is wrong and what is known."""
     if not text.strip().isprintable():
-        raise ConfigError(f"link address {text!r} has characters that nobody can see; type it again")
+        raise ConfigError(f"link address {text!r} has invisible characters; type it again")
     place, _, query = text.strip().partition("?")
     scheme, place = _split_scheme(text, place)
     options = _parse_options(text, scheme, query)

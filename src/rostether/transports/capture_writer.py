@@ -57,7 +57,7 @@ class CaptureWriter:
             ) from None
         except OSError as error:
             raise ConfigError(
-                f"cannot write {path}: {error.strerror or error}; name a file in a folder of yours"
+                f"cannot write {path}: {error.strerror or error}; choose a file in a writable folder"
             ) from error
         self._start_s = clock()
         self._write(json.dumps({"capture": path.stem, **description}).encode() + b"\n")

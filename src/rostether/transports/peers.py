@@ -208,8 +208,8 @@ class PeerTable(Generic[PeerKey]):
     def receive(self, key: PeerKey, data: bytes) -> None:
         """Deliver to the peer's transport, made when it is new and may enter; see `PeerEntry`.
 
-        When all places are taken, the peer gives way that is silent for longest: first one that has never
-        answered, then one that no longer speaks. A peer that speaks keeps its place.
+        When all places are taken, the new peer replaces the one that is silent for longest: first one that
+        has never answered, then one that has stopped sending. A peer that sends keeps its place.
         """
         peer = self._peers.get(key)
         if peer is None:

@@ -1,8 +1,8 @@
-"""A pseudo-terminal of our own, linked at a path where a simulated board opens it like a serial port.
+"""A pseudo-terminal with a link to it at a path, which a simulated board opens like a serial port.
 
-Programs on the other side come and go while the terminal stays. While nobody has it open Linux reports a
-hang-up on our side without end, so we then leave the event loop alone and look for the next opener twenty
-times a second; what is written meanwhile has no reader and is dropped, so that the next one starts clean.
+The terminal stays while programs open and close the other side. While no program has it open, Linux reports
+a hang-up without end, so we do not watch it in the event loop but check twenty times a second for a program
+that opens it; what is written meanwhile is dropped, so that this program receives no old data.
 """
 
 from __future__ import annotations
@@ -115,7 +115,7 @@ class PtyTransport:
         self._apply_reading()
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
-        """Queue bytes. Never blocks; while nobody has the terminal open it does nothing."""
+        """Queue bytes. Never blocks; drops them while no program has the terminal open."""
         if self._closing or not self._opened:
             return
         if not self._unsent:

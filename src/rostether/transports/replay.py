@@ -103,7 +103,7 @@ class _PlayedBoard:
             await asyncio.sleep(_TAKEN_POLL_S)
 
     def data_received(self, data: bytes) -> None:
-        """Hear nothing."""
+        """Ignore received bytes."""
 
     def connection_lost(self, _error: TransportError | None) -> None:
         """Learn that the host hung up."""

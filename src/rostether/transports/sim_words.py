@@ -1,6 +1,6 @@
-"""What a simulated board is told in its link address, as the words it knows.
+"""Translates the options in the link address of a simulated board to commands of that board.
 
-In an address `=` and `&` divide options, so there a value's own `=` is written `:`, and a space a comma:
+In an address `=` and `&` separate options, so a `=` within a value is written `:`, and a space as a comma:
 `adc=A0:2.5,A1:1` is the word `adc A0=2.5 A1=1`, `fault=to:flip:0.01,seed:3` is `fault to:flip=0.01,seed=3`.
 """
 

@@ -69,7 +69,7 @@ class StreamTransport(asyncio.BaseProtocol):
         self._apply_reading()
 
     def release(self, unread: bytes = b"") -> None:
-        """Deliver to nobody until `start` is called once more, which then gets `unread` first."""
+        """Stop delivering until the next `start`, which then receives `unread` first."""
         self._receiver = None
         self._reading_wanted = True
         self._early[:0] = unread

@@ -59,7 +59,7 @@ def test_read_as_typed(text: str, address: Address) -> None:
             "unknown option 'speed' in link address '/dev/x?speed=9600'; known are baud, reset",
         ),
         ("xbee: ?peers=2", "names no path"),
-        ("/dev/tty\n0", "has characters that nobody can see"),
+        ("/dev/tty\n0", "has invisible characters"),
         ("tcp://:1?baud=9600", "known are connect, allow, psk, name, ns"),
         ("pty:/x?baud=9600", "known are name, ns"),
         ("/dev/x?baud=fast", "write a number from 1"),

@@ -40,7 +40,7 @@ class Pieces:
         return False
 
     def pop_all(self) -> list[str]:
-        """Return all expressions, and begin anew."""
+        """Return all expressions, and clear them."""
         taken, self._pieces = self._pieces, []
         return [_expression(piece) for piece in taken]
 

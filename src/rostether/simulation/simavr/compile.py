@@ -47,7 +47,7 @@ async def build_runner() -> Path:
         folder = tempfile.TemporaryDirectory(prefix=f".{_NAME}-", dir=program.parent)
     except OSError as error:
         raise BoardError(
-            f"cannot write to {program.parent}: {error.strerror}; set XDG_CACHE_HOME to a folder of yours"
+            f"cannot write to {program.parent}: {error.strerror}; set XDG_CACHE_HOME to a writable folder"
         ) from None
     with folder as fresh:
         objects = [f"{fresh}/{source.stem}.o" for source in sources]
