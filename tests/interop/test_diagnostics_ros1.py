@@ -104,7 +104,11 @@ async def test_a_topic_that_brings_more_than_the_line_takes(roscore: Ros1Peers, 
     sketch = tmp_path / "deaf" / "deaf.ino"
     sketch.parent.mkdir()
     sketch.write_text(DEAF_SKETCH)
-    async with started("serve", f"sim:{sketch}?name=deaf", ROS_MASTER_URI=roscore.master_uri) as serve:
+    # A pseudo-terminal can pause the publisher, so only a limit of the queue makes it lose messages.
+    settings = tmp_path / "devices.toml"
+    settings.write_text('[devices.deaf]\nqueue_depths = { "/words" = 10 }\n')
+    link = f"sim:{sketch}?name=deaf"
+    async with started("serve", link, "--config", str(settings), ROS_MASTER_URI=roscore.master_uri) as serve:
         await serve.wait_for("Setup subscriber on words")
         await roscore.start("rostopic", "pub", "-r", "400", "/words", "std_msgs/String", "x" * 200)
         await serve.wait_for("lost", timeout_s=60)
