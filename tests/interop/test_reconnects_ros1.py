@@ -50,8 +50,9 @@ class Process:
 
 def registrations(master_uri: str) -> list[list[tuple[str, tuple[str, ...]]]]:
     """Return the master's publishers, subscribers and services."""
-    master: Any = xmlrpc.client.ServerProxy(master_uri)
-    tables = master.getSystemState("/test")[2]
+    with xmlrpc.client.ServerProxy(master_uri) as proxy:
+        master: Any = proxy
+        tables = master.getSystemState("/test")[2]
     return [sorted((name, tuple(sorted(nodes))) for name, nodes in table) for table in tables]
 
 

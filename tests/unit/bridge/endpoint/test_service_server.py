@@ -12,6 +12,7 @@ from rostether.errors import ServiceCallError, ServiceTimeoutError
 from rostether.rosserial.events import ServiceRole
 from unit.bridge.doubles import FakeLine, until
 from unit.bridge.nodes import STORE, World, service
+from unit.bridge.virtual_time import on_virtual_time
 
 TYPE = STORE.registry.service_type("std_srvs/SetBool")
 YES, NO = b"\x01", b"\x00"
@@ -84,7 +85,9 @@ async def test_a_board_that_does_not_answer(world: World) -> None:
     assert len(world.reporter.having("did not answer")) == 1
 
 
-async def test_a_late_response_is_nobodys(world: World) -> None:
+@on_virtual_time
+async def test_a_late_response_is_nobodys() -> None:
+    world = await World().open()
     line, switch = FakeLine(), endpoint(world, timeout_s=0.05)
     switch.attach(line, switch.info)
     with pytest.raises(ServiceTimeoutError):
@@ -99,9 +102,9 @@ async def test_a_late_response_is_nobodys(world: World) -> None:
     assert switch.dropped_count == 1
 
 
-async def test_a_board_that_was_silent_for_a_call_and_asks_for_the_time_again_gets_the_next(
-    world: World,
-) -> None:
+@on_virtual_time
+async def test_a_board_that_was_silent_for_a_call_and_asks_for_the_time_again_gets_the_next() -> None:
+    world = await World().open()
     line, switch, loop = FakeLine(), endpoint(world, timeout_s=0.05), asyncio.get_running_loop()
     switch.attach(line, switch.info)
     switch.time_requested(loop.time())
@@ -114,7 +117,9 @@ async def test_a_board_that_was_silent_for_a_call_and_asks_for_the_time_again_ge
     assert await second == DONE
 
 
-async def test_a_board_that_asks_for_the_time_all_along_may_still_answer(world: World) -> None:
+@on_virtual_time
+async def test_a_board_that_asks_for_the_time_all_along_may_still_answer() -> None:
+    world = await World().open()
     line, switch, loop = FakeLine(), endpoint(world, timeout_s=0.05), asyncio.get_running_loop()
     switch.attach(line, switch.info)
     with pytest.raises(ServiceTimeoutError):
@@ -141,11 +146,10 @@ async def test_a_board_that_stays_silent_is_busy_for_the_next_caller(world: Worl
     assert requests(line) == 1
 
 
-async def test_silence_is_not_held_against_a_board_for_ever(
-    world: World, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(service_server_endpoint, "QUARANTINE_S", 0.03)
-    line, switch = FakeLine(), endpoint(world, timeout_s=0.2)
+@on_virtual_time
+async def test_silence_is_not_held_against_a_board_for_ever() -> None:
+    world = await World().open()
+    line, switch = FakeLine(), endpoint(world, timeout_s=2 * service_server_endpoint.QUARANTINE_S)
     switch.attach(line, switch.info)
     first = asyncio.ensure_future(switch.call(YES))
     await until(lambda: requests(line), "the request")

@@ -16,6 +16,7 @@ from rostether.joining import join
 from rostether.ros1.master.server import MasterServer
 from rostether.transports.capture import Capture, Chunk
 from rostether.transports.opening import open_transport
+from unit.bridge.doubles import until
 from unit.bridge.sketch_board import SketchBoard, every, hello, publish
 from unit.cli.command_shell import Shell
 from unit.cli.serving_process import started
@@ -44,6 +45,12 @@ async def master() -> AsyncIterator[dict[str, str]]:
         await server.close()
 
 
+def recorded_hellos(file: Path) -> int:
+    """Return how many hellos of the board a capture holds."""
+    chunks = (each for each in Capture(file).entries() if isinstance(each, Chunk) and each.from_device)
+    return b"".join(each.data for each in chunks).count(b"\5\0\0\0hello")
+
+
 async def hear(environ: dict[str, str], topic: str, count: int) -> None:
     async with asyncio.timeout(60), join("listener", environ=environ) as graph:
         async for _ in graph.messages(topic):
@@ -61,10 +68,12 @@ async def test_recorded_killed_and_played_again(tmp_path: Path) -> None:
     ):
         await record.wait_for(f"Recording the lines to {file}")
         await hear(environ, "/chatter", 5)
+        # What came is written a few times a second.
+        await until(lambda: recorded_hellos(file) >= 5, "the messages in the file")
         await record.stop(signal.SIGKILL)
     chunks = [each for each in Capture(file).entries() if isinstance(each, Chunk)]
     assert {each.from_device for each in chunks} == {True, False}
-    assert b"".join(each.data for each in chunks if each.from_device).count(b"\5\0\0\0hello") >= 4
+    assert recorded_hellos(file) >= 5
     async with (
         master() as environ,
         started("link", "replay", str(file), "--name", "ghost", **environ) as play,
