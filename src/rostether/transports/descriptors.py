@@ -31,11 +31,29 @@ def allow_many_descriptors() -> None:
 
 def boards_that_fit(most: int) -> int:
     """Return how many boards the limit has room for, at most `most` and at least one."""
+    limit = _soft_limit()
+    if limit is None:
+        return most
+    return max(1, min(most, (limit - _OTHER_DESCRIPTORS) // BOARD_DESCRIPTORS))
+
+
+def shortage(boards: int) -> str | None:
+    """Return a line about what is missing for so many boards; None when they fit."""
+    fitting = boards_that_fit(boards)
+    if fitting >= boards:
+        return None
+    needed = _OTHER_DESCRIPTORS + boards * BOARD_DESCRIPTORS
+    return (
+        f"{boards} boards need up to {needed} open files, but the system permits {_soft_limit()}, enough for "
+        f"about {fitting} boards; raise the limit with `ulimit -n {needed}` as root, or with "
+        f"LimitNOFILE={needed} in a systemd unit"
+    )
+
+
+def _soft_limit() -> int | None:
     try:
         import resource
     except ImportError:
-        return most
+        return None
     soft, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
-    if soft == resource.RLIM_INFINITY:
-        return most
-    return max(1, min(most, (soft - _OTHER_DESCRIPTORS) // BOARD_DESCRIPTORS))
+    return None if soft == resource.RLIM_INFINITY else soft

@@ -32,3 +32,18 @@ def test_the_soft_limit_is_raised_and_the_hard_one_kept(limits: str, printed: st
         check=True,
     )
     assert done.stdout.split() == printed.split()
+
+
+def test_boards_that_need_too_many_open_files_get_one_line() -> None:
+    code = "from rostether.transports.descriptors import shortage; print(shortage(1000)); print(shortage(80))"
+    done = subprocess.run(
+        ["bash", "-c", 'ulimit -Sn 1024; exec "$0" -c "$1"', sys.executable, code],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.splitlines() == [
+        "1000 boards need up to 10128 open files, but the system permits 1024, enough for about 89 boards; "
+        "raise the limit with `ulimit -n 10128` as root, or with LimitNOFILE=10128 in a systemd unit",
+        "None",
+    ]

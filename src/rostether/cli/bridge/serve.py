@@ -33,7 +33,7 @@ from rostether.cli.bridge.device_options import (
     unchosen_lines,
 )
 from rostether.cli.bridge.limit_options import BRIDGE_LIMITS, GRAPH_LIMITS, limit_option, read_limits
-from rostether.cli.bridge.serving import bridge, loopback_lines, read_links
+from rostether.cli.bridge.serving import bridge, loopback_lines, read_links, shortage_lines
 from rostether.cli.gateway.options import GatewayOptions, gateway_options
 from rostether.cli.gateway.served import served_gateways
 from rostether.cli.shell.option_group import option_group
@@ -220,7 +220,10 @@ async def _serve(
     ) as graphs:
         for line in (*graphs.lines, *loopback_lines(graphs.ros1, serving.links)):
             reporter.line(Level.INFO, line)
-        for line in unchosen_lines(serving.devices, serving.links):
+        for line in (
+            *unchosen_lines(serving.devices, serving.links),
+            *shortage_lines(serving.settings.connections, serving.links),
+        ):
             reporter.line(Level.WARN, line)
         async with (
             recorded(serving.record_line, serving.record_limit_mb, reporter) as tap,

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from rostether.cli.shell.library_logs import show_library_logs
 from rostether.ros1.environment import LOOPBACK, RosEnvironment, is_loopback
 from rostether.transports.address import Address, TcpAddress, UdpAddress, parse_address
+from rostether.transports.descriptors import shortage
 from rostether.transports.opening import listen
 
 if TYPE_CHECKING:
@@ -61,6 +62,16 @@ def loopback_lines(environment: RosEnvironment | None, links: Sequence[Address])
             "--listen 0.0.0.0, or ROS_IP with our address, lets them"
         )
     return lines
+
+
+def shortage_lines(connections: int | None, links: Sequence[Address]) -> list[str]:
+    """Return a line when `connections` boards for each listener, as --limit wants, need too many open files.
+
+    `connections` is None where nothing was wanted; listeners then admit fewer boards.
+    """
+    listeners = sum(isinstance(link, TcpAddress | UdpAddress) and link.listens for link in links)
+    line = shortage((connections or 0) * listeners)
+    return [] if line is None else [line]
 
 
 @asynccontextmanager

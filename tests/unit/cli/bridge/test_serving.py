@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from rostether.cli.bridge.serving import loopback_lines, read_links
+from rostether.cli.bridge.serving import loopback_lines, read_links, shortage_lines
 from rostether.ros1.environment import RosEnvironment
 from rostether.transports.address import TcpAddress, UdpAddress, parse_address
 from unit.cli.command_shell import LiveGraph, Shell
@@ -37,6 +37,17 @@ def test_one_line_says_what_is_on_loopback_only(
     lines = loopback_lines(environment, links)
     assert len(lines) == count
     assert all("--listen 0.0.0.0" in line for line in lines)
+
+
+def test_one_line_says_when_the_wanted_connections_need_too_many_open_files(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("resource.getrlimit", lambda _: (4096, 4096))
+    links = [parse_address(address) for address in ("/dev/ttyACM0", "tcp://:11411", "udp://:11411")]
+    assert shortage_lines(None, links) == []
+    assert shortage_lines(198, links) == []
+    (line,) = shortage_lines(199, links)
+    assert line.startswith("398 boards need up to 4108 open files, but the system permits 4096")
 
 
 @pytest.mark.parametrize(
