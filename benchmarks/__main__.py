@@ -1,6 +1,7 @@
 """Runs every benchmark and prints a table: what we reach, what was asked, and the bare relay of the same run.
 
-python -m benchmarks [throughput|round-trip|footprint|crowd|frames|codec|cdr|cycles|sizes|gateways|zenoh ...]
+python -m benchmarks [throughput|round-trip|footprint|crowd|scale|frames|codec|cdr|cycles|sizes|gateways|
+    zenoh ...]
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from benchmarks import (
     recording,
     rosserial_frames,
     round_trip,
+    scale,
     serde_codec,
     sizes,
     throughput,
@@ -122,6 +124,25 @@ def crowd_table() -> Table:
             f"{seen.cpu_percent:.0f} %",
             f"{seen.resident_mb:.0f}",
             "0, p99 10 ms, 120 MB",
+        )
+    return table
+
+
+def scale_table() -> Table:
+    """Measure growing numbers of boards."""
+    columns = "boards", "lost", "p50 ms", "p99 ms", "longest", "sent late, p99", "CPU", "MB", "wanted"
+    table = Table(*columns, title=f"Scale, {scale.RATE_HZ} Hz each")
+    for devices, seen in scale.scales():
+        table.add_row(
+            f"{devices:,}",
+            f"{seen.sent - seen.received:,} of {seen.sent:,}",
+            f"{seen.p50_ms:.2f}",
+            f"{seen.p99_ms:.2f}",
+            f"{seen.longest_ms:.1f}",
+            f"{seen.late_p99_ms:.1f}",
+            f"{seen.cpu_percent:.0f} %",
+            f"{seen.resident_mb:.0f}",
+            "0, p99 10 ms",
         )
     return table
 
@@ -269,6 +290,7 @@ TABLES = {
     "round-trip": round_trip_table,
     "footprint": footprint_table,
     "crowd": crowd_table,
+    "scale": scale_table,
     "frames": frames_table,
     "codec": codec_table,
     "cdr": cdr_table,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from benchmarks.processes import Bench, cpu_s, first_line, output, resident_mb, say
+from benchmarks.processes import Bench, cpu_s, first_line, output, resident_mb, say, wait_until
 from interop.ros1_peers import free_port
 
 FLOOD_TYPE = "std_msgs/String"
@@ -38,11 +38,17 @@ def crowd(
     port = free_port()
     messages = rate_hz * seconds
     with Bench(roscore=roscore) as bench:
-        bridge = bench.ours("serve", f"tcp://:{port}")
+        # One more device than these may come, which floods.
+        limits = (f"--limit={name}={devices + 1}" for name in ("connections", "connections-per-host"))
+        bridge = bench.ours("serve", f"tcp://:{port}", *limits)
         talkers = bench.module("crowd_devices", str(port), str(devices), str(rate_hz), str(messages))
         first_line(talkers)
-        for number in range(devices):
-            bench.wait_for_publisher(f"/crowd{number}")
+        wanted = {f"/crowd{number}" for number in range(devices)}
+
+        def published() -> bool:
+            return wanted <= dict(bench.master.getSystemState("/bench")[2][0]).keys()
+
+        wait_until(published, f"{devices} devices", timeout_s=60.0)
         listener = bench.module("crowd_listener", bench.master_uri, str(devices), str(messages))
         first_line(listener)
         if trouble:

@@ -20,6 +20,7 @@ import time
 
 from benchmarks.flood_device import PUBLISHER_ID, announcement, connect
 from rostether.rosserial.frame import encode_frame
+from rostether.transports.descriptors import allow_many_descriptors
 
 TOPIC_REQUEST = b"\xff\xfe\x00\x00\xff\x00\x00\xff"
 TIME_REQUEST = encode_frame(10, bytes(8))
@@ -72,6 +73,7 @@ class Crowd:
 def main(arguments: list[str]) -> None:
     """Serve the devices until all has been said, then for ever."""
     port, count, rate_hz, messages = (int(argument) for argument in arguments)
+    allow_many_descriptors()
     crowd = Crowd(port, count)
     while len(crowd.asked) < count:
         crowd.serve(time.monotonic() + 0.05)

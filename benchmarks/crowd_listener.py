@@ -17,15 +17,14 @@ from typing import Any
 
 from benchmarks.crowd_devices import TYPE
 from rostether.msgdef.registry import Registry
+from rostether.transports.descriptors import allow_many_descriptors
 
 QUIET_S = 3.0
 
 
-def subscribe(master_uri: str, topic: str) -> socket.socket:
-    """Connect to the one publisher of a topic, with its header read."""
-    master: Any = xmlrpc.client.ServerProxy(master_uri)
-    publishers = dict(master.getSystemState("/crowd")[2][0])
-    uri = master.lookupNode("/crowd", publishers[topic][0])[2]
+def subscribe(master: Any, topic: str, publisher: str, md5sum: str) -> socket.socket:
+    """Connect to the publisher of a topic, with its header read."""
+    uri = master.lookupNode("/crowd", publisher)[2]
     node: Any = xmlrpc.client.ServerProxy(uri)
     _, host, port = node.requestTopic("/crowd", topic, [["TCPROS"]])[2]
     line = socket.create_connection((host, port))
@@ -34,7 +33,7 @@ def subscribe(master_uri: str, topic: str) -> socket.socket:
         "callerid": "/crowd",
         "topic": topic,
         "type": TYPE,
-        "md5sum": Registry().message_type(TYPE).md5sum,
+        "md5sum": md5sum,
         "tcp_nodelay": "1",
     }
     pairs = [f"{key}={value}".encode() for key, value in fields.items()]
@@ -48,9 +47,14 @@ def subscribe(master_uri: str, topic: str) -> socket.socket:
 def main(arguments: list[str]) -> None:
     """Listen until all has come or nothing comes any more."""
     master_uri, count, messages = arguments[0], int(arguments[1]), int(arguments[2])
+    allow_many_descriptors()
     selector = selectors.DefaultSelector()
-    for number in range(count):
-        selector.register(subscribe(master_uri, f"/crowd{number}"), selectors.EVENT_READ, bytearray())
+    master: Any = xmlrpc.client.ServerProxy(master_uri)
+    publishers = dict(master.getSystemState("/crowd")[2][0])
+    md5sum = Registry().message_type(TYPE).md5sum
+    for topic in (f"/crowd{number}" for number in range(count)):
+        connection = subscribe(master, topic, publishers[topic][0], md5sum)
+        selector.register(connection, selectors.EVENT_READ, bytearray())
     print("ready", flush=True)
     times_ns: list[int] = []
     last_s = float("inf")
