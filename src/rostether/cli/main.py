@@ -1,4 +1,4 @@
-"""The `rostether` command: the table of its verbs and the way in."""
+"""The `rostether` command: the table of its verbs and the entry point."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _SORTING_THEMSELVES = ("serial-node", "run")
 )
 @click.version_option(package_name="rostether", prog_name="rostether")
 def rostether() -> None:
-    """Tether microcontrollers to ROS: boards with rosserial firmware become nodes, no ROS installed."""
+    """Connect microcontrollers with rosserial firmware to ROS, without a ROS installation."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -43,7 +43,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _split_special(arguments: Sequence[str]) -> tuple[list[str], dict[str, str]]:
-    # roslaunch adds them to every command it starts. What follows `run` is the node's.
+    # roslaunch adds them to every command it starts. Arguments after `run` belong to the node.
     if arguments and arguments[0] in _SORTING_THEMSELVES:
         return list(arguments), {}
     specials = {match[1]: match[2] for each in arguments if (match := _SPECIAL.fullmatch(each))}
@@ -55,7 +55,7 @@ def _make_output_forgiving() -> None:
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:
             setattr(sys, name, open(os.devnull, "w"))  # noqa: PTH123, SIM115 - for the rest of the process
-    # Strings from boards may hold bytes that are no UTF-8 (kept as surrogates): give them back as they came.
+    # Strings from boards may hold bytes that are not UTF-8 (kept as surrogates): print them unchanged.
     for stream in (sys.stdout, sys.stderr):
         reconfigure = getattr(stream, "reconfigure", None)
         if reconfigure is not None:

@@ -120,7 +120,7 @@ def _lz4_frame() -> Any:
     try:
         import lz4.frame
     except ImportError:
-        raise ConfigError(f"LZ4 is not installed; type: {install_command('recording')}") from None
+        raise ConfigError(f"LZ4 is not installed; run: {install_command('recording')}") from None
     return lz4.frame
 
 
@@ -128,5 +128,5 @@ def _zstandard() -> Any:
     try:
         import zstandard
     except ImportError:
-        raise ConfigError(f"Zstandard is not installed; type: {install_command('recording')}") from None
+        raise ConfigError(f"Zstandard is not installed; run: {install_command('recording')}") from None
     return zstandard

@@ -76,7 +76,7 @@ def _xacro(file: Path) -> Any:
         import xacro.substitution_args
     except ImportError:
         raise RobotModelError(
-            f"{file} is xacro, which needs the package xacro; type: {install_command('robot')}"
+            f"{file} is xacro, which needs the package xacro; run: {install_command('robot')}"
         ) from None
     return xacro
 

@@ -37,7 +37,7 @@ async def open_ros2(
     except ModuleNotFoundError as error:
         if error.name not in ("zenoh", "xxhash"):
             raise
-        raise ConfigError(f"ROS 2 over zenoh is not installed; type: {install_command('zenoh')}") from None
+        raise ConfigError(f"ROS 2 over zenoh is not installed; run: {install_command('zenoh')}") from None
     session = await ZenohSession.open(environment, types)
     try:
         yield session.join

@@ -20,7 +20,7 @@ async def test_others_meet_at_it() -> None:
     router = await started("core", "--ros2", "zenoh", environment={"ZENOH_CONFIG_OVERRIDE": listening})
     sessions = []
     try:
-        await router.wait_for("--zenoh-listen tcp/0.0.0.0:7447 lets others in")
+        await router.wait_for("add --zenoh-listen tcp/0.0.0.0:7447 for other machines")
         await router.wait_for("Press Ctrl-C")
         sessions = [await open_session(port, is_router=False) for _ in range(2)]
         talker, listener = [await session.join(f"node_{at}") for at, session in enumerate(sessions)]
@@ -54,7 +54,7 @@ async def test_it_listens_only_where_it_is_told() -> None:
     router = await started("core", "--ros2", "zenoh", "--zenoh-listen", f"tcp/127.0.0.1:{port}")
     try:
         # Whether the usual place is taken on this machine makes no difference.
-        await router.wait_for("Nodes of this machine look at tcp/localhost:7447")
+        await router.wait_for("Nodes on this machine use tcp/localhost:7447")
         await router.wait_for("Press Ctrl-C")
         assert await is_router_there(f"tcp/127.0.0.1:{port}")
     finally:
@@ -64,8 +64,8 @@ async def test_it_listens_only_where_it_is_told() -> None:
 @pytest.mark.parametrize(
     ("options", "told"),
     [
-        (("--ros2", "rclpy"), "only ROS 2 over zenoh has a core; DDS finds the others by itself"),
-        (("--ros2", "zenoh", "--port", "1"), "only --zenoh-connect and --zenoh-listen are for the router"),
+        (("--ros2", "rclpy"), "only ROS 2 over zenoh needs a router; with DDS, nodes discover each other"),
+        (("--ros2", "zenoh", "--port", "1"), "the router accepts only --zenoh-connect and --zenoh-listen"),
     ],
 )
 def test_what_makes_no_sense_is_refused(shell: Shell, options: tuple[str, ...], told: str) -> None:

@@ -1,4 +1,4 @@
-"""What a shell can complete: names in the running graph, and types that are known here."""
+"""Shell completion of names in the running graph and of known types."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ if TYPE_CHECKING:
     from rostether.ros1.node.master_client import MasterClient
 
 TIMEOUT_S = 1.0
-"""Who presses Tab waits no longer; a master on this machine answers in milliseconds."""
+"""The longest wait after Tab; a master on this machine answers in milliseconds."""
 
 ROS2_TIMEOUT_S = 3.0
-"""DDS takes a second or two to find others."""
+"""DDS takes a second or two to discover other nodes."""
 
 
 def complete_topics(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
-    """Return the topics that begin with what was typed."""
+    """Return the topics that begin with the typed text."""
 
     async def names(client: MasterClient) -> Iterable[str]:
         publishers, subscribers, _ = await client.system_state()
@@ -34,7 +34,7 @@ def complete_topics(ctx: click.Context, _param: click.Parameter, incomplete: str
 
 
 def complete_nodes(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
-    """Return the nodes that begin with what was typed."""
+    """Return the nodes that begin with the typed text."""
 
     async def names(client: MasterClient) -> Iterable[str]:
         return {node for part in await client.system_state() for nodes in part.values() for node in nodes}
@@ -43,7 +43,7 @@ def complete_nodes(ctx: click.Context, _param: click.Parameter, incomplete: str)
 
 
 def complete_services(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
-    """Return the services that begin with what was typed."""
+    """Return the services that begin with the typed text."""
 
     async def names(client: MasterClient) -> Iterable[str]:
         return (await client.system_state())[2]
@@ -52,27 +52,27 @@ def complete_services(ctx: click.Context, _param: click.Parameter, incomplete: s
 
 
 def complete_params(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
-    """Return the parameters that begin with what was typed."""
+    """Return the parameters that begin with the typed text."""
 
     async def names(client: MasterClient) -> Iterable[str]:
         return await client.param_names()
 
-    # Parameters of ROS 2 are typed behind their node.
+    # On ROS 2 the node comes before the parameter.
     return _complete(ctx, names, _nodes, incomplete)
 
 
 def complete_message_types(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
-    """Return the message types that begin with what was typed."""
+    """Return the message types that begin with the typed text."""
     return _beginning(_registry(ctx).messages(), incomplete)
 
 
 def complete_service_types(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
-    """Return the service types that begin with what was typed."""
+    """Return the service types that begin with the typed text."""
     return _beginning(_registry(ctx).services(), incomplete)
 
 
 def complete_packages(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
-    """Return the packages that have definitions and begin with what was typed."""
+    """Return the packages that have definitions and begin with the typed text."""
     from rostether.msgdef.registry import Registry
 
     return _beginning(Registry.from_environment().packages(), incomplete)
@@ -89,7 +89,7 @@ def _registry(ctx: click.Context) -> Registry:
 
 
 def _graph(ctx: click.Context) -> GraphOptions:
-    """Return the graph that the command line so far means."""
+    """Return the graph that the command line selects so far."""
     ros1, ros2 = bool(ctx.params.get("ros1")), ctx.params.get("ros2")
     return GraphOptions(
         ros1=ros1, ros2=chosen_middleware(ros1=ros1, ros2=ros2), master=ctx.params.get("master")
@@ -109,7 +109,7 @@ def _complete(
     graph = _graph(ctx)
     if graph.ros2 is not None:
         return _complete_ros2(graph, ros2_names, incomplete)
-    # Not at import: it takes a quarter of a command's start, and not all commands need it.
+    # Not at import: it takes a quarter of the start time, and not all commands need it.
     import asyncio
 
     from rostether.cli.access.ros1_access import master_client, read_environment
@@ -121,7 +121,7 @@ def _complete(
     try:
         return _beginning(asyncio.run(ask()), incomplete)
     except (RostetherError, OSError):
-        # A shell has no place for errors: there is nothing to complete.
+        # A shell cannot show errors here: complete nothing.
         return []
 
 
@@ -143,5 +143,5 @@ def _complete_ros2(
 
 
 def _beginning(names: Iterable[str], incomplete: str) -> list[str]:
-    # `chatter` stands for `/chatter` in commands, so it completes to it as well.
+    # Commands accept `chatter` for `/chatter`, so it completes to that.
     return sorted(name for name in names if name.startswith((incomplete, f"/{incomplete}")))

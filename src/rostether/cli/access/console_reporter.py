@@ -1,4 +1,4 @@
-"""The bridge's lines as rospy prints them, so that eyes and scripts used to serial_node.py find their way."""
+"""Prints the bridge's lines as rospy does, for users and scripts of serial_node.py."""
 
 from __future__ import annotations
 
@@ -45,5 +45,5 @@ class ConsoleReporter:
             stream.write(f"[{_NAMES[level]}] [{self._clock():.6f}]: {place}{text}\n")
             stream.flush()
         except OSError:
-            # Nobody reads the lines any more (`| head`, a closed terminal): boards are served all the same.
+            # The reader of the lines is gone (`| head`, a closed terminal); keep serving the boards.
             forget(stream)

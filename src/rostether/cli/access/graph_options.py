@@ -1,4 +1,4 @@
-"""What a command line says about the graph it means, as one value."""
+"""The options that select a graph, as one value."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from rostether.cli.shell.optional_value import OptionalValueOption
 
 @dataclass(frozen=True, slots=True)
 class ZenohReach:
-    """How zenoh is reached: endpoints such as `tcp/192.168.1.7:7447`, and a `RouterChoice`."""
+    """The zenoh options: endpoints such as `tcp/192.168.1.7:7447`, and a `RouterChoice`."""
 
     connect: tuple[str, ...] = ()
     listen: tuple[str, ...] = ()
@@ -32,16 +32,13 @@ class ZenohReach:
 
 @dataclass(frozen=True, slots=True)
 class GraphOptions:
-    """The graph that a command line means.
+    """The graph that a command line selects.
 
     Args:
-        ros1: Whether `--ros1` was typed.
-        ros2: The middleware of the ROS 2 graph, None for ROS 1 alone.
-        master: `--master`, None if it was not typed.
-        allow: Networks in CIDR form that may connect to this node.
-        arguments: ROS arguments such as `__name:=x`, by name.
-        zenoh: How zenoh is reached.
-        params_files: YAML files of ROS 2 parameters.
+        ros1: Whether `--ros1` was given. ros2: The middleware of the ROS 2 graph, None for ROS 1 alone.
+        master: `--master`, None if it was not given. allow: Networks in CIDR form that may connect to this
+        node. arguments: ROS arguments such as `__name:=x`, by name. zenoh: The zenoh options. params_files:
+        YAML files of ROS 2 parameters.
     """
 
     ros1: bool = False
@@ -54,21 +51,21 @@ class GraphOptions:
 
     @property
     def uses_ros1(self) -> bool:
-        """Whether the ROS 1 graph is meant, alone or beside ROS 2."""
+        """Whether the ROS 1 graph is selected, alone or with ROS 2."""
         return self.ros1 or self.ros2 is None
 
     @property
     def is_ros2_alone(self) -> bool:
-        """Whether the ROS 2 graph is meant and no other."""
+        """Whether only the ROS 2 graph is selected."""
         return not self.uses_ros1
 
 
-TOOL_MASTER = "The ROS master, instead of ROS_MASTER_URI (http://localhost:11311)."
-SERVED_MASTER = "The ROS master to join; it is waited for."
-TOOL_ALLOW = "Which machines may connect to this node (where ROS_IP lets others in); may be repeated."
-SERVED_ALLOW = "Who may connect to what listens beyond loopback, such as 192.168.1.0/24; may be repeated."
+TOOL_MASTER = "The ROS master (default: ROS_MASTER_URI, or http://localhost:11311)."
+SERVED_MASTER = "The ROS master to join; the command waits for it."
+TOOL_ALLOW = "Accept connections to this node from these addresses only (if ROS_IP is set); may be repeated."
+SERVED_ALLOW = "Accept network connections from these addresses only, e.g. 192.168.1.0/24; may be repeated."
 
-_ROS1_HELP = "Use the ROS 1 graph, also where a ROS 2 is sourced; with --ros2: both at once."
+_ROS1_HELP = "Use the ROS 1 graph even if ROS 2 is sourced; with --ros2, use both."
 ROS1_OPTION = click.option("--ros1", is_flag=True, help=_ROS1_HELP)
 _ROS_OPTIONS = (
     ROS1_OPTION,
@@ -79,7 +76,7 @@ _ROS_OPTIONS = (
         is_value=is_middleware,
         type=MiddlewareName(),
         metavar="[zenoh|rclpy]",
-        help="Use the ROS 2 graph, over zenoh or an installed rclpy.",
+        help="Use the ROS 2 graph, through zenoh or an installed rclpy.",
     ),
 )
 _REACH_OPTIONS = (
@@ -87,13 +84,13 @@ _REACH_OPTIONS = (
         "--zenoh-connect",
         multiple=True,
         metavar="ENDPOINT",
-        help="With --ros2 zenoh, a router to join, as tcp/192.168.1.7:7447; may be repeated.",
+        help="With --ros2 zenoh, connect to this router, e.g. tcp/192.168.1.7:7447; may be repeated.",
     ),
     click.option(
         "--zenoh-listen",
         multiple=True,
         metavar="ENDPOINT",
-        help="With --ros2 zenoh, let others reach us there, as tcp/0.0.0.0:7447; may be repeated.",
+        help="With --ros2 zenoh, listen at this endpoint, e.g. tcp/0.0.0.0:7447; may be repeated.",
     ),
 )
 _SERVING_OPTIONS = (
@@ -102,8 +99,8 @@ _SERVING_OPTIONS = (
         type=click.Choice(["auto", "never", "always"]),
         default="auto",
         show_default=True,
-        help="With --ros2 zenoh, be the router of this machine: when there is none, never, or always. A "
-        "router listens at localhost:7447; with always, only at --zenoh-listen where that is given.",
+        help="With --ros2 zenoh, start the zenoh router of this machine: if there is none, never, or always. "
+        "The router listens at localhost:7447; with `always` and --zenoh-listen, only at those endpoints.",
     ),
     click.option(
         "--params-file",
@@ -111,7 +108,7 @@ _SERVING_OPTIONS = (
         multiple=True,
         type=click.Path(path_type=Path, exists=True, dir_okay=False),
         metavar="FILE",
-        help="With --ros2, a YAML file of parameters for the nodes; may be repeated.",
+        help="With --ros2, a YAML file of node parameters; may be repeated.",
     ),
 )
 
@@ -124,7 +121,7 @@ def graph_options(
     zenoh: bool = False,
     serving: bool = False,
 ) -> Callable[[Function], Function]:
-    """Return a decorator that adds the options about the graph; the verb gets them as `graph`.
+    """Return a decorator that adds the graph options; the verb gets them as `graph`.
 
     Args:
         master: The help of `--master`, empty where there is no such option.
@@ -148,7 +145,7 @@ def graph_options(
 
 
 def ros_arguments() -> Mapping[str, str]:
-    """Return the ROS arguments such as `__name:=x` of the command that runs; `main` has put them aside."""
+    """Return the ROS arguments such as `__name:=x` of the running command, which `main` stored."""
     context = click.get_current_context(silent=True)
     arguments = context.find_root().obj if context is not None else None
     return arguments if isinstance(arguments, dict) else {}

@@ -1,7 +1,7 @@
-"""Which master a bridge uses: the one it was told, else the one that answers here, else one of its own.
+"""Chooses the master of a bridge: the given one, else one that answers on this machine, else a new one.
 
---master, or a ROS_MASTER_URI that is not loopback   that one; it is waited for as long as it takes
-otherwise                                            the one that answers on loopback, else be it
+--master, or a ROS_MASTER_URI that is not loopback   that one; the bridge waits for it otherwise the one that
+answers on loopback, else start one
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from rostether.errors import GraphError, MasterUnreachableError
 from rostether.ros1.environment import RosEnvironment, format_uri
 from rostether.ros1.node.master_client import MasterClient
 
-# A master on loopback answers within milliseconds; one that is only starting gets this long before its port
-# counts as somebody else's.
+# A master on loopback answers within milliseconds; a starting one gets this long before its port counts as
+# used by another program.
 _ANSWER_LIMIT_S = 2.0
 
 
 @dataclass(frozen=True, slots=True)
 class UsedMaster:
-    """The environment to join with, a line for people about the master in it, and whether that is us."""
+    """The environment to join with, a line for users about its master, and whether we started that master."""
 
     environment: RosEnvironment
     line: str
@@ -33,10 +33,10 @@ class UsedMaster:
 async def used_master(
     environment: RosEnvironment, *, is_chosen: bool = False, port: int | None = None
 ) -> AsyncIterator[UsedMaster]:
-    """Find the master to use, being it for as long as the block lasts where there is none.
+    """Find the master to use; if there is none, run one until the end of the block.
 
-    `is_chosen` says that the user named it (`--master`); `port` is where we are it (`--master-port`).
-    Raises GraphError when the port is taken by something that is no master.
+    `is_chosen` is true if the user named it (`--master`); `port` is the port of a new one (`--master-port`).
+    Raises GraphError if another program uses the port.
     """
     if is_chosen or (environment.master_uri_is_set and not environment.master.is_loopback):
         yield UsedMaster(environment, f"Using the ROS master at {environment.master_uri}")
@@ -51,20 +51,20 @@ async def used_master(
     try:
         core = await Roscore.start(environment, port=environment.master.port)
     except GraphError:
-        # Somebody else took the port since we asked: joined if it is a master.
+        # Another program took the port in the meantime; join it if it is a master.
         if not await master_answers(environment):
             raise
         yield UsedMaster(environment, f"Joining the ROS master at {environment.master_uri}")
         return
     try:
-        line = f"Being the ROS master: ROS_MASTER_URI={core.uri.rstrip('/')}"
+        line = f"Started a ROS master: ROS_MASTER_URI={core.uri.rstrip('/')}"
         yield UsedMaster(environment, line, is_ours=True)
     finally:
         await core.close()
 
 
 async def master_answers(environment: RosEnvironment) -> bool:
-    """Tell whether a ROS master answers where the environment says."""
+    """Return whether a ROS master answers at the environment's URI."""
     client = MasterClient(environment.master_uri, "/rostether")
     try:
         async with asyncio.timeout(_ANSWER_LIMIT_S):

@@ -15,7 +15,7 @@ msg_path_option = click.option(
     multiple=True,
     metavar="DIR",
     type=click.Path(path_type=Path),
-    help="A folder of packages or of .msg and .srv files; may be repeated, before ROS_PACKAGE_PATH.",
+    help="Search this folder for packages, .msg and .srv files before ROS_PACKAGE_PATH; may be repeated.",
 )
 
 
@@ -34,5 +34,5 @@ def window_option(default: int | None) -> Callable[[Function], Function]:
 listen_option = click.option(
     "--listen",
     metavar="ADDRESS",
-    help="Let other machines reach us at this address of ours; 0.0.0.0: at any (default: loopback only).",
+    help="Listen at this address for other machines; 0.0.0.0 for all addresses (default: loopback only).",
 )

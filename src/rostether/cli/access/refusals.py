@@ -1,4 +1,4 @@
-"""What belongs to one ROS only is refused in one line where the other is meant."""
+"""Refuses options of one ROS when the other is selected."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import click
 
 
 def refuse_ros1_only(**given: object) -> None:
-    """Raise UsageError for an option that was given and means something on ROS 1 alone."""
-    _refuse(given, "is of ROS 1: leave it out with --ros2, or say --ros1")
+    """Raise UsageError for an option that was given and works on ROS 1 only."""
+    _refuse(given, "works on ROS 1 only; leave it out or add --ros1")
 
 
 def refuse_ros2_only(**given: object) -> None:
-    """Raise UsageError for an option that was given and means something on ROS 2 alone."""
-    _refuse(given, "is of ROS 2: leave it out, or say --ros2")
+    """Raise UsageError for an option that was given and works on ROS 2 only."""
+    _refuse(given, "works on ROS 2 only; leave it out or add --ros2")
 
 
 def _refuse(given: dict[str, object], why: str) -> None:
@@ -30,5 +30,5 @@ def _spelled(name: str) -> str:
 
 
 def not_on_ros2(command: str, instead: str) -> click.UsageError:
-    """Return the error for a command that has no meaning on ROS 2."""
-    return click.UsageError(f"`{command}` is of ROS 1: {instead}")
+    """Return the error for a command that does not exist on ROS 2."""
+    return click.UsageError(f"`{command}` works on ROS 1 only: {instead}")

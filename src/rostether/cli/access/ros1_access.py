@@ -1,4 +1,4 @@
-"""How commands reach the graph: the master alone for listings, a node of our own for messages and calls."""
+"""Connects commands to the graph: through the master for listings, as a node for messages and calls."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rostether.serde.store import TypeStore
 
 OUR_NAME = "/rostether"
-"""The caller id of commands that are no node, and what `~` in a name given to one means."""
+"""The caller id of commands that start no node, and the meaning of `~` in their names."""
 
 _ENVIRONMENT_OF_ARGUMENT = {
     "__ns": "ROS_NAMESPACE",
@@ -32,7 +32,7 @@ _ENVIRONMENT_OF_ARGUMENT = {
 
 
 def read_environment(graph: GraphOptions | None = None) -> RosEnvironment:
-    """Return the ROS environment of a command; what was typed wins over variables. Raises ConfigError."""
+    """Return the ROS environment of a command; options override variables. Raises ConfigError."""
     graph = graph or GraphOptions()
     variables = dict(os.environ)
     variables.update(
@@ -46,12 +46,12 @@ def read_environment(graph: GraphOptions | None = None) -> RosEnvironment:
 
 
 def resolve(name: str, environment: RosEnvironment) -> str:
-    """Return the full form of a name that a user typed. Raises InvalidNameError."""
+    """Return the full form of a user's name. Raises InvalidNameError."""
     return resolve_name(name, namespace=environment.namespace, node_name=OUR_NAME)
 
 
 def in_namespace(name: str, namespace: str) -> bool:
-    """Tell whether a full name is a namespace or lies in it."""
+    """Return whether a full name is a namespace or in it."""
     return name == namespace or name.startswith(namespace.rstrip("/") + "/")
 
 
@@ -59,7 +59,7 @@ def in_namespace(name: str, namespace: str) -> bool:
 async def master_client(
     environment: RosEnvironment, caller_id: str = OUR_NAME
 ) -> AsyncIterator[MasterClient]:
-    """Ask the master without being a node. Raises MasterUnreachableError with what to do next."""
+    """Ask the master without starting a node. Raises MasterUnreachableError with advice."""
     client = MasterClient(environment.master_uri, caller_id)
     try:
         yield client
@@ -78,14 +78,12 @@ async def joined(
     store: TypeStore | None = None,
     environment: RosEnvironment | None = None,
 ) -> AsyncIterator[TypedGraph]:
-    """Be a node with a unique name. Raises MasterUnreachableError with what to do next.
+    """Run a node with a unique name. Raises MasterUnreachableError with advice.
 
     Args:
-        graph: The graph to join.
-        msg_paths: Folders with definitions, unless there is a `store`.
-        purpose: What the node's name begins with.
-        store: The types to use.
-        environment: The environment of `graph`, where the caller has read it already.
+        graph: The graph to join. msg_paths: Folders with definitions, unless there is a `store`. purpose: The
+        beginning of the node's name. store: The types to use. environment: The environment of `graph`, if the
+        caller has already read it.
     """
     from rostether.graph.typed_graph import TypedGraph
     from rostether.joining import anonymous_name
@@ -109,14 +107,14 @@ async def joined(
 
 
 def joining_ros1(environment: RosEnvironment) -> JoinGraph:
-    """Return what makes ROS 1 nodes under an environment."""
+    """Return the factory of ROS 1 nodes in an environment."""
     from rostether.ros1.node.node import join_ros1
 
     return partial(join_ros1, environment=environment)
 
 
 def no_master(environment: RosEnvironment, error: MasterUnreachableError) -> MasterUnreachableError:
-    """Return the error that tells a user what to do about a master that does not answer."""
+    """Return the error for a master that does not answer, with advice."""
     cause = error.__cause__
     if isinstance(cause, ConnectionRefusedError) or not isinstance(cause, OSError):
         reason = f"no ROS master answers at {environment.master_uri}"

@@ -1,4 +1,4 @@
-"""Reaching the ROS 2 graph that a command means: a session over zenoh or rclpy, and what to say of it."""
+"""Opens a session on the selected ROS 2 graph, through zenoh or rclpy."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Ros2Access:
-    """A session on a ROS 2 graph: what makes nodes on it, its types, and a line for people."""
+    """A session on a ROS 2 graph: its node factory, its types, and a line for users."""
 
     join: JoinGraph
     types: Ros2Types
@@ -38,9 +38,9 @@ async def ros2_access(
     params_files: Iterable[Path] = (),
     types: Ros2Types | None = None,
 ) -> AsyncIterator[Ros2Access]:
-    """Be on the ROS 2 graph as long as the block lasts. Raises ConfigError naming what is not installed.
+    """Join the ROS 2 graph until the end of the block. Raises ConfigError that names a missing package.
 
-    `types` are used in place of those that `msg_paths` and the environment give.
+    `types` replace those from `msg_paths` and the environment.
     """
     from rostether.msgdef.registry import Registry
     from rostether.msgdef.ros2.definitions import Ros2Definitions
@@ -87,7 +87,7 @@ async def _over_zenoh(
     except ModuleNotFoundError as error:
         if error.name != "zenoh":
             raise
-        raise ConfigError(f"ROS 2 over zenoh is not installed; type: {install_command('zenoh')}") from None
+        raise ConfigError(f"ROS 2 over zenoh is not installed; run: {install_command('zenoh')}") from None
     rules = read_parameter_files(params_files)
     session = await ZenohSession.open(
         environment, types, reach=Reach(RouterChoice(reach.router), reach.connect, reach.listen)

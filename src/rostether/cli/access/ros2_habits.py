@@ -1,7 +1,7 @@
-"""Options of the `ros2` command that scripts use and that change nothing here.
+"""Options of the `ros2` command that are accepted for scripts and have no effect.
 
-There is no daemon whose knowledge could be old, and subscribers ask for the quality of service that
-publishers offer.
+There is no daemon with outdated information, and subscribers request the quality of service of the
+publishers.
 """
 
 from __future__ import annotations

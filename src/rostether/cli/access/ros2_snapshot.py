@@ -1,4 +1,4 @@
-"""A ROS 2 graph as the snapshot that pictures are made of, with ROS 2's own names of types."""
+"""Makes a snapshot of a ROS 2 graph for pictures, with ROS 2 type names."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from rostether.ros2.endpoint_info import EndpointKind
 
 
 def as_snapshot(view: GraphView) -> Snapshot:
-    """Return all nodes, topics and services of a view, hidden ones too."""
+    """Return all nodes, topics and services of a view, including hidden ones."""
     return Snapshot(
         tuple(sorted(set(view.nodes))),
         {

@@ -1,4 +1,4 @@
-"""The node that a tool is on a ROS 2 graph: hidden from listings, with messages in ROS 2's own words."""
+"""The node of a tool on a ROS 2 graph: hidden from listings, with ROS 2 messages."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ T = TypeVar("T")
 HIDDEN_NAME = "/_rostether"
 LOOK_INTERVAL_S = 0.05
 PATIENCE_S = {Middleware.ZENOH: 1.0, Middleware.RCLPY: 4.0}
-"""How long something that was named is waited for. DDS tells of it at once, and again after 3 s if that is
-lost; zenoh's router has told before we begin."""
+"""The longest wait for a given name. DDS announces it at once, and again after 3 s if that is lost;
+zenoh's router has announced it before the command starts."""
 QUIET_S = {Middleware.ZENOH: 0.1, Middleware.RCLPY: 0.8}
-"""How long nothing new has come when a listing counts as complete."""
+"""A listing is complete when nothing new arrived for this long."""
 
 
 class ToolNode:
-    """A node of our own on a ROS 2 graph, for one command."""
+    """The node of one command on a ROS 2 graph."""
 
     def __init__(
         self, graph: TypedGraph, registry: NativeRegistry, types: Ros2Types, middleware: Middleware
@@ -44,14 +44,14 @@ class ToolNode:
         self.middleware = middleware
 
     async def snapshot(self) -> GraphView:
-        """Return what the graph is now, without this node."""
+        """Return the current graph without this node."""
         raw = cast("Ros2Graph", self.graph.raw)
         own = raw.node_name
         ends = [end for end in await raw.endpoints() if end.node_name != own]
         return GraphView([node for node in (await raw.snapshot()).nodes if node != own], ends)
 
     async def settled_snapshot(self) -> GraphView:
-        """Return the graph when nothing new has come for a while."""
+        """Return the graph once nothing new has arrived for a while."""
         quiet_s, loop = QUIET_S[self.middleware], asyncio.get_running_loop()
         view = await self.snapshot()
         begin_s = changed_s = loop.time()
@@ -65,7 +65,7 @@ class ToolNode:
         return view
 
     async def snapshot_when(self, condition: Callable[[GraphView], bool]) -> GraphView:
-        """Return the graph as soon as it is as wanted, or as it is when that takes too long."""
+        """Return the graph as soon as it meets the condition, or after the time limit."""
         deadline_s = asyncio.get_running_loop().time() + PATIENCE_S[self.middleware]
         view = await self.snapshot()
         while not condition(view) and asyncio.get_running_loop().time() < deadline_s:
@@ -75,7 +75,7 @@ class ToolNode:
 
 
 def _looks_complete(view: GraphView) -> bool:
-    """Tell whether somebody has been found, and what belongs to each node: nodes are told of first."""
+    """Return whether a node and the endpoints of each node are known: nodes are announced first."""
     with_ends = {end.node_name for end in view.ends}
     return any(not is_hidden(node) for node in view.nodes) and with_ends.issuperset(view.nodes)
 
@@ -84,9 +84,9 @@ def _looks_complete(view: GraphView) -> bool:
 async def tool_node(
     options: GraphOptions, msg_paths: Iterable[Path] = (), *, is_quiet: bool = False
 ) -> AsyncIterator[ToolNode]:
-    """Be a hidden node as long as the block lasts; a quiet one gives no advice.
+    """Run a hidden node until the end of the block; a quiet one gives no advice.
 
-    Raises ConfigError, GraphError with what to do next.
+    Raises ConfigError, GraphError with advice.
     """
     from rostether.graph.typed_graph import TypedGraph
     from rostether.ros2.types.native_registry import NativeRegistry
@@ -96,7 +96,7 @@ async def tool_node(
     middleware = options.ros2
     assert middleware is not None
     registry = NativeRegistry.from_environment(msg_paths)
-    # A tool comes and goes: it must not be the router that others count on.
+    # A tool runs briefly: it must not be the router that others depend on.
     reach = ZenohReach(router="never")
     types = NativeTypes(registry)
     async with ros2_access(middleware, reach=reach, types=types) as access:
@@ -113,7 +113,7 @@ async def tool_node(
 
 
 async def warn_without_router() -> None:
-    """Say what to do where no zenoh router answers: nodes are not found without."""
+    """Give advice if no zenoh router answers: nodes cannot be found without one."""
     from rostether.ros2.environment import Ros2Environment
     from rostether.ros2.zenoh.configuration import ROUTER_ENDPOINT, is_router_there, names_its_own_place
 
@@ -125,7 +125,7 @@ async def warn_without_router() -> None:
 
 
 def asked(options: GraphOptions, question: Callable[[ToolNode], Awaitable[T]]) -> T:
-    """Run a question to the graph as a whole command. Raises what `tool_node` and the question raise."""
+    """Run a query of the graph as a whole command. Raises what `tool_node` and the query raise."""
     from rostether.cli.shell.running import run
 
     async def ask() -> T:

@@ -1,4 +1,4 @@
-"""A ROS 2 graph at one moment, asked in the ways that listings need."""
+"""A snapshot of a ROS 2 graph, with the queries that listings need."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ SERVICE_KINDS = (EndpointKind.SERVER, EndpointKind.CLIENT)
 
 
 def is_hidden(name: str) -> bool:
-    """Tell whether ROS 2 leaves a name out of listings: a part of it begins with `_`."""
+    """Return whether ROS 2 hides a name in listings: a part of it begins with `_`."""
     return any(part.startswith("_") for part in name.split("/"))
 
 
 @dataclass(frozen=True, slots=True)
 class GraphView:
-    """Nodes, each as often as there are nodes of the name, and the ends of topics and services."""
+    """Nodes, once for each node of a name, and the endpoints of topics and services."""
 
     nodes: Sequence[str]
     ends: Sequence[EndpointInfo]
 
     def names(self, kinds: Iterable[EndpointKind], *, with_hidden: bool = False) -> list[str]:
-        """Return the names of what has ends of these kinds, sorted."""
+        """Return the names that have endpoints of these kinds, sorted."""
         wanted = set(kinds)
         found = {end.name for end in self.ends if end.kind in wanted}
         return sorted(name for name in found if with_hidden or not is_hidden(name))
@@ -34,11 +34,11 @@ class GraphView:
         return self.names(TOPIC_KINDS, with_hidden=with_hidden)
 
     def services(self, *, with_hidden: bool = False) -> list[str]:
-        """Return the names of all services that somebody offers, sorted."""
+        """Return the names of all offered services, sorted."""
         return self.names([EndpointKind.SERVER], with_hidden=with_hidden)
 
     def of(self, kind: EndpointKind, name: str) -> list[EndpointInfo]:
-        """Return the ends of a topic or service of one kind, in a steady order."""
+        """Return the endpoints of a topic or service of one kind, in a stable order."""
         found = [end for end in self.ends if end.kind is kind and end.name == name]
         return sorted(found, key=lambda end: (end.node_name, end.gid))
 
@@ -47,7 +47,7 @@ class GraphView:
         return sorted({end.type for kind in kinds for end in self.of(kind, name)})
 
     def of_node(self, kind: EndpointKind, node: str) -> Iterator[tuple[str, list[str]]]:
-        """Yield the names and types of a node's ends of one kind, sorted."""
+        """Yield the names and types of a node's endpoints of one kind, sorted."""
         types: dict[str, set[str]] = {}
         for end in self.ends:
             if end.kind is kind and end.node_name == node:

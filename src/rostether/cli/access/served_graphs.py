@@ -1,4 +1,4 @@
-"""The graphs that boards are bridged into: ROS 1, with its master found or made, ROS 2, or both at once."""
+"""Joins the graphs that boards connect to: ROS 1 (starts a master if needed), ROS 2, or both."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class ServedGraphs:
-    """What makes the boards' nodes, the ROS 1 environment (None without ROS 1), and lines for people.
+    """The factory of the boards' nodes, the ROS 1 environment (None without ROS 1), and lines for users.
 
-    `types` are those of ROS 2, None without it.
+    `types` are the ROS 2 types, None without ROS 2.
     """
 
     join: JoinGraph
@@ -42,7 +42,7 @@ async def served_graphs(
     master_port: int | None = None,
     msg_paths: Sequence[Path] = (),
 ) -> AsyncIterator[ServedGraphs]:
-    """Be on the graphs as long as the block lasts. Raises GraphError, ConfigError."""
+    """Join the graphs until the end of the block. Raises GraphError, ConfigError."""
     joins: list[JoinGraph] = []
     lines: list[str] = []
     used_environment = None
@@ -61,7 +61,7 @@ async def served_graphs(
             )
             joins.append(access.join)
             types = access.types
-            # Other nodes may bring any type, and the loop must not search folders for it.
+            # Other nodes may bring any type; do not search folders for it in the event loop.
             await definitions_searched(types.registry)
             lines.append(access.line)
         join = joins[0] if len(joins) == 1 else JointJoin(joins)

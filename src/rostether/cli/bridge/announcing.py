@@ -1,4 +1,4 @@
-"""Telling the network by mDNS where boards can connect, while `serve` runs."""
+"""Announces by mDNS where boards can connect, while `serve` runs."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ if TYPE_CHECKING:
 
 
 def check_mdns(*, is_wanted: bool | None) -> bool:
-    """Return whether to announce: None takes zeroconf when it is there. Raises ConfigError without it."""
+    """Return whether to announce: None if zeroconf is installed. Raises ConfigError if it is missing."""
     if is_wanted is False:
         return False
     is_there = find_spec("zeroconf") is not None
     if is_wanted and not is_there:
-        raise ConfigError(f"--mdns needs zeroconf; type: {install_command('mdns')}; or leave --mdns out")
+        raise ConfigError(f"--mdns needs zeroconf; run: {install_command('mdns')}; or leave --mdns out")
     return is_there
 
 
 def network_listeners(listening_on: Sequence[str]) -> list[TcpAddress]:
-    """Return the TCP listeners that other machines can reach; the others are nobody's business."""
+    """Return the TCP listeners that other machines can reach; only these are announced."""
     links = [parse_address(address) for address in listening_on]
-    # Boards that look for a listener by mDNS speak no TLS.
+    # Boards that find a listener by mDNS do not support TLS.
     plain = [link for link in links if isinstance(link, TcpAddress) and link.tls is None]
     return [link for link in plain if not is_loopback(link.host)]
 
@@ -43,20 +43,20 @@ async def announced(
 ) -> AsyncIterator[None]:
     """Announce the listeners that are reachable from the network, for as long as the block lasts.
 
-    What keeps us from it is one line, and serving goes on.
+    A failure is reported in one line, and serving continues.
     """
     listeners = network_listeners(listening_on)
     if is_wanted and not listeners:
         reporter.line(
             Level.WARN,
-            "--mdns announces nothing: no TCP listener is reachable from the network; "
-            "--listen 0.0.0.0 tcp://:11411 makes one",
+            "--mdns announces nothing: no TCP listener is reachable from the network; add --listen "
+            "0.0.0.0 tcp://:11411",
         )
     if not is_on or not listeners:
         yield
         return
     announcements: list[Announcement] = []
-    # Asking around whether the name is free takes a second, in which boards can be served already.
+    # Checking that the name is free takes a second; boards are served in the meantime.
     starting = asyncio.get_running_loop().create_task(_start(listeners, announcements, reporter))
     try:
         yield
@@ -75,7 +75,7 @@ async def _start(
         try:
             announcement = await Announcement.start(listener.host, listener.port)
         except TransportOpenError as error:
-            reporter.line(Level.WARN, f"{error}; boards need our address then")
+            reporter.line(Level.WARN, f"{error}; configure this machine's address on the boards instead")
             continue
         announcements.append(announcement)
         reporter.line(

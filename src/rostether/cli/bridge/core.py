@@ -25,7 +25,7 @@ from rostether.cli.shell.verbs import Verb
 from rostether.errors import GraphError
 from rostether.ros1.environment import RosEnvironment, format_uri
 
-# roscore has these; scripts use them, and they change nothing here.
+# Scripts pass these options of roscore; they have no effect here.
 _roscore_options = ignored_options(
     "-w --numworkers",
     "-t --timeout",
@@ -46,7 +46,10 @@ _roscore_options = ignored_options(
     """,
 )
 @click.option(
-    "-p", "--port", type=click.IntRange(0, 65535), help="The master's port (ROS_MASTER_URI's, 11311); 0: any."
+    "-p",
+    "--port",
+    type=click.IntRange(0, 65535),
+    help="The master's port (default: that of ROS_MASTER_URI, or 11311); 0 for any free port.",
 )
 @listen_option
 @limit_option(GRAPH_LIMITS)
@@ -58,7 +61,7 @@ _roscore_options = ignored_options(
     is_value=is_middleware,
     type=MiddlewareName(),
     metavar="[zenoh]",
-    help="Run the zenoh router of ROS 2 instead.",
+    help="Run a ROS 2 zenoh router instead.",
 )
 @graph_options(master="", ros=False, allow=SERVED_ALLOW, zenoh=True)
 @_roscore_options
@@ -71,15 +74,17 @@ def core(
 ) -> None:
     """Run the ROS master, parameter server and log collector, like roscore.
 
-    With --ros2 zenoh, run the router that ROS 2 over zenoh has on each machine, like rmw_zenohd.
-    It listens at localhost:7447, or at --zenoh-listen only, where that is given.
+    With --ros2 zenoh, run the zenoh router of this machine, like rmw_zenohd. It listens at localhost:7447, or
+    only at the --zenoh-listen endpoints.
     """
-    # Without the word it is the master, also where a ROS 2 is sourced, which has none.
+    # Without --ros2 this is the ROS 1 master, even if ROS 2 is sourced: ROS 2 has none.
     if ros2 is not None:
         if ros2 == Middleware.RCLPY:
-            raise click.UsageError("only ROS 2 over zenoh has a core; DDS finds the others by itself")
+            raise click.UsageError(
+                "only ROS 2 over zenoh needs a router; with DDS, nodes discover each other"
+            )
         if port is not None or listen is not None or graph.allow or limits:
-            raise click.UsageError("with --ros2 only --zenoh-connect and --zenoh-listen are for the router")
+            raise click.UsageError("with --ros2, the router accepts only --zenoh-connect and --zenoh-listen")
         run(serve_router(graph.zenoh), is_service=True)
         return
     environment = read_environment(graph)
@@ -99,12 +104,12 @@ async def _serve(environment: RosEnvironment, port: int) -> None:
         if not await master_answers(there):
             raise
         raise GraphError(
-            f"a ROS master already runs at {there.master_uri}; use it, or choose another with --port"
+            f"a ROS master already runs at {there.master_uri}; use it, or choose another port with --port"
         ) from None
     try:
         write_line(f"ROS_MASTER_URI={roscore.uri}")
         if environment.listens_on_loopback_only:
-            write_line("Only this machine can reach it; --listen 0.0.0.0 lets others in")
+            write_line("Only this machine can reach it; add --listen 0.0.0.0 for other machines")
         write_line("Press Ctrl-C to stop")
         await roscore.wait_closed()
     finally:

@@ -1,4 +1,4 @@
-"""`rostether demo`: an embedded master, the bridge and a simulated board, watched live."""
+"""`rostether demo`: a master, the bridge and a simulated board, shown live."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ from rostether.serde.store import TypeStore
 from rostether.transports.address import parse_address
 
 BOARD_NAME = "virtual_board"
-# More than a class room's worth on one master is a mistake.
+# More demos than this on one master are a mistake.
 MAX_DEMOS = 100
 WATCHED_TOPICS = {
     "/ultrasound": "sensor_msgs/Range",
@@ -56,22 +56,26 @@ PLAIN_LINE_S = 1.0
 @click.command(
     cls=Verb,
     examples="""
-    rostether demo                 watch it, Ctrl-C ends it
-    rostether demo --seconds 5     end by itself; fails if no message came through
+    rostether demo                 run until Ctrl-C
+    rostether demo --seconds 5     stop after 5 s; fails if no message arrived
     """,
 )
-@click.option("--seconds", type=click.FloatRange(min=0.1), help="End after that time (default: Ctrl-C).")
+@click.option(
+    "--seconds",
+    type=click.FloatRange(min=0.1),
+    help="Stop after this many seconds (default: run until Ctrl-C).",
+)
 @config_option
-@click.option("--ros1", is_flag=True, help="Only the ROS 1 graph.")
+@click.option("--ros1", is_flag=True, help="Use only the ROS 1 graph.")
 @graph_options(master="", ros=False)
 def demo(seconds: float | None, config: Path | None, ros1: bool, graph: GraphOptions) -> None:
-    """Show a simulated board at work: no hardware, no ROS, nothing to set up.
+    """Run a simulated board and show its topics. Needs no hardware, no ROS and no setup.
 
-    The board is a node of a ROS 1 graph, and of a ROS 2 graph where zenoh is installed (without --ros1).
+    The board is a node on a ROS 1 graph, and also on a ROS 2 graph if zenoh is installed (unless --ros1).
 
-    Only a file of settings that is named with --config is read: here they can be tried, on virtual_board.
+    Settings are read only from a file given with --config; the board's name is virtual_board.
     """
-    # Settings of one's real boards, in the user's own file, must not make a demonstration fail.
+    # The user's settings for real boards must not make the demo fail.
     devices = read_devices(config, ()) if config is not None else None
     run(_demo(read_environment(graph), seconds, devices, only_ros1=ros1), is_service=True)
 
@@ -103,7 +107,7 @@ async def _demo(
         )
         await stack.enter_async_context(_watch(used.environment, store, view, board_name))
         await stack.enter_async_context(_virtual_board(supervisor))
-        # The board is there until the bridge is gone: a board that leaves first is told as a lost one.
+        # The board outlives the bridge: otherwise it would be reported as lost.
         stack.push_async_callback(supervisor.close)
         show = _show_live(view) if is_live else _show_lines(view)
         with contextlib.suppress(TimeoutError):
@@ -113,23 +117,25 @@ async def _demo(
 
 
 async def _joining_ros2(stack: AsyncExitStack, reporter: Reporter) -> JoinGraph | None:
-    """Return what makes nodes of ROS 2 over zenoh; None, with a line why, where that cannot be."""
+    """Return the factory of ROS 2 nodes over zenoh; None, with a line about the reason, if not possible."""
     if find_spec("zenoh") is None:
-        reporter.line(Level.INFO, f"Not in ROS 2: {install_command('zenoh')} puts the board there as well")
+        reporter.line(Level.INFO, f"Not on ROS 2; to add it, run: {install_command('zenoh')}")
         return None
     from rostether.cli.access.ros2_access import ros2_access
 
     try:
         access = await stack.enter_async_context(ros2_access(Middleware.ZENOH))
     except RostetherError as error:
-        reporter.line(Level.WARN, f"Not in ROS 2: {error}")
+        reporter.line(Level.WARN, f"Not on ROS 2: {error}")
         return None
-    reporter.line(Level.INFO, f"{access.line}; watch it: {our_command()} topic echo --ros2 zenoh /ultrasound")
+    reporter.line(
+        Level.INFO, f"{access.line}; to watch it, run: {our_command()} topic echo --ros2 zenoh /ultrasound"
+    )
     return access.join
 
 
 async def _free_name(environment: RosEnvironment) -> str:
-    """Return a name that no other demo's board has: a node that joins under its name would end it."""
+    """Return a name that no other demo uses: a second node with that name would replace the first."""
     client = MasterClient(environment.master_uri, "/rostether")
     try:
         for number in range(1, MAX_DEMOS):
@@ -139,7 +145,7 @@ async def _free_name(environment: RosEnvironment) -> str:
         return name
     finally:
         await client.close()
-    raise GraphError(f"{MAX_DEMOS - 1} demos run already; end one first")
+    raise GraphError(f"{MAX_DEMOS - 1} demos already run; stop one first")
 
 
 async def _show_live(view: DemoView) -> None:
@@ -179,7 +185,7 @@ async def _virtual_board(supervisor: Supervisor) -> AsyncIterator[None]:
 async def _watch(
     environment: RosEnvironment, store: TypeStore, view: DemoView, board_name: str
 ) -> AsyncIterator[None]:
-    """Subscribe like any other node, so that what is shown went all the way."""
+    """Subscribe like any other node, so that the table shows data from the graph."""
     from rostether.joining import anonymous_name
     from rostether.ros1.node.node import join_ros1
 

@@ -1,4 +1,4 @@
-"""What `rostether demo` shows: a live table of the board's topics, or plain lines without a terminal."""
+"""The output of `rostether demo`: a live table of the board's topics, or plain lines without a terminal."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from rostether.bridge.health.diagnostics import BoardView, EndpointView
     from rostether.serde.codec import Codec
 
-# The window over which rates are shown: long enough to be steady, short enough to follow a change.
+# The window for rates: long enough to be steady, short enough to follow a change.
 RATE_WINDOW_S = 2.0
 SHOWN_LINES = 4
 
@@ -77,12 +77,12 @@ class DemoView:
         self._history: dict[str, deque[tuple[float, int]]] = {}
 
     def saw(self, topic: str, codec: Codec, payloads: Sequence[bytes]) -> None:
-        """Take messages that came through the graph."""
+        """Add messages that arrived through the graph."""
         self.has_flowed = True
         self._last[topic] = (codec, payloads[-1])
 
     def update(self) -> None:
-        """Note how the board is doing now."""
+        """Store the current state of the board."""
         self._board = next(iter(self._boards()), None)
         if self._board is None:
             return
@@ -94,7 +94,7 @@ class DemoView:
                 history.popleft()
 
     def line(self) -> str:
-        """Return all of it in one line, for logs and pipes."""
+        """Return everything in one line, for logs and pipes."""
         if self._board is None:
             return self._health()
         topics = [
@@ -143,9 +143,9 @@ class DemoView:
                 "",
                 (NEXT_STEPS + (NEXT_STEP_ROS2 if self._is_in_ros2 else "")).format(us=our_command()),
             ),
-            title=f"a simulated board in the ROS graph of {self._master_uri}"
-            + (" and in ROS 2" if self._is_in_ros2 else ""),
-            subtitle="Ctrl-C ends it",
+            title=f"a simulated board on the ROS graph at {self._master_uri}"
+            + (" and on ROS 2" if self._is_in_ros2 else ""),
+            subtitle="press Ctrl-C to stop",
         )
 
     def _health(self) -> str:

@@ -1,4 +1,4 @@
-"""What commands are told about single boards: the file of settings, and which ports to probe."""
+"""Options about single boards: the settings file and the ports to probe."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ config_option = click.option(
     "--config",
     metavar="FILE",
     type=click.Path(path_type=Path),
-    help="Names and settings of boards (~/.config/rostether/devices.toml).",
+    help="File of board names and settings (default: ~/.config/rostether/devices.toml).",
 )
 discover_option = click.option(
-    "--discover", is_flag=True, help="Look for boards on the serial ports too, as without an ADDRESS."
+    "--discover", is_flag=True, help="Also search the serial ports for boards, as without an ADDRESS."
 )
 probe_option = click.option(
     "--probe",
     "probes",
     multiple=True,
     metavar="WHAT",
-    help="Ask this port too whether a board is there: a USB id such as 1a86:7523, a path, a pattern, all.",
+    help="Also probe this port for a board: a USB id such as 1a86:7523, a path, a pattern, or all.",
 )
 
 
 def read_devices(config: Path | None, probes: Sequence[str]) -> DeviceBook:
-    """Read the file of settings, the user's own unless one is named. Raises ConfigError."""
+    """Read the settings file, by default the user's. Raises ConfigError."""
     from rostether.ports.config_paths import devices_toml_path
     from rostether.ports.device_book import DeviceBook
     from rostether.ports.devices_toml import read_devices_toml
@@ -55,11 +55,11 @@ def read_devices(config: Path | None, probes: Sequence[str]) -> DeviceBook:
 
 
 def unchosen_lines(devices: DeviceBook, links: Sequence[Address]) -> list[str]:
-    """Return a line for each board in the file that nothing can choose: it is easily a forgotten mark."""
+    """Return a line for each board in the file that cannot match any port."""
     from rostether.ports.devices_toml import MATCH_KEYS
 
     return [
-        f"the settings of devices.{name} are for no board: write what to recognise it by "
-        f"({', '.join(MATCH_KEYS)}), or put ?name={name} behind an ADDRESS"
+        f"devices.{name} matches no board: add a key to identify it ({', '.join(MATCH_KEYS)}), or append "
+        f"?name={name} to an ADDRESS"
         for name in devices.unchosen([link.name for link in links])
     ]

@@ -1,4 +1,4 @@
-"""`rostether doctor`: why a board does not connect, or that all is well."""
+"""`rostether doctor`: reports why a board does not connect."""
 
 from __future__ import annotations
 
@@ -36,15 +36,16 @@ if TYPE_CHECKING:
 @click.option(
     "--seconds",
     type=click.FloatRange(min=1.0, max=3600.0),
-    help="Watch a board that answers for that long (8); loops and drift show better in a minute.",
+    help="Watch a connected board for this many seconds (8); 60 or more show restart loops and clock "
+    "drift better.",
 )
 @msg_path_option
 @json_option
 def doctor(port: str | None, seconds: float | None, msg_paths: tuple[Path, ...], as_json: bool) -> int:
-    """Say in plain words why a board does not connect, and what to do next.
+    """Diagnose why a board does not connect, and show what to do next.
 
-    PORT is a serial port or any other link address; without it the boards that are plugged in are examined.
-    Nothing else may have the port open meanwhile. Exit code 0 when all is well, 1 when something was found.
+    PORT is a serial port or any other link address (default: the boards on USB). No other program may use the
+    port at the same time. The exit code is 0 if the board is healthy, 1 if there is a problem.
     """
     return run(_doctor(port, seconds, msg_paths, as_json))
 
@@ -78,7 +79,7 @@ async def _doctor(port: str | None, seconds: float | None, msg_paths: Sequence[P
 
 
 def _plugged_in(ports: Sequence[SerialPort]) -> list[str]:
-    """Return the ports to examine when none is named: the only one on USB, or those of known boards."""
+    """Return the ports to examine by default: the only one on USB, or those of known boards."""
     from rostether.ports.usb_boards import board_of
 
     on_usb = [port for port in ports if port.usb_vendor_id is not None]
@@ -89,13 +90,12 @@ def _plugged_in(ports: Sequence[SerialPort]) -> list[str]:
         return boards
     listed = ", ".join(f"{port.path} ({port.description})" for port in on_usb or ports)
     if on_usb:
-        warn(f"which port? there is {listed}; name the board's: rostether doctor {on_usb[0].path}")
+        warn(f"found {listed}; choose the board's port, for example: rostether doctor {on_usb[0].path}")
     else:
-        beside = f"; not on USB there is {listed}" if ports else ""
+        beside = f"; other ports: {listed}" if ports else ""
         warn(
-            f"no board is plugged in{beside}; use a USB cable that carries data (many only charge), or "
-            "name the "
-            "board's address, for instance tcp://0.0.0.0:11411"
+            f"no board found on USB{beside}; use a USB cable that carries data (some only charge), or "
+            f"give the board's address, for example tcp://0.0.0.0:11411"
         )
     return []
 

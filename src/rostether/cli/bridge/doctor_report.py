@@ -1,4 +1,4 @@
-"""How a diagnosis is written: lines for people, records for scripts."""
+"""Writes a diagnosis: lines for users, records for scripts."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _WORDS = {Severity.WARN: "warning", Severity.ERROR: "error"}
 
 
 def lines_of(diagnosis: Diagnosis) -> Iterator[str]:
-    """Yield what people read: where, each finding with its next step, and what the board is."""
+    """Yield lines for users: the port, each finding with its next step, and the board."""
     at = f" at {diagnosis.baud} baud" if diagnosis.baud else ""
     yield f"{diagnosis.address}{at}"
     for finding in diagnosis.findings:
@@ -24,11 +24,11 @@ def lines_of(diagnosis: Diagnosis) -> Iterator[str]:
         for endpoint in board.endpoints:
             yield f"    {_describe_endpoint(diagnosis, endpoint)}"
     if diagnosis.is_well:
-        yield "  all is well"
+        yield "  no problem found"
 
 
 def finding_record(diagnosis: Diagnosis, finding: Finding) -> dict[str, object]:
-    """Return one finding as scripts take it."""
+    """Return one finding as a record for scripts."""
     return {
         "address": diagnosis.address,
         "finding": str(finding.code),
@@ -40,7 +40,7 @@ def finding_record(diagnosis: Diagnosis, finding: Finding) -> dict[str, object]:
 
 
 def board_record(diagnosis: Diagnosis) -> dict[str, object]:
-    """Return the last record of a diagnosis: whether all is well, and what the board is."""
+    """Return the last record of a diagnosis: whether the board is healthy, and its details."""
     record: dict[str, object] = {
         "address": diagnosis.address,
         "is_well": diagnosis.is_well,

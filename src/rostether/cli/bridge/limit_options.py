@@ -1,4 +1,4 @@
-"""`--limit NAME=VALUE`: the limits of the bridge and of the graph, checked when they are given."""
+"""`--limit NAME=VALUE`: the limits of the bridge and of the graph, checked on the command line."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ GRAPH_LIMITS = {
 
 
 def limit_option(limits: Mapping[str, Limit]) -> Callable[[Function], Function]:
-    """Return the option `--limit` of a command that has these."""
+    """Return the option `--limit` for a command with these limits."""
     return click.option(
         "--limit",
         "limits",
@@ -65,7 +65,7 @@ def read_limits(texts: Sequence[str]) -> tuple[BridgeSettings, GraphLimits]:
 
 
 def read_graph_limits(texts: Sequence[str]) -> GraphLimits:
-    """Return the graph's limits, where no others are taken. Raises ConfigError."""
+    """Return the graph's limits, for commands that have no others. Raises ConfigError."""
     return _graph_limits(_read(texts, GRAPH_LIMITS))
 
 
@@ -88,8 +88,6 @@ def _read(texts: Sequence[str], limits: Mapping[str, Limit]) -> dict[str, float]
             number = float("nan")
         if not limit.lowest <= number <= limit.highest:
             kind = "a number" if is_broken else "a whole number"
-            raise ConfigError(
-                f"--limit {text}: {kind} from {limit.lowest:g} to {limit.highest:.10g} is needed"
-            )
+            raise ConfigError(f"--limit {text}: use {kind} from {limit.lowest:g} to {limit.highest:.10g}")
         given[name] = number
     return given

@@ -32,31 +32,31 @@ TOPIC = "/diagnostics"
 TYPE = "diagnostic_msgs/DiagnosticArray"
 
 REFRESH_S = 0.5
-"""Boards tell once a second; half of that, and a new figure is never late."""
+"""Boards report once a second; half of that shows new values early enough."""
 
 STALE_S = 3.0
-"""Two statuses of a board that are due and do not come: it, or its bridge, is gone."""
+"""After two missing reports the board or its bridge counts as gone."""
 
 FORGET_S = 15.0
-"""How long a board that is gone stays in sight."""
+"""How long a board that is gone stays in the table."""
 
 ONCE_S = 6.0
-"""How long --once listens at most: a rate is known with a board's second status."""
+"""The longest time that --once listens: rates are known after a board's second report."""
 
 NOBODY_S = 2.5
-"""How long --once waits for somebody to tell: a board that has just connected advertises within a second."""
+"""How long --once waits for a publisher: a newly connected board advertises within a second."""
 
 MAX_BOARDS = 512
-"""Anybody may publish on /diagnostics; a person looks at fewer."""
+"""Any node may publish on /diagnostics; no user needs more boards than this."""
 
 NOTHING = (
-    "no board tells on /diagnostics; start `rostether serve`, which publishes it as soon as a board is "
-    "connected (but not with --no-diagnostics)"
+    "no board publishes on /diagnostics; start `rostether serve` (without --no-diagnostics) and connect a "
+    "board"
 )
 
 
 class BoardsSeen:
-    """The last status of each board, with the time it came."""
+    """The last status of each board, with its time of arrival."""
 
     def __init__(self) -> None:
         self._seen: dict[str, tuple[float, BoardStatus, int]] = {}
@@ -68,7 +68,7 @@ class BoardsSeen:
             self._seen[status.name] = now_s, status, count + 1
 
     def boards(self, now_s: float) -> list[BoardStatus]:
-        """Return the boards as they are now; one that fell silent is gone, and in the end forgotten."""
+        """Return the boards with their current state; a silent one is gone, and is removed later."""
         for name in [name for name, (at_s, _, _) in self._seen.items() if now_s - at_s > FORGET_S]:
             del self._seen[name]
         return [
@@ -77,7 +77,7 @@ class BoardsSeen:
         ]
 
     def known_count(self) -> int:
-        """Return how many boards have told often enough that their rates are known."""
+        """Return how many boards have reported often enough to know their rates."""
         return sum(count > 1 for _, _, count in self._seen.values())
 
 
@@ -85,22 +85,22 @@ class BoardsSeen:
     "monitor",
     cls=Verb,
     examples="""
-    rostether monitor                     live, Ctrl-C ends it
+    rostether monitor                     live, until Ctrl-C
     rostether monitor --once              one table
     rostether monitor --once --json       one object a board
     rostether monitor --json              one object a board and second
     """,
 )
-@click.option("--once", is_flag=True, help="Print one table and end; so it is without a terminal, too.")
+@click.option("--once", is_flag=True, help="Print one table and exit (the default without a terminal).")
 @json_option
 @graph_options(ros=False, allow=TOOL_ALLOW)
 def monitor(once: bool, as_json: bool, graph: GraphOptions) -> int:
-    """Watch all boards of all bridges on the graph, with their topics and what is wrong with them.
+    """Monitor the boards of all bridges on the graph, with their topics and problems.
 
-    IN/s and OUT/s are bytes, DROPS messages that were lost to a full queue, BAD frames with a wrong checksum,
-    RECON reconnects, RTT the shortest round trip, CLOCK how far the board's clock was off. -> is a topic that
-    the board publishes, <- one that it subscribes to, => a service it offers, <= one it calls. It reads
-    /diagnostics, which `rostether serve` publishes.
+    IN/s and OUT/s are bytes per second, DROPS messages lost to a full queue, BAD frames with a wrong
+    checksum, RECON reconnects, RTT the shortest round trip, CLOCK the offset of the board's clock. -> is a
+    topic that the board publishes, <- one that it subscribes to, => a service it offers, <= one it calls. The
+    data comes from /diagnostics, which `rostether serve` publishes.
     """
     is_terminal = sys.stdout.isatty() and os.environ.get("TERM") not in ("dumb", "unknown")
     return run(_monitor(once or not (is_terminal or as_json), as_json, graph))
@@ -173,7 +173,7 @@ async def _show_live(seen: BoardsSeen, master_uri: str, listening: asyncio.Task[
         while not listening.done():
             boards = seen.boards(loop.time())
             live.update(_picture(boards, master_uri, console.width, console.height), refresh=True)
-            # Also the end of the subscription ends the picture, at once.
+            # The end of the subscription also ends the display, at once.
             with contextlib.suppress(TimeoutError):
                 await asyncio.wait_for(asyncio.shield(listening), REFRESH_S)
 
@@ -182,14 +182,14 @@ def _picture(boards: Sequence[BoardStatus], master_uri: str, width: int, height:
     from rich.text import Text
 
     if not boards:
-        return Text(f"{master_uri}: {NOTHING}; Ctrl-C ends it")
+        return Text(f"{master_uri}: {NOTHING}; press Ctrl-C to stop")
     text = Text(no_wrap=True, overflow="crop", end="")
     count = f"{len(boards)} board{'' if len(boards) == 1 else 's'}"
     for line in table(boards, width, height - 3):
         for piece, style in line.pieces:
             text.append(piece, style)
         text.append("\n")
-    return text.append(f"{count} at {master_uri}; Ctrl-C ends it"[:width], "dim")
+    return text.append(f"{count} at {master_uri}; press Ctrl-C to stop"[:width], "dim")
 
 
 def _gone(status: BoardStatus, silence_s: float) -> BoardStatus:
@@ -201,5 +201,7 @@ def _gone(status: BoardStatus, silence_s: float) -> BoardStatus:
         received_bytes_s=0.0,
         sent_bytes_s=0.0,
         endpoints=tuple(replace(each, rate_hz=0.0) for each in status.endpoints),
-        findings=(f"nothing on {TOPIC} for {silence_s:.0f} s: it was unplugged, or its bridge has ended",),
+        findings=(
+            f"nothing on {TOPIC} for {silence_s:.0f} s: the board was unplugged, or its bridge has stopped",
+        ),
     )

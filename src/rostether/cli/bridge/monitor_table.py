@@ -1,4 +1,4 @@
-"""The table of `rostether monitor`: a row a board, below it its topics and what is wrong with it."""
+"""The table of `rostether monitor`: one row for each board, with its topics and problems below."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Style: TypeAlias = Literal["", "bold", "dim", "green", "yellow", "bold red"]
 MIN_WIDTH = 40
 _NAME_MIN = 15
 _NAME_MAX = 40
-# From here there is room for the totals beside the rates.
+# From this width the totals fit beside the rates.
 _WIDE = 100
 _ARROWS = {"publisher": "->", "subscriber": "<-", "service server": "=>", "service client": "<="}
 _STATE_STYLES: dict[str, Style] = {"connected": "green", "disconnected": "bold red", "gone": "bold red"}
@@ -55,7 +55,7 @@ _STATE_WIDTH = 11
 
 
 def table(boards: Sequence[BoardStatus], width: int, height: int | None = None) -> list[Line]:
-    """Return the lines of the table, at most `height`: topics give way to boards, boards to a count."""
+    """Return the lines of the table, at most `height`: topics are left out first, then boards."""
     width = max(width, MIN_WIDTH)
     boards = sorted(boards, key=lambda board: _natural(board.name))
     columns = _fitting(_COLUMNS + (_TOTALS if width >= _WIDE else ()), width)
@@ -65,17 +65,17 @@ def table(boards: Sequence[BoardStatus], width: int, height: int | None = None) 
     lines = [head, *(line for block in blocks for line in block)]
     if height is None or len(lines) <= height:
         return lines
-    # What is wrong is worth more than what is well.
+    # Problems come before healthy boards.
     briefs = [line for board in boards for line in _brief(board, columns, name_width, width)]
     rows = [_row(board, columns, name_width, width) for board in boards]
     room = max(height - 2, 0)
     if len(briefs) <= room:
-        more = "their topics are not shown"
+        more = "topics are not shown"
     elif len(rows) <= room:
-        briefs, more = rows, "what is wrong and their topics are not shown"
+        briefs, more = rows, "problems and topics are not shown"
     else:
         briefs, more = rows[:room], f"... and {len(rows) - room} more boards"
-    hint = _cut(f"{more}; a taller window or --once shows all", width)
+    hint = _cut(f"{more}; use a taller window or --once to show all", width)
     return [head, *briefs, Line(((hint, "dim"),))]
 
 
@@ -132,7 +132,7 @@ def _block(board: BoardStatus, columns: Sequence[_Column], name_width: int, widt
 
 
 def _brief(board: BoardStatus, columns: Sequence[_Column], name_width: int, width: int) -> list[Line]:
-    """Return a board's row and its findings, each of those in full over as many lines as it takes."""
+    """Return a board's row and its findings, wrapped over several lines."""
     from textwrap import wrap
 
     style: Style = "bold red" if board.level >= _ERROR else "yellow"

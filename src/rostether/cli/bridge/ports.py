@@ -1,4 +1,4 @@
-"""`rostether ports`: the serial ports of this machine, and what is plugged in there."""
+"""`rostether ports`: the serial ports of this machine and their devices."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 @click.command("ports", cls=Verb, examples="rostether ports\nrostether ports --json")
 @json_option
 def ports(as_json: bool) -> None:
-    """List serial ports with what they are, and the name under which `rostether serve` takes them.
+    """List serial ports with their devices, and the names that `rostether serve` accepts.
 
-    The second line of a USB port is its name by identity, which stays when boards are plugged in elsewhere.
+    The second line of a USB port is a stable name: it does not change when you plug the board in elsewhere.
     """
     from rostether.ports.usb_boards import board_of
     from rostether.transports.serial import list_ports
@@ -33,7 +33,7 @@ def ports(as_json: bool) -> None:
         else:
             write_line(_format(port, board))
     if not found:
-        warn("no serial port found; plug a board in with a USB cable that carries data, not only power")
+        warn("no serial port found; connect a board with a USB cable that carries data, not only power")
     elif not as_json and any(not _is_accessible(port) for port in found):
         for advice in dict.fromkeys(
             explain_permission(port.path) for port in found if not _is_accessible(port)

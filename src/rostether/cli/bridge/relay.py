@@ -1,4 +1,4 @@
-"""`rostether relay`: chosen topics and services of a ROS 1 graph in a ROS 2 graph, and the other way."""
+"""`rostether relay`: relays topics and services between a ROS 1 graph and a ROS 2 graph."""
 
 from __future__ import annotations
 
@@ -55,27 +55,27 @@ _ROS1, _ROS2 = "ROS 1", "ROS 2"
     "forth",
     multiple=True,
     metavar="TOPIC",
-    help="Carry it from ROS 1 to ROS 2 only; may be repeated.",
+    help="Relay this topic from ROS 1 to ROS 2 only; may be repeated.",
 )
 @click.option(
     "--to-ros1",
     "back",
     multiple=True,
     metavar="TOPIC",
-    help="Carry it from ROS 2 to ROS 1 only; may be repeated.",
+    help="Relay this topic from ROS 2 to ROS 1 only; may be repeated.",
 )
 @click.option(
     "--service",
     "services",
     multiple=True,
     metavar="NAME[=TYPE]",
-    help="Offer a service where it is missing; may be repeated.",
+    help="Offer this service on the ROS that lacks it; may be repeated.",
 )
 @click.option(
     "--master-port",
     type=click.IntRange(1, 65535),
     metavar="PORT",
-    help="The port where we are the ROS 1 master when there is none (11311).",
+    help="Port for the ROS 1 master, which is started if none runs (11311).",
 )
 @graph_options(master=SERVED_MASTER, allow=SERVED_ALLOW, serving=True)
 @listen_option
@@ -90,20 +90,20 @@ def relay(
     msg_paths: tuple[Path, ...],
     graph: GraphOptions,
 ) -> None:
-    """Carry topics and services between ROS 1 and ROS 2.
+    """Relay topics and services between ROS 1 and ROS 2.
 
-    A TOPIC is carried both ways as long as somebody publishes it; in a name, * stands for anything.
-    Types are converted as for boards; ROS 1 types that ROS 2 does not know exist there under the same name.
+    A TOPIC is relayed in both directions while it has a publisher; * in a name matches anything. Types are
+    converted as for boards; ROS 1 types unknown to ROS 2 keep their name there.
     """
     if not (topics or forth or back or services):
-        raise click.UsageError("name topics to carry, or services with --service")
+        raise click.UsageError("give topics to relay, or services with --service")
     if graph.master is not None and master_port is not None:
-        raise ConfigError("--master joins a master and --master-port is one: give one of them")
+        raise ConfigError("--master joins a master, --master-port starts one; give only one of them")
     choice = read_choice(topics, forth, back, services)
     environment = read_environment(graph)
     if listen is not None:
         environment = environment.listening_on(listen)
-    # A relay always means both: without a word about ROS 2 it takes the one that is installed.
+    # A relay always uses both: without --ros2 it uses the installed ROS 2.
     installed = Middleware.RCLPY if find_spec("rclpy") is not None else Middleware.ZENOH
     run(
         relay_between(
@@ -121,7 +121,7 @@ def relay(
 def read_choice(
     topics: Sequence[str], forth: Sequence[str], back: Sequence[str], services: Sequence[str]
 ) -> Choice:
-    """Return what was typed; names are full names, with or without their first slash."""
+    """Return the requested relay; names are full names, with or without their first slash."""
     return Choice(
         (
             *(Topics(_full(name)) for name in topics),
@@ -175,19 +175,19 @@ async def relay_between(
 
 
 def finding_types(types: Ros2Types, probe: Callable[[str], Awaitable[str]] | None = None) -> FindServiceType:
-    """Return what finds a service's type: by its name in either ROS, or by asking its server."""
+    """Return a function that finds a service's type: by its name in either ROS, or by asking its server."""
 
     async def find(service: str, name: str) -> ServiceType:
         if name == ANY_TYPE and probe is not None:
             name = await probe(service)
         if name == ANY_TYPE or " " in name:
-            raise UnknownTypeError(f"the type of the service {service} is not known ({name})")
+            raise UnknownTypeError(f"the type of the service {service} is unknown ({name})")
         package, _, short_name = name.partition("/")
         if not short_name.startswith("srv/"):
             try:
                 return types.registry.service_type(name)
             except UnknownTypeError:
-                pass  # A ROS 2 package may have it.
+                pass  # A ROS 2 package may define it.
         return types.service_by_name(f"{package}/srv/{short_name.removeprefix('srv/')}").ros1_type
 
     return find

@@ -1,9 +1,9 @@
-"""`rostether serial-node`: what `serial_node.py` accepts, and the lines that people know from it.
+"""`rostether serial-node`: accepts the arguments of `serial_node.py` and prints the same lines.
 
     serial-node [PORT | tcp [TCP_PORT]] [_port:=... _baud:=... _tcp_port:=...] [__name:=... __ns:=...] [a:=b]
 
-Private parameters may also stand on the parameter server: ~port, ~baud, ~tcp_port. As with serial_node.py
-the node is in the graph before a board is, and the process ends with its node.
+Private parameters may also stand on the parameter server: ~port, ~baud, ~tcp_port. As with serial_node.py,
+the node joins the graph before the board connects, and the process ends with its node.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 DEFAULT_SERIAL_PORT = "/dev/ttyUSB0"
 DEFAULT_NODE_NAME = "serial_node"
-# The last two steer how the established host works inside; they are accepted, and nothing is left to steer.
+# The last two control internals of the established host; they are accepted and have no effect.
 PRIVATE_PARAMETERS = ("port", "baud", "tcp_port", "fork_server", "fix_pyserial_for_test")
 
 
@@ -56,7 +56,7 @@ class ChooseLink(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class HostRole:
-    """Which of rosserial's hosts we are: its node's usual name, its parameters, and the board they mean."""
+    """A host of rosserial to stand in for: its usual node name, its parameters, and the board they select."""
 
     node_name: str
     greeting: str
@@ -86,9 +86,9 @@ _ENVIRONMENT_OF_SPECIAL = {"__master": "ROS_MASTER_URI", "__ip": "ROS_IP", "__ho
 def serial_node(
     arguments: tuple[str, ...], listen: str | None, config: Path | None, graph: GraphOptions
 ) -> None:
-    """Bridge one board, taking the arguments that serial_node.py takes.
+    """Connect one board, with the arguments of serial_node.py.
 
-    What devices.toml says of the board holds where no argument says otherwise; its name is __name's.
+    Settings in devices.toml apply unless an argument overrides them; __name sets the board's name.
     """
     host = HostRole(DEFAULT_NODE_NAME, "ROS Serial Python Node", PRIVATE_PARAMETERS, choose_link)
     run_host(host, parse_arguments(arguments), listen=listen, allowed=graph.allow, config=config)
@@ -102,10 +102,10 @@ def run_host(
     allowed: tuple[str, ...] = (),
     config: Path | None = None,
 ) -> None:
-    """Bridge one board as that host does until told to end."""
+    """Serve one board as that host does until cancelled."""
     reporter = ConsoleReporter(show_node=False)
     for name in parsed.private_params.keys() - set(host.parameters):
-        reporter.line(Level.WARN, f"_{name} is not known here; known are _{', _'.join(host.parameters)}")
+        reporter.line(Level.WARN, f"unknown parameter _{name}; known are _{', _'.join(host.parameters)}")
     variables = {
         _ENVIRONMENT_OF_SPECIAL[key]: value
         for key, value in parsed.special.items()
@@ -140,7 +140,7 @@ async def _serve(
         link = host.choose_link(arguments.rest, parameters, node_name=node_name, namespace=namespace)
         links = read_links(link, hosts, allowed)
         if isinstance(links[0], SimAddress):
-            raise ConfigError(f"serial-node serves no simulated board; type `rostether serve {link}`")
+            raise ConfigError(f"serial-node does not serve simulated boards; use `rostether serve {link}`")
         for line in loopback_lines(used.environment, links):
             reporter.line(Level.INFO, line)
         if isinstance(links[0], TcpAddress):
@@ -155,14 +155,14 @@ async def _serve(
             diagnostics=True,
             listen=partial(listen_for_links, board_keys=board_keys),
         ) as supervisor:
-            # A node that was killed, or that another one replaced, ends the process: respawn waits for that.
+            # A killed or replaced node ends the process: respawn depends on that.
             await supervisor.wait_done()
 
 
 async def _server_parameters(
     environment: RosEnvironment, node_name: str, names: Sequence[str]
 ) -> dict[str, object]:
-    """Return the private parameters that the parameter server holds; none while no master answers."""
+    """Return the private parameters on the parameter server; none if no master answers."""
     client = MasterClient(environment.master_uri, node_name)
     found: dict[str, object] = {}
     try:
@@ -179,13 +179,13 @@ async def _server_parameters(
 
 
 def choose_link(rest: list[str], parameters: Mapping[str, object], *, node_name: str, namespace: str) -> str:
-    """Return the link address that the arguments mean; plain ones win over private parameters.
+    """Return the link address from the arguments; plain ones override private parameters.
 
     Raises ConfigError.
     """
     known = [argument for argument in rest if argument]
     if len(known) > 2:
-        raise ConfigError(f"{known[2]!r} is one argument too many; write PORT, or tcp and its port")
+        raise ConfigError(f"unexpected argument {known[2]!r}; write PORT, or tcp and its port")
     place = known[0] if known else str(parameters.get("port", DEFAULT_SERIAL_PORT))
     base_name = node_name.removeprefix(namespace.rstrip("/") + "/")
     options = f"name={base_name}" + (f"&ns={namespace}" if namespace != "/" else "")
@@ -197,12 +197,12 @@ def choose_link(rest: list[str], parameters: Mapping[str, object], *, node_name:
     if baud is not None:
         number = whole(baud, "baud")
         given = given or f"baud={number}"
-    # Without a word about it devices.toml may know.
+    # By default devices.toml may set it.
     return f"{path}?{options}" + (f"&{given}" if given else "")
 
 
 def whole(value: object, name: str) -> int:
-    """Return a parameter that must be a whole number. Raises ConfigError."""
+    """Return a whole-number parameter. Raises ConfigError."""
     text = str(value).strip()
     if isinstance(value, bool) or not text.isdigit():
         raise ConfigError(f"{name} must be a whole number, not {value!r}")

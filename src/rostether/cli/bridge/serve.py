@@ -80,7 +80,7 @@ _serve_options = option_group(
             "--master-port",
             type=click.IntRange(1, 65535),
             metavar="PORT",
-            help="The port where we are the master when there is none (11311).",
+            help="Port for the ROS master, which is started if none runs (11311).",
         ),
         listen_option,
         msg_path_option,
@@ -90,24 +90,26 @@ _serve_options = option_group(
         click.option(
             "--mdns/--no-mdns",
             default=None,
-            help="Announce TCP listeners that the network can reach (when zeroconf is installed).",
+            help="Announce TCP listeners that other machines can reach (default: if zeroconf is installed).",
         ),
         click.option(
-            "--ns-per-board", is_flag=True, help="Put each board's topics into a namespace of its name."
+            "--ns-per-board",
+            is_flag=True,
+            help="Put each board's topics into a namespace with the board's name.",
         ),
-        click.option(
-            "--no-diagnostics", is_flag=True, help="Do not publish /diagnostics from the boards' nodes."
-        ),
+        click.option("--no-diagnostics", is_flag=True, help="Do not publish /diagnostics."),
         click.option(
             "--record-line",
             type=click.Path(path_type=Path, dir_okay=False),
             metavar="FILE",
-            help="Record what goes over the lines to a new file; see `rostether link`.",
+            help="Record the bytes on the boards' lines to a new file; see `rostether link`.",
         ),
         record_limit_option,
         limit_option({**BRIDGE_LIMITS, **GRAPH_LIMITS}),
-        click.option("-v", "--verbose", is_flag=True, help="Show the boards' debug lines too."),
-        click.option("--uvloop", is_flag=True, help="Run on uvloop: pip install 'rostether[uvloop]'."),
+        click.option("-v", "--verbose", is_flag=True, help="Also show debug messages from boards."),
+        click.option(
+            "--uvloop", is_flag=True, help="Use uvloop (install with: pip install 'rostether[uvloop]')."
+        ),
     ),
 )
 
@@ -142,20 +144,20 @@ def serve(
     gateways: GatewayOptions,
     bags: BagRecording | None,
 ) -> None:
-    """Make boards that speak rosserial nodes of the ROS graph.
+    """Connect boards with rosserial firmware to the ROS graph as nodes.
 
-    Without an ADDRESS, boards on USB are found, at any usual baud rate, and served as they come and go; other
+    Without an ADDRESS, boards on USB are detected at any usual baud rate and served when plugged in; other
     devices are left alone.
 
-    An ADDRESS is a serial port, tcp://HOST:PORT or udp://HOST:PORT to listen on, pty:PATH for a
-    pseudo-terminal made there, xbee:PORT, sim:SKETCH for a simulated board that runs it. Options go behind a
-    question mark: baud=115200, name=arm, ns=lab, reset=no. A port that does not exist yet is waited for.
+    An ADDRESS is a serial port, tcp://HOST:PORT or udp://HOST:PORT to listen on, pty:PATH for a new
+    pseudo-terminal, xbee:PORT, or sim:SKETCH for a simulated board. Options follow a question mark:
+    baud=115200, name=arm, ns=lab, reset=no. If a port does not exist yet, the bridge waits for it.
     """
     twice = next((address for address in addresses if addresses.count(address) > 1), None)
     if twice is not None:
-        raise click.UsageError(f"{twice} is given twice; one address serves one port")
+        raise click.UsageError(f"{twice} is given twice; give each address once")
     if graph.master is not None and options.master_port is not None:
-        raise ConfigError("--master joins a master and --master-port is one: give one of them")
+        raise ConfigError("--master joins a master, --master-port starts one; give only one of them")
     environment = read_environment(graph)
     if options.listen is not None:
         environment = environment.listening_on(options.listen)
@@ -188,7 +190,7 @@ def serve(
 
 @dataclass(frozen=True, slots=True)
 class _Serving:
-    """What is served, to whom, and what is recorded of it."""
+    """What to serve, on which graphs, and what to record."""
 
     links: Sequence[Address]
     msg_paths: Sequence[Path]
@@ -246,11 +248,11 @@ async def _serve(
             announced(
                 supervisor.listening_on, reporter, is_on=serving.announces, is_wanted=serving.wants_mdns
             ),
-            # Last: a master that is away delays no board.
+            # Last, so that an unreachable master does not delay the boards.
             served_gateways(serving.gateways, graphs, graph, serving.msg_paths, reporter.line),
         ):
             if serving.discovers:
                 supervisor.discover(KnownBoards(known_boards_path()), taken=opened)
-            # What exists now stays; without freezing, a garbage collection delays messages by 20 ms.
+            # Present objects stay; without freezing, a garbage collection delays messages by 20 ms.
             gc.freeze()
             await supervisor.wait_done()

@@ -1,4 +1,4 @@
-"""Serving boards on a ROS graph: what `serve`, `serial-node` and `demo` have in common."""
+"""Serves boards on a ROS graph; shared by `serve`, `serial-node` and `demo`."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ if TYPE_CHECKING:
 
 
 def read_links(text: str, hosts: Sequence[str] = (LOOPBACK,), allowed: tuple[str, ...] = ()) -> list[Address]:
-    """Read a link address; a listener whose host was left out listens on `hosts`, what --listen gave.
+    """Read a link address; a listener without a host listens on `hosts` (from --listen).
 
-    A listener without an `allow=` of its own takes boards from the networks `allowed`, what --allow gave.
+    A listener without its own `allow=` accepts boards from the networks `allowed` (from --allow).
 
-    ROS_IP and ROS_HOSTNAME are no consent to take boards from the network: scripts set them for the graph.
-    Raises ConfigError.
+    ROS_IP and ROS_HOSTNAME do not allow boards from the network: scripts set them for the graph. Raises
+    ConfigError.
     """
     link = parse_address(text)
     if isinstance(link, TcpAddress | UdpAddress) and link.listens and not link.allow:
@@ -41,14 +41,14 @@ def read_links(text: str, hosts: Sequence[str] = (LOOPBACK,), allowed: tuple[str
 
 
 def loopback_lines(environment: RosEnvironment | None, links: Sequence[Address]) -> list[str]:
-    """Return a line for each listener that others would need and that is on loopback only.
+    """Return a line for each listener that other machines would need and that is on loopback only.
 
     `environment` is that of ROS 1, None where there is none.
     """
     listeners = [link for link in links if isinstance(link, TcpAddress | UdpAddress) and link.listens]
     wide = {(type(link), link.port) for link in listeners if not is_loopback(link.host)}
     lines = [
-        f"{link} takes boards of this machine only; --listen 0.0.0.0 lets boards on the network in"
+        f"{link} accepts boards on this machine only; add --listen 0.0.0.0 for boards on the network"
         for link in listeners
         if (type(link), link.port) not in wide
     ]
@@ -58,8 +58,8 @@ def loopback_lines(environment: RosEnvironment | None, links: Sequence[Address])
         and not environment.master.is_loopback
     ):
         lines.append(
-            "the master is on another machine, whose nodes cannot reach us; "
-            "--listen 0.0.0.0, or ROS_IP with our address, lets them"
+            "the master is on another machine, whose nodes cannot connect to this one; add --listen "
+            "0.0.0.0 or set ROS_IP to this machine's address"
         )
     return lines
 
@@ -90,12 +90,12 @@ async def bridge(
     listen: Listen = listen,
     settings: BridgeSettings | None = None,
 ) -> AsyncIterator[Supervisor]:
-    """Serve boards as nodes that `join` makes; the block's end tells them to stop and leaves the graph.
+    """Serve boards as nodes made by `join`; the end of the block stops them and leaves the graph.
 
-    With `keeps_node` the one link's node is there from the start, and its end ends `wait_done`. With
+    With `keeps_node` the only link's node exists from the start, and its end ends `wait_done`. With
     `diagnostics` each board's node publishes /diagnostics. `tap` may put a recorder around each link;
-    `listen` is how links are listened for; `settings` are the limits.
-    Raises TransportOpenError for an address that cannot be listened on, InvalidNameError.
+    `listen` opens the links; `settings` are the limits. Raises TransportOpenError for an address that cannot
+    be listened on, InvalidNameError.
     """
     from rostether.bridge.settings import DEFAULT_SETTINGS
     from rostether.bridge.supervisor import Supervisor

@@ -1,4 +1,4 @@
-"""`rostether core --ros2 zenoh`: the zenoh router of this machine, in the place of rmw_zenohd."""
+"""`rostether core --ros2 zenoh`: the zenoh router of this machine, instead of rmw_zenohd."""
 
 from __future__ import annotations
 
@@ -14,14 +14,18 @@ _USUAL_PLACES = ("/localhost:7447", "/127.0.0.1:7447", "/[::1]:7447", "/0.0.0.0:
 
 
 async def serve_router(reach: ZenohReach) -> None:
-    """Be the router until cancelled. Raises ConfigError, MasterUnreachableError where its place is taken."""
+    """Run the router until cancelled. Raises ConfigError, MasterUnreachableError if another one runs."""
     async with ros2_access(Middleware.ZENOH, reach=replace(reach, router="always")):
-        write_line("Being the zenoh router of this machine, for RMW_IMPLEMENTATION=rmw_zenoh_cpp")
+        write_line("Started a zenoh router for RMW_IMPLEMENTATION=rmw_zenoh_cpp")
         if reach.connect:
-            write_line(f"Connected to other routers as they are there: {', '.join(reach.connect)}")
+            write_line(f"Connecting to other routers when they are available: {', '.join(reach.connect)}")
         if not reach.listen:
-            write_line("Only this machine can reach it; --zenoh-listen tcp/0.0.0.0:7447 lets others in")
+            write_line(
+                "Only this machine can reach it; add --zenoh-listen tcp/0.0.0.0:7447 for other machines"
+            )
         elif not any(endpoint.endswith(_USUAL_PLACES) for endpoint in reach.listen):
-            write_line("Nodes of this machine look at tcp/localhost:7447: --zenoh-listen that too for them")
+            write_line(
+                "Nodes on this machine use tcp/localhost:7447: add --zenoh-listen tcp/localhost:7447 for them"
+            )
         write_line("Press Ctrl-C to stop")
         await asyncio.Event().wait()

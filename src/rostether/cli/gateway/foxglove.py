@@ -128,7 +128,7 @@ def read_settings(place: str, options: GatewayOptions) -> FoxgloveSettings:
 def check_foxglove() -> None:
     """Raise ConfigError where the extra is not installed."""
     if find_spec("websockets") is None:
-        raise ConfigError(f"the gateway for Foxglove is not installed; type: {install_command('foxglove')}")
+        raise ConfigError(f"the gateway for Foxglove is not installed; run: {install_command('foxglove')}")
 
 
 def settings_of_parameters(

@@ -1,4 +1,4 @@
-"""`rostether link`: what goes over a board's line, recorded, shown and played again."""
+"""`rostether link`: records, shows and replays the bytes on a board's line."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ _VERBS = {
     "record": VerbEntry("rostether.cli.link.record:link_record", "Serve a board and record its line."),
     "show": VerbEntry("rostether.cli.link.show:link_show", "List the frames of a capture."),
     "replay": VerbEntry(
-        "rostether.cli.link.replay:link_replay", "Play a capture into the graph as if its board were there."
+        "rostether.cli.link.replay:link_replay",
+        "Replay a capture into the graph as if its board were connected.",
     ),
 }
 
@@ -25,8 +26,8 @@ _VERBS = {
     """,
 )
 def link() -> None:
-    """Record what goes over a board's line, byte for byte, look at it, and play it again.
+    """Record, show and replay the bytes on a board's line.
 
-    A capture holds the board's bytes and the host's with their times; it is how to show somebody a problem
-    without the board.
+    A capture contains the bytes of the board and of the host, with times. Use it to show a problem without
+    the board.
     """

@@ -1,4 +1,4 @@
-"""`rostether link record`: a board served as usual, and its line recorded."""
+"""`rostether link record`: serves a board and records its line."""
 
 from __future__ import annotations
 
@@ -45,8 +45,8 @@ def link_record(
 ) -> None:
     """Serve the board at ADDRESS, as `rostether serve` does, and record its line to FILE until Ctrl-C.
 
-    The port is read once: recording sits in the bridge. FILE must not exist. What came until then is in it
-    even when the command is killed. It holds all that the board and the host said: every message.
+    The bridge itself records, so it opens the port only once. FILE must not exist. It is complete up to the
+    last moment even if the command is killed. It contains every message between board and host.
     """
     ctx.invoke(
         serve,

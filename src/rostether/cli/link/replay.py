@@ -1,4 +1,4 @@
-"""`rostether link replay`: a capture played into the graph as if its board were there."""
+"""`rostether link replay`: replays a capture into the graph as if its board were connected."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ if TYPE_CHECKING:
     from rostether.transports.transport import Transport
 
 SUBSCRIBE_S = 0.5
-"""How long subscribers get to connect to a new topic when a capture is played without pauses."""
+"""The time for subscribers to connect to a new topic in a replay without pauses."""
 
 AFTER_S = 1.0
-"""How long the node stays behind the last byte, so that subscribers get all."""
+"""How long the node stays after the last byte, so that subscribers receive everything."""
 
 
 @click.command(
@@ -53,10 +53,12 @@ AFTER_S = 1.0
     type=click.FloatRange(min=0.01, max=1000.0),
     default=1.0,
     metavar="FACTOR",
-    help="How many times as fast as it was recorded (1).",
+    help="Speed relative to the recording (1).",
 )
-@click.option("--fast", is_flag=True, help="Without pauses, but for half a second behind each new topic.")
-@click.option("--name", metavar="NAME", help="The board's node name (default: the file's).")
+@click.option(
+    "--fast", is_flag=True, help="Replay without pauses, except half a second after each new topic."
+)
+@click.option("--name", metavar="NAME", help="The board's node name (default: the name of the file).")
 @graph_options(ros=False)
 @msg_path_option
 def link_replay(
@@ -67,10 +69,10 @@ def link_replay(
     graph: GraphOptions,
     msg_paths: tuple[Path, ...],
 ) -> None:
-    """Play what the board said, at the times it did, and end with the capture.
+    """Replay the board's bytes with their original timing.
 
-    The graph sees the board's topics as if it were there. What is sent to it goes nowhere: a capture cannot
-    answer. Like `serve` this is the ROS master when none answers.
+    The board's topics appear on the graph as if it were connected. Messages to the board are discarded. Like
+    `serve`, this starts a ROS master if none answers.
     """
     from rostether.names.graph_name import validate_name
     from rostether.transports.capture import Capture
@@ -117,7 +119,7 @@ async def _replay(
 
     async with used_master(environment, is_chosen=is_chosen) as used:
         reporter.line(Level.INFO, used.line)
-        # The address only carries the name.
+        # The address only gives the name.
         addresses = [TcpAddress("capture", 0, name=name)]
         async with bridge(
             joining_ros1(used.environment),
@@ -134,12 +136,14 @@ async def _replay(
             messages = sum(each.message_count for board in supervisor.boards() for each in board.endpoints)
             topics = sum(len(board.endpoints) for board in supervisor.boards())
     if not listener.played_bytes:
-        raise ConfigError(f"{capture.path} holds no byte of a board; record it while the board is connected")
+        raise ConfigError(
+            f"{capture.path} contains no bytes of a board; record it while the board is connected"
+        )
     write_line(f"played {listener.played_bytes} bytes: {topics} topics and services, {messages} messages")
 
 
 class _Settling:
-    """Waits until the bridge has taken a chunk, and for subscribers when it made a new topic of it."""
+    """Waits until the bridge has read a chunk, and for subscribers if the chunk created a topic."""
 
     def __init__(self, supervisor: Supervisor) -> None:
         self._supervisor = supervisor

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from rostether.rosserial.line_log import LineEntry
     from rostether.transports.capture import Capture
 
-# Enough to recognise text and the beginning of a frame.
+# Enough to recognize text and the beginning of a frame.
 _SHOWN_BYTES = 16
-# The first frames of a line tell its version; a longer look changes nothing.
+# The first frames of a line show its version; more frames change nothing.
 _LOOKED_AT_BYTES = 64 * 1024
 
 
@@ -33,12 +33,12 @@ _LOOKED_AT_BYTES = 64 * 1024
     """,
 )
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("--faults", is_flag=True, help="List only the bytes that are no valid frame.")
+@click.option("--faults", is_flag=True, help="List only bytes that are not part of a valid frame.")
 @json_option
 def link_show(file: Path, faults: bool, as_json: bool) -> None:
-    """List the frames of a capture: time, direction, topic id, payload length, and what it is.
+    """List the frames of a capture: time, direction, topic id, payload length and description.
 
-    Bytes that are no valid frame are marked with `!`. A last line counts all.
+    Bytes that are not part of a valid frame are marked with `!`. The last line shows the totals.
     """
     from rostether.bridge.reporter import printable
     from rostether.rosserial.line_log import LineLog
@@ -88,7 +88,7 @@ def _version(capture: Capture) -> int:
     from rostether.transports.capture import Chunk
 
     seen = bytearray()
-    # A bad line is told when the listing comes to it.
+    # A bad line is reported when the listing reaches it.
     with contextlib.suppress(ConfigError):
         for each in capture.entries():
             if isinstance(each, Chunk) and each.from_device:

@@ -1,4 +1,4 @@
-"""`rostether completion`: the code that teaches a shell to complete our commands."""
+"""`rostether completion`: prints the shell code that completes our commands."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ _VARIABLE = "_ROSTETHER_COMPLETE"
 )
 @click.argument("shell", required=False, type=click.Choice(SHELLS))
 def completion(shell: str | None) -> None:
-    """Print the code with which a shell completes commands, options, topics, nodes and types.
+    """Print shell code that completes commands, options, topics, nodes and types.
 
-    Without a name, it is for the shell that $SHELL names.
+    The default is the shell in $SHELL.
     """
     name = shell or Path(os.environ.get("SHELL", "")).name
     if name not in SHELLS:
@@ -39,5 +39,5 @@ def completion(shell: str | None) -> None:
     found = get_completion_class(name)
     assert found is not None
     writer = found(click.Command(_PROGRAM), {}, _PROGRAM, _VARIABLE)
-    # `source` first looks for an old bash, which takes as long as starting one.
+    # `source` first checks the version of bash, which takes as long as starting it.
     write_line((writer.source_template % writer.source_vars()).strip())

@@ -16,7 +16,7 @@ EXIT_DONE = 0
 EXIT_FAILED = 1
 EXIT_USAGE = 2
 EXIT_INTERRUPTED = 130
-# How click calls the types of our options, and what a person would call them.
+# click's names for the types of our options, and plain names for them.
 _PLAINER = {
     "is not a valid float range": "is not a number",
     "is not a valid integer range": "is not a whole number",
@@ -35,17 +35,17 @@ def exit_code_of(command: Callable[[], object]) -> int:
     except click.exceptions.Exit as ending:
         return ending.exit_code
     except SystemExit:
-        # click's own way out when the reader of its help has had enough (`--help | head`).
+        # click raises this when the reader of its help closes the pipe (`--help | head`).
         return EXIT_DONE
     except click.ClickException as error:
         return _report_usage(error)
-    except Exception as error:  # noqa: BLE001 - the last line of defence: a user never sees a traceback
+    except Exception as error:  # noqa: BLE001 - a user never sees a traceback
         return _report(error)
     return code if isinstance(code, int) else EXIT_DONE
 
 
 def one_line(error: BaseException) -> str:
-    """Return what an error says in one line, without the name of its class where the text can stand alone."""
+    """Return what an error says in one line, and leave out the name of its class where the text is clear."""
     error = first_error(error)
     text = " ".join(str(error).split())
     if isinstance(error, RostetherError) and text:

@@ -1,4 +1,4 @@
-"""Reads the files that a command line names, whole and within a limit."""
+"""Reads whole files given on the command line, up to a size limit."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from pathlib import Path
 from rostether.errors import ConfigError
 
 MAX_FILE_BYTES = 64 << 20
-"""More than any message or parameter has; /dev/zero and a pipe have no end."""
+"""Larger than any message or parameter; /dev/zero and pipes are endless."""
 
 STDIN = Path("-")
 
 
 def read_bytes(file: Path) -> bytes:
-    """Return what a file holds; `-` is standard input. Raises ConfigError."""
+    """Return the contents of a file; `-` is standard input. Raises ConfigError."""
     try:
         if file == STDIN:
             data = sys.stdin.buffer.read(MAX_FILE_BYTES + 1)
@@ -22,11 +22,11 @@ def read_bytes(file: Path) -> bytes:
             with file.open("rb") as opened:
                 data = opened.read(MAX_FILE_BYTES + 1)
     except (FileNotFoundError, IsADirectoryError):
-        raise ConfigError(f"there is no file {file}") from None
+        raise ConfigError(f"file {file} does not exist") from None
     except (OSError, ValueError) as error:
         raise ConfigError(f"cannot read {file}: {getattr(error, 'strerror', None) or error}") from None
     if len(data) > MAX_FILE_BYTES:
-        raise ConfigError(f"{file} has more than {MAX_FILE_BYTES >> 20} MiB; split it into several files")
+        raise ConfigError(f"{file} is larger than {MAX_FILE_BYTES >> 20} MiB; split it into several files")
     return data
 
 

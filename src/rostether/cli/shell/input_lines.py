@@ -1,4 +1,4 @@
-"""Lines of standard input as they come, whatever it is, without a thread or a change of a terminal's mode."""
+"""Reads lines of standard input as they arrive, from a terminal, pipe or file, without a thread."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import os
 import sys
 from collections.abc import AsyncIterator
 
-# Commands are short; what is longer is no command.
+# Commands are short; a longer line is not a command.
 MAX_LINE_BYTES = 1 << 16
 _READ_BYTES = 1 << 16
 _BACKGROUND_S = 1.0
@@ -30,14 +30,14 @@ async def input_lines() -> AsyncIterator[str]:
 
 
 async def _read(descriptor: int) -> bytes:
-    """Read what is there, waiting for it; a file, or /dev/null, is always ready and cannot be waited for."""
+    """Wait for input and read it; a file, or /dev/null, is always ready and cannot be watched."""
     loop = asyncio.get_running_loop()
     while True:
         ready = asyncio.Event()
         try:
             loop.add_reader(descriptor, ready.set)
         except PermissionError:
-            # Without a pause /dev/zero, which has no end, would keep the loop from everything else.
+            # Without a pause, endless input such as /dev/zero would block the loop.
             await asyncio.sleep(_FILE_PAUSE_S)
             break
         try:
@@ -54,8 +54,8 @@ async def _read(descriptor: int) -> bytes:
 
 
 def _may_read(descriptor: int) -> bool:
-    """Tell whether reading would stop us: a command in the background must not read from the terminal."""
+    """Return whether reading would stop us: a background command must not read from a terminal."""
     try:
         return not os.isatty(descriptor) or os.tcgetpgrp(descriptor) == os.getpgrp()
     except OSError:
-        return True  # a terminal that is not ours stops nobody
+        return True  # a terminal of another session does not stop us

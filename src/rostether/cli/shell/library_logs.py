@@ -1,4 +1,4 @@
-"""What our own rooms, and asyncio, tell Python's logging: shown as one line each, never as a traceback."""
+"""Shows the log records of our packages and of asyncio as one line each, never as a traceback."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ _LEVELS = {
 _ROOMS = logging.getLogger("rostether")
 _ASYNCIO = logging.getLogger("asyncio")
 REPEAT_S = 10.0
-"""asyncio says the same of each connection that it cannot take."""
-# What tells messages apart: asyncio's have their particulars at the end.
+"""asyncio logs the same message for each connection that it cannot accept."""
+# The part that identifies a message: asyncio puts the details at the end.
 _KIND_CHARACTERS = 40
 _MAX_KINDS = 64
 
@@ -33,7 +33,7 @@ class _Lines(logging.Handler):
         self._said_s: dict[str, float] = {}
 
     def _is_repeated(self, record: logging.LogRecord) -> bool:
-        """Tell whether a line of this kind was shown just now: some come thousands of times a second."""
+        """Return whether such a line was shown recently: some come thousands of times a second."""
         kind = str(record.msg)[:_KIND_CHARACTERS]
         if record.created - self._said_s.get(kind, float("-inf")) < REPEAT_S:
             return True
@@ -47,7 +47,7 @@ class _Lines(logging.Handler):
             return
         text = " ".join(record.getMessage().split())
         if not text.isprintable():
-            # A peer's words may stand in it, and must not steer the terminal.
+            # It may contain text from a peer, which must not control the terminal.
             text = "".join(char if char.isprintable() else repr(char)[1:-1] for char in text)
         error = record.exc_info[1] if record.exc_info else None
         if error is not None and not os.environ.get(TRACEBACK_VARIABLE):
@@ -58,7 +58,7 @@ class _Lines(logging.Handler):
 
 
 def show_library_logs(show: Callable[[Level, str], None] | None = None) -> None:
-    """Send warnings and worse to `show`, to stderr as `WARNING: text` without one. The last call counts."""
+    """Send warnings and worse to `show`, to stderr as `WARNING: text` without one. The last call applies."""
     handler = _Lines(show or (lambda level, text: warn(f"{logging.getLevelName(_python(level))}: {text}")))
     handler.setLevel(logging.WARNING)
     for logger in (_ROOMS, _ASYNCIO):

@@ -1,4 +1,4 @@
-"""Options that belong together: added to a verb in one step, and handed to it as one value."""
+"""Groups of options: added to a verb in one step and passed to it as one value."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ def option_group(
 ) -> Callable[[Function], Function]:
     """Return a decorator that adds click options to a verb.
 
-    The verb gets one argument `name`, which is what `build` returns. The parameters of `build` are named as
-    those of the options; a parameter whose option the verb does not have keeps its default.
+    The verb gets one argument `name`, which is what `build` returns. The parameters of `build` have the names
+    of the options; a parameter whose option the verb does not have keeps its default.
     """
     parameters = inspect.signature(build).parameters
 
@@ -37,7 +37,7 @@ def option_group(
 
 
 def ignored_options(*names: str, **flags: str) -> Callable[[Function], Function]:
-    """Return a decorator that accepts options which other programs have and which change nothing here.
+    """Return a decorator that accepts options of other programs and ignores them.
 
     Args:
         names: Options with a value, such as `"--spin-time"`; spellings of one option are separated by spaces.

@@ -12,8 +12,8 @@ class OptionalValueOption(click.Option):
     """An option whose value may be left out.
 
     Args:
-        alone: The value that the option has when none is typed.
-        is_value: Tells whether the next word of the command line is the option's value.
+        alone: The value of the option when none is given. is_value: Returns whether the next word of the
+        command line is the option's value.
     """
 
     def __init__(self, *args: Any, alone: str, is_value: Callable[[str], bool], **kwargs: Any) -> None:
@@ -22,7 +22,7 @@ class OptionalValueOption(click.Option):
         self._is_value = is_value
 
     def insert_value(self, arguments: list[str]) -> list[str]:
-        """Return the command line with `--option=alone` where the option is typed without a value."""
+        """Return the command line with `--option=alone` where the option has no value."""
         return insert_value(arguments, self.opts[0], self._alone, self._is_value)
 
 

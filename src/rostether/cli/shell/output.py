@@ -14,7 +14,7 @@ import click
 
 from rostether.cli.shell.failures import EXIT_DONE
 
-# Controls but line ends and tabs, and what turns the direction of a text around or hides in it.
+# Control characters except line ends and tabs, and invisible or direction-changing characters.
 _STEERING = re.compile(
     "[\\x00-\\x08\\x0b-\\x1f\\x7f-\\x9f\\u200b-\\u200f\\u2028-\\u202e\\u2060-\\u206f\\ufeff]"
 )
@@ -25,10 +25,10 @@ json_option: Callable[[Any], Any] = click.option(
 
 
 def write_line(text: str = "") -> None:
-    """Write a line to stdout and flush it: a pipe's reader wants it now.
+    """Write a line to stdout and flush it, so that the reader of a pipe gets it now.
 
-    What cannot be printed is escaped: names, values and errors of peers must not steer the terminal. When the
-    reader has had enough (`| head`), the command is done: it ends here, with exit code 0.
+    Unprintable characters are escaped: names, values and errors from peers must not control the terminal.
+    When the reader closes the pipe (`| head`), the command ends here with exit code 0.
     """
     try:
         sys.stdout.write(printable(text) + "\n")
@@ -39,17 +39,17 @@ def write_line(text: str = "") -> None:
 
 
 def printable(text: str) -> str:
-    """Return a text whose lines and tabs stay, while what could steer a terminal is escaped as in JSON."""
+    """Return the text with its lines and tabs; what could control a terminal is escaped as in JSON."""
     return _STEERING.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
 
 
 def one_line(text: str) -> str:
-    """Return a peer's word as one line, with escapes for what cannot be printed."""
+    """Return text from a peer as one line, with unprintable characters escaped."""
     return printable(text).replace("\n", "\\n").replace("\t", "\\t")
 
 
 def forget(stream: TextIO) -> None:
-    """Let what is still written to a stream go nowhere; the interpreter flushes it once more at its end."""
+    """Discard all further output to a stream; the interpreter flushes it again at exit."""
     devnull = os.open(os.devnull, os.O_WRONLY)
     os.dup2(devnull, stream.fileno())
     os.close(devnull)
@@ -65,7 +65,7 @@ def warn(text: str) -> None:
 def write_json(record: Mapping[str, object]) -> None:
     """Write one object as one line of JSON; messages come as `serde.plain_form` makes them.
 
-    Bytes, which only parameters still hold, become base64 text.
+    Bytes (found only in parameters) become base64 text.
     """
     write_line(json.dumps(record, ensure_ascii=False, allow_nan=False, default=_encode_bytes))
 
@@ -73,4 +73,4 @@ def write_json(record: Mapping[str, object]) -> None:
 def _encode_bytes(value: object) -> str:
     if isinstance(value, bytes):
         return base64.b64encode(value).decode()
-    raise TypeError(f"{type(value).__name__} has no form in JSON")
+    raise TypeError(f"{type(value).__name__} cannot be written as JSON")

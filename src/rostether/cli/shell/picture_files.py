@@ -1,4 +1,4 @@
-"""Pictures in files: which format a name means, and writing it."""
+"""Writes pictures to files, in the format that the file name gives."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ SUFFIXES = {".svg": "svg", ".png": "png", ".dot": "dot", ".txt": "text"}
 
 
 def picture_format(file: Path, known: tuple[str, ...] = tuple(SUFFIXES)) -> str:
-    """Return the format that a file's name means. Raises UsageError for none of the known suffixes."""
+    """Return the format that a file's name gives. Raises UsageError for an unknown suffix."""
     suffix = file.suffix.lower()
     if suffix not in known:
-        raise click.UsageError(f"{file} does not say what it shall be: end it with {', '.join(known)}")
+        raise click.UsageError(f"cannot tell the format of {file}; end its name with {', '.join(known)}")
     return SUFFIXES[suffix]
 
 
@@ -35,9 +35,9 @@ def encode(scene: Scene, kind: str) -> str | bytes:
 
 
 def save(file: Path, content: str | bytes) -> None:
-    """Write a file. Raises ConfigError when that is not possible."""
+    """Write a file. Raises ConfigError if that fails."""
     data = content.encode(errors="replace") if isinstance(content, str) else content
     try:
         file.write_bytes(data)
     except OSError as error:
-        raise ConfigError(f"{file} cannot be written: {error.strerror}") from None
+        raise ConfigError(f"cannot write {file}: {error.strerror}") from None

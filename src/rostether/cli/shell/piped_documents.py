@@ -1,4 +1,4 @@
-"""YAML documents that come through a pipe, each as soon as it is complete."""
+"""Reads YAML documents from a pipe, each as soon as it is complete."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from rostether.errors import ConfigError
 SEPARATOR = "---"
 
 MAX_DOCUMENT_BYTES = 64 << 20
-"""Longer than any message in the field as text; without a limit a pipe could fill memory."""
+"""Larger than any usual message as text; without a limit a pipe could fill memory."""
 
 
 async def piped_documents(stream: TextIO) -> AsyncIterator[str]:
-    """Yield the text of each document at the `---` that ends it, the last one at the end; no empty ones.
+    """Yield the text of each document at its closing `---`, the last one at the end; skip empty ones.
 
-    The loop goes on while a pipe is silent. Raises ConfigError for a document beyond all measure.
+    The event loop keeps running while a pipe is silent. Raises ConfigError for a document that is too large.
     """
     lines: list[str] = []
     size = 0
@@ -40,7 +40,7 @@ async def piped_documents(stream: TextIO) -> AsyncIterator[str]:
 
 def _too_long() -> ConfigError:
     return ConfigError(
-        f"a document has more than {MAX_DOCUMENT_BYTES} bytes; write {SEPARATOR} between messages"
+        f"a YAML document is larger than {MAX_DOCUMENT_BYTES} bytes; separate messages with {SEPARATOR}"
     )
 
 
@@ -52,7 +52,7 @@ def _joined(lines: list[str]) -> str:
 async def _lines(stream: TextIO) -> AsyncIterator[str]:
     descriptor = _pipe_descriptor(stream)
     if descriptor is None:
-        # Files and /dev/null never keep anyone waiting, and the loop cannot watch them.
+        # Files and /dev/null are always ready, and the loop cannot watch them.
         while line := stream.readline(MAX_DOCUMENT_BYTES + 1):
             yield line
         return

@@ -1,9 +1,9 @@
-"""Running a command's coroutine to a clean end, however it is asked to stop.
+"""Runs a command's coroutine to a clean end, on any request to stop.
 
-Ctrl-C and SIGTERM cancel the command, which then leaves the graph; a second Ctrl-C does not wait for that.
-A command that computes without an `await` is interrupted where it is, and leaves the graph too.
-Like rospy's nodes, and unlike most programs, a command takes SIGINT also where a shell has started it in the
-background and told it to ignore that: `command & ... kill -INT $!` is how scripts end ROS programs.
+Ctrl-C and SIGTERM cancel the command, which then leaves the graph; a second Ctrl-C does not wait for that. A
+command that computes without an `await` is interrupted, and leaves the graph too. Like rospy's nodes, and
+unlike most programs, a command handles SIGINT even if a shell started it in the background with SIGINT
+ignored: `command & ... kill -INT $!` is how scripts stop ROS programs.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ EXIT_TERMINATED = 143
 
 
 def run(main: Coroutine[Any, Any, T], *, is_service: bool = False, uvloop: bool | None = False) -> T:
-    """Run a command. Ctrl-C exits with 130, SIGTERM with 143, or with 0 for a service that was told to end.
+    """Run a command. Ctrl-C exits with 130, SIGTERM with 143, or with 0 for a service that was asked to end.
 
-    `uvloop`: True demands it, None takes it when it is installed.
+    `uvloop`: True requires it, None uses it when it is installed.
     """
     show_library_logs()
     if is_service:
@@ -84,7 +84,7 @@ class _Ending:
         with contextlib.suppress(NotImplementedError):
             for number in self._codes:
                 loop.add_signal_handler(number, cancel)
-                # Python calls this one between two steps of whatever computes, before the loop calls its own.
+                # Python calls this handler during a computation, before the loop calls its own.
                 signal.signal(number, self._arrived)
         return await main
 
@@ -105,7 +105,7 @@ class _Ending:
             loop.call_soon_threadsafe(self._answer)
             return
         self._loop_answered = True
-        # Tasks that are cut short here have nothing to report.
+        # Tasks that are cancelled here have nothing to report.
         loop.set_exception_handler(lambda loop, context: None)
         raise KeyboardInterrupt
 
@@ -127,7 +127,7 @@ def _loop_factory(uvloop: bool | None) -> Callable[[], asyncio.AbstractEventLoop
         if uvloop is None:
             return None
         raise ConfigError(
-            f"uvloop is not installed; type: {install_command('uvloop')}; or leave --uvloop out"
+            f"uvloop is not installed; run: {install_command('uvloop')}; or leave out --uvloop"
         ) from None
     factory: Callable[[], asyncio.AbstractEventLoop] = implementation.new_event_loop
     return factory

@@ -1,4 +1,4 @@
-"""How our click commands look: verbs imported only when they are typed, and help that shows examples."""
+"""Our click commands: verbs are imported only when used, and help shows examples."""
 
 from __future__ import annotations
 
@@ -14,28 +14,28 @@ from click.shell_completion import CompletionItem
 from rostether.cli.shell.optional_value import OptionalValueOption
 
 HELP_WIDTH = 100
-"""Columns of help text at most: longer lines are hard to read on wide terminals."""
+"""Maximum width of help text: longer lines are hard to read on wide terminals."""
 
 _LONG_DASHES = ("\u2013", "\u2014", "\u2212")
 
 
 @dataclass(frozen=True, slots=True)
 class VerbEntry:
-    """Where a verb lives (`module:attribute`) and the line that help shows for it without importing it."""
+    """The location of a verb (`module:attribute`) and its line in the help, shown without importing it."""
 
     target: str
     summary: str
 
 
 class Verb(click.Command):
-    """A command whose help ends with examples that can be typed as they stand."""
+    """A command whose help ends with examples to copy."""
 
     def __init__(self, *args: Any, examples: str = "", **kwargs: Any) -> None:
         super().__init__(*args, **_with_our_settings(kwargs))
         self.examples = dedent(examples).strip("\n")
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Read the arguments; `–once`, as printed books and PDFs show it, is `--once`."""
+        """Read the arguments; `–once`, as books and PDFs print it, is `--once`."""
         known = {option for parameter in self.get_params(ctx) for option in parameter.opts}
         plain = [_plain_dashes(each, known) for each in args]
         for parameter in self.get_params(ctx):
@@ -50,7 +50,7 @@ class Verb(click.Command):
 
 
 class LazyGroup(click.Group):
-    """A group of verbs, each imported when it is typed: process start must stay short."""
+    """A group of verbs, each imported when used, so that commands start quickly."""
 
     def __init__(self, *args: Any, verbs: Mapping[str, VerbEntry], examples: str = "", **kwargs: Any) -> None:
         super().__init__(*args, **_with_our_settings(kwargs))
@@ -58,11 +58,11 @@ class LazyGroup(click.Group):
         self.examples = dedent(examples).strip("\n")
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """Return the verbs in the order of their table, which is the order a newcomer needs them in."""
+        """Return the verbs in the order of their table, which suits newcomers."""
         return list(self.verbs)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """Import and return a verb; None when there is none of that name."""
+        """Import and return a verb; None if there is no such verb."""
         entry = self.verbs.get(cmd_name)
         if entry is None:
             return None
@@ -73,7 +73,7 @@ class LazyGroup(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Find the verb that was typed, or fail naming the nearest ones."""
+        """Find the given verb, or fail and suggest similar ones."""
         name = args[0]
         if name not in self.verbs and not name.startswith("-") and not ctx.resilient_parsing:
             from difflib import get_close_matches

@@ -27,7 +27,7 @@ def parquet_package() -> Any:
         import pyarrow
         import pyarrow.parquet
     except ImportError:
-        raise ConfigError(f"Parquet is not installed; type: {install_command('parquet')}") from None
+        raise ConfigError(f"Parquet is not installed; run: {install_command('parquet')}") from None
     return pyarrow
 
 

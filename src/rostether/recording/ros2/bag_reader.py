@@ -162,5 +162,5 @@ def _zstandard() -> Any:
     try:
         import zstandard
     except ImportError:
-        raise ConfigError(f"Zstandard is not installed; type: {install_command('recording')}") from None
+        raise ConfigError(f"Zstandard is not installed; run: {install_command('recording')}") from None
     return zstandard

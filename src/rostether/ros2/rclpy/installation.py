@@ -41,7 +41,7 @@ def load_rclpy() -> Rclpy:
             return _import_modules()
     except ImportError as error:
         raise ConfigError(
-            f"rclpy cannot be used ({_one_line(error)}); type: {install_command('rclpy')}; or source the "
+            f"rclpy cannot be used ({_one_line(error)}); run: {install_command('rclpy')}; or source the "
             "setup file of a ROS 2, or use zenoh, which needs neither"
         ) from error
 

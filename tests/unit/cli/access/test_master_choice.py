@@ -31,7 +31,7 @@ async def answers(uri: str) -> bool:
 async def test_be_it_where_there_is_none(free_port: int) -> None:
     uri = f"http://localhost:{free_port}"
     async with used_master(RosEnvironment.read({"ROS_MASTER_URI": uri})) as used:
-        assert used.line.startswith("Being the ROS master: ROS_MASTER_URI=http://")
+        assert used.line.startswith("Started a ROS master: ROS_MASTER_URI=http://")
         assert used.environment.master.port == free_port
         assert await answers(uri)
     assert not await answers(uri)
@@ -65,7 +65,7 @@ async def test_two_that_start_at_once_agree(free_port: int) -> None:
             await both.wait()
 
     await asyncio.wait_for(asyncio.gather(serve(), serve()), 60)
-    assert sorted(lines) == ["Being", "Joining"]
+    assert sorted(lines) == ["Joining", "Started"]
 
 
 @pytest.mark.parametrize("is_chosen", [True, False])

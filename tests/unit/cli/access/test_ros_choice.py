@@ -39,12 +39,12 @@ def test_another_middleware_is_no_address_and_no_topic(name: str, capsys: pytest
     for words in (("serve", "/dev/ttyACM0", "--ros2", name), ("topic", "echo", "--ros2", name)):
         assert main(words) == 2
         line = capsys.readouterr().err.splitlines()[-1]
-        assert f"'--ros2': '{name}' is neither zenoh nor rclpy; rclpy reaches all that is not zenoh" in line
+        assert f"'--ros2': '{name}' is neither zenoh nor rclpy; use rclpy for every other middleware" in line
 
 
 def test_zenoh_by_the_name_that_ros_has_for_it(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(("topic", "list", "--ros2", "rmw_zenoh_cpp")) == 2
-    assert "'rmw_zenoh_cpp' is written --ros2 zenoh" in capsys.readouterr().err
+    assert "write --ros2 zenoh instead of 'rmw_zenoh_cpp'" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

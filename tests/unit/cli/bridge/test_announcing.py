@@ -55,5 +55,8 @@ async def test_listeners_are_announced_while_boards_are_served(monkeypatch: pyte
     async with announced(["tcp://0.0.0.0:1", "tcp://192.0.2.5:11411"], reporter, is_on=True, is_wanted=False):
         await until(lambda: reporter.having("Announced by mDNS"), "the announcement")
     assert FakeAnnouncement.closed == 1
-    assert reporter.lines[0][:2] == (Level.WARN, "mDNS: no network; boards need our address then")
+    assert reporter.lines[0][:2] == (
+        Level.WARN,
+        "mDNS: no network; configure this machine's address on the boards instead",
+    )
     assert "port 11411" in reporter.texts[1]

@@ -39,6 +39,6 @@ def test_settings_that_no_board_can_have_are_told(tmp_path: Path) -> None:
     file.write_text("[devices.arm]\nbaud = 9600\n")
     book = read_devices(file, ())
     (line,) = unchosen_lines(book, [parse_address("/dev/ttyUSB0?name=leg"), parse_address("/dev/ttyS0")])
-    assert "devices.arm are for no board" in line
-    assert "?name=arm behind an ADDRESS" in line
+    assert "devices.arm matches no board" in line
+    assert "?name=arm to an ADDRESS" in line
     assert unchosen_lines(book, [parse_address("/dev/ttyUSB0?name=arm")]) == []

@@ -97,7 +97,7 @@ async def test_live_in_a_terminal(tmp_path: Path) -> None:
                 except BlockingIOError:
                     continue
             assert "1 board at http://" in seen
-            assert "no board tells on /diagnostics" not in seen.rpartition("/arm")[2]
+            assert "no board publishes on /diagnostics" not in seen.rpartition("/arm")[2]
             process.send_signal(signal.SIGINT)
             while process.returncode is None:
                 await asyncio.sleep(0.05)

@@ -97,13 +97,13 @@ def test_a_low_window_shows_what_is_wrong_first_and_counts_the_rest() -> None:
     assert len(lines) == 23
     assert "   ! it is on fire" in lines
     assert not any("chatter" in line for line in lines)
-    assert lines[-1] == "their topics are not shown; a taller window or --once shows all"
+    assert lines[-1] == "topics are not shown; use a taller window or --once to show all"
     lines = text(*boards, height=22)
     assert len(lines) == 22
-    assert lines[-1].startswith("what is wrong and their topics are not shown")
+    assert lines[-1].startswith("problems and topics are not shown")
     lines = text(*boards, height=10)
     assert len(lines) == 10
-    assert lines[-1] == "... and 12 more boards; a taller window or --once shows all"
+    assert lines[-1] == "... and 12 more boards; use a taller window or --once to show all"
     assert len(text(*boards, height=500)) == 1 + 20 * 4 + 1
 
 

@@ -43,7 +43,7 @@ def test_what_is_typed() -> None:
 @pytest.mark.parametrize(
     ("arguments", "code", "words"),
     [
-        ([], 2, "name topics to carry"),
+        ([], 2, "give topics to relay"),
         (["/chatter", "--master", "http://localhost:1", "--master-port", "2"], 1, "--master joins a master"),
     ],
 )

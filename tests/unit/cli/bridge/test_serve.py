@@ -27,7 +27,7 @@ async def test_is_the_master_when_there_is_none(tmp_path: Path) -> None:
     port = free_port()
     uri = f"http://localhost:{port}"
     async with started("serve", f"pty:{tmp_path}/board", ROS_MASTER_URI=uri) as serve:
-        await serve.wait_for("Being the ROS master: ROS_MASTER_URI=http://127.0.0.1")
+        await serve.wait_for("Started a ROS master: ROS_MASTER_URI=http://127.0.0.1")
         async with join("looker", environ={"ROS_MASTER_URI": uri}) as graph:
             assert await graph.get_param("/rosdistro") == "noetic\n"
             assert "/rosout_agg" in (await graph.snapshot()).topics
@@ -112,7 +112,7 @@ async def test_no_such_option_of_an_address() -> None:
 async def test_two_ways_to_the_master_are_one_too_many() -> None:
     arguments = ("--master", "http://localhost:11311", "--master-port", "11312")
     async with started("serve", "tcp://:0", *arguments) as serve:
-        assert "give one of them" in await serve.finish()
+        assert "give only one of them" in await serve.finish()
 
 
 async def test_core_serves_its_uri() -> None:

@@ -58,7 +58,7 @@ def test_one_line_says_when_the_wanted_connections_need_too_many_open_files(
         (["/dev/ttyACM0?bad=1"], 1, "bad"),
         (["usb:/dev/ttyACM0"], 1, "unknown kind of link 'usb'"),
         (["/dev/ttyACM0", "--master", "nonsense"], 1, "nonsense"),
-        (["/dev/ttyACM0", "--master", "http://a:1", "--master-port", "5"], 1, "give one of them"),
+        (["/dev/ttyACM0", "--master", "http://a:1", "--master-port", "5"], 1, "give only one of them"),
         (["/dev/ttyACM0", "--msg-path", "/no/such/folder"], 1, "no such folder"),
     ],
 )

@@ -261,7 +261,7 @@ def test_launch_is_the_master_where_there_is_none(arm: Path) -> None:
     with launched("arm", "ask.launch", "--no-summary", master_uri=uri, cwd=arm) as process:
         output, _ = process.communicate(timeout=LIMIT_S)
     assert process.returncode == 0, output
-    assert "Being the ROS master" in output
+    assert "Started a ROS master" in output
     assert re.search(r"^5$", output, re.MULTILINE)
     assert "SUMMARY" not in output
 

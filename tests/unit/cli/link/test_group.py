@@ -153,7 +153,7 @@ async def test_replay_is_the_master_where_none_is() -> None:
     ) as play:
         text = await play.finish()
     assert play.process.returncode == 0
-    assert "Being the ROS master" in text
+    assert "Started a ROS master" in text
     assert "/helloworld: Setup publisher on chatter" in text
 
 
@@ -205,4 +205,4 @@ async def test_a_capture_without_a_board(tmp_path: Path) -> None:
     async with master() as environ, started("link", "replay", str(file), **environ) as play:
         text = await play.finish()
     assert play.process.returncode == 1
-    assert "holds no byte of a board" in text.splitlines()[-1]
+    assert "contains no bytes of a board" in text.splitlines()[-1]

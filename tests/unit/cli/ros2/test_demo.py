@@ -45,4 +45,4 @@ async def test_a_demo_that_cannot_join_ros2_goes_on(monkeypatch: pytest.MonkeyPa
     lines = RecentLines()
     async with AsyncExitStack() as stack:
         assert await demo._joining_ros2(stack, lines) is None
-    assert "Not in ROS 2: ROS_DOMAIN_ID" in lines.lines[0]
+    assert "Not on ROS 2: ROS_DOMAIN_ID" in lines.lines[0]

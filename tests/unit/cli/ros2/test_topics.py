@@ -163,8 +163,10 @@ def test_rates(world: ZenohWorld, shell: Shell) -> None:
 
 
 def test_what_is_of_one_ros_only(world: ZenohWorld, shell: Shell) -> None:
-    assert "--host is of ROS 1" in shell.failure("topic", "list", "--host", code=2)
-    assert "--master is of ROS 1" in shell.failure("topic", "echo", "--master", "http://x:1", "/x", code=2)
-    assert "--csv is of ROS 2" in shell.failure("topic", "echo", "--ros1", "--csv", "/x", code=2)
-    assert "node kill` is of ROS 1" in shell.failure("node", "kill", "/far/board", code=2)
-    assert "service uri` is of ROS 1" in shell.failure("service", "uri", "/set_led", code=2)
+    assert "--host works on ROS 1 only" in shell.failure("topic", "list", "--host", code=2)
+    assert "--master works on ROS 1 only" in shell.failure(
+        "topic", "echo", "--master", "http://x:1", "/x", code=2
+    )
+    assert "--csv works on ROS 2 only" in shell.failure("topic", "echo", "--ros1", "--csv", "/x", code=2)
+    assert "node kill` works on ROS 1 only" in shell.failure("node", "kill", "/far/board", code=2)
+    assert "service uri` works on ROS 1 only" in shell.failure("service", "uri", "/set_led", code=2)

@@ -41,7 +41,7 @@ async def test_a_line_beyond_all_measure_is_refused(
     monkeypatch.setattr("rostether.cli.shell.piped_documents.MAX_DOCUMENT_BYTES", 100)
     stream, end = pipe
     end.write(b"x" * 1000)
-    with pytest.raises(ConfigError, match="more than 100 bytes"):
+    with pytest.raises(ConfigError, match="larger than 100 bytes"):
         await anext(piped_documents(stream))
 
 
@@ -74,5 +74,5 @@ async def test_a_document_without_end_is_refused(
 ) -> None:
     monkeypatch.setattr("rostether.cli.shell.piped_documents.MAX_DOCUMENT_BYTES", 100)
     (tmp_path / "many lines").write_text("a: 1\n" * 100)
-    with (tmp_path / path).open() as file, pytest.raises(ConfigError, match="write --- between"):
+    with (tmp_path / path).open() as file, pytest.raises(ConfigError, match="separate messages with ---"):
         [text async for text in piped_documents(file)]
