@@ -34,7 +34,7 @@ _TOKEN = re.compile(
 
 @dataclass(frozen=True, slots=True)
 class Include:
-    """One include that is none of the sketch's or the library's own files; `place` is `file:line`."""
+    """One include of a file outside the sketch and the library; `place` is `file:line`."""
 
     path: str
     place: str

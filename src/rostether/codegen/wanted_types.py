@@ -22,7 +22,7 @@ _MESSAGE_PACKAGE = re.compile(r"\w+_(?:msgs|srvs|interfaces|messages)")
 
 @dataclass(slots=True)
 class WantedTypes:
-    """Full names of types; what a sketch includes in vain, and what it may include in vain, a line each."""
+    """Full names of the needed types, and one line for each include that fails or may fail."""
 
     names: set[str] = field(default_factory=set)
     missing: list[str] = field(default_factory=list)

@@ -30,7 +30,7 @@ class ParameterRequests:
                 waiting.remove(answer)
 
     def answered(self, event: ParameterReceived) -> None:
-        """Give an answer to who waits longest for that name."""
+        """Pass an answer to the oldest request for that name."""
         value = _value_of(event)
         if value is None:
             self._finish(event.name, UnknownNameError(f"no parameter {event.name}; set it on the ROS side"))

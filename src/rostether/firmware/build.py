@@ -24,7 +24,7 @@ from rostether.firmware.toolchain import AvrToolchain, find_avr_toolchain
 
 @dataclass(frozen=True, slots=True)
 class BuildOptions:
-    """What a build may be told besides the sketch and the board.
+    """Options of a build besides the sketch and the board.
 
     `libraries` are folders of one library or of several; `warnings` has the compiler warn about the sketch;
     `show` gets every command line.

@@ -82,7 +82,7 @@ def input_buffer_bytes(readable: Mapping[str, str]) -> int:
 def find_endpoints(
     elf: ElfFile, readable: Mapping[str, str], registry: Registry, sources: Sequence[Path]
 ) -> list[Endpoint]:
-    """Return a sketch's topics and services; those whose type cannot be told are left out."""
+    """Return a sketch's topics and services; those whose type cannot be determined are left out."""
     variables = read_variables(elf)
     finder = _Finder(elf, readable, variables, "".join(_read(sources)))
     found = []

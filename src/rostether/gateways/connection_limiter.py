@@ -1,4 +1,4 @@
-"""The door of a gateway: how many connections there are, and from where, before a byte is read."""
+"""Limits the connections of a gateway by number and peer address, before a byte is read."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from rostether.gateways.clean_line import clean_line
 from rostether.transports.allow_list import AllowList
 
 QUIET_S = 10.0
-"""A page that may not connect tries again every second; one line now and then tells as much."""
+"""A page that may not connect retries every second; one log line in this time is enough."""
 
 MAX_REASONS = 5
-"""Reasons told in that time: who is refused may give each of its connections another."""
+"""Reasons logged in that time: a refused client may cause a different one with each connection."""
 
 
 class ConnectionLimiter:
@@ -64,7 +64,7 @@ class ConnectionLimiter:
         if not self._allow.allows_connection(peer[0], own[0]):
             return f"{peer[0]} is not in the networks of --allow"
         if self.open_count >= self._most:
-            return f"{self.open_count} connections are the most"
+            return f"the limit of open connections ({self._most}) is reached"
         return ""
 
 

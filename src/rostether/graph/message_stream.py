@@ -95,7 +95,7 @@ class MessageStream:
 
     @property
     def codec(self) -> Codec | None:
-        """What messages are decoded with; None until the first publisher has told its type."""
+        """The codec that decodes messages; None until the type of the first publisher is known."""
         return self._codec
 
     async def __aiter__(self) -> AsyncGenerator[Message, None]:

@@ -12,7 +12,7 @@ _LATEST = "latest"
 
 
 def ros_home(environ: Mapping[str, str]) -> Path:
-    """Return the folder in which nodes start unless told otherwise."""
+    """Return the default working directory of nodes."""
     return Path(environ["ROS_HOME"]) if environ.get("ROS_HOME") else Path.home() / ".ros"
 
 

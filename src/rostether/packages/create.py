@@ -54,7 +54,7 @@ class CreatedPackage:
 def create_package(parent: Path, package: NewPackage) -> CreatedPackage:
     """Write a package's folder below `parent`.
 
-    Raises ConfigError: a name or version that is none, files that are there already, a folder not to be
+    Raises ConfigError for an invalid name or version, files that exist already, or a folder that cannot be
     written to.
     """
     _check(package)

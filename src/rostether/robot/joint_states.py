@@ -38,7 +38,7 @@ class JointStateSettings:
 
 @dataclass(slots=True)
 class FreeJoint:
-    """One joint that can be set: radians or metres within its limits; None is never told."""
+    """One joint that can be set: radians or metres within its limits; None is not published."""
 
     lower: float
     upper: float

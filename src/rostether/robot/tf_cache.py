@@ -97,7 +97,7 @@ class TimeCache:
 
 
 class StaticCache:
-    """The transform of a frame that never moves: the last one told holds at every moment."""
+    """The transform of a frame that never moves: the last one received is valid at all times."""
 
     is_static = True
     latest_ns = 0

@@ -23,7 +23,7 @@ MAX_IDLE_CONNECTIONS = 4
 
 
 class XmlRpcClient:
-    """Calls the server at `uri` (`http://host:port/`). Raises ConfigError for a URI that is none.
+    """Calls the server at `uri` (`http://host:port/`). Raises ConfigError for an invalid URI.
 
     `peer` names the server in errors (`the ROS master`); `unreachable` is the error raised when no server
     answers. Calls may overlap; each then uses its own connection. `on_lost` is called when the server closes

@@ -86,7 +86,7 @@ class XmlRpcServer:
                 if self.port or error.errno != errno.EADDRINUSE or attempt == _BIND_ATTEMPTS - 1:
                     raise GraphError(
                         f"cannot listen on port {self.port} of {', '.join(self._hosts)} ({error.strerror}): "
-                        "stop who uses it or choose another port"
+                        "stop the program that uses it or choose another port"
                     ) from error
             else:
                 return

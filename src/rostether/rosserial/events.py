@@ -115,7 +115,7 @@ class AnnouncementRefused:
 
 @dataclass(frozen=True, slots=True)
 class NegotiationSettled:
-    """The set of endpoints is taken to be complete: asked again, the device told nothing new."""
+    """The set of endpoints is considered complete: asked again, the device announced nothing new."""
 
     topic_count: int
     service_count: int
@@ -200,7 +200,7 @@ class TopicsRequested:
 
 @dataclass(frozen=True, slots=True)
 class Unconfigured:
-    """The device heard no time answer for too long, or was told to stop: it publishes nothing from now on."""
+    """The device received no time answer for too long, or a stop request: it no longer publishes."""
 
 
 @dataclass(frozen=True, slots=True)

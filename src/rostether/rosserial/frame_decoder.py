@@ -179,7 +179,7 @@ class FrameDecoder:
         return self._accept(buffer, self._scan(buffer, Patience.NONE, now_s), now_s)
 
     def rescan(self, payload: bytes, now_s: float) -> list[Decoded]:
-        """Return the frames inside a payload that proved to be none; what is around them was told before."""
+        """Return the frames inside a false payload; the bytes around them were reported before."""
         if self._start not in payload:
             return []
         scan = self._scan(payload, Patience.NONE, now_s)

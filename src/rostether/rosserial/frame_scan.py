@@ -29,7 +29,7 @@ MAX_STRETCHES = 64
 
 LOOK_SUMS_BYTES = 4096
 LOOK_RUNNING_SUMS_BYTES = 64
-"""Adding up the payload of a frame that is none costs as much as a look for each so many bytes."""
+"""Checksumming a false frame costs as much as one header check per this many bytes."""
 
 MIN_TAIL_BYTES = 256
 MAX_TAIL_BYTES = 1024

@@ -99,7 +99,7 @@ TRANSITIONS = {
 
 
 class Negotiation:
-    """One device's negotiations, one after the other. Told what came and when; asks by `take_request`."""
+    """The negotiations of one device, one after the other, driven by received frames and their times."""
 
     def __init__(self) -> None:
         self.phase = Phase.IDLE

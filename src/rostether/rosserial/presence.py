@@ -107,7 +107,7 @@ _PATIENCE_S = {
 
 
 class Presence:
-    """Follows one device; told what came and when."""
+    """Tracks the presence of one device from its received frames and their times."""
 
     def __init__(self) -> None:
         self.state = State.ABSENT

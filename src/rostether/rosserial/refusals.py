@@ -26,7 +26,7 @@ _Announcement: TypeAlias = tuple[int, TopicInfo]
 
 
 class Refusals:
-    """Remembers what one device announced in vain."""
+    """Remembers the refused announcements of one device."""
 
     def __init__(self) -> None:
         self._once: OrderedDict[_Announcement, None] = OrderedDict()

@@ -1,4 +1,4 @@
-"""Whether raw bytes have the layout of a type, told without decoding them.
+"""Checks whether raw bytes have the layout of a type, without decoding them.
 
 A frame in 256 survives line noise, and what a damaged one holds must never reach ROS. The check is on the
 path of every message, so that it is compiled for each type: a comparison of lengths where the size never

@@ -30,7 +30,7 @@ def check_networks(networks: Iterable[str], source: str) -> tuple[str, ...]:
 
 
 class AllowList:
-    """A set of networks such as `192.168.1.0/24`, and this machine; an empty one allows everybody."""
+    """A set of networks such as `192.168.1.0/24`, and this machine; an empty one allows all."""
 
     def __init__(self, networks: Iterable[str] = ()) -> None:
         self._networks: list[IPv4Network | IPv6Network] = []

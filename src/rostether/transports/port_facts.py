@@ -89,7 +89,7 @@ def near_names(path: str, ports: Sequence[str]) -> list[str]:
 
 
 def group_of(path: str) -> str | None:
-    """Return the group whose members may use a port, the usual one if it cannot be told; None: only root."""
+    """Return the group whose members may use a port, the usual one if it is unknown; None: only root."""
     try:
         import grp
 

@@ -28,7 +28,7 @@ async def test_a_place_that_was_left_is_free() -> None:
     gate = ConnectionLimiter((), 1, told.append)
     assert gate.admit(Accepted())
     assert not gate.admit(Accepted("::1", "::1"))
-    assert told == ["refused [::1]:5000: 1 connections are the most"]
+    assert told == ["refused [::1]:5000: the limit of open connections (1) is reached"]
     gate.release()
     assert gate.admit(Accepted())
 

@@ -26,7 +26,7 @@ ServiceEndpoint: TypeAlias = ServiceServerEndpoint | ServiceClientEndpoint
 Endpoint: TypeAlias = TopicEndpoint | ServiceEndpoint
 Role: TypeAlias = TopicRole | ServiceRole
 Slot: TypeAlias = tuple[Role, str]
-"""What one endpoint at a time may be in the graph, but for topics that a board announces twice alike."""
+"""A role and name that only one endpoint may have, except topics that a board announces twice."""
 
 # A graph that refuses an endpoint is asked again: first soon, then at most this seldom.
 MAX_RETRY_S = 5.0

@@ -57,7 +57,7 @@ class TopicQueue:
 
     @property
     def source_paused(self) -> bool:
-        """Whether the source was told to wait."""
+        """Whether the source was asked to wait."""
         return self._source_paused
 
     def pop_ready(self, room_bytes: int) -> list[bytes]:

@@ -131,7 +131,7 @@ class Channels:
             self._on_end(ended)
 
     async def _learn(self, topic: str) -> None:
-        """Listen until a publisher has told its definition."""
+        """Listen until a publisher has sent its definition."""
         told: asyncio.Future[MessageType] = asyncio.get_running_loop().create_future()
 
         def meet(connection: PublisherConnection) -> None:

@@ -1,4 +1,4 @@
-"""Who publishes, subscribes and serves, as differences from what clients were told before."""
+"""The publishers, subscribers and servers, as differences from what clients received before."""
 
 from __future__ import annotations
 

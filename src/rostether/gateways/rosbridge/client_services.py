@@ -57,7 +57,7 @@ class ClientServices:
         name = self._around.graph.resolve(request.word("service"))
         self._check_glob(name)
         if len(self._around.offered.of(self)) >= MAX_SERVICES:
-            raise RemoteProtocolError(f"advertise_service: {MAX_SERVICES} services are the most")
+            raise RemoteProtocolError(f"advertise_service: at most {MAX_SERVICES} are allowed")
         service_type = self._around.store.registry.service_type(short_type(request.word("type")))
         send = self._send
         service = OfferedService(

@@ -68,7 +68,7 @@ class ClientTopics:
             return
         self._check_glob(topic)
         if len(self._subscriptions) >= MAX_SUBSCRIPTIONS:
-            raise RemoteProtocolError(f"subscribe: {MAX_SUBSCRIPTIONS} topics are the most: unsubscribe some")
+            raise RemoteProtocolError(f"subscribe: at most {MAX_SUBSCRIPTIONS} are allowed; unsubscribe some")
         subscription = ClientSubscription(topic, self._outbox, self._tell_error)
         subscription.want(request.id, wish, type_name)
         self._subscriptions[topic] = subscription
@@ -101,7 +101,7 @@ class ClientTopics:
     async def _advertise(self, topic: str, message_type: MessageType, *, latch: bool) -> Publication:
         self._check_glob(topic)
         if len(self._publications) >= MAX_PUBLICATIONS and topic not in self._publications:
-            raise RemoteProtocolError(f"advertise: {MAX_PUBLICATIONS} topics are the most: unadvertise some")
+            raise RemoteProtocolError(f"advertise: at most {MAX_PUBLICATIONS} are allowed; unadvertise some")
         old = self._publications.pop(topic, None)
         if old is not None:
             await old.close()

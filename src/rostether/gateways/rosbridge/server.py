@@ -1,7 +1,7 @@
 """The rosbridge server: the v2 protocol of rosbridge over WebSockets, on the graph port.
 
-Web pages with roslibjs and programs with roslibpy find here what they know from rosbridge_suite. It listens
-on loopback unless told otherwise.
+It serves web pages with roslibjs and programs with roslibpy as rosbridge_suite does. By default it listens
+on loopback only.
 """
 
 from __future__ import annotations
@@ -207,7 +207,7 @@ class RosbridgeServer:
             )
         if len(self._clients) >= MAX_CLIENTS:
             return self._refuse(
-                connection, f"{MAX_CLIENTS} clients are the most", HTTPStatus.SERVICE_UNAVAILABLE
+                connection, f"at most {MAX_CLIENTS} clients may connect", HTTPStatus.SERVICE_UNAVAILABLE
             )
         return None
 

@@ -164,7 +164,7 @@ class Session:
         self.status(StatusLevel.ERROR, text, request_id)
         if len(self._logged) < MAX_LOGGED and text not in self._logged:
             self._logged.add(text)
-            last = "; more of its mistakes are told only to it" if len(self._logged) == MAX_LOGGED else ""
+            last = "; further errors are sent only to the client" if len(self._logged) == MAX_LOGGED else ""
             self._around.tell(Level.WARN, f"rosbridge: {self.name}: {text}{last}")
 
     def _send(self, fields: dict[str, Any], wish: Wish) -> None:

@@ -28,7 +28,7 @@ class StatusLevel(IntEnum):
 
 
 DEFAULT_LEVEL = StatusLevel.WARNING
-"""Losses are told unless a client wants only errors; the protocol's own text says `error`."""
+"""Losses are reported unless a client wants only errors; the protocol's text says `error`."""
 
 _MAX_SHOWN = 80
 _SHOWN_DEPTH = 3

@@ -67,7 +67,7 @@ def decode_fields(header: Buffer) -> Fields:
         position = start + U32.unpack_from(data, start - 4)[0]
         name, equals, value = data[start:position].partition(b"=")
         if position > len(data) or not equals:
-            raise RecordingError("a record's header holds a field that is none")
+            raise RecordingError("a record's header holds an invalid field")
         fields[name] = value
     return fields
 

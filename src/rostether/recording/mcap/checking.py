@@ -55,7 +55,7 @@ def faults_of(data: Buffer) -> list[str]:
 
 
 class _EnoughError(Exception):
-    """Ends a check that has told enough."""
+    """Ends a check that has reported enough faults."""
 
 
 class _Check:

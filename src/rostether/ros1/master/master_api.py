@@ -1,7 +1,7 @@
 """The Master API and the Parameter Server API: every call answers `[code, status message, value]`.
 
 Code 1 is success, 0 failure, -1 the caller's error; codes, values and messages are those of rosmaster, which
-scripts rely on. No I/O: nodes are told through the `NodeCalls` given.
+scripts rely on. No I/O: nodes are notified through the given `NodeCalls`.
 """
 
 from __future__ import annotations

@@ -80,7 +80,7 @@ class MasterServer:
         await self._stopped.wait()
 
     async def close(self) -> None:
-        """Stop serving; the nodes are not told. Idempotent."""
+        """Stop serving, without notifying the nodes. Idempotent."""
         if self._ping_timer is not None:
             self._ping_timer.cancel()
             self._ping_timer = None

@@ -219,7 +219,7 @@ class Endpoints:
         return self.watches.update(name, value)
 
     def shut_down(self, reason: str) -> None:
-        """Leave, because we were told to."""
+        """Leave the graph on a shutdown request."""
         self._on_shutdown(reason)
 
     def _add_publishers(self, topic: str, uris: list[str]) -> None:

@@ -108,7 +108,7 @@ class MasterClient:
         return _strings(await self._call("getParamNames"))
 
     async def subscribe_param(self, name: str, node_uri: str) -> XmlRpcValue:
-        """Have changes told to us; returns the value now, an empty dict where there is none."""
+        """Subscribe to changes; returns the current value, an empty dict if there is none."""
         return await self._call("subscribeParam", node_uri, name)
 
     async def unsubscribe_param(self, name: str, node_uri: str) -> None:

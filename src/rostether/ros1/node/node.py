@@ -231,7 +231,7 @@ class Ros1Graph:
         await asyncio.shield(self._closing)
 
     async def wait_closed(self) -> str:
-        """Wait until the node has left, by `close` or because it was told to; returns the reason."""
+        """Wait until the node has left, by `close` or by a shutdown request; returns the reason."""
         await self._closed.wait()
         return self._reason
 

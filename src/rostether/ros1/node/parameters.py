@@ -120,7 +120,7 @@ class ParameterWatch:
         call_contained(f"on_change of parameter {self.name}", self._on_change, value)
 
     def deliver(self, value: ParamValue) -> None:
-        """Hand a value on if it is a new one; the same change may be told by the master and by ourselves."""
+        """Pass a value on if it is new; the master and this node may both report the same change."""
         if not self._is_closed and (value != self._latest or type(value) is not type(self._latest)):
             self.deliver_first(value)
 

@@ -1,4 +1,4 @@
-"""A node's parameters as everybody reaches them: six services, and its changes on /parameter_events."""
+"""A node's parameters on the graph: six services, and its changes on /parameter_events."""
 
 from __future__ import annotations
 

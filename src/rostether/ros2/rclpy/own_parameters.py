@@ -1,4 +1,4 @@
-"""Our node's own parameters, kept by rclpy, which offers them to everybody by its services."""
+"""Our node's own parameters, kept by rclpy, which offers them to all nodes by its services."""
 
 from __future__ import annotations
 

@@ -23,8 +23,8 @@ LATCHED_DEPTH: Final = 1
 """A latched topic of ROS 1 greets with its last message, and no more."""
 
 SERVICE_DEPTH: Final = 100
-"""Calls kept until our thread takes them, and answers likewise: of rclpy's own 10 a burst of 20 loses half,
-and a caller in ROS 2 is not told. Three times as many as may wait for a board, and 100 answers are 10 KB."""
+"""Calls, and answers, kept until our thread reads them. With rclpy's default of 10, a burst of 20 loses half
+without an error at the caller. Three times as many as may wait for a board; 100 answers are 10 KB."""
 
 ROSOUT_DEPTH: Final = 1000
 ROSOUT_LIFESPAN_S: Final = 10

@@ -19,13 +19,13 @@ class NodeEntities:
         self._id = session.next_id()
 
     def declare_node(self) -> LiveToken:
-        """Tell everybody of the node."""
+        """Announce the node."""
         return self._declare(Kind.NODE, self._id)
 
     def declare(
         self, kind: Kind, name: str, dds_type: str, type_hash: str, qos: Qos = DEFAULT_QOS
     ) -> LiveToken:
-        """Tell everybody of an end of a topic or service."""
+        """Announce an endpoint of a topic or service."""
         return self._declare(kind, self.session.next_id(), name, dds_type, type_hash, qos)
 
     def _declare(

@@ -31,7 +31,7 @@ MAX_STALLS = 2
 """Such puts before a thread does the rest of a batch: one may be the scheduler's doing."""
 
 DROP_NS = WAIT_BEFORE_DROP_US * 1000
-"""A put that takes this long has waited in vain, and zenoh has dropped its message."""
+"""A put that takes this long has timed out, and zenoh has dropped its message."""
 
 Report = Callable[[Level, str], None]
 

@@ -30,7 +30,7 @@ MAX_REFUSALS = 100
 """Pending refusals; calls beyond them get no answer and end by the caller's time limit."""
 
 LAST_WORDS_S = 0.2
-"""How long a service that ends waits until its callers have been told; who hangs is not waited for."""
+"""How long a service that ends waits until its callers have received an error; bounds hanging callers."""
 
 _log = logging.getLogger("rostether.ros2")
 

@@ -134,7 +134,7 @@ class ZenohSession:
         return next(self._ids)
 
     def declare_token(self, token: Token) -> LiveToken:
-        """Tell everybody of a node or endpoint, until the token is withdrawn."""
+        """Announce a node or endpoint until the token is withdrawn."""
         return LiveToken(self, token)
 
     def apply_own_token(self, text: str, *, is_there: bool) -> None:
@@ -240,7 +240,7 @@ class LiveToken:
         session.apply_own_token(self.text, is_there=True)
 
     def withdraw(self) -> None:
-        """Tell everybody that it is gone. Call it once."""
+        """Announce that it is gone. Call it once."""
         self._declared.undeclare()
         self._session.apply_own_token(self.text, is_there=False)
 

@@ -80,7 +80,7 @@ class Text:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Array:
-    """An array of `length` elements, or of any number up to `bound` where that is None."""
+    """An array of `length` elements, or of any length up to `bound` if it is None."""
 
     element: Plain | Text | Record
     length: int | None

@@ -1,4 +1,4 @@
-"""A simulated AVR board that runs real firmware, in a process of its own: started, told, listened to, ended.
+"""A simulated AVR board that runs real firmware in its own process: start it, command it, read its events.
 
 async with await SimulatedBoard.start(elf, board="uno", words=["adc A0=2.5"]) as board:
     ...                                   # `board.address` is what `serve` opens
@@ -70,8 +70,8 @@ class SimulatedBoard:
     ) -> Self:
         """Start an ELF or HEX file on a board.
 
-        `words` are told before its first instruction. With `realtime=False` it runs as fast as it goes, with
-        `paused` only when told to `run`: then all that happens is the same each time. `seed` makes the noise
+        `words` are commands that apply before its first instruction. With `realtime=False` it runs as fast as
+        possible, with `paused` only during a `run` command: then every run is the same. `seed` sets the noise
         in RAM.
         Raises BoardError, ConfigError for an unknown board, TransportOpenError for a `link_path` in use.
         """
@@ -117,7 +117,7 @@ class SimulatedBoard:
 
     @property
     def was_to_end(self) -> bool:
-        """Whether it has ended because it was told to: by `quit`, or after `for`."""
+        """Whether it has ended as requested: by `quit`, or after `for`."""
         return self._process.exit_code == 0
 
     async def send_command(self, line: str) -> None:

@@ -51,7 +51,7 @@ class Announcements:
             self._garbled.popitem(last=False)
 
     def refused(self, event: AnnouncementRefused) -> None:
-        """Take what was announced in vain, and readably."""
+        """Record an announcement that was readable but refused."""
         if len(self._refused) < MAX_KEPT:
             self._refused[event.topic_name, event.message_type] = event
 

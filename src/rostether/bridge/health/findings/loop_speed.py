@@ -53,7 +53,7 @@ class LoopSpeed:
 
     @property
     def is_suspect(self) -> bool:
-        """Whether one request was late, and no second one has told whether that is the rule."""
+        """Whether one request was late, and no second one has confirmed it."""
         return len(self._intervals_s) == 1 and self._intervals_s[0] - self._period_s >= SLOW_LISTENER_S
 
     def request(self, now_s: float, asked: int) -> None:

@@ -57,7 +57,7 @@ class Noise:
         self.text = b""
         """The first of that text."""
         self.other_version: int | None = None
-        """A version byte of sound headers that is none we know."""
+        """The unknown version byte of valid headers."""
         self._first = bytearray()
         self._recent = bytearray()
         self._line = bytearray()

@@ -23,7 +23,7 @@ MAX_IDS = 64
 
 @dataclass(slots=True)
 class Oversize:
-    """What one topic id brought in vain; `largest_bytes` is a payload."""
+    """The dropped messages of one topic id; `largest_bytes` is the largest payload."""
 
     count: int = 0
     largest_bytes: int = 0

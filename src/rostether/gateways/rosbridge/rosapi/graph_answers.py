@@ -27,7 +27,7 @@ MAX_ASKED: Final = 32
 """Servers that are asked side by side."""
 
 MAX_TEXT_TOPICS: Final = 2000
-"""Topics whose definitions are told at once: some 10 MB of text."""
+"""Topics whose definitions one answer may contain: about 10 MB of text."""
 
 _ACTION_TOPICS: Final = ("goal", "cancel", "status", "feedback", "result")
 _ROS2_ACTION_TOPICS: Final = ("/_action/status", "/_action/feedback")

@@ -1,7 +1,7 @@
-"""rosapi: the services that tell web pages what is on the graph, and let them reach its parameters.
+"""rosapi: services that show the graph to web pages and give access to its parameters.
 
-They are those of the established package rosapi, under `/rosapi`. rosbridge's clients get their answers from
-here at once; `offering_rosapi` makes them a node of the graph as well, for everybody else.
+They are those of the established package rosapi, under `/rosapi`. rosbridge's clients get their answers
+directly from here; `offering_rosapi` also offers them to the graph, as a node.
 """
 
 from __future__ import annotations
