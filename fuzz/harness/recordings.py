@@ -15,12 +15,12 @@ from rostether.errors import ConfigError, RecordingError
 from rostether.msgdef.registry import Registry
 from rostether.recording import compression
 from rostether.recording.bag import chunks as bag_chunks
-from rostether.recording.bag.reindexing import reindex
 from rostether.recording.bag.writer import BagWriter
 from rostether.recording.checking import check
 from rostether.recording.files import open_recording
 from rostether.recording.mcap.writer import McapWriter
 from rostether.recording.recorded import Connection
+from rostether.recording.reindexing import reindex
 
 # An input of a few KB may unpack to many.
 MAX_MESSAGES = 5000

@@ -9,8 +9,8 @@ import pytest
 from rosbags.rosbag2 import StoragePlugin
 
 from interop.ros1_peers import Ros1Peers
-from rostether.recording.bag.reindexing import copy
 from rostether.recording.files import open_recording
+from rostether.recording.reindexing import copy
 from unit.recording.test_ros2_bags import foreign_bag
 
 pytestmark = pytest.mark.ros1

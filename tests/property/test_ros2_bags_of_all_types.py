@@ -9,10 +9,10 @@ import pytest
 
 from property.test_cdr_against_rosbags import ROSBAGS, STORE, TYPES
 from rostether.recording.bag.reader import BagReader
-from rostether.recording.bag.reindexing import copy
 from rostether.recording.bag.writer import BagWriter
 from rostether.recording.files import Form, open_recording
 from rostether.recording.recorded import Connection
+from rostether.recording.reindexing import copy
 from rostether.serde.cdr.pair_tree import DUMMY_NAME
 from unit.recording.bags import START_NS
 from unit.serde.random_messages import RandomMessages

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 from rostether.bridge.endpoint.factory import EndpointFactory
 from rostether.bridge.endpoint.table import EndpointTable
-from rostether.bridge.health.board_health import BoardHealth
-from rostether.bridge.health.findings.required import RequiredTopics
+from rostether.bridge.findings.board_health import BoardHealth
+from rostether.bridge.findings.required import RequiredTopics
 from rostether.bridge.reporter import Notices, Reporter
 from rostether.bridge.settings import DEFAULT_SETTINGS, BridgeSettings
 from rostether.bridge.setup_lines import SetupLines

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from rostether.bridge.board_node import BoardNode
-from rostether.bridge.health.free_memory import give_back_memory
+from rostether.bridge.free_memory import give_back_memory
 from rostether.bridge.identity import numbered
 from rostether.bridge.reporter import reason_of
 from rostether.bridge.session import Session

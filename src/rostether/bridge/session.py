@@ -14,7 +14,7 @@ from typing import Any
 
 from rostether.bridge.board_node import BoardNode
 from rostether.bridge.endpoint.rescan import Rescan
-from rostether.bridge.health.findings.line_watch import NO_ANSWER_S
+from rostether.bridge.findings.line_watch import NO_ANSWER_S
 from rostether.bridge.log_relay import relay_log
 from rostether.bridge.outbound.held_events import HeldEvents
 from rostether.bridge.outbound.outbox import Outbox

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal, TypeVar
 
+from rostether.bridge.findings.finding import Code
 from rostether.bridge.health.doctor import Diagnosis, Doctor
-from rostether.bridge.health.findings.finding import Code
 from rostether.firmware.build import BuildOptions, build_sketch, find_board
 from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore

@@ -11,8 +11,8 @@ from pathlib import Path
 
 from firmware.findings import faulty_sketches as sketches
 from firmware.findings.examining import Case, examine_all
+from rostether.bridge.findings.finding import Code, Finding
 from rostether.bridge.health.doctor import Diagnosis
-from rostether.bridge.health.findings.finding import Code, Finding
 from rostether.simulation.simavr.simulated_board import SimulatedBoard
 
 ARM = "my_robot/msg/Arm.msg"

@@ -13,8 +13,8 @@ from collections.abc import Callable
 
 import pytest
 
+from rostether.bridge.findings.finding import Code
 from rostether.bridge.health.doctor import Diagnosis, Doctor
-from rostether.bridge.health.findings.finding import Code
 from rostether.errors import TransportOpenError
 from rostether.rosserial.device_link import DeviceLinkConfig
 from rostether.rosserial.frame import encode_frame

@@ -4,7 +4,7 @@ import shutil
 from pathlib import Path
 
 from rostether.recording.active_file import end_active
-from rostether.recording.bag.reindexing import reindex
+from rostether.recording.reindexing import reindex
 from rostether.recording.ros2.db3_reader import Db3Reader
 from rostether.recording.ros2.db3_writer import Db3Writer
 from unit.recording.bags import START_NS, connection, text

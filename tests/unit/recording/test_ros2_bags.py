@@ -16,9 +16,9 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from rostether.errors import RecordingError
 from rostether.msgdef.registry import Registry
-from rostether.recording.bag.reindexing import copy, reindex
 from rostether.recording.files import Form, create_recording, form_of, open_recording
 from rostether.recording.recorded import Connection, RecordedMessage
+from rostether.recording.reindexing import copy, reindex
 from rostether.recording.ros2.bag_writer import Ros2Bag
 from rostether.recording.ros2.db3_reader import Db3Reader
 from rostether.serde.store import TypeStore

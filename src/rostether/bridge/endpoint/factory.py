@@ -6,11 +6,11 @@ import time
 from collections.abc import Callable
 
 from rostether.bridge.endpoint.access import check_endpoint
+from rostether.bridge.endpoint.message_rate import MessageRate
 from rostether.bridge.endpoint.publisher import PublisherEndpoint
 from rostether.bridge.endpoint.service_client import ServiceClientEndpoint
 from rostether.bridge.endpoint.service_server import ServiceServerEndpoint
 from rostether.bridge.endpoint.subscriber import SubscriberEndpoint
-from rostether.bridge.health.message_rate import MessageRate
 from rostether.bridge.outbound.stamps import has_header
 from rostether.bridge.reporter import Notices
 from rostether.bridge.settings import BridgeSettings

@@ -7,7 +7,7 @@ from functools import partial
 from struct import Struct
 
 from rostether.bridge.endpoint.board_line import BoardLine
-from rostether.bridge.health.message_rate import MessageRate
+from rostether.bridge.endpoint.message_rate import MessageRate
 from rostether.bridge.reporter import Notices
 from rostether.bridge.settings import BridgeSettings
 from rostether.graph.ports import Graph, Level, Publisher

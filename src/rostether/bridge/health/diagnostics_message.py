@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from rostether.bridge.board_node import BoardNode
+from rostether.bridge.findings.finding import Finding, Severity
 from rostether.bridge.health.diagnostics import BoardView
-from rostether.bridge.health.findings.finding import Finding, Severity
 from rostether.bridge.health.rates import Rates
 from rostether.bridge.reporter import printable
 

@@ -19,11 +19,11 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import cast
 
+from rostether.bridge.findings.finding import Code, Finding, error
+from rostether.bridge.findings.line_watch import NO_ANSWER_S
+from rostether.bridge.findings.noise import show
+from rostether.bridge.findings.port import busy, cannot_open, open_error_finding, port_findings
 from rostether.bridge.health.diagnostics import BoardView
-from rostether.bridge.health.findings.finding import Code, Finding, error
-from rostether.bridge.health.findings.line_watch import NO_ANSWER_S
-from rostether.bridge.health.findings.noise import show
-from rostether.bridge.health.findings.port import busy, cannot_open, open_error_finding, port_findings
 from rostether.bridge.health.watching import WATCH_S, Watched, watch_board
 from rostether.bridge.peer_entry import BOARD_ENTRY
 from rostether.bridge.ports.port_probe import TunableTransport, probe_port

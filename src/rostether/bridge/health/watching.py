@@ -8,9 +8,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from rostether.bridge.board_node import BoardNode
+from rostether.bridge.findings.finding import Code, Finding, error
+from rostether.bridge.findings.line_watch import absence
 from rostether.bridge.health.diagnostics import BoardView, view_board
-from rostether.bridge.health.findings.finding import Code, Finding, error
-from rostether.bridge.health.findings.line_watch import absence
 from rostether.bridge.reporter import SilentReporter
 from rostether.bridge.session import Session
 from rostether.errors import TransportError

@@ -48,8 +48,8 @@ def bag_convert(
     The names say which formats: .bag, .mcap, .db3, or without ending a ROS 2 bag, which is a folder. Between
     recordings of one ROS messages stay as they are byte for byte; between ROS 1 and ROS 2 they are converted.
     """
-    from rostether.recording.bag.reindexing import copy, refuse_same
     from rostether.recording.files import Form, form_for, form_of, open_recording
+    from rostether.recording.reindexing import copy, refuse_same
 
     refuse_same(source, target)
     reader = open_recording(source)

@@ -40,9 +40,9 @@ def bag_filter(source: Path, target: Path, expression: str, shown: str | None) -
     Messages are decoded only where it names `m`.
     """
     from rostether.expression.compiler import compile_expression
-    from rostether.recording.bag.reindexing import refuse_same, remove_recording
     from rostether.recording.decoding import Decoder
     from rostether.recording.files import Form, create_recording, form_for, form_of, open_recording
+    from rostether.recording.reindexing import refuse_same, remove_recording
 
     refuse_same(source, target)
     test = compile_expression(expression, _NAMES, source="EXPRESSION")

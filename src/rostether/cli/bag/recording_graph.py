@@ -74,7 +74,7 @@ def native_types(origins: Iterable[Ros2Origin], msg_paths: tuple[Path, ...] = ()
     """Return the types of ROS 2 here and in recordings, in their own fields."""
     from rostether.msgdef.registry import Registry
     from rostether.msgdef.ros2.definitions import Ros2Definitions
-    from rostether.recording.ros2.types import RecordedDefinitions
+    from rostether.recording.ros2_types import RecordedDefinitions
     from rostether.ros2.types.native_registry import NativeRegistry
     from rostether.ros2.types.native_types import NativeTypes
 

@@ -27,7 +27,7 @@ def bag_reindex(files: tuple[Path, ...], output_dir: Path | None, force: bool, q
     The file as it was stays beside it as NAME.orig.bag. NAME.bag.active becomes NAME.bag. Recordings that are
     whole are left alone.
     """
-    from rostether.recording.bag.reindexing import reindex
+    from rostether.recording.reindexing import reindex
 
     for path in files:
         output, backup = new_place(path, output_dir, force=force)

@@ -53,7 +53,7 @@ def bag_decompress(files: tuple[Path, ...], output_dir: Path | None, force: bool
 
 
 def _repack(path: Path, compression: str, output_dir: Path | None, *, force: bool, quiet: bool) -> None:
-    from rostether.recording.bag.reindexing import repack
+    from rostether.recording.reindexing import repack
 
     before = _size_bytes(path)  # and no folder is made for what is no recording
     output, backup = new_place(path, output_dir, force=force)

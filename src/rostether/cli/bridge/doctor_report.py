@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from rostether.bridge.findings.finding import Finding, Severity
 from rostether.bridge.health.diagnostics import BoardView, EndpointView
 from rostether.bridge.health.doctor import Diagnosis
-from rostether.bridge.health.findings.finding import Finding, Severity
 
 _WORDS = {Severity.WARN: "warning", Severity.ERROR: "error"}
 

@@ -10,10 +10,10 @@ from types import MappingProxyType
 
 from rostether.errors import RecordingError
 from rostether.recording.bag.chunks import Chunk, messages_in, read_content
-from rostether.recording.bag.packed_chunks import compression_shares, unpack_chunk
 from rostether.recording.bag.records import MAGIC, MAGIC_START
 from rostether.recording.chunk_order import Entry, Unpacked, in_order
 from rostether.recording.mapped_file import MappedFile
+from rostether.recording.packed_chunks import compression_shares, unpack_chunk
 from rostether.recording.recorded import CompressionShare, Connection, RecordedMessage, Wanted
 
 

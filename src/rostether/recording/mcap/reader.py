@@ -12,11 +12,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rostether.errors import RecordingError
-from rostether.recording.bag.packed_chunks import compression_shares, unpack_chunk
 from rostether.recording.chunk_order import Entry, Unpacked, in_order
 from rostether.recording.mapped_file import MappedFile
 from rostether.recording.mcap.content import StoredChunk, messages_in, read_content
 from rostether.recording.mcap.records import Channel, Schema
+from rostether.recording.packed_chunks import compression_shares, unpack_chunk
 from rostether.recording.recorded import (
     CompressionShare,
     Connection,
@@ -26,7 +26,7 @@ from rostether.recording.recorded import (
 )
 
 if TYPE_CHECKING:
-    from rostether.recording.ros2.reading import Ros2Topics
+    from rostether.recording.ros2_reading import Ros2Topics
 
 _ENCODING = "ros1"
 
@@ -166,7 +166,7 @@ class McapReader:
 
     def _ros2_connection(self, schema: Schema, channel: Channel) -> Connection | None:
         if self._ros2 is None:
-            from rostether.recording.ros2.reading import Ros2Topics
+            from rostether.recording.ros2_reading import Ros2Topics
 
             self._ros2 = Ros2Topics(is_native=self._is_native)
         origin = Ros2Origin(

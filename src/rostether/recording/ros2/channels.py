@@ -9,9 +9,9 @@ from rostether.errors import RecordingError, RostetherError, SerializationError
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.recording.recorded import Connection, Ros2Origin
-from rostether.recording.ros2.qos import offered
-from rostether.recording.ros2.types import ROS2MSG, RecordedDefinitions
 from rostether.recording.ros2.unfit_messages import UnfitMessages
+from rostether.recording.ros2_qos import offered
+from rostether.recording.ros2_types import ROS2MSG, RecordedDefinitions
 from rostether.ros2.types.native_registry import NativeRegistry
 from rostether.ros2.types.native_types import NativeTypes
 from rostether.ros2.types.type_hash import TYPE_HASH_NOT_SUPPORTED

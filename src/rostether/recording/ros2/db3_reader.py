@@ -11,7 +11,7 @@ from rostether.errors import RecordingError
 from rostether.msgdef.full_text import MAX_FULL_TEXT_CHARACTERS
 from rostether.recording.recorded import CompressionShare, Connection, RecordedMessage, Ros2Origin, Wanted
 from rostether.recording.regular_file import require_regular_file
-from rostether.recording.ros2.reading import CDR, Ros2Topics
+from rostether.recording.ros2_reading import CDR, Ros2Topics
 
 MAGIC = b"SQLite format 3\0"
 MAX_TOPICS = 65536

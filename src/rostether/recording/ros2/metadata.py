@@ -16,7 +16,7 @@ from rostether.bounded_yaml import load
 from rostether.errors import RecordingError
 from rostether.recording.recorded import Ros2Origin
 from rostether.recording.regular_file import require_regular_file
-from rostether.recording.ros2.qos import read_profiles
+from rostether.recording.ros2_qos import read_profiles
 
 FILE_NAME = "metadata.yaml"
 VERSION = 9

@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import Any
 
 from rostether.errors import ConfigError, RecordingError
-from rostether.recording.bag.reindexing import reindex
 from rostether.recording.bag.writer import BagWriter
 from rostether.recording.files import open_recording
 from rostether.recording.recorded import Connection, RecordedMessage, RecordingReader
+from rostether.recording.reindexing import reindex
 from rostether.rospy.bag.exceptions import (
     ROSBagException,
     ROSBagFormatException,

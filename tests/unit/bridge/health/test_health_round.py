@@ -200,7 +200,7 @@ def test_a_defect_is_told_once_and_ends_nothing(monkeypatch: pytest.MonkeyPatch)
     def fail(*_arguments: object) -> None:
         raise ZeroDivisionError("oh")
 
-    monkeypatch.setattr("rostether.bridge.health.board_health.BoardHealth.report", fail)
+    monkeypatch.setattr("rostether.bridge.findings.board_health.BoardHealth.report", fail)
     run(main())
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from rostether.recording.bag.reindexing import copy
 from rostether.recording.files import Form, open_recording
+from rostether.recording.reindexing import copy
 from unit.recording.bags import write_bag
 from unit.rospy.programs import printed
 

@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from rostether.bridge.health.findings.finding import Code
-from rostether.bridge.health.findings.loop_speed import LoopSpeed
+from rostether.bridge.findings.finding import Code
+from rostether.bridge.findings.loop_speed import LoopSpeed
 
 
 def requests(period_s: float, count: int = 6) -> LoopSpeed:

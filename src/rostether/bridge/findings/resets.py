@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 
-from rostether.bridge.health.findings.finding import Code, Finding, error
+from rostether.bridge.findings.finding import Code, Finding, error
 
 WINDOW_S = 60.0
 MIN_RESETS = 3

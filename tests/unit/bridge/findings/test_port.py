@@ -4,8 +4,8 @@ import errno
 
 import pytest
 
-from rostether.bridge.health.findings.finding import Code
-from rostether.bridge.health.findings.port import open_error_finding, port_findings
+from rostether.bridge.findings.finding import Code
+from rostether.bridge.findings.port import open_error_finding, port_findings
 from rostether.errors import TransportOpenError
 from rostether.transports.port_facts import PortFacts
 from rostether.transports.port_holders import Holder

@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from rostether.bridge.health.findings.oversize import RECENT_S, REST_GAP_S, Oversizes
+from rostether.bridge.findings.oversize import RECENT_S, REST_GAP_S, Oversizes
 from rostether.rosserial.events import DiscardReason, FrameDiscarded
 from rostether.rosserial.frame import encode_frame
 

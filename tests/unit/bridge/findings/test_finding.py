@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from rostether.bridge.health.findings.finding import Code, Severity, error, warning
+from rostether.bridge.findings.finding import Code, Severity, error, warning
 
-TESTS = Path(__file__).parents[4]
+TESTS = Path(__file__).parents[3]
 # Where each finding is brought about by what brings it about in the field, and what is looked for there.
 FIRMWARE = TESTS / "firmware" / "findings" / "test_real_causes.py"
 PROCESS = TESTS / "unit" / "cli" / "bridge" / "test_doctor.py"
@@ -23,7 +23,7 @@ ELSEWHERE = {
         "does not announce imu, which devices.toml requires",
     ),
 }
-PAGE = Path(__file__).parents[5] / "docs" / "how-to" / "when-a-board-does-not-connect.md"
+PAGE = Path(__file__).parents[4] / "docs" / "how-to" / "when-a-board-does-not-connect.md"
 
 
 def test_one_line_says_what_was_seen_and_what_to_do() -> None:

@@ -5,13 +5,13 @@ It depends only on the events and counters of the link, not on the graph or the 
 
 from __future__ import annotations
 
-from rostether.bridge.health.findings.announcements import Announcements
-from rostether.bridge.health.findings.damage import Damage
-from rostether.bridge.health.findings.finding import Code, Finding, error, warning
-from rostether.bridge.health.findings.loop_speed import LoopSpeed
-from rostether.bridge.health.findings.noise import Noise, is_text, show
-from rostether.bridge.health.findings.oversize import Oversizes
-from rostether.bridge.health.findings.resets import MIN_STARTS, UNSETTLED_S, Resets, reset_loop
+from rostether.bridge.findings.announcements import Announcements
+from rostether.bridge.findings.damage import Damage
+from rostether.bridge.findings.finding import Code, Finding, error, warning
+from rostether.bridge.findings.loop_speed import LoopSpeed
+from rostether.bridge.findings.noise import Noise, is_text, show
+from rostether.bridge.findings.oversize import Oversizes
+from rostether.bridge.findings.resets import MIN_STARTS, UNSETTLED_S, Resets, reset_loop
 from rostether.rosserial.events import (
     AnnouncementRefused,
     DeviceReset,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Iterable
 
-from rostether.bridge.health.findings.finding import Code, Finding, Severity
+from rostether.bridge.findings.finding import Code, Finding, Severity
 
 FORGET_AFTER_S = 60.0
 """A finding that comes and goes is reported once; after a minute without it, it is reported again."""

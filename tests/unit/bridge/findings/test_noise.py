@@ -5,7 +5,7 @@ import time
 
 import pytest
 
-from rostether.bridge.health.findings.noise import KEPT_BYTES, Noise, is_text, show
+from rostether.bridge.findings.noise import KEPT_BYTES, Noise, is_text, show
 from rostether.rosserial.events import DiscardReason, FrameDiscarded
 from rostether.rosserial.frame import encode_frame
 

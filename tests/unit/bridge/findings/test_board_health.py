@@ -5,8 +5,8 @@ import asyncio
 import pytest
 
 from rostether.bridge.board_node import BoardNode
-from rostether.bridge.health.findings.finding import Code
-from rostether.bridge.health.findings.resets import MIN_RESETS
+from rostether.bridge.findings.finding import Code
+from rostether.bridge.findings.resets import MIN_RESETS
 from rostether.errors import PeerClosedError, TransportClosedError, TransportError
 from rostether.rosserial.events import ProtocolDetected
 from rostether.rosserial.link_statistics import LinkStatistics

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 import yaml
 
-from rostether.recording.ros2.qos import is_latching, offered, profiles_text, read_profiles
+from rostether.recording.ros2_qos import is_latching, offered, profiles_text, read_profiles
 
 
 def test_numbers_of_older_recordings_become_words() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import errno
 
-from rostether.bridge.health.findings.finding import Code, Finding, error
+from rostether.bridge.findings.finding import Code, Finding, error
 from rostether.transports.port_facts import PortFacts
 from rostether.transports.port_holders import Holder
 

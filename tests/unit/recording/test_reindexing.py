@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from rostether.errors import RecordingError
-from rostether.recording.bag.reindexing import copy, refuse_same, reindex
 from rostether.recording.files import open_recording
+from rostether.recording.reindexing import copy, refuse_same, reindex
 from unit.recording.bags import write_bag
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections import OrderedDict
 
-from rostether.bridge.health.findings.finding import Code, Finding, error
-from rostether.bridge.health.findings.noise import show
+from rostether.bridge.findings.finding import Code, Finding, error
+from rostether.bridge.findings.noise import show
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.events import AnnouncementRefused, DiscardReason, FrameDiscarded
 from rostether.rosserial.packets import TopicInfo

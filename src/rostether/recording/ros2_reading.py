@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 from rostether.errors import RostetherError, SerializationError
 from rostether.recording.recorded import Connection, Ros2Origin
-from rostether.recording.ros2.qos import is_latching, profiles_text, read_profiles
-from rostether.recording.ros2.types import ReadTypes
+from rostether.recording.ros2_qos import is_latching, profiles_text, read_profiles
+from rostether.recording.ros2_types import ReadTypes
 
 CDR = "cdr"
 

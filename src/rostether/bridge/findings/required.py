@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 
-from rostether.bridge.health.findings.finding import Code, Finding, error
+from rostether.bridge.findings.finding import Code, Finding, error
 from rostether.errors import InvalidNameError
 
 _SHOWN = 8

@@ -4,7 +4,7 @@ import ctypes
 
 import pytest
 
-from rostether.bridge.health.free_memory import give_back_memory
+from rostether.bridge.free_memory import give_back_memory
 
 
 def test_memory_is_given_back() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 
-from rostether.bridge.health.findings.finding import Code, Finding, warning
+from rostether.bridge.findings.finding import Code, Finding, warning
 from rostether.rosserial.events import DiscardReason, FrameDiscarded
 
 WINDOW_S = 30.0

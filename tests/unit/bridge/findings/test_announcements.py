@@ -2,8 +2,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from rostether.bridge.health.findings.announcements import MAX_KEPT, Announcements, is_overwritten
-from rostether.bridge.health.findings.finding import Code
+from rostether.bridge.findings.announcements import MAX_KEPT, Announcements, is_overwritten
+from rostether.bridge.findings.finding import Code
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.events import AnnouncementRefused, DiscardReason, FrameDiscarded
 from rostether.rosserial.packets import TopicInfo

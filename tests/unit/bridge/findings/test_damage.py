@@ -1,7 +1,7 @@
 from __future__ import annotations
 
-from rostether.bridge.health.findings.damage import WINDOW_S, Damage
-from rostether.bridge.health.findings.finding import Code
+from rostether.bridge.findings.damage import WINDOW_S, Damage
+from rostether.bridge.findings.finding import Code
 from rostether.rosserial.events import DiscardReason, FrameDiscarded
 
 CHECKSUM = FrameDiscarded(DiscardReason.PAYLOAD_CHECKSUM, b"\xff\xfe\x05\x00\xfa")

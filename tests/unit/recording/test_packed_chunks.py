@@ -2,8 +2,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rostether.recording.bag.packed_chunks import compression_shares, unpack_chunk
 from rostether.recording.compression import LZ4, compress
+from rostether.recording.packed_chunks import compression_shares, unpack_chunk
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
-from rostether.bridge.health.findings.finding import Code, Finding, error, warning
-from rostether.bridge.health.findings.ledger import FORGET_AFTER_S, MAX_KEYS, FindingLedger
+from rostether.bridge.findings.finding import Code, Finding, error, warning
+from rostether.bridge.findings.ledger import FORGET_AFTER_S, MAX_KEYS, FindingLedger
 
 
 def slow(late_ms: int = 100) -> Finding:

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
-from rostether.bridge.health.findings.finding import Code
-from rostether.bridge.health.findings.resets import WINDOW_S, Resets
+from rostether.bridge.findings.finding import Code
+from rostether.bridge.findings.resets import WINDOW_S, Resets
 
 
 def test_three_in_a_minute_are_a_loop() -> None:

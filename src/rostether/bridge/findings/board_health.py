@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from rostether.bridge.endpoint.table import EndpointTable
-from rostether.bridge.health.findings.endpoints import EndpointFindings
-from rostether.bridge.health.findings.finding import Code, Finding, Severity, warning
-from rostether.bridge.health.findings.ledger import FindingLedger
-from rostether.bridge.health.findings.line_watch import LineWatch
-from rostether.bridge.health.findings.required import RequiredTopics
-from rostether.bridge.health.findings.resets import Resets
+from rostether.bridge.findings.endpoints import EndpointFindings
+from rostether.bridge.findings.finding import Code, Finding, Severity, warning
+from rostether.bridge.findings.ledger import FindingLedger
+from rostether.bridge.findings.line_watch import LineWatch
+from rostether.bridge.findings.required import RequiredTopics
+from rostether.bridge.findings.resets import Resets
 from rostether.bridge.reporter import Notices
 from rostether.errors import PeerClosedError, TransportError
 from rostether.graph.ports import Level

@@ -8,8 +8,8 @@ from rostether.bridge.endpoint.openings import Endpoint, ServiceEndpoint, name_o
 from rostether.bridge.endpoint.publisher import PublisherEndpoint
 from rostether.bridge.endpoint.subscriber import SubscriberEndpoint
 from rostether.bridge.endpoint.table import EndpointTable
-from rostether.bridge.health.findings.finding import Code, Finding, error, warning
-from rostether.bridge.health.findings.oversize import Oversizes
+from rostether.bridge.findings.finding import Code, Finding, error, warning
+from rostether.bridge.findings.oversize import Oversizes
 from rostether.errors import DefinitionError, RostetherError, TypeMismatchError, UnknownTypeError
 from rostether.rosserial.events import ServiceRole
 from rostether.rosserial.packets import TopicInfo

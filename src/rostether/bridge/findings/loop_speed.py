@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections import deque
 from statistics import median
 
-from rostether.bridge.health.findings.finding import Code, Finding, warning
+from rostether.bridge.findings.finding import Code, Finding, warning
 from rostether.rosserial.time_sync import OUR_REQUEST_PERIOD_S, REQUEST_PERIOD_S
 
 SLOW_LISTENER_S = 0.1
