@@ -69,7 +69,7 @@ def _view_of(graph: GraphOptions, topic: str) -> tuple[str, GraphView]:
     async def ask(tool: Any) -> None:
         nonlocal resolved, view
         resolved = tool.graph.resolve(topic)
-        await tool.look_until(lambda seen: resolved in seen.topics(with_hidden=True))
+        await tool.snapshot_when(lambda seen: resolved in seen.topics(with_hidden=True))
         view = await tool.look_well()
 
     asked(graph, ask)
