@@ -6,7 +6,7 @@ from dataclasses import asdict
 from typing import Any
 
 from rostether.cli.access.graph_options import GraphOptions
-from rostether.cli.access.ros2_tool_node import asked
+from rostether.cli.access.ros2_tool_node import ToolNode, asked
 from rostether.cli.access.ros2_view import TOPIC_KINDS, GraphView
 from rostether.cli.shell.output import one_line, write_json, write_line
 from rostether.cli.topic.requests import TopicListing
@@ -66,11 +66,11 @@ def _view_of(graph: GraphOptions, topic: str) -> tuple[str, GraphView]:
     """Return a topic's full name and the graph it is in. Raises UnknownNameError."""
     resolved, view = "", GraphView((), ())
 
-    async def ask(tool: Any) -> None:
+    async def ask(tool: ToolNode) -> None:
         nonlocal resolved, view
         resolved = tool.graph.resolve(topic)
         await tool.snapshot_when(lambda seen: resolved in seen.topics(with_hidden=True))
-        view = await tool.look_well()
+        view = await tool.settled_snapshot()
 
     asked(graph, ask)
     if resolved not in view.topics(with_hidden=True):
