@@ -23,7 +23,7 @@ from rostether.cli.shell.verbs import Verb
 @click.argument("files", nargs=-1, required=True, metavar="FILE...", type=click.Path(path_type=Path))
 @msg_path_option
 def bag_check(files: tuple[Path, ...], msg_paths: tuple[Path, ...]) -> None:
-    """Read every message, and say what is wrong; exit with 1 when something is.
+    """Read every message and report errors; the exit code is 1 if there are any.
 
     A recording is right when its index is whole, every message fits the definition that stands in the file,
     and that definition is the one that is known here.

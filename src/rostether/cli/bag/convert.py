@@ -1,4 +1,4 @@
-"""`rostether bag convert`: recordings from one format to another, or compressed anew."""
+"""`rostether bag convert`: converts recordings to another format or compression."""
 
 from __future__ import annotations
 

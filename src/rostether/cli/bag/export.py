@@ -128,7 +128,7 @@ class _Place:
             path.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise ConfigError(
-                f"cannot make the folder {path.parent}: {error.strerror or error}; name one of yours"
+                f"cannot make the folder {path.parent}: {error.strerror or error}; choose another folder"
             ) from None
         if self._format == "parquet":
             from rostether.recording.export.parquet_table import ParquetTable

@@ -8,16 +8,14 @@ from rostether.cli.shell.verbs import LazyGroup, VerbEntry
 
 _VERBS = {
     "record": VerbEntry("rostether.cli.bag.record:bag_record", "Record topics into a file."),
-    "play": VerbEntry("rostether.cli.bag.play:bag_play", "Play recordings into the graph."),
-    "info": VerbEntry("rostether.cli.bag.info:bag_info", "Show what a recording holds."),
-    "check": VerbEntry("rostether.cli.bag.check:bag_check", "Read a recording whole and say what is wrong."),
-    "filter": VerbEntry(
-        "rostether.cli.bag.filter:bag_filter", "Keep the messages an expression is true for."
-    ),
-    "convert": VerbEntry("rostether.cli.bag.convert:bag_convert", "Make one format of another."),
+    "play": VerbEntry("rostether.cli.bag.play:bag_play", "Replay recordings into the graph."),
+    "info": VerbEntry("rostether.cli.bag.info:bag_info", "Show the contents of a recording."),
+    "check": VerbEntry("rostether.cli.bag.check:bag_check", "Check a recording for errors."),
+    "filter": VerbEntry("rostether.cli.bag.filter:bag_filter", "Keep the messages that match an expression."),
+    "convert": VerbEntry("rostether.cli.bag.convert:bag_convert", "Convert between formats."),
     "compress": VerbEntry("rostether.cli.bag.repack:bag_compress", "Compress recordings."),
     "decompress": VerbEntry("rostether.cli.bag.repack:bag_decompress", "Undo the compression of recordings."),
-    "reindex": VerbEntry("rostether.cli.bag.reindex:bag_reindex", "Mend recordings that were not closed."),
+    "reindex": VerbEntry("rostether.cli.bag.reindex:bag_reindex", "Repair recordings that were not closed."),
 }
 
 

@@ -1,4 +1,4 @@
-"""Where recordings go that are written anew in their own place: the old one stays beside them."""
+"""Chooses the paths for rewritten recordings: the old file stays beside the new one."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 def place_options(function: Function) -> Function:
     """Add --output-dir, --force and --quiet."""
     for option in (
-        click.option("-q", "--quiet", is_flag=True, help="Say nothing but what goes wrong."),
+        click.option("-q", "--quiet", is_flag=True, help="Print only errors."),
         click.option("-f", "--force", is_flag=True, help="Write over an older NAME.orig.bag."),
         click.option(
             "--output-dir",
@@ -30,14 +30,14 @@ def place_options(function: Function) -> Function:
 
 
 def new_place(path: Path, output_dir: Path | None, *, force: bool) -> tuple[Path, Path | None]:
-    """Return where the new recording goes, and where the old one, if it must give way. Raises ConfigError."""
+    """Return the path of the new recording, and that of the old one if it is moved. Raises ConfigError."""
     name = path.name.removesuffix(".active")
     if output_dir is not None:
         try:
             output_dir.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise ConfigError(
-                f"cannot make the folder {output_dir}: {error.strerror or error}; name one of yours"
+                f"cannot make the folder {output_dir}: {error.strerror or error}; choose another folder"
             ) from None
         return output_dir / name, None
     output = path.parent / name

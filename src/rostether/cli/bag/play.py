@@ -128,7 +128,7 @@ _play_options = option_group(
             metavar="SEC",
             help="How long a silence of it is let pass (1).",
         ),
-        click.option("-q", "--quiet", is_flag=True, help="Say nothing but what goes wrong."),
+        click.option("-q", "--quiet", is_flag=True, help="Print only errors."),
         msg_path_option,
     ),
 )

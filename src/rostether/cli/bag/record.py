@@ -139,7 +139,7 @@ _record_options = option_group(
         ),
         format_option,
         storage_option,
-        click.option("-q", "--quiet", is_flag=True, help="Say nothing but what goes wrong."),
+        click.option("-q", "--quiet", is_flag=True, help="Print only errors."),
         msg_path_option,
     ),
 )

@@ -87,7 +87,7 @@ bag_recording_options = option_group("bags", _bag_recording, _OPTIONS)
 async def bags_recorded(
     recording: BagRecording | None, join: JoinGraph, reporter: Reporter, *, types: Ros2Types | None = None
 ) -> AsyncIterator[None]:
-    """Record as long as the block lasts; what stops the recording is told, and stops nothing else.
+    """Record until the end of the block; a failure is reported and stops only the recording.
 
     `types` are those of a graph of ROS 2 alone: what is recorded then is a ROS 2 bag.
     """

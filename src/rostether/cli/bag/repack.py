@@ -1,4 +1,4 @@
-"""`rostether bag compress` and `decompress`: recordings written anew in their own place."""
+"""`rostether bag compress` and `decompress`: rewrite recordings in place."""
 
 from __future__ import annotations
 

@@ -63,12 +63,16 @@ class _Start:
 @click.option(
     "--attitude", metavar='"ROLL PITCH YAW"', help="How the board and its MPU-9150 lie, in degrees."
 )
-@click.option("--watch", multiple=True, metavar="PIN|serial", help="Tell changes of a pin, or what is sent.")
-@click.option("--servo", multiple=True, metavar="PIN", help="Tell where a servo on a pin is turned.")
+@click.option(
+    "--watch", multiple=True, metavar="PIN|serial", help="Print changes of a pin, or the serial output."
+)
+@click.option("--servo", multiple=True, metavar="PIN", help="Print the angle of a servo on a pin.")
 @click.option("--fault", metavar="flip=0.01,seed=3", help="A bad serial line: flip, drop, delay.")
-@click.option("--network", metavar="HOST:PORT", help="Where all TCP connections of the sketch go.")
+@click.option(
+    "--network", metavar="HOST:PORT", help="Connect all TCP connections of the sketch to this address."
+)
 @click.option("--autoreset", is_flag=True, help="Reset it whenever the port is opened, as USB boards do.")
-@click.option("--guard", multiple=True, metavar="SYMBOL", help="Tell writes to a variable of the program.")
+@click.option("--guard", multiple=True, metavar="SYMBOL", help="Print writes to a variable of the program.")
 @click.option("--seed", type=click.IntRange(0, 2**32 - 1), default=0, help="Of the noise in RAM at power-up.")
 @click.option("--fast", is_flag=True, help="Run as fast as it goes instead of in real time.")
 @click.option("--for", "duration", metavar="TIME", help="End after 2s, 20ms or 160000 cycles of its time.")

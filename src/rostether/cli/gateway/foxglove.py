@@ -61,7 +61,7 @@ FOXGLOVE_NODE = "foxglove_bridge"
 def foxglove(
     words: tuple[str, ...], gateways: GatewayOptions, graph: GraphOptions, msg_paths: tuple[Path, ...]
 ) -> None:
-    """Let Foxglove show the graph, publish on it and call services.
+    """Connect Foxglove to the graph, to show topics, publish and call services.
 
     Foxglove, and viewers that speak its WebSocket protocol, open ws://localhost:8765. `rostether serve
     --foxglove` does the same beside boards. Other machines need a PLACE such as 0.0.0.0:8765.

@@ -66,7 +66,7 @@ if TYPE_CHECKING:
 def rosbridge(
     words: tuple[str, ...], gateways: GatewayOptions, graph: GraphOptions, msg_paths: tuple[Path, ...]
 ) -> None:
-    """Let web pages with roslibjs, and programs with roslibpy, use the graph.
+    """Connect web pages with roslibjs and programs with roslibpy to the graph.
 
     It speaks the protocol of rosbridge_suite, with rosapi's services. `rostether serve --rosbridge` does the
     same beside boards. Pages of other hosts need --origin, other machines a PLACE such as 0.0.0.0:9090.

@@ -1,4 +1,4 @@
-"""`rostether env`: the shell code that lets ROS 1's commands be typed as ever."""
+"""`rostether env`: prints the shell code for ROS 1 commands."""
 
 from __future__ import annotations
 

@@ -91,12 +91,12 @@ _launch_options = option_group(
             "--log", "to_log", is_flag=True, help="Keep the output of all nodes in their log files."
         ),
         click.option("--required", is_flag=True, help="Stop all nodes when any of them ends."),
-        click.option("--wait", is_flag=True, help="Wait for a master instead of being it."),
+        click.option("--wait", is_flag=True, help="Wait for a master instead of starting one."),
         click.option(
             "-p",
             "--port",
             type=click.IntRange(1, 65535),
-            help="The port where we are the master when there is none.",
+            help="Port for the ROS master, which is started if none runs.",
         ),
         click.option("--no-summary", is_flag=True, help="Do not print what is going to be done."),
         click.option(
@@ -145,7 +145,7 @@ _launch_options = option_group(
 @_roslaunch_options
 @graph_options(ros=False)
 def launch(options: LaunchOptions, words: tuple[str, ...], graph: GraphOptions) -> None:
-    """Set parameters and start nodes as launch files say, and be the master when there is none.
+    """Set the parameters and start the nodes of launch files; start a master if none runs.
 
     Packages are found on ROS_PACKAGE_PATH, in the catkin workspace around this folder, and below it; nothing
     needs to be built. Logs are kept in ~/.ros/log/latest. Ctrl-C ends all nodes in order.

@@ -34,7 +34,7 @@ def node_command(
 
 
 def explain_unknown_package(package: str, program: str, packages: Mapping[str, Path]) -> str:
-    """Return the line about a package that nobody has: what is near, or where packages are looked for."""
+    """Return the line about an unknown package: similar names, or the folders that were searched."""
     ours = sorted(kind for role, kind in served_nodes() if role == package)
     if ours:
         return f"package {package} has no program {program}; of it we serve {', '.join(ours)}"

@@ -23,7 +23,7 @@ def packages_here() -> dict[str, Path]:
 
 @contextmanager
 def told_namesakes() -> Iterator[OnNamesake]:
-    """Give what hears of packages of one name, and warn of them at the end, a line for each."""
+    """Yield a callback for packages with the same name, and print a warning for each at the end."""
     lines: list[str] = []
 
     def note(name: str, used: Path, other: Path) -> None:

@@ -57,7 +57,7 @@ class _CatkinVerb(Verb):
 @click.argument("ignored", nargs=-1, type=click.UNPROCESSED, metavar="[CATKIN OPTION]...")
 @json_option
 def make(directory: Path | None, ignored: tuple[str, ...], as_json: bool) -> None:
-    """Say what the packages of a workspace have, and whether their messages can be read.
+    """Check the packages of a workspace and their messages; builds nothing.
 
     Nothing is built: messages, services and Python nodes are used as they stand. devel/setup.bash, which
     puts the workspace on ROS_PACKAGE_PATH, is written. Programs in C++ need a real ROS; they are named.

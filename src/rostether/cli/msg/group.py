@@ -80,12 +80,12 @@ def _verbs(kind: _Kind) -> dict[str, VerbEntry]:
 
 @click.group(cls=LazyGroup, verbs=_verbs(_MESSAGES), examples="rostether msg show sensor_msgs/Range")
 def msg() -> None:
-    """Show message definitions: those we bring along, and those of your own packages."""
+    """Show message definitions: built-in ones, and those of your packages."""
 
 
 @click.group(cls=LazyGroup, verbs=_verbs(_SERVICES), examples="rostether srv show std_srvs/SetBool")
 def srv() -> None:
-    """Show service definitions: those we bring along, and those of your own packages."""
+    """Show service definitions: built-in ones, and those of your packages."""
 
 
 def _registry(msg_paths: tuple[Path, ...], graph: GraphOptions) -> Registry:

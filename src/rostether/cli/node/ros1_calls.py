@@ -76,7 +76,7 @@ async def find_node(master: MasterClient, name: str) -> str:
 
 
 def unknown_node(name: str, known: Iterable[str]) -> UnknownNameError:
-    """Return the error for a node that nobody has heard of."""
+    """Return the error for an unknown node."""
     from difflib import get_close_matches
 
     near = get_close_matches(name, known, n=1)

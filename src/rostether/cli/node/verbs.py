@@ -38,7 +38,7 @@ _listing_options = option_group(
 @graph_options()
 @daemon_habits
 def list_nodes(wanted: NodeListing, graph: GraphOptions) -> None:
-    """List the nodes that run, all of them or those in a namespace."""
+    """List all running nodes, or those in a namespace."""
     nodes_of(graph).list_nodes(wanted)
 
 
@@ -78,7 +78,7 @@ def machine(name: str | None, graph: GraphOptions) -> None:
 @json_option
 @graph_options()
 def ping(name: str | None, ping_all: bool, count: int | None, as_json: bool, graph: GraphOptions) -> None:
-    """See whether a node answers, once a second until Ctrl-C; exit code 1 when one does not."""
+    """Ping a node once a second until Ctrl-C; the exit code is 1 if it does not answer."""
     nodes = nodes_of(graph)
     if ping_all and (name or count):
         raise click.UsageError("--all pings each node once: leave the node's name and -c out")
@@ -105,5 +105,5 @@ def kill(names: tuple[str, ...], kill_all: bool, graph: GraphOptions) -> None:
 @click.option("-y", "--yes", is_flag=True, help="Do not ask.")
 @graph_options()
 def cleanup(yes: bool, graph: GraphOptions) -> None:
-    """Have the master forget nodes that do not answer, after asking whether it should."""
+    """Unregister nodes that do not answer from the master, after confirmation."""
     nodes_of(graph).cleanup(yes=yes)

@@ -151,4 +151,4 @@ def _topic(topic: TopicInfo) -> str:
 
 
 def _others(word: str, nodes: Sequence[str]) -> str:
-    return f"{word} {', '.join(map(one_line, nodes))}" if nodes else f"{word} nobody"
+    return f"{word} {', '.join(map(one_line, nodes))}" if nodes else f"{word} no node"

@@ -60,7 +60,7 @@ def as_colored(lines: Sequence[Sequence[Piece]], footer: str) -> Text:
 
 
 def _joined(cells: Sequence[Piece]) -> Iterator[Piece]:
-    """Yield cells of one curve in one piece: a terminal is told of each color once."""
+    """Yield cells of one curve in one piece: each color is sent once."""
     for number, run in groupby(cells, key=lambda cell: cell[1]):
         yield "".join(text for text, _ in run), number
 

@@ -7,12 +7,10 @@ import click
 from rostether.cli.shell.verbs import LazyGroup, VerbEntry
 
 _VERBS = {
-    "echo": VerbEntry("rostether.cli.robot.tf_echo:echo", "Print where one frame stands in another."),
+    "echo": VerbEntry("rostether.cli.robot.tf_echo:echo", "Print the transform between two frames."),
     "tree": VerbEntry("rostether.cli.robot.tf_tree:tree", "Show the tree of frames."),
-    "monitor": VerbEntry(
-        "rostether.cli.robot.tf_monitor:monitor", "Show how late and how often transforms come."
-    ),
-    "static": VerbEntry("rostether.cli.robot.tf_static:static", "Publish a transform that stays."),
+    "monitor": VerbEntry("rostether.cli.robot.tf_monitor:monitor", "Show the delay and rate of transforms."),
+    "static": VerbEntry("rostether.cli.robot.tf_static:static", "Publish a static transform."),
 }
 
 

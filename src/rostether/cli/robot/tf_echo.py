@@ -48,10 +48,10 @@ def echo(
     as_json: bool,
     graph: GraphOptions,
 ) -> int:
-    """Print where the frame CHILD stands in the frame PARENT, RATE times a second (once).
+    """Print the pose of the frame CHILD in the frame PARENT, RATE times a second (default: once).
 
-    Translations are in metres, rotations a quaternion and roll, pitch and yaw. Frames that nobody has told
-    of yet are waited for.
+    Translations are in metres, rotations a quaternion and roll, pitch and yaw. The command waits for frames
+    that are not known yet.
     """
     return run(
         _echo(parent.removeprefix("/"), child.removeprefix("/"), rate, count, timeout_s, as_json, graph)

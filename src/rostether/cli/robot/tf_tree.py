@@ -1,4 +1,4 @@
-"""`rostether tf tree`: the frames that tf tells of, each below its parent."""
+"""`rostether tf tree`: the frames of tf, each below its parent."""
 
 from __future__ import annotations
 

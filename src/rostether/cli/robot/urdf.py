@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 _HERE = "rostether.cli.robot.urdf:"
 _VERBS = {
-    "check": VerbEntry(f"{_HERE}check", "Say whether a description is right, as check_urdf does."),
+    "check": VerbEntry(f"{_HERE}check", "Check a description, like check_urdf."),
     "tree": VerbEntry(f"{_HERE}tree", "Show links and joints."),
 }
 
@@ -45,7 +45,7 @@ def urdf() -> None:
 @_file
 @_mappings
 def check(file: Path, mappings: tuple[str, ...]) -> None:
-    """Say what is wrong with FILE, or show its tree of links; a .xacro file is expanded first."""
+    """Report errors in FILE, or show its tree of links; a .xacro file is expanded first."""
     model = _load(file, mappings)
     write_line(f"robot name is: {one_line(model.name)}")
     write_line("---------- Successfully Parsed XML ---------------")

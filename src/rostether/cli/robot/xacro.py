@@ -29,7 +29,7 @@ from rostether.cli.shell.verbs import Verb
 )
 @click.option("-q", "quiet", is_flag=True, expose_value=False, help="Accepted.")
 def xacro(file: Path, mappings: tuple[str, ...], output: Path | None, deps: bool) -> None:
-    """Print the URDF that FILE stands for."""
+    """Expand FILE and print the URDF."""
     from rostether.errors import ConfigError
     from rostether.packages.locate import package_folders
     from rostether.robot.xacro import expand_xacro, parse_mappings, xacro_dependencies

@@ -38,7 +38,7 @@ ROLES = {
         f"{_STATIC}:static_transform_publisher", "Publish a transform that stays, like tf's."
     ),
     "relay": VerbEntry(f"{_TOPICS}:relay", "Publish a topic again under another name."),
-    "throttle": VerbEntry(f"{_TOPICS}:throttle", "Publish a topic again, at most so often."),
+    "throttle": VerbEntry(f"{_TOPICS}:throttle", "Publish a topic again at a limited rate."),
     "mux": VerbEntry(f"{_TOPICS}:mux", "Publish one of several topics, chosen by a service."),
     "mux-select": VerbEntry(f"{_TOPICS}:mux_select", "Choose what a mux publishes."),
     "mux-add": VerbEntry(f"{_TOPICS}:mux_add", "Add an input to a mux."),
@@ -49,7 +49,8 @@ ROLES = {
         "rostether.cli.gateway.foxglove:foxglove_bridge", "Serve Foxglove, like foxglove_bridge."
     ),
     "rosapi-node": VerbEntry(
-        "rostether.cli.gateway.rosapi:rosapi_node", "Tell by services what is on the graph, like rosapi_node."
+        "rostether.cli.gateway.rosapi:rosapi_node",
+        "Answer queries about the graph by services, like rosapi_node.",
     ),
     "rosbridge-websocket": VerbEntry(
         "rostether.cli.gateway.rosbridge:rosbridge_websocket", "Serve web pages, like rosbridge_websocket."
@@ -67,4 +68,4 @@ ROLES = {
     """,
 )
 def role() -> None:
-    """Be one of ROS's standard nodes, as `rostether run` and launch files start them."""
+    """Run a standard ROS node, as `rostether run` and launch files do."""

@@ -18,13 +18,13 @@ _call_options = option_group(
     CallOptions,
     (
         click.option("-v", "--verbose", is_flag=True, help="Print the request, too."),
-        click.option("--wait", is_flag=True, help="Wait until somebody offers the service."),
+        click.option("--wait", is_flag=True, help="Wait until a node offers the service."),
         click.option(
             "--timeout",
             "timeout_s",
             type=click.FloatRange(min=0, min_open=True),
             metavar="SECONDS",
-            help="Give up after SECONDS; without it, wait as long as the server lives.",
+            help="Give up after SECONDS (default: wait as long as the server runs).",
         ),
         click.option(
             "-r",
@@ -32,7 +32,7 @@ _call_options = option_group(
             "rate_hz",
             type=click.FloatRange(min=0, min_open=True),
             metavar="HZ",
-            help="With --ros2, call again and again.",
+            help="With --ros2, call repeatedly at this rate.",
         ),
         json_option,
         msg_path_option,
@@ -60,7 +60,7 @@ def call(service: str, arguments: tuple[str, ...], options: CallOptions, graph: 
     """Call a service and print its response.
 
     ARGUMENTS are YAML: one mapping of the request's fields, or the value of each field in order. Without
-    them, requests come from a pipe, in YAML documents that are separated by ---. With --ros2 the service's
-    type may stand before them, and what is not given has its default.
+    them, requests come from a pipe, in YAML documents that are separated by ---. With --ros2 you can give the
+    service's type first; missing fields have their defaults.
     """
     services_of(graph).call(service, arguments, options)

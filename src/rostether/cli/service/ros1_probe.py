@@ -37,7 +37,7 @@ async def provider(client: MasterClient, service: str) -> str:
 
 
 def unknown_service(service: str, known: Iterable[str]) -> UnknownNameError:
-    """Return the error for a service that nobody offers."""
+    """Return the error for a service that no node offers."""
     from difflib import get_close_matches
 
     near = get_close_matches(service, list(known), n=1)

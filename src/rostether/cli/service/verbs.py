@@ -40,7 +40,7 @@ _listing_options = option_group(
 @graph_options()
 @daemon_habits
 def list_services(wanted: ServiceListing, graph: GraphOptions) -> None:
-    """List the services, of all or of a namespace."""
+    """List all services, or those in a namespace."""
     services_of(graph).list_services(wanted)
 
 

@@ -28,7 +28,11 @@ _echo_options = option_group(
         click.option("--noarr", "--no-arr", is_flag=True, help="Leave arrays out."),
         click.option("--nostr", "--no-str", is_flag=True, help="Leave strings out."),
         click.option(
-            "-w", "number_width", type=click.IntRange(min=2), metavar="WIDTH", help="Columns of a number."
+            "-w",
+            "number_width",
+            type=click.IntRange(min=2),
+            metavar="WIDTH",
+            help="Width of a number in columns.",
         ),
         click.option("--offset", is_flag=True, help="Print times relative to now, in seconds."),
         click.option(
@@ -38,18 +42,21 @@ _echo_options = option_group(
             help="Print only messages m for which the Python expression is true.",
         ),
         click.option(
-            "--field", default="", metavar="FIELD", help="With --ros2, print one field, as header.stamp."
+            "--field",
+            default="",
+            metavar="FIELD",
+            help="With --ros2, print only this field, e.g. header.stamp.",
         ),
+        click.option("--csv", is_flag=True, help="With --ros2, print comma-separated values."),
         click.option(
-            "--csv", is_flag=True, help="With --ros2, print all values in a line, with commas between."
+            "-f", "--full-length", is_flag=True, help="With --ros2, do not truncate arrays and strings."
         ),
-        click.option("-f", "--full-length", is_flag=True, help="With --ros2, cut nothing."),
         click.option(
             "-l",
             "--truncate-length",
             type=click.IntRange(min=0),
             metavar="LENGTH",
-            help="With --ros2, cut arrays and texts after LENGTH (128).",
+            help="With --ros2, truncate arrays and strings to LENGTH (128).",
         ),
         click.option("--flow-style", is_flag=True, help="With --ros2, print each message on one line."),
         click.option(
@@ -83,7 +90,7 @@ _echo_options = option_group(
 def echo(topic: str, type_name: str | None, options: EchoOptions, graph: GraphOptions) -> None:
     """Print the messages of a topic, or a field of them.
 
-    The types of messages are learned from their publisher, so even types that are not installed here can
-    be shown. A topic that is not there yet is waited for, unless its TYPE is given.
+    Message types come from the publisher, so types that are not installed also work. The command waits for a
+    topic that does not exist yet, unless you give its TYPE.
     """
     topics_of(graph).echo(topic, type_name, options)

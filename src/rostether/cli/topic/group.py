@@ -12,9 +12,9 @@ _VERBS = {
     "type": VerbEntry("rostether.cli.topic.listing:type_of", "Print the type of a topic or of a field."),
     "echo": VerbEntry("rostether.cli.topic.echo:echo", "Print the messages of a topic."),
     "pub": VerbEntry("rostether.cli.topic.pub:pub", "Publish messages."),
-    "hz": VerbEntry("rostether.cli.topic.rates:hz", "Measure how often messages come."),
-    "bw": VerbEntry("rostether.cli.topic.rates:bw", "Measure how many bytes a second they take."),
-    "delay": VerbEntry("rostether.cli.topic.rates:delay", "Measure how old messages are when they come."),
+    "hz": VerbEntry("rostether.cli.topic.rates:hz", "Measure the message rate."),
+    "bw": VerbEntry("rostether.cli.topic.rates:bw", "Measure the bandwidth of a topic."),
+    "delay": VerbEntry("rostether.cli.topic.rates:delay", "Measure the age of messages on arrival."),
     "find": VerbEntry("rostether.cli.topic.listing:find", "List the topics of a type."),
 }
 

@@ -17,7 +17,7 @@ from rostether.cli.topic.requests import TopicListing
 from rostether.cli.topic.topics import topics_of
 
 _hidden_topics_option = click.option(
-    "--include-hidden-topics", "with_hidden", is_flag=True, help="With --ros2, hidden topics (_name) too."
+    "--include-hidden-topics", "with_hidden", is_flag=True, help="With --ros2, include hidden topics (_name)."
 )
 _listing_options = option_group(
     "wanted",
@@ -31,7 +31,7 @@ _listing_options = option_group(
         click.option("-s", "subscribers", is_flag=True, help="Only topics that are subscribed to."),
         click.option("--host", "by_host", is_flag=True, help="Group by machine."),
         click.option("-t", "--show-types", is_flag=True, help="Show types."),
-        click.option("-c", "--count-topics", is_flag=True, help="Only print how many there are."),
+        click.option("-c", "--count-topics", is_flag=True, help="Print only the number of topics."),
         _hidden_topics_option,
         json_option,
     ),
@@ -52,7 +52,7 @@ _listing_options = option_group(
 @graph_options()
 @daemon_habits
 def list_topics(wanted: TopicListing, graph: GraphOptions) -> None:
-    """List the topics, of all or of a namespace."""
+    """List all topics, or those in a namespace."""
     if wanted.publishers and wanted.subscribers:
         raise click.UsageError("give one of -p and -s, not both")
     topics_of(graph).list_topics(wanted)

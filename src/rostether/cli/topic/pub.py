@@ -19,13 +19,18 @@ _pub_options = option_group(
     "options",
     PubOptions,
     (
-        click.option("-1", "--once", is_flag=True, help="Publish one message, let it arrive and end."),
+        click.option(
+            "-1", "--once", is_flag=True, help="Publish one message, wait until it arrives, and exit."
+        ),
         click.option("-r", "--rate", "rate_hz", type=click.FloatRange(min=0, min_open=True), metavar="HZ"),
         click.option(
-            "-l", "--latch", is_flag=True, help="Latch with -r, -f and pipes too; a lone message always is."
+            "-l",
+            "--latch",
+            is_flag=True,
+            help="Also latch with -r, -f and pipes; a single message is always latched.",
         ),
         click.option(
-            "-f", "--file", type=click.Path(path_type=Path), help="Take the messages of a YAML file."
+            "-f", "--file", type=click.Path(path_type=Path), help="Read the messages from a YAML file."
         ),
         click.option(
             "-s", "--substitute-keywords", is_flag=True, help="With -r, fill `now` and `auto` in each time."
@@ -48,7 +53,7 @@ _pub_options = option_group(
             "wait_for",
             type=click.IntRange(min=0),
             metavar="COUNT",
-            help="With --ros2, begin when COUNT subscribers are there (1 with -1 and -t, else 0).",
+            help="With --ros2, wait for COUNT subscribers (1 with -1 and -t, else 0).",
         ),
         click.option(
             "--max-wait-time-secs",
@@ -63,7 +68,7 @@ _pub_options = option_group(
             "print_nth",
             type=click.IntRange(min=0),
             metavar="N",
-            help="With --ros2, show every N-th message only.",
+            help="With --ros2, show only every N-th message.",
         ),
         click.option(
             "--qos-durability",
@@ -102,8 +107,8 @@ def pub(
     -1 and -r the message is latched until Ctrl-C. Without VALUES, messages come from a file (-f) or a pipe,
     in YAML documents separated by ---.
 
-    With --ros2 it is as `ros2 topic pub`: without -1 and -t it publishes again and again, once a second
-    unless -r says otherwise, and fields that are not given have their defaults.
+    With --ros2 it works like `ros2 topic pub`: without -1 and -t it publishes repeatedly, once a second
+    unless -r is given, and missing fields have their defaults.
     """
     if values and options.file is not None:
         raise click.UsageError("give values or a file, not both")

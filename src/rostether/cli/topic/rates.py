@@ -36,7 +36,7 @@ NOTHING_NEW = "no new messages"
 _count_option = click.option(
     "-n", "count", type=click.IntRange(min=1), metavar="COUNT", help="End after COUNT reports."
 )
-_nodelay_option = click.option("--tcpnodelay", is_flag=True, help="For habit: it is always so.")
+_nodelay_option = click.option("--tcpnodelay", is_flag=True, help="Accepted; always on.")
 
 
 @click.command(
@@ -50,8 +50,13 @@ _nodelay_option = click.option("--tcpnodelay", is_flag=True, help="For habit: it
 )
 @click.argument("topics", metavar="TOPIC...", nargs=-1, required=True, shell_complete=complete_topics)
 @window_option(None)
-@click.option("--filter", "expression", metavar="EXPRESSION", help="Count only messages m it is true for.")
-@click.option("--wall-time", is_flag=True, help="Measure by this machine's clock, in a simulation too.")
+@click.option(
+    "--filter",
+    "expression",
+    metavar="EXPRESSION",
+    help="Count only messages m for which the Python expression is true.",
+)
+@click.option("--wall-time", is_flag=True, help="Use this machine's clock, even in a simulation.")
 @_nodelay_option
 @_count_option
 @json_option
@@ -69,7 +74,7 @@ def hz(
     msg_paths: tuple[Path, ...],
     graph: GraphOptions,
 ) -> None:
-    """Measure how often messages come, and print it every second."""
+    """Measure the message rate and print it every second."""
     test: Callable[[object, str], bool] | None = None
     if expression is not None:
         from rostether.expression.compiler import compile_filter
@@ -137,7 +142,7 @@ def _report_rates(windows: dict[str, IntervalWindow], as_json: bool) -> None:
 @graph_options(allow=TOOL_ALLOW)
 @daemon_habits
 def bw(topic: str, window: int, count: int | None, as_json: bool, graph: GraphOptions) -> None:
-    """Measure how many bytes a second a topic takes, and print it every second."""
+    """Measure the bandwidth of a topic and print it every second."""
     sizes = SizeWindow(window)
 
     async def measure() -> None:
@@ -179,7 +184,7 @@ def delay(
     msg_paths: tuple[Path, ...],
     graph: GraphOptions,
 ) -> None:
-    """Measure how old messages are when they come, by the stamp in their header."""
+    """Measure the age of messages on arrival, from the stamp in their header."""
     delays = DelayWindow(-1 if window is None else window)
 
     async def measure() -> None:

@@ -46,7 +46,7 @@ class IntervalWindow:
         self._reported_s: float | None = None
 
     def add(self, now_s: float) -> None:
-        """Count a message; a clock that went back starts anew."""
+        """Count a message; restart if the clock went back."""
         if self._last_s is None or now_s < self._last_s:
             self._intervals.clear()
         else:

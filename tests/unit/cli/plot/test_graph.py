@@ -32,7 +32,7 @@ def test_text_shows_both_ends_of_each_topic() -> None:
     assert list(as_text(choose(SNAPSHOT))) == [
         "/arm/controller",
         "  -> /servo [std_msgs/Int16] to /board",
-        "  <- /arm/goal [unknown type] from nobody",
+        "  <- /arm/goal [unknown type] from no node",
         "  <- /scan [sensor_msgs/Range] from /board",
         "  => /move",
         "/board",
@@ -140,7 +140,7 @@ def test_files_by_their_names(shell: Shell, tmp_path: Path, name: str) -> None:
 
 @pytest.mark.usefixtures("busy")
 def test_what_cannot_be_done_is_said(shell: Shell, tmp_path: Path) -> None:
-    assert "end it with .svg, .png" in shell.failure("graph", "--save", str(tmp_path / "graph.gif"), code=2)
+    assert "end its name with .svg, .png" in shell.failure("graph", "--save", str(tmp_path / "graph.gif"), code=2)
     assert "give one of" in shell.failure("graph", "--json", "--format", "dot", code=2)
     assert "no node, topic or namespace /ghost" in shell.failure("graph", "ghost")
     missing = tmp_path / "missing" / "graph.svg"

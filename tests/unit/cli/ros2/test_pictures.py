@@ -10,10 +10,10 @@ from unit.cli.ros2.zenoh_world import ZenohWorld
 def test_graph(world: ZenohWorld, shell: Shell, tmp_path: Path) -> None:
     assert shell.output("graph").splitlines() == [
         "/far/board",
-        "  -> /imu [sensor_msgs/msg/Imu] to nobody",
-        "  -> /name [std_msgs/msg/String] to nobody",
-        "  <- /cmd_vel [geometry_msgs/msg/Twist] from nobody",
-        "  <- /goal [geometry_msgs/msg/Pose] from nobody",
+        "  -> /imu [sensor_msgs/msg/Imu] to no node",
+        "  -> /name [std_msgs/msg/String] to no node",
+        "  <- /cmd_vel [geometry_msgs/msg/Twist] from no node",
+        "  <- /goal [geometry_msgs/msg/Pose] from no node",
         "  => /set_led [std_srvs/srv/SetBool]",
     ]
     assert "/_raw" in shell.output("graph", "--all")
