@@ -59,7 +59,7 @@ _ACCESS_OPTIONS = (
         default="",
         metavar="TOKEN",
         envvar=TOKEN_VARIABLE,
-        help=f"Require this token from web clients, e.g. ws://HOST:PORT/?token=TOKEN; or set {TOKEN_VARIABLE}.",
+        help=f"Require this token from web clients: ws://HOST:PORT/?token=TOKEN; or set {TOKEN_VARIABLE}.",
     ),
     click.option(
         "--origin",

@@ -22,7 +22,7 @@ def read_bytes(file: Path) -> bytes:
             with file.open("rb") as opened:
                 data = opened.read(MAX_FILE_BYTES + 1)
     except (FileNotFoundError, IsADirectoryError):
-        raise ConfigError(f"file {file} does not exist") from None
+        raise ConfigError(f"there is no file {file}") from None
     except (OSError, ValueError) as error:
         raise ConfigError(f"cannot read {file}: {getattr(error, 'strerror', None) or error}") from None
     if len(data) > MAX_FILE_BYTES:
