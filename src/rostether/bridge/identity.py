@@ -1,8 +1,8 @@
-"""The node name of a board: its link address's, else devices.toml's, else what stays when it comes back.
+"""The node name of a board: from its link address, else from devices.toml, else from a stable identity.
 
 A serial port on USB is named by the adapter's serial number where it has one, so that a board keeps its name
 whichever port it gets; other ports by their path; boards on a network by their address without the port,
-which changes with every connection. Two boards that would have one name are told apart by `_2`, `_3` ...
+which changes with every connection. If two boards would have the same name, `_2`, `_3` ... is appended.
 """
 
 from __future__ import annotations

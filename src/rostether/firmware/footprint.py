@@ -140,7 +140,7 @@ async def measure(elf: Path, board: Board, origins: Origins | None = None) -> Fo
 
 
 async def measure_built(built: BuiltFirmware) -> Footprint:
-    """Measure what was built, with the sketch's folder and its libraries told apart."""
+    """Measure a built firmware; the sketch's folder and its libraries are listed separately."""
     libraries = [(each.name, each.folder) for each in built.libraries if each.origin is not Origin.ROS]
     return await measure(built.elf, built.board, Origins(built.sketch.folder, libraries))
 

@@ -15,7 +15,7 @@ _LINE_MARKER = re.compile(r'#(?:line)? (\d+) "((?:[^"\\]|\\.)*)"')
 
 @dataclass(frozen=True, slots=True)
 class InoFile:
-    """One file of a sketch: its path as errors shall name it, and its text with plain line ends."""
+    """One file of a sketch: its path as errors name it, and its text with plain line ends."""
 
     path: str
     text: str

@@ -20,7 +20,7 @@ PRIVATE_SERVICES = (
     "*/set_parameters_atomically",
     "*/get_type_description",
 )
-"""What every node of a graph offers about itself, likewise."""
+"""Services that every node of a graph offers about itself; they are not relayed."""
 
 
 class Direction(Enum):

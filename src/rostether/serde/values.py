@@ -73,7 +73,7 @@ class MessageClasses:
     """Makes an array of numbers."""
 
     text_errors: str = "surrogateescape"
-    """What becomes of bytes of a string that are not UTF-8."""
+    """The error handler for bytes of a string that are not UTF-8."""
 
     def __init__(self) -> None:
         self._classes: dict[str, type[Message]] = {}

@@ -139,7 +139,7 @@ class EndpointFindings:
 
 
 def _sent_by_board(endpoint: Endpoint) -> TopicInfo | None:
-    """Return what the board announced of the messages that it sends; a service has two halves."""
+    """Return the announcement of the messages that the board sends; a service has one per direction."""
     if isinstance(endpoint, PublisherEndpoint):
         return endpoint.info
     if isinstance(endpoint, ServiceEndpoint):

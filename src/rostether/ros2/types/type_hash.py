@@ -68,7 +68,7 @@ def message_hash(message: Ros2Message, definitions: HashSource) -> str:
 
 
 def service_hash(service: Ros2Service, definitions: HashSource) -> str:
-    """Return a service's hash, as `message_hash` does. Raises likewise."""
+    """Return a service's hash. Raises the same errors as `message_hash`."""
     if definitions.distro in _DISTROS_WITHOUT_HASHES:
         return TYPE_HASH_NOT_SUPPORTED
     event = event_message(service)
