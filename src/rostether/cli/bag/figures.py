@@ -1,4 +1,4 @@
-"""How recordings are told to people: sizes, times and durations as rosbag prints them."""
+"""Formats sizes, times and durations of recordings as rosbag prints them."""
 
 from __future__ import annotations
 

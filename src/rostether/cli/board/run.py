@@ -1,4 +1,4 @@
-"""`rostether board run`: a sketch on a simulated board, told by lines of stdin, its events on stdout."""
+"""`rostether board run`: a sketch on a simulated board, with commands on stdin and events on stdout."""
 
 from __future__ import annotations
 

@@ -55,9 +55,9 @@ def firmware_lib(
 ) -> None:
     """Write the C++ client library with the headers of messages and services to DIR/ros_lib.
 
-    An older generated library there is replaced, as a whole; a folder that is none is never touched. It is
-    an Arduino and a PlatformIO library, and for any other build -I DIR/ros_lib/src is enough. Definitions
-    that cannot be read are told and skipped, the others generated; the exit code is then 1.
+    An older generated library there is replaced as a whole; any other folder is never touched. The library
+    works with Arduino and PlatformIO; any other build needs only -I DIR/ros_lib/src. Definitions that cannot
+    be read are reported and skipped, the others are generated; the exit code is then 1.
     """
     from rostether.codegen.arduino_library import write_library
     from rostether.msgdef.registry import Registry

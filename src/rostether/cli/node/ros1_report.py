@@ -23,7 +23,7 @@ def format_registrations(name: str, registered: Registrations) -> str:
 
 
 def format_connections(pid: int, connected: Iterable[Connection]) -> str:
-    """Return the part that the node itself told."""
+    """Return the part that the node itself reported."""
     lines = [f"Pid: {pid}"]
     for index, each in enumerate(connected):
         if not index:

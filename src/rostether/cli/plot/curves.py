@@ -13,7 +13,7 @@ from rostether.rostime import Duration, Time
 from rostether.serde.values import Message
 
 MAX_CURVES = 28
-"""Four rounds of colors: more cannot be told apart, and a laser scan has hundreds of ranges."""
+"""Four rounds of colors: more cannot be distinguished, and a laser scan has hundreds of ranges."""
 
 MAX_POINTS = 200_000
 """Of all curves: 10 minutes of seven curves at 50 Hz; the oldest are forgotten first."""

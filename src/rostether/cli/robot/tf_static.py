@@ -33,7 +33,7 @@ _arguments = click.argument("words", nargs=-1, type=click.UNPROCESSED, metavar=_
 )
 @_arguments
 def static(words: tuple[str, ...]) -> None:
-    """Publish where CHILD stands in PARENT on /tf_static, until told to end.
+    """Publish the transform from PARENT to CHILD on /tf_static until Ctrl-C.
 
     In metres, and radians or a quaternion. A number of milliseconds behind it publishes on /tf, again and
     again, as tf's own does; PARAMETER is one that holds a geometry_msgs/TransformStamped.
