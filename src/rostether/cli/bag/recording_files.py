@@ -53,7 +53,7 @@ class Packing:
 class NewFiles:
     """The files of one recording, named as rosbag and rosbag2 do it. Raises ConfigError.
 
-    `types` is set when the graph is known, `unfit` when the ROS 2 types are.
+    `types` and `unfit` are set later, when the graph is known.
     """
 
     def __init__(
