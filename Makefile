@@ -11,7 +11,7 @@ help:
 	@echo "make test-fast  the tests that need no other program: no compiler, simulator or ROS"
 	@echo "make test-pythons  the unit, property and contract tests under every Python here, from 3.11 on"
 	@echo "make test-fresh  what CI does, in a new Debian 12 made by mmdebstrap (root, 20 minutes)"
-	@echo "make check  ruff, mypy, import-linter and reuse"
+	@echo "make check  ruff, mypy, import-linter, reuse and the words of our texts"
 	@echo "make bench  measure the data path, beside a bare relay"
 	@echo "make fuzz   look for inputs that break a promise, ten minutes a target (SECONDS=600)"
 	@echo "make soak   serve boards on lines that fail all the time, for MINUTES=10"
@@ -43,6 +43,7 @@ check: $(VENV)/.dev
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
 	$(BIN)/reuse lint --quiet
+	$(BIN)/python scripts/check-words
 
 bench: $(VENV)/.dev
 	scripts/install-peers
