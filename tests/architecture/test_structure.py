@@ -28,6 +28,7 @@ HEAVY = {
     "rosbags",
     "rich",
     "serialx",
+    "elftools",
     "zeroconf",
     "xml.dom",
     "http.client",

@@ -9,8 +9,6 @@ from functools import cached_property
 
 from rostether.firmware.avr_code import Op, decode
 from rostether.firmware.avr_pointers import PLAIN, UNKNOWN, table_functions
-from rostether.firmware.dwarf import code_ranges
-from rostether.firmware.dwarf_variables import read_variables
 from rostether.firmware.elf import ElfFile, Symbol
 from rostether.firmware.stack_walk import Code, Walk, walk
 
@@ -56,7 +54,7 @@ class CallGraph:
             for each in self._functions
             if each.kind == _FUNCTION and each.name != _PURE_VIRTUAL
         }
-        self._ranges = code_ranges(elf)
+        self._ranges = elf.code_ranges
         self._walks: dict[int, Walk] = {}
         self._calls: dict[int, dict[int, int]] = {}
 
@@ -143,7 +141,7 @@ class CallGraph:
         sizes = {each.address: each.size for each in self._elf.symbols if each.size}
         hidden = [
             (each.address, sizes.get(each.address, 0))
-            for each in read_variables(self._elf)
+            for each in self._elf.variables
             if each.type_name.startswith(_NODE_NAMESPACE)
         ]
         hidden += [(each.address, each.size) for each in self._tables]

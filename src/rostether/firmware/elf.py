@@ -1,29 +1,44 @@
-"""The parts of an ELF file that say what takes memory: sections, symbols, and the bytes at an address.
+"""What an ELF file says about memory: sections, symbols, bytes at an address, and the debugging information.
 
-Source: System V ABI, chapter 4. 32 bits and little endian, as all microcontrollers of ours have it.
+It reads files of 32 bits and little endian, as all supported microcontrollers have, with DWARF 2 to 5.
+This is the only module that imports pyelftools.
 """
 
 from __future__ import annotations
 
-import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
+from io import BytesIO
 from pathlib import Path
+
+from elftools.dwarf.compileunit import CompileUnit
+from elftools.dwarf.die import DIE
+from elftools.dwarf.lineprogram import LineProgram
+from elftools.elf.elffile import ELFFile
+from elftools.elf.enums import ENUM_ST_INFO_TYPE
+from elftools.elf.sections import Section as ElfSection
+from elftools.elf.sections import SymbolTableSection
 
 from rostether.errors import FirmwareError
 
 _MAGIC = b"\x7fELF\x01\x01"
-_HEADER = struct.Struct("<HHIIIIIHHHHHH")
-_SECTION = struct.Struct("<10I")
-_SYMBOL = struct.Struct("<IIIBBH")
-_SYMBOL_TABLE = 2
-_NO_BITS = 8
 _WRITABLE, _ALLOCATED = 1, 2
 _RESERVED_INDEX = 0xFF00
 # avr-gcc gives EEPROM, fuses and lock bits addresses from here on: they are neither flash nor RAM.
-_AVR_MACHINE = 83
 _AVR_NO_MEMORY = 0x810000
+_NAMED_TYPES = frozenset(
+    f"DW_TAG_{kind}_type" for kind in ("class", "structure", "union", "enumeration", "base")
+)
+_SCOPES = _NAMED_TYPES | {"DW_TAG_namespace"}
+_ORIGINS = ("DW_AT_specification", "DW_AT_abstract_origin")
+_DEBUG_SECTIONS = (".debug_", ".zdebug_", ".eh_frame")
+_ADDRESS_OPERATION = 0x03
+# A damaged file may have entries that refer to each other.
+_MAX_INDIRECTIONS = 16
+# From this version on, the first file has the number 0.
+_FILES_FROM_ZERO = 5
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,8 +65,27 @@ class Symbol:
     section: str
 
 
+@dataclass(frozen=True, slots=True)
+class CodeRange:
+    """Instructions from `start` to before `end` that come from one line of a file, inlined code included."""
+
+    start: int
+    end: int
+    file: str
+
+
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """A variable with a fixed address; `type_name` without const and reference, with its namespaces."""
+
+    name: str
+    address: int
+    type_name: str
+    file: str
+
+
 class ElfFile:
-    """An ELF file's content. Raises FirmwareError for what is none."""
+    """An ELF file's content. Raises FirmwareError for a file that is not ELF or is broken."""
 
     def __init__(self, content: bytes, name: str = "the file") -> None:
         if content[:6] != _MAGIC:
@@ -59,16 +93,17 @@ class ElfFile:
         self._content = content
         self._name = name
         try:
-            header = _HEADER.unpack_from(content, 16)
-            self.machine: int = header[1]
-            self.flags: int = header[6]
-            self._headers = [
-                _SECTION.unpack_from(content, header[5] + index * header[10]) for index in range(header[11])
-            ]
-            names = self._bits(self._headers[header[12]])
-            self.sections = [self._section(each, names) for each in self._headers]
-        except (struct.error, IndexError):
-            raise FirmwareError(f"{name} is a broken ELF file; build it again") from None
+            self._file = ELFFile(BytesIO(content))
+            self.is_avr: bool = self._file["e_machine"] == "EM_AVR"
+            self.flags: int = self._file["e_flags"]
+            # Not num_sections(): a damaged file can make that billions.
+            self._parts = [self._file.get_section(index) for index in range(self._file["e_shnum"])]
+            self.sections = [self._section(each) for each in self._parts]
+        # The library raises errors of many types for a damaged file.
+        except Exception as error:
+            raise self._broken() from error
+        if not self.sections:
+            raise self._broken()
 
     @classmethod
     def read(cls, path: Path) -> ElfFile:
@@ -77,11 +112,6 @@ class ElfFile:
             return cls(path.read_bytes(), str(path))
         except OSError as error:
             raise FirmwareError(f"cannot read {path}: {error.strerror}") from None
-
-    @property
-    def is_avr(self) -> bool:
-        """Whether it is a program for an 8-bit AVR."""
-        return self.machine == _AVR_MACHINE
 
     def section(self, name: str) -> Section | None:
         """Return a section by name."""
@@ -112,17 +142,8 @@ class ElfFile:
         """All symbols that have an address, by address. Raises FirmwareError for a broken table."""
         try:
             return sorted(self._read_symbols(), key=lambda symbol: symbol.address)
-        except (struct.error, IndexError):
-            raise FirmwareError(f"{self._name} is a broken ELF file; build it again") from None
-
-    def _read_symbols(self) -> Iterator[Symbol]:
-        for header in self._headers:
-            if header[1] != _SYMBOL_TABLE:
-                continue
-            names = self._bits(self._headers[header[6]])
-            for name, value, size, info, _, index in _SYMBOL.iter_unpack(self._bits(header)):
-                if 0 < index < _RESERVED_INDEX:
-                    yield Symbol(_text(names, name), value, size, info & 0xF, self.sections[index].name)
+        except Exception as error:
+            raise self._broken() from error
 
     def read_at(self, address: int, size: int) -> bytes:
         """Return bytes that the file has for an address; fewer when it has not so many."""
@@ -132,20 +153,163 @@ class ElfFile:
                 return section.data[start : start + size]
         return b""
 
-    def _section(self, header: tuple[int, ...], names: bytes) -> Section:
+    @cached_property
+    def code_ranges(self) -> list[CodeRange]:
+        """Which file each piece of code comes from, by address; code of assemblers is often missing."""
+        ranges: list[CodeRange] = []
+        programs = {each.program_start_offset: each for each in self._programs.values()}
+        # Of damaged information, what was read until there is still good.
+        with suppress(Exception):
+            for _, program in sorted(programs.items()):
+                ranges += _program_ranges(program)
+        return sorted(ranges, key=lambda each: each.start)
+
+    @cached_property
+    def variables(self) -> list[Variable]:
+        """The variables that debugging information describes; none when it cannot be read."""
+        with suppress(Exception):
+            # All entries first: an entry knows its parent only after its unit was read in order.
+            entries = [entry for unit in self._units for entry in unit.iter_DIEs()]
+            return [variable for entry in entries for variable in _variable(entry, self._programs)]
+        return []
+
+    @cached_property
+    def _programs(self) -> dict[int, LineProgram]:
+        """The line number programs of units, by the unit's offset."""
+        programs = {}
+        with suppress(Exception):
+            for unit in self._units:
+                program = unit.dwarfinfo.line_program_for_CU(unit)
+                if program is not None:
+                    programs[unit.cu_offset] = program
+        return programs
+
+    @cached_property
+    def _units(self) -> list[CompileUnit]:
+        # A damaged file could make the others take any amount of memory.
+        is_bounded = all(
+            each["sh_type"] != "SHT_NOBITS" and not each.compressed
+            for each in self._parts
+            if each.name.startswith(_DEBUG_SECTIONS)
+        )
+        if not is_bounded or not self._file.has_dwarf_info(strict=True):
+            return []
+        information = self._file.get_dwarf_info(relocate_dwarf_sections=False, follow_links=False)
+        return list(information.iter_CUs())
+
+    def _read_symbols(self) -> Iterator[Symbol]:
+        for table in self._parts:
+            if not isinstance(table, SymbolTableSection) or table["sh_type"] != "SHT_SYMTAB":
+                continue
+            for each in table.iter_symbols():
+                index, kind = each["st_shndx"], each["st_info"]["type"]
+                if isinstance(index, int) and 0 < index < _RESERVED_INDEX:
+                    yield Symbol(
+                        name=each.name,
+                        address=each["st_value"],
+                        size=each["st_size"],
+                        kind=ENUM_ST_INFO_TYPE.get(kind, kind),
+                        section=self.sections[index].name,
+                    )
+
+    def _section(self, section: ElfSection) -> Section:
+        has_bits = section["sh_type"] != "SHT_NOBITS"
+        start, size, flags = section["sh_offset"], section["sh_size"], section["sh_flags"]
         return Section(
-            name=_text(names, header[0]),
-            address=header[3],
-            size=header[5],
-            is_allocated=bool(header[2] & _ALLOCATED),
-            is_writable=bool(header[2] & _WRITABLE),
-            has_bits=header[1] != _NO_BITS,
-            data=self._bits(header),
+            name=section.name,
+            address=section["sh_addr"],
+            size=size,
+            is_allocated=bool(flags & _ALLOCATED),
+            is_writable=bool(flags & _WRITABLE),
+            has_bits=has_bits,
+            data=self._content[start : start + size] if has_bits else b"",
         )
 
-    def _bits(self, header: tuple[int, ...]) -> bytes:
-        return b"" if header[1] == _NO_BITS else self._content[header[4] : header[4] + header[5]]
+    def _broken(self) -> FirmwareError:
+        return FirmwareError(f"{self._name} is a broken ELF file; build it again")
 
 
-def _text(names: bytes, offset: int) -> str:
-    return names[offset : names.find(b"\0", offset)].decode("utf-8", "replace")
+def _program_ranges(program: LineProgram) -> Iterator[CodeRange]:
+    earlier = None
+    for entry in program.get_entries():
+        state = entry.state
+        if state is None:
+            continue
+        if earlier is not None and state.address > earlier.address:
+            file = _file_name(program, earlier.file)
+            if file:
+                yield CodeRange(earlier.address, state.address, file)
+        earlier = None if state.end_sequence else state
+
+
+def _file_name(program: LineProgram, number: int) -> str:
+    """Return a source file as the compiler was given it; an empty text for a number without a file."""
+    is_from_zero = program["version"] >= _FILES_FROM_ZERO
+    index = number if is_from_zero else number - 1
+    files, folders = program["file_entry"], program["include_directory"]
+    if not 0 <= index < len(files):
+        return ""
+    name = _text(files[index].name)
+    # Number 0 is the folder in which the compiler ran.
+    in_folder = files[index].dir_index
+    folder = _text(folders[in_folder if is_from_zero else in_folder - 1]) if in_folder else ""
+    return f"{folder}/{name}" if folder and not name.startswith("/") else name
+
+
+def _variable(entry: DIE, programs: Mapping[int, LineProgram]) -> Iterator[Variable]:
+    location = entry.attributes.get("DW_AT_location")
+    if entry.tag != "DW_TAG_variable" or location is None or not isinstance(location.value, list):
+        return
+    operation, *address = location.value
+    if operation != _ADDRESS_OPERATION or len(address) < 2:
+        return
+    name, declared, type_holder = (
+        _holder(entry, attribute) for attribute in ("DW_AT_name", "DW_AT_decl_file", "DW_AT_type")
+    )
+    file = ""
+    if declared is not None and declared.cu.cu_offset in programs:
+        number = declared.attributes["DW_AT_decl_file"].value
+        file = _file_name(programs[declared.cu.cu_offset], number)
+    yield Variable(
+        name="" if name is None else _name(name),
+        address=int.from_bytes(bytes(address), "little"),
+        type_name="" if type_holder is None else _type_name(type_holder),
+        file=file,
+    )
+
+
+def _holder(entry: DIE, attribute: str) -> DIE | None:
+    """Return the entry that has an attribute: this one, or one that it completes."""
+    for _ in range(_MAX_INDIRECTIONS):
+        if attribute in entry.attributes:
+            return entry
+        origin = next((each for each in _ORIGINS if each in entry.attributes), None)
+        if origin is None:
+            return None
+        entry = entry.get_DIE_from_attribute(origin)
+    return None
+
+
+def _type_name(entry: DIE) -> str:
+    for _ in range(_MAX_INDIRECTIONS):
+        if "DW_AT_type" not in entry.attributes:
+            return ""
+        entry = entry.get_DIE_from_attribute("DW_AT_type")
+        if entry.tag in _NAMED_TYPES:
+            return "::".join(reversed([_name(each) for each in _enclosing(entry) if each.tag in _SCOPES]))
+    return ""
+
+
+def _enclosing(entry: DIE | None) -> Iterator[DIE]:
+    while entry is not None:
+        yield entry
+        entry = entry.get_parent()
+
+
+def _name(entry: DIE) -> str:
+    attribute = entry.attributes.get("DW_AT_name")
+    return "" if attribute is None else _text(attribute.value)
+
+
+def _text(value: object) -> str:
+    return value.decode("utf-8", "replace") if isinstance(value, bytes) else ""

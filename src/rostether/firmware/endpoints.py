@@ -13,8 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rostether.errors import RostetherError
-from rostether.firmware.dwarf_variables import Variable, read_variables
-from rostether.firmware.elf import ElfFile
+from rostether.firmware.elf import ElfFile, Variable
 
 if TYPE_CHECKING:
     from rostether.msgdef.registry import Registry
@@ -83,7 +82,7 @@ def find_endpoints(
     elf: ElfFile, readable: Mapping[str, str], registry: Registry, sources: Sequence[Path]
 ) -> list[Endpoint]:
     """Return a sketch's topics and services; those whose type cannot be determined are left out."""
-    variables = read_variables(elf)
+    variables = elf.variables
     finder = _Finder(elf, readable, variables, "".join(_read(sources)))
     found = []
     for variable in variables:

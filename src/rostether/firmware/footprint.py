@@ -15,9 +15,7 @@ from pathlib import Path
 from rostether.firmware.boards import Board
 from rostether.firmware.build import BuiltFirmware
 from rostether.firmware.demangle import demangle, shorten
-from rostether.firmware.dwarf import CodeRange, code_ranges
-from rostether.firmware.dwarf_variables import Variable, read_variables
-from rostether.firmware.elf import ElfFile, Section, Symbol
+from rostether.firmware.elf import CodeRange, ElfFile, Section, Symbol, Variable
 from rostether.firmware.libraries import Origin
 from rostether.firmware.origins import RUNTIME, START, TEXTS, Origins
 from rostether.firmware.stack import StackEstimate, estimate_stack
@@ -122,9 +120,9 @@ class Footprint:
         return f"the largest is {largest.name} of {largest.group} ({getattr(largest, what)} bytes)"
 
 
-async def measure(elf: Path, board: Board, origins: Origins | None = None) -> Footprint:
+async def measure(elf: Path | ElfFile, board: Board, origins: Origins | None = None) -> Footprint:
     """Measure an ELF file for a board. Raises FirmwareError when it is none."""
-    file = ElfFile.read(elf)
+    file = elf if isinstance(elf, ElfFile) else ElfFile.read(elf)
     origins = origins or Origins()
     stack = estimate_stack(file) if file.is_avr else None
     names = {each.name for each in file.symbols}
@@ -139,10 +137,13 @@ async def measure(elf: Path, board: Board, origins: Origins | None = None) -> Fo
     )
 
 
-async def measure_built(built: BuiltFirmware) -> Footprint:
-    """Measure a built firmware; the sketch's folder and its libraries are listed separately."""
+async def measure_built(built: BuiltFirmware, elf: ElfFile | None = None) -> Footprint:
+    """Measure a built firmware; the sketch's folder and its libraries are listed separately.
+
+    `elf` is its ELF file if it was already read.
+    """
     libraries = [(each.name, each.folder) for each in built.libraries if each.origin is not Origin.ROS]
-    return await measure(built.elf, built.board, Origins(built.sketch.folder, libraries))
+    return await measure(elf or built.elf, built.board, Origins(built.sketch.folder, libraries))
 
 
 class _Count:
@@ -152,9 +153,9 @@ class _Count:
         self._elf = elf
         self._origins = origins
         self._readable = readable
-        self._ranges = code_ranges(elf)
+        self._ranges = elf.code_ranges
         self._starts = [each.start for each in self._ranges]
-        self._variables: dict[int, Variable] = {each.address: each for each in read_variables(elf)}
+        self._variables: dict[int, Variable] = {each.address: each for each in elf.variables}
         self._scopes = dict(self._scope_groups())
         self._groups: dict[str, list[int]] = {}
         self._items: list[Item] = []

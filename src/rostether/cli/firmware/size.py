@@ -17,6 +17,7 @@ from rostether.cli.shell.verbs import Verb
 if TYPE_CHECKING:
     from rostether.firmware.boards import Board
     from rostether.firmware.build import BuildOptions
+    from rostether.firmware.elf import ElfFile
     from rostether.firmware.endpoints import Endpoint
     from rostether.firmware.footprint import Footprint
 
@@ -69,34 +70,35 @@ async def _measure(
     sketch: Path, board_name: str, options: BuildOptions
 ) -> tuple[str, Footprint, list[Endpoint], int]:
     from rostether.firmware.build import find_board
+    from rostether.firmware.elf import ElfFile
     from rostether.firmware.footprint import measure, measure_built
 
     if sketch.suffix == ".elf":
         board: Board = find_board(board_name)
-        return sketch.stem, await measure(sketch, board), *await _endpoints(sketch, (), options)
+        elf = ElfFile.read(sketch)
+        return sketch.stem, await measure(elf, board), *await _endpoints(elf, (), options)
     built = await build(sketch, board_name, options)
+    elf = ElfFile.read(built.elf)
     return (
         built.sketch.name,
-        await measure_built(built),
-        *await _endpoints(built.elf, built.sources, options),
+        await measure_built(built, elf),
+        *await _endpoints(elf, built.sources, options),
     )
 
 
 async def _endpoints(
-    elf: Path, sources: tuple[Path, ...], options: BuildOptions
+    elf: ElfFile, sources: tuple[Path, ...], options: BuildOptions
 ) -> tuple[list[Endpoint], int]:
     from rostether.firmware.demangle import demangle
-    from rostether.firmware.elf import ElfFile
     from rostether.firmware.endpoints import find_endpoints, input_buffer_bytes
     from rostether.msgdef.registry import Registry
 
-    file = ElfFile.read(elf)
-    readable = await demangle(each.name for each in file.symbols)
+    readable = await demangle(each.name for each in elf.symbols)
     buffer_bytes = input_buffer_bytes(readable)
     if not buffer_bytes:
         return [], 0
     registry = Registry.from_environment(msg_paths=options.msg_paths)
-    return find_endpoints(file, readable, registry, sources), buffer_bytes
+    return find_endpoints(elf, readable, registry, sources), buffer_bytes
 
 
 def _record(
