@@ -49,6 +49,11 @@ class TopicAnswers:
         self._first: EndpointKey | None = None
         self._is_repetition = False
         self._heard_s = float("-inf")
+        self._damaged_s = float("-inf")
+
+    def damaged(self, now_s: float) -> None:
+        """Note that a damaged frame came: it may have been the time request that begins an answer."""
+        self._damaged_s = now_s
 
     def requested(self, now_s: float) -> None:
         """Count a request that is sent."""
@@ -72,7 +77,9 @@ class TopicAnswers:
             self._waiting_until_s = now_s + LATE_ANSWER_S
         elif self._burst is not _Burst.ANSWER or self._first == key:
             # No answer has an announcement twice.
-            self._is_repetition = is_known and (self._burst is not _Burst.INTRODUCTION or self._is_repetition)
+            is_whole = now_s - self._damaged_s > CLOSING_S
+            is_repeated = self._burst is not _Burst.INTRODUCTION or self._is_repetition
+            self._is_repetition = is_known and is_whole and is_repeated
             self._burst = _Burst.INTRODUCTION
         self._heard_s = now_s
 

@@ -81,3 +81,12 @@ def test_after_a_reset_no_answer_is_expected() -> None:
     answers = asked(3)
     answers.forget()
     assert take_time(answers, 1.0) is TimeRequestMeaning.ALONE
+
+
+def test_an_answer_whose_time_request_was_damaged_is_no_introduction() -> None:
+    answers = TopicAnswers()
+    answers.damaged(1.0)
+    take_topics(answers, 1.05)
+    assert take_time(answers, 1.1) is TimeRequestMeaning.ALONE
+    take_topics(answers, 3.0)
+    assert take_time(answers, 3.1) is TimeRequestMeaning.INTRODUCTION
