@@ -25,8 +25,8 @@ from rostether.cli.shell.verbs import Verb
 def bag_check(files: tuple[Path, ...], msg_paths: tuple[Path, ...]) -> None:
     """Read every message and report errors; the exit code is 1 if there are any.
 
-    A recording is right when its index is whole, every message fits the definition that stands in the file,
-    and that definition is the one that is known here.
+    The command checks that the index is complete, that every message fits its definition in the file, and
+    that this definition is the known one.
     """
     from rostether.msgdef.registry import Registry
     from rostether.recording.checking import check

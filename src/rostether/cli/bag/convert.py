@@ -30,7 +30,7 @@ from rostether.cli.shell.verbs import Verb
     "--compression",
     type=click.Choice(["none", "bz2", "lz4"]),
     default="none",
-    help="How chunks are packed (none).",
+    help="The compression of chunks (none).",
 )
 @format_option
 @storage_option
@@ -45,8 +45,8 @@ def bag_convert(
 ) -> None:
     """Write the messages of SOURCE to TARGET, with their times, topics and types.
 
-    The names say which formats: .bag, .mcap, .db3, or without ending a ROS 2 bag, which is a folder. Between
-    recordings of one ROS messages stay as they are byte for byte; between ROS 1 and ROS 2 they are converted.
+    The formats follow from the names: .bag, .mcap or .db3; a name without one of these endings is a ROS 2
+    bag, a folder. Messages are copied byte for byte, and converted only between ROS 1 and ROS 2.
     """
     from rostether.recording.files import Form, form_for, form_of, open_recording
     from rostether.recording.reindexing import copy, refuse_same

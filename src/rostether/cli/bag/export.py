@@ -38,17 +38,25 @@ _STDOUT = "-"
     "-o",
     "--output",
     metavar="PATH",
-    help="A folder, a file when there is one topic, or - for stdout (the folder NAME_csv or NAME_parquet).",
+    help="A folder, a file if there is only one topic, or - for stdout (default: the folder NAME_csv or "
+    "NAME_parquet).",
 )
-@click.option("--format", "format_name", type=click.Choice(FORMATS), help="By the file's ending, or csv.")
-@click.option("-t", "--topic", "topics", multiple=True, metavar="TOPIC", help="Only this; * matches any.")
+@click.option(
+    "--format",
+    "format_name",
+    type=click.Choice(FORMATS),
+    help="The format (default: from the file's ending, or csv).",
+)
+@click.option(
+    "-t", "--topic", "topics", multiple=True, metavar="TOPIC", help="Only this topic; * matches anything."
+)
 @click.option(
     "-f",
     "--field",
     "fields",
     multiple=True,
     metavar="FIELD",
-    help="Only this, as pose.position, ranges[0], ranges[:10], or a pattern such as *.x.",
+    help="Only this field, e.g. pose.position, ranges[0], ranges[:10], or a pattern such as *.x.",
 )
 def export(
     recording: Path,
@@ -57,10 +65,10 @@ def export(
     topics: tuple[str, ...],
     fields: tuple[str, ...],
 ) -> None:
-    """Write the messages of RECORDING as tables, one for each topic, a row for each message.
+    """Write the messages of RECORDING as tables: one table per topic, one row per message.
 
-    The first columns are the time of recording in seconds and in nanoseconds. Arrays whose size varies are
-    lists, bytes are base64 in CSV.
+    The first columns are the time of recording in seconds and in nanoseconds. Arrays of variable size are
+    lists. In CSV, bytes are base64.
     """
     from rostether.recording.export.exporting import Export
     from rostether.recording.files import open_recording

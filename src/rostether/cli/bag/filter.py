@@ -32,12 +32,14 @@ _MESSAGE = re.compile(r"\bm\b")
 @click.argument("source", type=click.Path(path_type=Path))
 @click.argument("target", type=click.Path(path_type=Path))
 @click.argument("expression")
-@click.option("-p", "--print", "shown", metavar="EXPRESSION", help="Print this of each message too.")
+@click.option(
+    "-p", "--print", "shown", metavar="EXPRESSION", help="Also print this expression for each message."
+)
 def bag_filter(source: Path, target: Path, expression: str, shown: str | None) -> None:
     """Write the messages of SOURCE for which EXPRESSION is true to TARGET, with their times.
 
-    It is Python over `topic`, the message `m` with its fields, and the time `t` with `secs` and `nsecs`.
-    Messages are decoded only where it names `m`.
+    EXPRESSION is Python. It can use `topic`, the message `m` with its fields, and the time `t` with `secs`
+    and `nsecs`.
     """
     from rostether.expression.compiler import compile_expression
     from rostether.recording.decoding import Decoder

@@ -14,7 +14,7 @@ _VERBS = {
     "filter": VerbEntry("rostether.cli.bag.filter:bag_filter", "Keep the messages that match an expression."),
     "convert": VerbEntry("rostether.cli.bag.convert:bag_convert", "Convert between formats."),
     "compress": VerbEntry("rostether.cli.bag.repack:bag_compress", "Compress recordings."),
-    "decompress": VerbEntry("rostether.cli.bag.repack:bag_decompress", "Undo the compression of recordings."),
+    "decompress": VerbEntry("rostether.cli.bag.repack:bag_decompress", "Decompress recordings."),
     "reindex": VerbEntry("rostether.cli.bag.reindex:bag_reindex", "Repair recordings that were not closed."),
 }
 
@@ -29,7 +29,7 @@ _VERBS = {
     """,
 )
 def bag() -> None:
-    """Record topics and play them again: ROS 1 .bag files, as rosbag has them, MCAP, and ROS 2 bags.
+    """Record and replay topics, in ROS 1 .bag files, MCAP files and ROS 2 bags.
 
     Files end with .bag, .mcap or .db3; a ROS 2 bag is a folder. LZ4 and Zstandard come with
     `pip install 'rostether[recording]'`.

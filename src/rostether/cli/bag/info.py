@@ -33,13 +33,13 @@ if TYPE_CHECKING:
 )
 @click.argument("files", nargs=-1, required=True, metavar="FILE...", type=click.Path(path_type=Path))
 @click.option("-y", "--yaml", "as_yaml", is_flag=True, help="Print YAML.")
-@click.option("-k", "--key", metavar="KEY", help="With --yaml: print the value of KEY alone.")
-@click.option("--freq", "with_rates", is_flag=True, help="Tell how often messages came on each topic.")
+@click.option("-k", "--key", metavar="KEY", help="With --yaml: print only the value of KEY.")
+@click.option("--freq", "with_rates", is_flag=True, help="Show the message rate of each topic.")
 @json_option
 def bag_info(
     files: tuple[Path, ...], as_yaml: bool, key: str | None, with_rates: bool, as_json: bool
 ) -> None:
-    """Show how long a recording is, how many messages it holds, of which topics and types."""
+    """Show the duration, the number of messages, the topics and the types of recordings."""
     from rostether.recording.files import open_recording
 
     if key is not None and not as_yaml:

@@ -17,7 +17,7 @@ def place_options(function: Function) -> Function:
     """Add --output-dir, --force and --quiet."""
     for option in (
         click.option("-q", "--quiet", is_flag=True, help="Print only errors."),
-        click.option("-f", "--force", is_flag=True, help="Write over an older NAME.orig.bag."),
+        click.option("-f", "--force", is_flag=True, help="Overwrite an older NAME.orig.bag."),
         click.option(
             "--output-dir",
             metavar="DIR",

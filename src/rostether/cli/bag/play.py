@@ -65,10 +65,20 @@ _play_options = option_group(
     PlayOptions,
     (
         click.option(
-            "-r", "--rate", type=click.FloatRange(min=0, min_open=True), default=1.0, help="How fast (1)."
+            "-r",
+            "--rate",
+            type=click.FloatRange(min=0, min_open=True),
+            default=1.0,
+            help="Speed relative to the recording (1).",
         ),
         click.option(
-            "-s", "--start", "start_s", type=float, default=0.0, metavar="SEC", help="Begin at SEC."
+            "-s",
+            "--start",
+            "start_s",
+            type=float,
+            default=0.0,
+            metavar="SEC",
+            help="Start SEC seconds after the beginning.",
         ),
         click.option(
             "-u",
@@ -76,29 +86,36 @@ _play_options = option_group(
             "duration_s",
             type=click.FloatRange(min=0),
             metavar="SEC",
-            help="Play only SEC.",
+            help="Play only SEC seconds.",
         ),
-        click.option("-l", "--loop", "is_looping", is_flag=True, help="Begin again at the end."),
-        click.option("-i", "--immediate", is_flag=True, help="Play without waiting."),
+        click.option("-l", "--loop", "is_looping", is_flag=True, help="Start again at the end."),
+        click.option("-i", "--immediate", is_flag=True, help="Play as fast as possible."),
         click.option("--pause", "is_paused", is_flag=True, help="Start paused."),
-        click.option("--clock", "with_clock", is_flag=True, help="Publish the recording's time on /clock."),
+        click.option("--clock", "with_clock", is_flag=True, help="Publish the recorded time on /clock."),
         click.option(
-            "--hz", type=click.FloatRange(min=0, min_open=True), default=100.0, help="How often (100)."
+            "--hz",
+            type=click.FloatRange(min=0, min_open=True),
+            default=100.0,
+            help="The rate of /clock, in Hz (100).",
         ),
         click.option(
             "--topics",
             "topics",
             multiple=True,
             metavar="TOPIC",
-            help="Play only these; several may follow one another.",
+            help="Play only these topics; takes several.",
         ),
         click.option(
-            "--pause-topics", multiple=True, metavar="TOPIC", help="Pause at each message of these."
+            "--pause-topics", multiple=True, metavar="TOPIC", help="Pause at each message of these topics."
         ),
-        click.option("--bags", multiple=True, metavar="FILE", help="Where --topics stands before the files."),
-        click.option("-p", "--prefix", default="", metavar="NAME", help="Put all topics below NAME."),
         click.option(
-            "--skip-empty", type=click.FloatRange(min=0), metavar="SEC", help="Jump over longer silences."
+            "--bags", multiple=True, metavar="FILE", help="The recordings, if --topics comes before them."
+        ),
+        click.option(
+            "-p", "--prefix", default="", metavar="NAME", help="Put all topics in the namespace NAME."
+        ),
+        click.option(
+            "--skip-empty", type=click.FloatRange(min=0), metavar="SEC", help="Skip gaps longer than SEC."
         ),
         click.option(
             "-d",
@@ -106,27 +123,27 @@ _play_options = option_group(
             type=click.FloatRange(min=0),
             default=0.2,
             metavar="SEC",
-            help="Let subscribers connect (0.2).",
+            help="Wait SEC seconds for subscribers to connect (0.2).",
         ),
-        click.option("--wait-for-subscribers", is_flag=True, help="Begin when every topic has a subscriber."),
-        click.option("-k", "--keep-alive", is_flag=True, help="Stay at the end, for latched topics."),
+        click.option("--wait-for-subscribers", is_flag=True, help="Start when every topic has a subscriber."),
+        click.option("-k", "--keep-alive", is_flag=True, help="Keep running at the end, for latched topics."),
         click.option(
             "--queue",
             type=click.IntRange(min=0),
             metavar="COUNT",
-            help="Keep COUNT messages of each topic for slow subscribers (as many as go in 4 MB).",
+            help="Queue up to COUNT messages per topic for slow subscribers (default: 4 MB).",
         ),
         click.option(
             "--rate-control-topic",
             metavar="TOPIC",
-            help="Wait while nothing has come on TOPIC for the time below.",
+            help="Pause if TOPIC is silent for longer than --rate-control-max-delay.",
         ),
         click.option(
             "--rate-control-max-delay",
             type=click.FloatRange(min=0),
             default=1.0,
             metavar="SEC",
-            help="How long a silence of it is let pass (1).",
+            help="The longest silence of --rate-control-topic, in seconds (1).",
         ),
         click.option("-q", "--quiet", is_flag=True, help="Print only errors."),
         msg_path_option,
@@ -150,9 +167,9 @@ _play_options = option_group(
 @ignored_options(try_future_version="--try-future-version")
 @graph_options(allow=TOOL_ALLOW, zenoh=True)
 def bag_play(options: PlayOptions, files: tuple[str, ...], graph: GraphOptions) -> None:
-    """Publish what recordings hold, at the times it came. Space pauses, s steps, q ends.
+    """Publish the messages of recordings at their recorded times. Space pauses, s steps, q quits.
 
-    Set /use_sim_time to true before nodes start when they are to live in the recording's time (--clock).
+    With --clock, nodes use the recorded time if /use_sim_time is set to true before they start.
     """
     topics = options.topics
     from rostether.recording.player import PlaySettings

@@ -86,7 +86,11 @@ _record_options = option_group(
     RecordOptions,
     (
         click.option(
-            "-a", "--all", "is_all", is_flag=True, help="Record all topics, also those that come later."
+            "-a",
+            "--all",
+            "is_all",
+            is_flag=True,
+            help="Record all topics, including those that appear later.",
         ),
         click.option("-e", "--regex", "is_regex", is_flag=True, help="TOPICs are regular expressions."),
         click.option("-x", "--exclude", metavar="REGEX", help="Leave out the topics that match."),
@@ -95,9 +99,14 @@ _record_options = option_group(
             "-O", "--output-name", metavar="FILE", help="Write to this .bag, .mcap, .db3, or folder."
         ),
         click.option(
-            "-o", "--output-prefix", metavar="PREFIX", help="Begin the file's name so, before the date."
+            "-o",
+            "--output-prefix",
+            metavar="PREFIX",
+            help="Begin the file's name with PREFIX, followed by the date.",
         ),
-        click.option("--split", is_flag=True, help="Begin a new file at the size or duration, and go on."),
+        click.option(
+            "--split", is_flag=True, help="Start a new file whenever --size or --duration is reached."
+        ),
         click.option(
             "--max-splits", type=click.IntRange(min=1), metavar="COUNT", help="Keep the newest COUNT files."
         ),
@@ -106,28 +115,44 @@ _record_options = option_group(
             "size_mb",
             type=click.FloatRange(min=0.001),
             metavar="MB",
-            help="How large a file may get.",
+            help="Stop at this file size, or start a new file with --split.",
         ),
         click.option(
-            "--duration", "duration_s", type=_Duration(), metavar="TIME", help="How long: 30, 30s, 5m, 2h."
+            "--duration",
+            "duration_s",
+            type=_Duration(),
+            metavar="TIME",
+            help="Stop after this time, e.g. 30, 30s, 5m or 2h, or start a new file with --split.",
         ),
         click.option(
-            "-l", "--limit", type=click.IntRange(min=1), metavar="COUNT", help="Only COUNT of each topic."
+            "-l",
+            "--limit",
+            type=click.IntRange(min=1),
+            metavar="COUNT",
+            help="Record at most COUNT messages of each topic.",
         ),
-        click.option("-j", "--bz2", is_flag=True, help="Compress small, and slow: some MB a second."),
-        click.option("--lz4", is_flag=True, help="Compress fast."),
+        click.option(
+            "-j", "--bz2", is_flag=True, help="Compress with bz2: small, but slow (a few MB per second)."
+        ),
+        click.option("--lz4", is_flag=True, help="Compress with LZ4: fast."),
         click.option(
             "--chunksize",
             "chunk_kb",
             type=click.IntRange(min=1),
             default=768,
             metavar="KB",
-            help="Chunks of KB (768).",
+            help="The size of a chunk, in KB (768).",
         ),
         click.option(
-            "-p", "--publish", "publishes_begin", is_flag=True, help="Publish files' names on /begin_write."
+            "-p",
+            "--publish",
+            "publishes_begin",
+            is_flag=True,
+            help="Publish the name of each new file on /begin_write.",
         ),
-        click.option("--repeat-latched", is_flag=True, help="Begin each file with the latched messages."),
+        click.option(
+            "--repeat-latched", is_flag=True, help="Write the latched messages at the beginning of each file."
+        ),
         click.option(
             "-b",
             "--buffsize",
@@ -135,7 +160,7 @@ _record_options = option_group(
             type=click.IntRange(min=0),
             default=256,
             metavar="MB",
-            help="What may wait to be compressed; then messages are lost (256).",
+            help="The size of the buffer; when it is full, messages are dropped (256).",
         ),
         format_option,
         storage_option,
@@ -164,8 +189,8 @@ _record_options = option_group(
 def bag_record(options: RecordOptions, topics: tuple[str, ...], graph: GraphOptions) -> None:
     """Record topics, as raw bytes, until Ctrl-C, a limit, or a full disk.
 
-    What came more than half a second ago is in the file even when the command is killed; the file is called
-    NAME.active until it is closed, and `rostether bag reindex` mends what a kill left.
+    The file is called NAME.active until it is closed. If the command is killed, the file lacks at most the
+    last half second; `rostether bag reindex` repairs it.
     """
     from rostether.recording.recorder import RecordLimits, TopicChoice
 

@@ -24,13 +24,13 @@ format_option = click.option(
     "--format",
     "form",
     type=click.Choice(["ros1", "ros2"]),
-    help="Whose messages the recording holds (those of the graph or of the source).",
+    help="The ROS version of the messages (default: that of the graph or of the source).",
 )
 storage_option = click.option(
     "--storage",
     type=click.Choice(["mcap", "sqlite3"]),
     default="mcap",
-    help="What a ROS 2 bag's folder holds (mcap).",
+    help="The file format in a ROS 2 bag's folder (mcap).",
 )
 
 

@@ -22,10 +22,10 @@ from rostether.cli.shell.verbs import Verb
 @click.argument("files", nargs=-1, required=True, metavar="FILE...", type=click.Path(path_type=Path))
 @place_options
 def bag_reindex(files: tuple[Path, ...], output_dir: Path | None, force: bool, quiet: bool) -> None:
-    """Keep all that is whole in recordings that a kill, a full disk or a bad copy left without their end.
+    """Repair recordings that are truncated or damaged: keep every complete message.
 
-    The file as it was stays beside it as NAME.orig.bag. NAME.bag.active becomes NAME.bag. Recordings that are
-    whole are left alone.
+    The original file is kept as NAME.orig.bag. NAME.bag.active becomes NAME.bag. Complete recordings are not
+    changed.
     """
     from rostether.recording.reindexing import reindex
 

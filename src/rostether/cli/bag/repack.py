@@ -22,13 +22,13 @@ from rostether.cli.shell.verbs import Verb
     """,
 )
 @click.argument("files", nargs=-1, required=True, metavar="FILE...", type=click.Path(path_type=Path))
-@click.option("-j", "--bz2", is_flag=True, help="By bz2, which .bag files are without a choice.")
-@click.option("--lz4", is_flag=True, help="By LZ4: larger, and much faster to read.")
+@click.option("-j", "--bz2", is_flag=True, help="Use bz2 (the default for .bag files).")
+@click.option("--lz4", is_flag=True, help="Use LZ4: larger, but much faster to read.")
 @place_options
 def bag_compress(
     files: tuple[Path, ...], bz2: bool, lz4: bool, output_dir: Path | None, force: bool, quiet: bool
 ) -> None:
-    """Compress recordings, by bz2 or LZ4. The file as it was stays beside it as NAME.orig.bag."""
+    """Compress recordings with bz2 or LZ4. The original file is kept as NAME.orig.bag."""
     if bz2 and lz4:
         raise click.UsageError("a file is compressed by --bz2 or by --lz4, not by both")
     for path in files:
@@ -47,7 +47,7 @@ def bag_compress(
 @click.argument("files", nargs=-1, required=True, metavar="FILE...", type=click.Path(path_type=Path))
 @place_options
 def bag_decompress(files: tuple[Path, ...], output_dir: Path | None, force: bool, quiet: bool) -> None:
-    """Undo the compression of recordings. The file as it was stays beside it as NAME.orig.bag."""
+    """Decompress recordings. The original file is kept as NAME.orig.bag."""
     for path in files:
         _repack(path, "none", output_dir, force=force, quiet=quiet)
 

@@ -51,31 +51,50 @@ class _Start:
     show_default=True,
     help="uno, nano, promini, mega, leonardo, micro; lm3s6965evb in qemu.",
 )
-@click.option("--link", type=click.Path(path_type=Path), help="Link the board's serial port here.")
-@click.option("--tcp", type=click.IntRange(0, 65535), metavar="PORT", help="Its serial port as a TCP port.")
-@click.option("--uart", type=click.IntRange(0, 3), help="Which UART it is (0; leonardo, micro: 1).")
-@click.option("--adc", multiple=True, metavar="A0=VOLTS", help="A voltage on an analog input.")
-@click.option("--pin", multiple=True, metavar="D7=0|1", help="Drive a digital pin.")
 @click.option(
-    "--range", "distance", metavar="METRES|none", help="Wire an HC-SR04, and put an obstacle there."
+    "--link", type=click.Path(path_type=Path), help="Create a link to the board's serial port at PATH."
 )
-@click.option("--hcsr04", metavar="trig=D6,echo=D5", help="Which pins the HC-SR04 is wired to.")
 @click.option(
-    "--attitude", metavar='"ROLL PITCH YAW"', help="How the board and its MPU-9150 lie, in degrees."
+    "--tcp",
+    type=click.IntRange(0, 65535),
+    metavar="PORT",
+    help="Offer the board's serial port as this TCP port.",
+)
+@click.option("--uart", type=click.IntRange(0, 3), help="The UART to connect (0; leonardo, micro: 1).")
+@click.option("--adc", multiple=True, metavar="A0=VOLTS", help="Set the voltage of an analog input.")
+@click.option("--pin", multiple=True, metavar="D7=0|1", help="Set the level of a digital pin.")
+@click.option(
+    "--range", "distance", metavar="METRES|none", help="Connect an HC-SR04 with an obstacle at this distance."
+)
+@click.option("--hcsr04", metavar="trig=D6,echo=D5", help="The pins of the HC-SR04.")
+@click.option(
+    "--attitude", metavar='"ROLL PITCH YAW"', help="The attitude of the board and its MPU-9150, in degrees."
 )
 @click.option(
     "--watch", multiple=True, metavar="PIN|serial", help="Print changes of a pin, or the serial output."
 )
 @click.option("--servo", multiple=True, metavar="PIN", help="Print the angle of a servo on a pin.")
-@click.option("--fault", metavar="flip=0.01,seed=3", help="A bad serial line: flip, drop, delay.")
+@click.option("--fault", metavar="flip=0.01,seed=3", help="Simulate a bad serial line: flip, drop, delay.")
 @click.option(
     "--network", metavar="HOST:PORT", help="Connect all TCP connections of the sketch to this address."
 )
-@click.option("--autoreset", is_flag=True, help="Reset it whenever the port is opened, as USB boards do.")
+@click.option(
+    "--autoreset", is_flag=True, help="Reset the board whenever the port is opened, as USB boards do."
+)
 @click.option("--guard", multiple=True, metavar="SYMBOL", help="Print writes to a variable of the program.")
-@click.option("--seed", type=click.IntRange(0, 2**32 - 1), default=0, help="Of the noise in RAM at power-up.")
-@click.option("--fast", is_flag=True, help="Run as fast as it goes instead of in real time.")
-@click.option("--for", "duration", metavar="TIME", help="End after 2s, 20ms or 160000 cycles of its time.")
+@click.option(
+    "--seed",
+    type=click.IntRange(0, 2**32 - 1),
+    default=0,
+    help="The seed of the random RAM contents at power-up.",
+)
+@click.option("--fast", is_flag=True, help="Run as fast as possible instead of in real time.")
+@click.option(
+    "--for",
+    "duration",
+    metavar="TIME",
+    help="Stop after this simulated time, e.g. 2s, 20ms or 160000 cycles.",
+)
 @msg_path_option
 @json_option
 def board_run(

@@ -46,7 +46,7 @@ _ROS1, _ROS2 = "ROS 1", "ROS 2"
     rostether relay /chatter /odom                       both ways, over the ROS 2 that is here
     rostether relay --ros2 zenoh --to-ros2 "/sensors/*" --to-ros1 /cmd_vel
     rostether relay /tf /tf_static --service /enable --service /plan=nav_msgs/GetPlan
-    rostether relay --to-ros1 /clock                     topics that each ROS has are carried if named
+    rostether relay --to-ros1 /clock                     a topic that both have must be named
     """,
 )
 @click.argument("topics", nargs=-1, metavar="[TOPIC...]")

@@ -44,9 +44,9 @@ def firmware_build(
 ) -> None:
     """Build a sketch: an .ino file, a folder with one, or a .cpp file.
 
-    Libraries are found by what the sketch includes: those given, the ROS library (made for this sketch), the
-    Arduino sketchbook, the core's (Wire, SPI, EEPROM, SoftwareSerial), and our Servo. What does not change is
-    compiled once. Needs Debian's gcc-avr, avr-libc and arduino-core-avr, or arduino-cli.
+    The included headers select the libraries, from --library, the ROS library (generated for this sketch),
+    the Arduino sketchbook, the core (Wire, SPI, EEPROM, SoftwareSerial) and a built-in Servo. Unchanged files
+    are not compiled again. Needs Debian's gcc-avr, avr-libc and arduino-core-avr, or arduino-cli.
     """
     run(_build(sketch, board_name, options, folder, as_json))
 

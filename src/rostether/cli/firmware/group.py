@@ -9,7 +9,7 @@ from rostether.cli.shell.verbs import LazyGroup, VerbEntry
 _VERBS = {
     "build": VerbEntry("rostether.cli.firmware.build:firmware_build", "Build a sketch."),
     "size": VerbEntry(
-        "rostether.cli.firmware.size:firmware_size", "Show what a sketch takes of its board's memory."
+        "rostether.cli.firmware.size:firmware_size", "Show how much of the board's memory a sketch uses."
     ),
     "sim": VerbEntry(
         "rostether.cli.firmware.sim:firmware_sim", "Build a sketch and run it on a simulated board."
@@ -29,4 +29,4 @@ _VERBS = {
     """,
 )
 def firmware() -> None:
-    """Make what runs on boards: sketches, and the C++ client library that they use."""
+    """Build sketches for boards, and generate the C++ client library that they use."""

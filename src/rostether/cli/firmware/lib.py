@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     examples="""
     rostether firmware lib ~/Arduino/libraries                   all messages: for the Arduino IDE
     rostether firmware lib lib --for src/main.cpp                what a PlatformIO project needs
-    rostether firmware lib . --package std_msgs --package tf     two packages and what they are made of
+    rostether firmware lib . --package std_msgs --package tf     two packages, with the types of their fields
     rostether firmware lib ~/Arduino/libraries --msg-path ~/my_robot
     """,
 )
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     "sketch",
     metavar="SKETCH",
     type=click.Path(path_type=Path),
-    help="Only what this .ino file, folder or C++ file includes, also through its own headers.",
+    help="Only the messages that this .ino file, folder or C++ file includes, also through its own headers.",
 )
 @click.option(
     "--package",
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     metavar="P",
     multiple=True,
     shell_complete=complete_packages,
-    help="Only this package and what its messages are made of; may be repeated.",
+    help="Only this package and the packages of its fields; may be repeated.",
 )
 @msg_path_option
 @json_option
@@ -55,9 +55,9 @@ def firmware_lib(
 ) -> None:
     """Write the C++ client library with the headers of messages and services to DIR/ros_lib.
 
-    An older generated library there is replaced as a whole; any other folder is never touched. The library
-    works with Arduino and PlatformIO; any other build needs only -I DIR/ros_lib/src. Definitions that cannot
-    be read are reported and skipped, the others are generated; the exit code is then 1.
+    An older generated library there is replaced; other folders are not changed. The library works with
+    Arduino and PlatformIO; other builds need only -I DIR/ros_lib/src. Invalid definitions are reported and
+    skipped, and the exit code is then 1.
     """
     from rostether.codegen.arduino_library import write_library
     from rostether.msgdef.registry import Registry

@@ -118,13 +118,13 @@ _OPTIONS: tuple[Callable[[Any], Any], ...] = (
         metavar="NAME[=VALUE]",
         help="Define a macro; may be repeated.",
     ),
-    click.option("--warnings", is_flag=True, help="Show what the compiler warns about in the sketch."),
+    click.option("--warnings", is_flag=True, help="Show the compiler's warnings about the sketch."),
     click.option("-v", "--verbose", is_flag=True, help="Show every command before it runs."),
     click.option(
         "--with",
         "builder",
         type=click.Choice([AVR_GCC, ARDUINO_CLI]),
         default=AVR_GCC,
-        help="Build with Debian's compiler, or with arduino-cli (as boards that are no AVR ones always are).",
+        help="Build with Debian's compiler or with arduino-cli (the only choice for boards without an AVR).",
     ),
 )

@@ -34,7 +34,8 @@ def firmware_sim(
 ) -> None:
     """Build a sketch and run it on a simulated board.
 
-    The board's options, words and events are those of `rostether board run`, which takes a program as it is.
+    The options, commands and events are those of `rostether board run`, which runs a program that is already
+    built.
     """
     built = run(build(sketch, board_name, options))
     context.invoke(board_run, program=built.elf, board=board_name, msg_paths=(), **of_the_board)

@@ -28,18 +28,18 @@ if TYPE_CHECKING:
     examples="""
     rostether firmware size blink.ino                  for an Uno
     rostether firmware size robot --board leonardo
-    rostether firmware size robot.elf --board mega     of a program built elsewhere
+    rostether firmware size robot.elf --board mega     a program built elsewhere
     rostether firmware size robot --json
     """,
 )
 @build_options
 @json_option
 def firmware_size(sketch: Path, board_name: str, options: BuildOptions, as_json: bool) -> None:
-    """Show what a sketch takes of its board's flash and RAM, and what takes it.
+    """Show how much flash and RAM a sketch uses, and which parts of it use them.
 
-    The stack is estimated from the program: its deepest way of calls, and the deepest interrupt. Of a sketch
-    with ROS, each topic's message is held against the buffer that takes messages in. Exit code 1 when it does
-    not fit; when only the stack may not find room, a warning.
+    The stack is estimated from the deepest chain of calls plus the deepest interrupt. In a sketch with ROS,
+    each message is compared with the input buffer. The exit code is 1 if the sketch does not fit. If only the
+    stack may be too large, the command prints a warning.
     """
     if not run(_size(sketch, board_name, options, as_json)):
         raise click.exceptions.Exit(EXIT_FAILED)

@@ -27,13 +27,12 @@ if TYPE_CHECKING:
     """,
 )
 @build_options
-@click.option(
-    "-p", "--port", metavar="PORT", help="The board's serial port (default: the only one there is)."
-)
+@click.option("-p", "--port", metavar="PORT", help="The board's serial port (default: the only one found).")
 def firmware_upload(sketch: Path, board_name: str, options: BuildOptions, port: str | None) -> None:
     """Build a sketch and flash it with avrdude (or arduino-cli).
 
-    Nothing is flashed that does not fit; when only the stack may not find room, a warning comes first.
+    A sketch that does not fit is not flashed. If only the stack may be too large, the command prints a
+    warning first.
     """
     run(_upload(sketch, board_name, options, port))
 

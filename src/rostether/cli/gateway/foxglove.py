@@ -63,8 +63,8 @@ def foxglove(
 ) -> None:
     """Connect Foxglove to the graph, to show topics, publish and call services.
 
-    Foxglove, and viewers that speak its WebSocket protocol, open ws://localhost:8765. `rostether serve
-    --foxglove` does the same beside boards. Other machines need a PLACE such as 0.0.0.0:8765.
+    Open ws://localhost:8765 in Foxglove or another viewer of its WebSocket protocol. `rostether serve
+    --foxglove` does the same and connects boards. For other machines, give a PLACE such as 0.0.0.0:8765.
 
     Its node is foxglove_bridge, on other ports foxglove_bridge_PORT; __name:=, __ns:= and from:=to work as
     for any ROS node.
@@ -96,7 +96,7 @@ def foxglove_bridge(arguments: tuple[str, ...], gateways: GatewayOptions) -> Non
 
     Parameters: ~port (8765), ~address (loopback; 0.0.0.0 for other machines), ~topic_whitelist,
     ~service_whitelist, ~param_whitelist, ~client_topic_whitelist, ~capabilities, ~send_buffer_limit, ~tls,
-    ~certfile, ~keyfile. Other parameters of foxglove_bridge change nothing.
+    ~certfile, ~keyfile. Other parameters of foxglove_bridge have no effect.
     """
     check_foxglove()
     run_role(FOXGLOVE_NODE, arguments, partial(_main, token=gateways.token))

@@ -66,8 +66,8 @@ _ACCESS_OPTIONS = (
         "origins",
         multiple=True,
         metavar="URL",
-        help="A web page of another host that may connect, as https://panel.example; null: pages opened from "
-        "a file; *: all; may be repeated.",
+        help="Accept web pages of this origin, e.g. https://panel.example; null: pages opened from a file; "
+        "*: all; may be repeated.",
     ),
 )
 _PLACE_OPTIONS = (

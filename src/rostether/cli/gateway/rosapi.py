@@ -16,7 +16,7 @@ from rostether.names.remap import Arguments
 @click.command("rosapi-node", cls=Verb, context_settings=NODE_SETTINGS, examples="rostether role rosapi-node")
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
 def rosapi_node(arguments: tuple[str, ...]) -> None:
-    """Tell what is on the graph, and let parameters be reached, by services: like rosapi_node.
+    """Offer services that query the graph and access parameters, like rosapi_node.
 
     Parameters: ~topics_glob, ~services_glob, ~params_glob. `rostether rosbridge` offers the same by itself.
     """

@@ -68,8 +68,9 @@ def rosbridge(
 ) -> None:
     """Connect web pages with roslibjs and programs with roslibpy to the graph.
 
-    It speaks the protocol of rosbridge_suite, with rosapi's services. `rostether serve --rosbridge` does the
-    same beside boards. Pages of other hosts need --origin, other machines a PLACE such as 0.0.0.0:9090.
+    It uses the protocol of rosbridge_suite, with rosapi's services. `rostether serve --rosbridge` does the
+    same and connects boards. Pages of other hosts need --origin. For other machines, give a PLACE such as
+    0.0.0.0:9090.
 
     Its node is rosbridge_websocket, on other ports rosbridge_websocket_PORT; __name:=, __ns:= and from:=to
     work as for any ROS node.
@@ -114,7 +115,7 @@ def rosbridge_websocket(arguments: tuple[str, ...], gateways: GatewayOptions) ->
 
     Parameters: ~port (9090), ~address (loopback; 0.0.0.0 for other machines), ~websocket_path,
     ~max_message_size, ~use_compression, ~ssl, ~certfile, ~keyfile, ~authenticate (with ROSTETHER_TOKEN),
-    ~topics_glob, ~services_glob, ~params_glob. Other parameters of rosbridge_websocket change nothing.
+    ~topics_glob, ~services_glob, ~params_glob. Other parameters of rosbridge_websocket have no effect.
     """
     check_rosbridge()
     run_role(ROSBRIDGE_NODE, arguments, partial(_main, token=gateways.token))

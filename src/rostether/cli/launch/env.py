@@ -38,15 +38,12 @@ end"""
     eval "$(rostether env --first)"                  even where a real ROS is installed
     """,
 )
-@click.option(
-    "--shell", type=click.Choice(SHELLS), help="Which shell the code is for (default: what $SHELL names)."
-)
-@click.option("--first", is_flag=True, help="Put our commands before a real ROS on PATH, not behind it.")
+@click.option("--shell", type=click.Choice(SHELLS), help="The shell (default: $SHELL).")
+@click.option("--first", is_flag=True, help="Put rostether's commands before those of a real ROS on PATH.")
 def env(shell: str | None, first: bool) -> None:
-    """Print the shell code with which roscore, rosrun, roslaunch, rostopic and others are ours.
+    """Print shell code that adds roscore, rosrun, roslaunch, rostopic and others to PATH.
 
-    A real ROS is never shadowed: where one is installed, its commands stay those that are run, unless --first
-    asks for ours.
+    If a real ROS is installed, its commands keep precedence, unless you give --first.
     """
     folder = write_shims()
     path = os.environ.get("PATH", "")

@@ -74,21 +74,19 @@ _launch_options = option_group(
     "options",
     LaunchOptions,
     (
+        click.option("--nodes", "lists_nodes", is_flag=True, help="Only print the names of the nodes."),
+        click.option("--dump-params", "dumps", is_flag=True, help="Only print the parameters, as YAML."),
         click.option(
-            "--nodes", "lists_nodes", is_flag=True, help="Print the names of the nodes, and start none."
+            "--ros-args", "lists_arguments", is_flag=True, help="Print the arguments of the launch file."
         ),
         click.option(
-            "--dump-params", "dumps", is_flag=True, help="Print the parameters as YAML, and set none."
+            "--files", "lists_files", is_flag=True, help="Print the file and all files that it includes."
         ),
-        click.option(
-            "--ros-args", "lists_arguments", is_flag=True, help="Print which arguments the file takes."
-        ),
-        click.option("--files", "lists_files", is_flag=True, help="Print the file and all that it includes."),
         click.option("--args", "args_of", metavar="NODE", help="Print the command line of a node."),
-        click.option("--find-node", "file_of", metavar="NODE", help="Print the file that a node stands in."),
+        click.option("--find-node", "file_of", metavar="NODE", help="Print the file that defines a node."),
         click.option("--screen", is_flag=True, help="Show the output of all nodes."),
         click.option(
-            "--log", "to_log", is_flag=True, help="Keep the output of all nodes in their log files."
+            "--log", "to_log", is_flag=True, help="Write the output of all nodes to their log files."
         ),
         click.option("--required", is_flag=True, help="Stop all nodes when any of them ends."),
         click.option("--wait", is_flag=True, help="Wait for a master instead of starting one."),
@@ -98,26 +96,26 @@ _launch_options = option_group(
             type=click.IntRange(1, 65535),
             help="Port for the ROS master, which is started if none runs.",
         ),
-        click.option("--no-summary", is_flag=True, help="Do not print what is going to be done."),
+        click.option("--no-summary", is_flag=True, help="Do not print the summary."),
         click.option(
             "--sigint-timeout",
             type=_SECONDS,
             default=15.0,
             metavar="S",
-            help="Seconds to end in after SIGINT (15).",
+            help="Seconds that a node has to end after SIGINT (15).",
         ),
         click.option(
             "--sigterm-timeout",
             type=_SECONDS,
             default=2.0,
             metavar="S",
-            help="Seconds to end in after SIGTERM (2).",
+            help="Seconds that a node has to end after SIGTERM (2).",
         ),
         click.option(
             "--pid",
             "pid_file",
             type=click.Path(path_type=Path, dir_okay=False),
-            help="Write our process id to a file.",
+            help="Write the process id of this command to a file.",
         ),
     ),
 )

@@ -22,7 +22,9 @@ from rostether.cli.shell.verbs import Verb
 @click.argument("packages", nargs=-1, metavar="[PACKAGE]...")
 @click.pass_context
 def make_libraries(context: click.Context, directory: Path, packages: tuple[str, ...]) -> None:
-    """Write ros_lib for Arduino into DIR (this folder), with the messages of all packages or those named."""
+    """Write ros_lib for Arduino to DIR (default: this folder), with the messages of all packages or of the
+    named ones.
+    """
     context.invoke(
         firmware_lib, directory=directory, sketch=None, packages=packages, msg_paths=(), as_json=False
     )

@@ -22,14 +22,14 @@ VERBS = {
     "list": VerbEntry(f"{_HERE}:list_packages", "List packages and their folders."),
     "find": VerbEntry(f"{_HERE}:find", "Print a package's folder."),
     "list-names": VerbEntry(f"{_HERE}:list_names", "List the names of packages."),
-    "depends1": VerbEntry(f"{_HERE}:depends1", "List what a package names as its dependencies."),
+    "depends1": VerbEntry(f"{_HERE}:depends1", "List the dependencies that a package names."),
     "version": VerbEntry(f"{_HERE}:version", "Print a package's version, like rosversion."),
     "init-workspace": VerbEntry(
         "rostether.cli.launch.pkg_make:init",
         "Mark a folder as a workspace's src, like catkin_init_workspace.",
     ),
     "make": VerbEntry(
-        "rostether.cli.launch.pkg_make:make", "Check a workspace and say what it has; builds nothing."
+        "rostether.cli.launch.pkg_make:make", "Check a workspace and list its contents; builds nothing."
     ),
 }
 # The distribution whose protocols and definitions ours are.
@@ -46,7 +46,7 @@ _DISTRIBUTION = "noetic"
     """,
 )
 def pkg() -> None:
-    """Work with ROS packages: folders with a package.xml; none of them needs to be built.
+    """Work with ROS packages: folders with a package.xml. They need not be built.
 
     They are found on ROS_PACKAGE_PATH, in the catkin workspace around this folder, and below it.
     """
@@ -74,7 +74,7 @@ def folder_of(name: str) -> Path:
 @click.command("list", cls=Verb, examples="rostether pkg list\nrostether pkg list --json")
 @json_option
 def list_packages(as_json: bool) -> None:
-    """List all packages that are found from this folder, each with its own."""
+    """List all packages that are found from this folder, with their folders."""
     for name, folder in sorted(here().items()):
         if as_json:
             write_json({"package": name, "folder": str(folder)})
@@ -107,7 +107,12 @@ def depends1(name: str) -> None:
 
 
 @click.command("version", cls=Verb, examples="rostether pkg version mearm_model\nrostether pkg version -d")
-@click.option("-d", "--distro", is_flag=True, help="Print the ROS distribution that we stand in for.")
+@click.option(
+    "-d",
+    "--distro",
+    is_flag=True,
+    help="Print the name of the ROS distribution that rostether is compatible with.",
+)
 @click.argument("name", metavar="PACKAGE", required=False)
 def version(distro: bool, name: str | None) -> None:
     """Print the version in a package's package.xml."""

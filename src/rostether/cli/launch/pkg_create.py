@@ -22,17 +22,23 @@ from rostether.packages.create import NewPackage, create_package
 )
 @click.argument("name")
 @click.argument("dependencies", nargs=-1, metavar="[DEPENDENCY]...")
-@click.option("--meta", is_flag=True, help="A metapackage: only a name for the packages it depends on.")
 @click.option(
-    "-s", "--sys-deps", "system_dependencies", multiple=True, help="A system's package; may be repeated."
+    "--meta", is_flag=True, help="Create a metapackage: only a name for the packages it depends on."
 )
-@click.option("-b", "--boost-comps", "boost", multiple=True, help="A library of Boost; may be repeated.")
+@click.option(
+    "-s",
+    "--sys-deps",
+    "system_dependencies",
+    multiple=True,
+    help="A system package to depend on; may be repeated.",
+)
+@click.option("-b", "--boost-comps", "boost", multiple=True, help="A Boost library to use; may be repeated.")
 @click.option("-V", "--pkg_version", "version", default="0.0.0", help="The version (0.0.0).")
-@click.option("-D", "--description", default="", help="What it is for.")
+@click.option("-D", "--description", default="", help="The description.")
 @click.option("-l", "--license", "licenses", multiple=True, help="A licence; may be repeated.")
 @click.option("-a", "--author", "authors", multiple=True, help="An author; may be repeated.")
 @click.option("-m", "--maintainer", "maintainers", multiple=True, help="A maintainer; may be repeated.")
-@click.option("--rosdistro", help="Accepted, and without a meaning here.")
+@click.option("--rosdistro", help="Accepted for compatibility; has no effect.")
 @json_option
 def create(
     name: str,

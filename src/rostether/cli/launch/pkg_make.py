@@ -25,7 +25,7 @@ _OF_CMAKE = ("-D", "-G", "-j", "-l", "-W")
 def init(folder: Path | None) -> None:
     """Mark this folder, or the one given, as the src of a catkin workspace.
 
-    It says so to people and to a real catkin; our own commands find packages without it.
+    Only a real catkin needs the mark; rostether finds packages without it.
     """
     from rostether.packages.workspace import init_workspace
 
@@ -59,8 +59,8 @@ class _CatkinVerb(Verb):
 def make(directory: Path | None, ignored: tuple[str, ...], as_json: bool) -> None:
     """Check the packages of a workspace and their messages; builds nothing.
 
-    Nothing is built: messages, services and Python nodes are used as they stand. devel/setup.bash, which
-    puts the workspace on ROS_PACKAGE_PATH, is written. Programs in C++ need a real ROS; they are named.
+    Messages, services and Python nodes work without a build. The command writes devel/setup.bash, which adds
+    the workspace to ROS_PACKAGE_PATH. It lists C++ programs, which need a real ROS.
     """
     from rostether.msgdef.registry import Registry
     from rostether.packages.locate import SOURCE_FOLDER, workspace_of

@@ -31,18 +31,17 @@ from rostether.rospy.environment import node_environment
     rostether run --prefix "nice -n 10" mearm_model filter.py
     """,
 )
-@click.option(
-    "-p", "--prefix", default="", metavar="COMMAND", help="Put this before the node's command line."
-)
-@click.option("-d", "--debug", is_flag=True, help="Say what is run.")
+@click.option("-p", "--prefix", default="", metavar="COMMAND", help="Run the node through this command.")
+@click.option("-d", "--debug", is_flag=True, help="Print the command line that is run.")
 @click.argument("package", shell_complete=complete_package_folders)
 @click.argument("program", metavar="NODE", shell_complete=complete_programs)
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[ARGUMENT | NAME:=VALUE]...")
 def run(prefix: str, debug: bool, package: str, program: str, arguments: tuple[str, ...]) -> None:
-    """Run a node of a package; nothing needs to be built, and no ROS to be installed.
+    """Run a node of a package, without a build and without a ROS installation.
 
     Packages are found on ROS_PACKAGE_PATH, in the catkin workspace around this folder, and below it. Nodes
-    such as serial_node.py, relay and robot_state_publisher are our own. The rest of the line is the node's.
+    such as serial_node.py, relay and robot_state_publisher are built in. All arguments after the node's name
+    go to the node.
     """
     if line := replacement_line(package, os.environ):
         warn(line)

@@ -166,7 +166,7 @@ def _show_verb(kind: _Kind) -> click.Command:
 
     @click.command("show", cls=Verb, examples=examples)
     @click.argument("name", required=False, metavar="TYPE", shell_complete=_complete(kind))
-    @click.option("-r", "--raw", is_flag=True, help="Show the text as it was written.")
+    @click.option("-r", "--raw", is_flag=True, help="Show the original text of the definition.")
     @json_option
     @msg_path_option
     @graph_options(master="")
@@ -202,7 +202,7 @@ def _show_verb(kind: _Kind) -> click.Command:
                 text = "---\n".join(halves)
             write_line(text)
 
-    show.help = f"Show the fields of a {kind.what} type, with everything below them."
+    show.help = f"Show the fields of a {kind.what} type, with all nested fields."
     return show
 
 

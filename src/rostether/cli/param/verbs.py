@@ -14,7 +14,7 @@ from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.output import json_option
 from rostether.cli.shell.verbs import Verb
 
-_verbose_option = click.option("-v", "--verbose", is_flag=True, help="Report what is done.")
+_verbose_option = click.option("-v", "--verbose", is_flag=True, help="Report each step.")
 _listing_options = option_group(
     "wanted",
     ParamListing,
@@ -103,8 +103,7 @@ def set_param(
 ) -> None:
     """Set a parameter to a value in YAML.
 
-    A mapping sets each parameter it names and leaves the others of the namespace as they are.
-    With --ros2, type NODE NAME VALUE.
+    A mapping sets only the parameters that it names. With --ros2, type NODE NAME VALUE.
     """
     params_of(graph).set_param((name, *((value,) if value is not None else ()), *more), options)
 

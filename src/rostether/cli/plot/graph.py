@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     "--format",
     "format_name",
     type=click.Choice(["text", "dot", "svg"]),
-    help="What to print (text); a picture is better saved.",
+    help="The output format (text); use --save for pictures.",
 )
 @click.option(
     "-o",
@@ -42,11 +42,11 @@ if TYPE_CHECKING:
     "file",
     metavar="FILE",
     type=click.Path(path_type=Path, dir_okay=False),
-    help=f"Write a file instead, by its name: {', '.join(SUFFIXES)}.",
+    help=f"Write a file; its ending sets the format: {', '.join(SUFFIXES)}.",
 )
-@click.option("--nodes-only", is_flag=True, help="Show nodes alone, with topics along the arrows.")
+@click.option("--nodes-only", is_flag=True, help="Show only nodes, with topics along the arrows.")
 @click.option(
-    "-a", "--all", "with_hidden", is_flag=True, help="Show logging, statistics and hidden names too."
+    "-a", "--all", "with_hidden", is_flag=True, help="Include logging, statistics and hidden names."
 )
 @json_option
 @graph_options()
@@ -61,9 +61,9 @@ def show_graph(
 ) -> None:
     """Show which nodes publish and subscribe to which topics, as rqt_graph does.
 
-    NAMEs of nodes, topics or namespaces leave out what is neither in them nor connected to them. In text, ->
-    is what a node publishes, <- what it subscribes to, => a service it offers. Pictures show nodes as
-    ellipses and topics as boxes; they are drawn here, no other program is needed.
+    If you give NAMEs of nodes, topics or namespaces, it shows only these and their neighbours. In text, -> is
+    a published topic, <- a subscribed topic, => an offered service. Pictures show nodes as ellipses and
+    topics as boxes; no other program is needed.
     """
     if sum([format_name is not None, file is not None, as_json]) > 1:
         raise click.UsageError("give one of --format, --save and --json")

@@ -66,14 +66,14 @@ class _Options:
     "window_s",
     type=click.FloatRange(min=0, min_open=True),
     metavar="SECONDS",
-    help=f"Show the last SECONDS ({DEFAULT_WINDOW_S:g}; in a file all there is).",
+    help=f"Show the last SECONDS (default: {DEFAULT_WINDOW_S:g}; in a file, everything).",
 )
 @click.option(
     "--for",
     "duration_s",
     type=click.FloatRange(min=0, min_open=True),
     metavar="SECONDS",
-    help="End after SECONDS (Ctrl-C).",
+    help="Stop after SECONDS (default: at Ctrl-C).",
 )
 @click.option(
     "-o",
@@ -81,7 +81,7 @@ class _Options:
     "file",
     metavar="FILE",
     type=click.Path(path_type=Path, dir_okay=False),
-    help="At the end write a picture, .png or .svg.",
+    help="Write a picture at the end, .png or .svg.",
 )
 @msg_path_option
 @graph_options(allow=TOOL_ALLOW)
@@ -93,11 +93,11 @@ def plot(
     msg_paths: tuple[Path, ...],
     graph: GraphOptions,
 ) -> None:
-    """Draw values of topics over the time at which they came.
+    """Plot values of topics over their time of arrival.
 
-    A FIELD is named as for `topic echo`; further ones of the same message follow behind colons. Of an array
-    or a message every number in it is drawn. Without a terminal the plot is printed once, at the end. A
-    topic that is not there yet is waited for.
+    A FIELD is written as for `topic echo`; colons separate more fields of the same message. For an array or a
+    message, every number in it is plotted. Without a terminal, the plot is printed once, at the end. The
+    command waits for topics that do not exist yet.
     """
     if file is not None:
         picture_format(file, (".png", ".svg"))

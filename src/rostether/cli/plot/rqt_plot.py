@@ -36,7 +36,7 @@ _NOBODYS = ("/rosout", "/rosout_agg", "/clock", "/diagnostics", "/tf", "/tf_stat
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[TOPIC/FIELD]...")
 @graph_options(master="", ros=False)
 def rqt_plot(arguments: tuple[str, ...], graph: GraphOptions) -> None:
-    """Plot the fields given; without any, the first numbers that are published."""
+    """Plot the given fields, or the first numeric fields that are published."""
     fields = list(arguments)
     if not fields:
         fields = run(_published(graph))

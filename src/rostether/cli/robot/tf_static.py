@@ -52,7 +52,7 @@ def static(words: tuple[str, ...]) -> None:
 )
 @_arguments
 def static_transform_publisher(words: tuple[str, ...]) -> None:
-    """Publish a transform that stays, like tf2_ros's and tf's static_transform_publisher."""
+    """Publish a static transform, like static_transform_publisher of tf2_ros and tf."""
     _run(words, f"static_transform_publisher_{os.getpid()}")
 
 

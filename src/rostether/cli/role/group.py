@@ -19,11 +19,15 @@ ROLES = {
     "make-libraries": VerbEntry(
         f"{_LIBRARIES}:make_libraries", "Write the Arduino library, typed as for make_libraries.py."
     ),
-    "rosserial-server-serial": VerbEntry(f"{_SERVERS}:serial", "Bridge one board, like rosserial_server's."),
-    "rosserial-server-socket": VerbEntry(
-        f"{_SERVERS}:socket", "Bridge boards over TCP, like rosserial_server's."
+    "rosserial-server-serial": VerbEntry(
+        f"{_SERVERS}:serial", "Bridge one board, like rosserial_server's serial_node."
     ),
-    "rosserial-server-udp": VerbEntry(f"{_SERVERS}:udp", "Bridge a board over UDP, like rosserial_server's."),
+    "rosserial-server-socket": VerbEntry(
+        f"{_SERVERS}:socket", "Bridge boards over TCP, like rosserial_server's socket_node."
+    ),
+    "rosserial-server-udp": VerbEntry(
+        f"{_SERVERS}:udp", "Bridge a board over UDP, like rosserial_server's udp_socket_node."
+    ),
     "robot-state-publisher": VerbEntry(
         "rostether.cli.role.robot_state:robot_state_publisher", "Turn joint states into transforms."
     ),
@@ -32,17 +36,17 @@ ROLES = {
         f"{_JOINTS}:joint_state_publisher_gui", "Publish joint states set by sliders in the terminal."
     ),
     "static-transform-publisher": VerbEntry(
-        f"{_STATIC}:static_transform_publisher", "Publish a transform that stays, like tf2_ros's."
+        f"{_STATIC}:static_transform_publisher", "Publish a static transform, like tf2_ros."
     ),
     "tf-static-transform-publisher": VerbEntry(
-        f"{_STATIC}:static_transform_publisher", "Publish a transform that stays, like tf's."
+        f"{_STATIC}:static_transform_publisher", "Publish a static transform, like tf."
     ),
     "relay": VerbEntry(f"{_TOPICS}:relay", "Publish a topic again under another name."),
     "throttle": VerbEntry(f"{_TOPICS}:throttle", "Publish a topic again at a limited rate."),
     "mux": VerbEntry(f"{_TOPICS}:mux", "Publish one of several topics, chosen by a service."),
-    "mux-select": VerbEntry(f"{_TOPICS}:mux_select", "Choose what a mux publishes."),
+    "mux-select": VerbEntry(f"{_TOPICS}:mux_select", "Choose the topic that a mux publishes."),
     "mux-add": VerbEntry(f"{_TOPICS}:mux_add", "Add an input to a mux."),
-    "mux-delete": VerbEntry(f"{_TOPICS}:mux_delete", "Take an input from a mux."),
+    "mux-delete": VerbEntry(f"{_TOPICS}:mux_delete", "Remove an input from a mux."),
     "mux-list": VerbEntry(f"{_TOPICS}:mux_list", "List the inputs of a mux."),
     "joy-node": VerbEntry("rostether.cli.role.joy:joy_node", "Publish a joystick's axes and buttons."),
     "foxglove-bridge": VerbEntry(
@@ -55,7 +59,7 @@ ROLES = {
     "rosbridge-websocket": VerbEntry(
         "rostether.cli.gateway.rosbridge:rosbridge_websocket", "Serve web pages, like rosbridge_websocket."
     ),
-    "rqt-plot": VerbEntry("rostether.cli.plot.rqt_plot:rqt_plot", "Plot fields, or what there is to plot."),
+    "rqt-plot": VerbEntry("rostether.cli.plot.rqt_plot:rqt_plot", "Plot fields of topics, like rqt_plot."),
 }
 
 

@@ -31,7 +31,7 @@ NO_TERMINAL = (
 )
 @_arguments
 def joint_state_publisher(words: tuple[str, ...]) -> None:
-    """Publish joint states: zeros, what other topics say, joints that follow others.
+    """Publish joint states: default positions, positions from other topics, and joints that mimic others.
 
     Parameters: rate (10), source_list, zeros, dependent_joints, delta, use_mimic_tags,
     use_smallest_joint_limits, publish_default_positions, publish_default_velocities, publish_default_efforts.

@@ -22,7 +22,7 @@ NODE_NAME = "robot_state_publisher"
 )
 @click.argument("words", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE...]")
 def robot_state_publisher(words: tuple[str, ...]) -> None:
-    """Turn joint states into transforms, by the URDF in robot_description.
+    """Turn joint states into transforms, using the URDF in robot_description.
 
     Parameters: ~publish_frequency (50), ~use_tf_static (true), ~ignore_timestamp (false), tf_prefix.
     """

@@ -48,11 +48,12 @@ def relay(arguments: tuple[str, ...]) -> None:
 )
 @_arguments
 def throttle(arguments: tuple[str, ...]) -> None:
-    """Publish IN again as OUT (IN_throttle), at most so many messages or bytes a second.
+    """Publish IN again as OUT (IN_throttle), with limited messages or bytes per second.
 
     throttle messages IN HZ [OUT], or throttle bytes IN BYTES_PER_SECOND WINDOW_SECONDS [OUT];
 
-    with _lazy:=true, only while somebody listens; with _wall_clock:=true, not by ROS time.
+    with _lazy:=true, only while OUT has a subscriber; with _wall_clock:=true, in wall time instead of ROS
+    time.
     """
     usage = "throttle messages IN HZ [OUT], or throttle bytes IN BYTES_PER_SECOND WINDOW [OUT]"
     rest = _plain(arguments, 3, 5, usage)
@@ -105,7 +106,7 @@ def mux(arguments: tuple[str, ...]) -> None:
 )
 @_arguments
 def mux_select(arguments: tuple[str, ...]) -> None:
-    """Choose what a mux publishes: mux-select MUX TOPIC; `__none` for nothing."""
+    """Choose the topic that a mux publishes: mux-select MUX TOPIC; `__none` for none."""
     name, topic = _plain(arguments, 2, 2, "mux_select MUX TOPIC")
     _call(arguments, f"{name}/select", "MuxSelect", topic)
 
@@ -125,7 +126,7 @@ def mux_add(arguments: tuple[str, ...]) -> None:
 )
 @_arguments
 def mux_delete(arguments: tuple[str, ...]) -> None:
-    """Take an input from a mux: mux-delete MUX TOPIC."""
+    """Remove an input from a mux: mux-delete MUX TOPIC."""
     name, topic = _plain(arguments, 2, 2, "mux_delete MUX TOPIC")
     _call(arguments, f"{name}/delete", "MuxDelete", topic)
 
