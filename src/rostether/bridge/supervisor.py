@@ -24,13 +24,13 @@ from rostether.bridge.reporter import LimitedReporter, Reporter, SilentReporter,
 from rostether.bridge.session import Session
 from rostether.bridge.settings import DEFAULT_SETTINGS, BridgeSettings
 from rostether.errors import (
-    MasterUnreachableError,
     NodeEndedError,
     RostetherError,
     SessionError,
     TransportError,
 )
 from rostether.graph.ports import NAME_TAKEN, Graph, JoinGraph, Level
+from rostether.mechanisms.waiting import wait_for_master
 from rostether.names.graph_name import join as join_names
 from rostether.names.graph_name import validate_name
 from rostether.ports.board_identity import BoardIdentity
@@ -39,7 +39,6 @@ from rostether.ports.known_boards import KnownBoards
 from rostether.ports.settings import DeviceSettings
 from rostether.serde.store import TypeStore
 from rostether.transports.address import Address, SerialAddress, TcpAddress, UdpAddress, XbeeAddress
-from rostether.transports.backoff import Backoff
 from rostether.transports.board_keys import NO_PROOF
 from rostether.transports.opening import listen, open_transport
 from rostether.transports.peers import PeerEntry
@@ -281,16 +280,11 @@ class Supervisor:
         return node
 
     async def _join_graph(self, name: str, namespace: str, remappings: Mapping[str, str]) -> Graph:
-        backoff = Backoff(first_s=0.2, limit_s=MAX_JOIN_WAIT_S)
-        reported = False
-        while True:
-            try:
-                return await self._join(name, namespace=namespace, remappings=remappings)
-            except MasterUnreachableError as error:
-                if not reported:
-                    self._reporter.line(Level.WARN, f"{error}; waiting for it", node=name)
-                reported = True
-                await asyncio.sleep(backoff.next_delay_s())
+        return await wait_for_master(
+            lambda: self._join(name, namespace=namespace, remappings=remappings),
+            lambda error: self._reporter.line(Level.WARN, f"{error}; waiting for it", node=name),
+            max_retry_s=MAX_JOIN_WAIT_S,
+        )
 
     def _run(self, work: Awaitable[object]) -> asyncio.Task[None]:
         task = asyncio.get_running_loop().create_task(self._guard(work))

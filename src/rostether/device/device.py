@@ -16,6 +16,7 @@ from rostether.device.line import DeviceLine
 from rostether.device.parameters import DeviceParam, ParameterRequests
 from rostether.device.services import Handler, ServiceClient, ServiceServer
 from rostether.errors import ConfigError, TransportError, TransportTimeoutError
+from rostether.mechanisms.backoff import Backoff
 from rostether.msgdef.registry import Registry
 from rostether.rosserial.device_link import PUBLISHER_OVERHEAD_BYTES, DeviceLink, DeviceLinkConfig
 from rostether.rosserial.events import (
@@ -35,7 +36,6 @@ from rostether.serde.codec import Codec
 from rostether.serde.store import TypeStore
 from rostether.serde.values import Message
 from rostether.transports.address import Address, TcpAddress, UdpAddress, parse_address
-from rostether.transports.backoff import Backoff
 from rostether.transports.opening import open_transport
 from rostether.transports.transport import Transport
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import logging
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -10,7 +11,7 @@ from functools import partial
 
 from rostether.errors import GraphError
 from rostether.graph.joint_graph import JointGraph
-from rostether.graph.joint_parts import FIRST_RETRY_S, LAST_RETRY_S
+from rostether.graph.joint_parts import retry_backoff
 from rostether.graph.ports import Graph, JoinGraph
 
 _log = logging.getLogger("rostether.graph")
@@ -68,15 +69,12 @@ class JointJoin:
         remappings: Mapping[str, str] | None,
     ) -> None:
         async def keep_trying() -> None:
-            delay_s = FIRST_RETRY_S
+            backoff = retry_backoff()
             while True:
-                await asyncio.sleep(delay_s)
-                try:
+                await asyncio.sleep(backoff.next_delay_s())
+                with contextlib.suppress(GraphError):
                     graph = await self._joins[position](node_name, namespace=namespace, remappings=remappings)
-                except GraphError:
-                    delay_s = min(2 * delay_s, LAST_RETRY_S)
-                else:
-                    await joint.add(graph, position)
-                    return
+                    break
+            await joint.add(graph, position)
 
         joint.run_until_closed(keep_trying)

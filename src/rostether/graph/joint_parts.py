@@ -14,9 +14,10 @@ from typing import Generic, Protocol, TypeAlias, TypeVar
 
 from rostether.errors import AccessDeniedError, GraphError, RostetherError, TypeMismatchError
 from rostether.graph.ports import Graph
+from rostether.mechanisms.backoff import Backoff
 
 FIRST_RETRY_S = 0.2
-LAST_RETRY_S = 5.0
+MAX_RETRY_S = 5.0
 """A graph that is away comes back within seconds, or much later: then this seldom is soon enough."""
 
 SLOW_GRAPH_S = 1.0
@@ -116,16 +117,15 @@ class JointParts(Generic[PartT]):
                 self._run(self._keep_trying(graph))
 
     async def _keep_trying(self, graph: Graph) -> None:
-        delay_s = FIRST_RETRY_S
+        backoff = retry_backoff()
         while True:
-            await asyncio.sleep(delay_s)
+            await asyncio.sleep(backoff.next_delay_s())
             fault = await self._try(graph)
             if fault is None:
                 return
             if not _is_passing(fault):
                 self._warn(graph, fault)
                 return
-            delay_s = min(2 * delay_s, LAST_RETRY_S)
 
     def _warn(self, graph: Graph, fault: RostetherError) -> None:
         yet = " yet" if _is_passing(fault) else ""
@@ -137,6 +137,11 @@ class JointParts(Generic[PartT]):
         tasks.add(task)
         task.add_done_callback(tasks.discard)
         return task
+
+
+def retry_backoff() -> Backoff:
+    """Return the delays after which a graph that is away is asked again."""
+    return Backoff(first_s=FIRST_RETRY_S, limit_s=MAX_RETRY_S)
 
 
 def _rank(fault: RostetherError) -> int:

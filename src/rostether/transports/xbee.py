@@ -8,8 +8,8 @@ from collections.abc import Awaitable, Callable
 from typing import TypeAlias
 
 from rostether.errors import TransportClosedError, TransportError
+from rostether.mechanisms.backoff import Backoff
 from rostether.transports.address import SerialAddress, XbeeAddress
-from rostether.transports.backoff import Backoff
 from rostether.transports.peers import IDLE_LIMIT_S, MAX_PEERS, PeerTable
 from rostether.transports.transport import Transport
 from rostether.transports.xbee_frame import MAX_PAYLOAD_BYTES, XbeeFrameDecoder, encode_tx

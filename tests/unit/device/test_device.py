@@ -20,11 +20,11 @@ from rostether.errors import (
     UnknownNameError,
     UnknownTypeError,
 )
+from rostether.mechanisms.backoff import Backoff
 from rostether.rosserial.device_link import DeviceLinkConfig
 from rostether.rosserial.events import TopicRole
 from rostether.rosserial.packets import LogLevel
 from rostether.serde.values import Message
-from rostether.transports.backoff import Backoff
 from rostether.transports.memory import memory_pair
 from rostether.transports.opening import listen, open_transport
 from unit.device.host import HOST_TIME, STORE, Host, Hosts, hosting

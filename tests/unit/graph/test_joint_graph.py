@@ -244,7 +244,7 @@ class ConnectionLimiter:
 async def test_a_graph_that_comes_late_gets_everything(
     position: int, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("rostether.graph.joint_join.FIRST_RETRY_S", 0.01)
+    monkeypatch.setattr("rostether.graph.joint_parts.FIRST_RETRY_S", 0.01)
     early, late = MemoryNetwork(), MemoryNetwork()
     door = ConnectionLimiter(late)
     joins: list[Any] = [early.join]
@@ -283,7 +283,7 @@ async def test_a_graph_that_comes_late_gets_everything(
 
 
 async def test_nobody_waits_for_a_late_graph_after_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rostether.graph.joint_join.FIRST_RETRY_S", 0.01)
+    monkeypatch.setattr("rostether.graph.joint_parts.FIRST_RETRY_S", 0.01)
     door = ConnectionLimiter(MemoryNetwork())
     joint = await JointJoin([MemoryNetwork().join, door])("/board")
     await until(lambda: door.attempts > 2)

@@ -6,8 +6,8 @@ from collections.abc import AsyncIterator
 import pytest
 
 from rostether.errors import TransportClosedError, TransportOpenError
+from rostether.mechanisms.backoff import Backoff
 from rostether.transports.address import SerialAddress, XbeeAddress
-from rostether.transports.backoff import Backoff
 from rostether.transports.memory import MemoryTransport, memory_pair
 from rostether.transports.transport import Transport
 from rostether.transports.xbee import XbeeListener

@@ -18,8 +18,8 @@ from rostether.bridge.endpoint.subscriber import SubscriberEndpoint
 from rostether.bridge.reporter import Notices, reason_of
 from rostether.errors import DefinitionError, GraphError, InvalidNameError, TypeMismatchError
 from rostether.graph.ports import Level
+from rostether.mechanisms.backoff import Backoff
 from rostether.rosserial.events import ServiceAnnounced, ServiceRole, TopicRole
-from rostether.transports.backoff import Backoff
 
 TopicEndpoint: TypeAlias = PublisherEndpoint | SubscriberEndpoint
 ServiceEndpoint: TypeAlias = ServiceServerEndpoint | ServiceClientEndpoint

@@ -19,13 +19,13 @@ from rostether.bridge.ports.port_probe import TunableTransport, probe_port
 from rostether.bridge.reporter import Reporter, printable
 from rostether.errors import RostetherError, SessionError, TransportError
 from rostether.graph.ports import Level
+from rostether.mechanisms.backoff import Backoff
 from rostether.ports.board_identity import BoardIdentity
 from rostether.ports.known_boards import KnownBoards
 from rostether.ports.port_choice import Choice, identify
 from rostether.ports.settings import DeviceSettings
 from rostether.rosserial.baud_probe import BoardFound, NoBoard
 from rostether.transports.address import DEFAULT_BAUD, Address, SerialAddress
-from rostether.transports.backoff import Backoff
 from rostether.transports.serial_port import SerialPort
 from rostether.transports.transport import Transport
 

@@ -11,13 +11,13 @@ from rostether.bridge.identity import identify_peer
 from rostether.bridge.reporter import Reporter
 from rostether.errors import NodeEndedError, TransportError
 from rostether.graph.ports import Level
+from rostether.mechanisms.backoff import Backoff
 from rostether.ports.board_identity import BoardIdentity
 from rostether.ports.device_book import DeviceBook
 from rostether.ports.port_finder import PortFinder
 from rostether.ports.port_watch import ListPorts
 from rostether.ports.settings import DeviceSettings
 from rostether.transports.address import Address, SerialAddress
-from rostether.transports.backoff import Backoff
 from rostether.transports.opening import list_serial_ports
 from rostether.transports.transport import Transport
 

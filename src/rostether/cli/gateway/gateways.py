@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
@@ -18,9 +17,10 @@ from rostether.cli.access.served_graphs import ServedGraphs
 from rostether.cli.gateway.node import IsLive, NodeWords, asking_ros1, check_free
 from rostether.cli.gateway.options import DEFAULT_PLACE, GatewayOptions, read_place
 from rostether.cli.service.ros1_probe import look_up, probe_type
-from rostether.errors import ConfigError, DefinitionError, GraphError, MasterUnreachableError
+from rostether.errors import ConfigError, DefinitionError, GraphError
 from rostether.extras import install_command
 from rostether.graph.ports import JoinGraph, Level
+from rostether.mechanisms.waiting import wait_for_master
 from rostether.ros1.environment import RosEnvironment, is_loopback, parse_rpc_uri
 
 if TYPE_CHECKING:
@@ -34,7 +34,6 @@ AskService: TypeAlias = Callable[[str], Awaitable[str]]
 """Takes a service's name. Raises GraphError."""
 
 ROSBRIDGE_NODE = "rosbridge_websocket"
-_MASTER_RETRY_S = 0.5  # as often as rospy asks for a master that is not there yet
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,15 +135,7 @@ async def joined_as(on: GatewayGraph, words: NodeWords, name: str, tell: Tell) -
 
 async def joined_patiently(join: JoinGraph, name: str, tell: Tell) -> Graph:
     """Join as soon as there is a master. Raises GraphError."""
-    reported = False
-    while True:
-        try:
-            return await join(name)
-        except MasterUnreachableError as error:
-            if not reported:
-                tell(Level.WARN, f"{name} waits: {error}")
-                reported = True
-            await asyncio.sleep(_MASTER_RETRY_S)
+    return await wait_for_master(lambda: join(name), lambda error: tell(Level.WARN, f"{name} waits: {error}"))
 
 
 @asynccontextmanager

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from rostether.cli.access.graph_options import GraphOptions, ros_arguments
 from rostether.cli.access.ros1_access import read_environment
 from rostether.cli.shell.output import warn
-from rostether.errors import MasterUnreachableError
+from rostether.mechanisms.waiting import wait_for_master
 from rostether.names.remap import Arguments, parse_arguments
 from rostether.ros1.environment import RosEnvironment
 
@@ -20,9 +20,6 @@ if TYPE_CHECKING:
 
 NODE_SETTINGS = {"ignore_unknown_options": True}
 """For commands with a node's arguments: `-0.1` is a number there, no option."""
-
-
-_MASTER_RETRY_S = 0.5  # a launch starts the master beside its nodes; rospy asks as often
 
 
 def node_arguments(words: Sequence[str]) -> Arguments:
@@ -48,21 +45,15 @@ async def role_node(arguments: Arguments, default_name: str) -> AsyncIterator[Ty
 
     environment = node_environment(arguments)
     name = arguments.special.get("__name", default_name)
-    reported = False
-    while True:
-        try:
-            graph = await join_ros1(
-                name,
-                environment=environment,
-                namespace=environment.namespace,
-                remappings=arguments.remappings,
-            )
-            break
-        except MasterUnreachableError:
-            if not reported:
-                warn(f"waiting for a ROS master at {environment.master_uri}")
-                reported = True
-            await asyncio.sleep(_MASTER_RETRY_S)
+    graph = await wait_for_master(
+        lambda: join_ros1(
+            name,
+            environment=environment,
+            namespace=environment.namespace,
+            remappings=arguments.remappings,
+        ),
+        lambda _: warn(f"waiting for a ROS master at {environment.master_uri}"),
+    )
     try:
         for parameter, value in arguments.private_params.items():
             await graph.set_param(f"~{parameter}", value)

@@ -14,6 +14,7 @@ from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 
 from rostether.errors import ConfigError, GraphError, SerializationError
+from rostether.mechanisms.backoff import Backoff
 from rostether.ros1.xmlrpc_client import XmlRpcClient
 from rostether.xmlrpc.values import XmlRpcValue
 
@@ -21,7 +22,7 @@ _CALLER = "/master"
 # A node answers a notice within milliseconds unless it hangs; then it is tried again.
 _CALL_TIMEOUT_S = 5.0
 _FIRST_RETRY_S = 1.0
-_LAST_RETRY_S = 30.0
+_MAX_RETRY_S = 30.0
 # Two refusals, this far apart, are no restart of a listener: nobody is there.
 _REFUSALS_UNTIL_GONE = 2
 # A node's death is seen at once when its kept connection breaks; this is for those that broke unnoticed.
@@ -128,7 +129,7 @@ class NodeCallQueue:
             outbox.task = asyncio.get_running_loop().create_task(self._deliver(api, outbox))
 
     async def _deliver(self, api: str, outbox: _Outbox) -> None:
-        retry_s = self._first_retry_s
+        backoff = Backoff(first_s=self._first_retry_s, limit_s=_MAX_RETRY_S)
         while outbox.pending:
             what, arguments = next(iter(outbox.pending.items()))
             try:
@@ -143,11 +144,10 @@ class NodeCallQueue:
                     del self._outboxes[api]
                     self._on_gone(api)
                     return
-                await asyncio.sleep(retry_s)
-                retry_s = min(retry_s * 2, _LAST_RETRY_S)
+                await asyncio.sleep(backoff.next_delay_s())
                 continue
             outbox.refusals = 0
-            retry_s = self._first_retry_s
+            backoff.reset()
             # News may have replaced the arguments while the call was under way.
             if outbox.pending.get(what) is arguments:
                 del outbox.pending[what]

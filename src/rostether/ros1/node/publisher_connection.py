@@ -8,6 +8,7 @@ import logging
 from collections.abc import Callable, Sequence
 
 from rostether.errors import ConfigError, GraphError, ProtocolError, TransportError, TypeMismatchError
+from rostether.mechanisms.backoff import Backoff
 from rostether.ros1.tcpros_connection import ConnectionRecord, connect
 from rostether.ros1.xmlrpc_client import XmlRpcClient
 from rostether.tcpros.message_framing import MessageDecoder
@@ -124,7 +125,7 @@ class PublisherLink:
         await asyncio.wait((self._task,))
 
     async def _run(self) -> None:
-        retry_s = FIRST_RETRY_S
+        backoff = Backoff(first_s=FIRST_RETRY_S, limit_s=MAX_RETRY_S)
         failures = 0
         loop = asyncio.get_running_loop()
         while True:
@@ -134,7 +135,7 @@ class PublisherLink:
                 began_s = loop.time()
                 await self.connection.lost.wait()
                 if loop.time() - began_s > MAX_RETRY_S:
-                    retry_s = FIRST_RETRY_S
+                    backoff.reset()
             except TypeMismatchError as error:
                 self._tell(str(error))
                 return
@@ -149,8 +150,7 @@ class PublisherLink:
                 if self.connection is not None:
                     self.connection.abort()
                     self.connection = None
-            await asyncio.sleep(retry_s)
-            retry_s = min(2 * retry_s, MAX_RETRY_S)
+            await asyncio.sleep(backoff.next_delay_s())
 
     async def _connect(self) -> PublisherConnection:
         client = XmlRpcClient(self.uri, peer="the publisher")

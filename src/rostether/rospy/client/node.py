@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import contextlib
 import os
 import sys
@@ -11,6 +10,7 @@ from collections.abc import Callable, Coroutine
 from typing import Any, TypeVar
 
 from rostether.errors import ConfigError, MasterUnreachableError, RostetherError
+from rostether.mechanisms.waiting import wait_for_master
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.master_client import MasterClient
 from rostether.ros1.node.node import Ros1Graph, join_ros1
@@ -21,7 +21,6 @@ from rostether.rospy.client.shutdown import is_shutdown, shutdown
 
 _T = TypeVar("_T")
 
-MASTER_RETRY_S = 0.2
 """How often to look for a master that is not there yet: it may be starting beside us."""
 
 LEAVE_TIMEOUT_S = 5.0
@@ -106,18 +105,13 @@ class Node:
             join()
 
     async def _join(self, full_name: str, environment: RosEnvironment) -> Ros1Graph:
-        reported = False
-        while True:
-            try:
-                return await join_ros1(full_name, environment=environment, on_leave=self._told_to_leave)
-            except MasterUnreachableError:
-                if not reported:
-                    reported = True
-                    sys.stderr.write(
-                        f"Unable to register with master node [{environment.master_uri}]: "
-                        "master may not be running yet. Will keep trying.\n"
-                    )
-            await asyncio.sleep(MASTER_RETRY_S)
+        return await wait_for_master(
+            lambda: join_ros1(full_name, environment=environment, on_leave=self._told_to_leave),
+            lambda _: sys.stderr.write(
+                f"Unable to register with master node [{environment.master_uri}]: "
+                "master may not be running yet. Will keep trying.\n"
+            ),
+        )
 
     def _told_to_leave(self, reason: str) -> None:
         # In a thread: the program's hooks may use the graph, whose loop this is.

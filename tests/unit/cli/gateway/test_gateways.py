@@ -76,7 +76,7 @@ async def test_it_is_told_who_can_connect(place: str, token: str, line: tuple[Le
 
 
 async def test_a_master_that_is_away_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rostether.cli.gateway.gateways._MASTER_RETRY_S", 0.001)
+    monkeypatch.setattr("rostether.mechanisms.waiting.FIRST_RETRY_S", 0.001)
     log: list[tuple[Level, str]] = []
     away = MasterUnreachableError("the ROS master cannot be reached")
     join = Refusing(away, away, name="page")

@@ -4,7 +4,7 @@ import random
 
 import pytest
 
-from rostether.transports.backoff import Backoff
+from rostether.mechanisms.backoff import Backoff
 
 
 def test_double_up_to_the_limit() -> None:

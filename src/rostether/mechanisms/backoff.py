@@ -1,4 +1,4 @@
-"""How long to wait before the next attempt: doubling, bounded, spread so that not all come at once."""
+"""How long to wait before the next attempt: longer each time up to a limit, and different for each waiter."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ class Backoff:
         self._limit_s = limit_s
         self._factor = factor
         self._jitter = jitter
-        self._rng = rng if rng is not None else random.Random()  # noqa: S311 - spreads load, guards nothing
+        self._random = rng.random if rng is not None else random.random
         self._next_s = first_s
 
     def next_delay_s(self) -> float:
         """Return the delay before the next attempt, and lengthen the one after it."""
         delay_s = self._next_s
         self._next_s = min(delay_s * self._factor, self._limit_s)
-        return delay_s * (1.0 - self._jitter * self._rng.random())
+        return delay_s * (1.0 - self._jitter * self._random())
 
     def reset(self) -> None:
-        """Begin again with the shortest delay: an attempt succeeded."""
+        """Start again with the shortest delay, after an attempt that succeeded."""
         self._next_s = self._first_s

@@ -1,0 +1,40 @@
+"""Waiting for a ROS master that does not answer yet: one line for people, then attempts until it does."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from typing import TypeVar
+
+from rostether.errors import MasterUnreachableError
+from rostether.mechanisms.backoff import Backoff
+
+# Most masters are there at the first or second attempt: a launch starts them beside its nodes.
+FIRST_RETRY_S = 0.2
+# As often as rospy asks; people who start a master expect the nodes within a second.
+MAX_RETRY_S = 0.5
+
+ResultT = TypeVar("ResultT")
+
+
+async def wait_for_master(
+    attempt: Callable[[], Awaitable[ResultT]],
+    report: Callable[[MasterUnreachableError], object],
+    *,
+    max_retry_s: float = MAX_RETRY_S,
+) -> ResultT:
+    """Return what `attempt` returns; while it raises MasterUnreachableError, wait and try again.
+
+    `report` gets the first such error. `max_retry_s` is the longest time between two attempts. Other errors
+    of `attempt` pass.
+    """
+    backoff = Backoff(first_s=min(FIRST_RETRY_S, max_retry_s), limit_s=max_retry_s)
+    reported = False
+    while True:
+        try:
+            return await attempt()
+        except MasterUnreachableError as error:
+            if not reported:
+                reported = True
+                report(error)
+        await asyncio.sleep(backoff.next_delay_s())
