@@ -75,7 +75,7 @@ class Channels:
             if info.name in self._names or info.type == ANY_TYPE or len(self._names) >= MAX_CHANNELS:
                 continue
             self._names[info.name] = info.type
-            message_type = self._known(info.type)
+            message_type = self.known(info.type)
             if message_type is None:
                 self._learning[info.name] = asyncio.ensure_future(self._learn(info.name))
             else:
@@ -111,7 +111,8 @@ class Channels:
     def _has_changed(self, topic: TopicInfo) -> bool:
         return topic.type not in (ANY_TYPE, self._names[topic.name])
 
-    def _known(self, name: str) -> MessageType | None:
+    def known(self, name: str) -> MessageType | None:
+        """Return the type of this name, None if no definition of it is known here."""
         try:
             return self._store.registry.message_type(short_type(name))
         except RostetherError:

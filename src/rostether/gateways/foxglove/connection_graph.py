@@ -1,20 +1,33 @@
-"""The publishers, subscribers and servers, as differences from what clients received before."""
+"""The publishers, subscribers and servers, as differences from what clients received before.
+
+A topic that has subscribers and no publisher is not a channel, so its type comes here, in the fields
+`schemaName` and `schema` of its entry: with them a page can publish what a board waits for. The protocol has
+no such fields; other clients ignore them.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, TypeAlias
 
 from rostether.graph.ports import Snapshot
+from rostether.msgdef.interface import MessageType
 
 Table: TypeAlias = dict[str, tuple[str, ...]]
+FindType: TypeAlias = Callable[[str], MessageType | None]
 
 
 class ConnectionGraph:
-    """The connection graph as it was last sent to the clients."""
+    """The connection graph as it was last sent to the clients.
 
-    def __init__(self) -> None:
+    `find_type` returns the type of a name, None if its definition is not known.
+    """
+
+    def __init__(self, find_type: FindType) -> None:
+        self._find_type = find_type
         self._published: Table = {}
         self._subscribed: Table = {}
+        self._types: dict[str, str] = {}
         self._offered: Table = {}
 
     def update(self, snapshot: Snapshot) -> dict[str, Any] | None:
@@ -22,9 +35,14 @@ class ConnectionGraph:
         published = {each.name: each.publishers for each in snapshot.topics.values() if each.publishers}
         subscribed = {each.name: each.subscribers for each in snapshot.topics.values() if each.subscribers}
         offered = {each.name: each.providers for each in snapshot.services.values() if each.providers}
-        changes = _changes(
+        types = {name: snapshot.topics[name].type for name in subscribed if name not in published}
+        newly_typed = {
+            name: nodes for name, nodes in subscribed.items() if types.get(name) != self._types.get(name)
+        }
+        self._types = types
+        changes = self._changes(
             _new(self._published, published),
-            _new(self._subscribed, subscribed),
+            newly_typed | _new(self._subscribed, subscribed),
             _new(self._offered, offered),
             # A topic counts as removed on both sides; what one side still has follows in the same message.
             sorted((self._published.keys() | self._subscribed.keys()) - published.keys() - subscribed.keys()),
@@ -38,7 +56,34 @@ class ConnectionGraph:
 
     def whole(self) -> dict[str, Any]:
         """Return everything, for who knows nothing yet."""
-        return _changes(self._published, self._subscribed, self._offered, [], [])
+        return self._changes(self._published, self._subscribed, self._offered, [], [])
+
+    def _changes(
+        self,
+        published: Table,
+        subscribed: Table,
+        offered: Table,
+        removed_topics: list[str],
+        removed_services: list[str],
+    ) -> dict[str, Any]:
+        return {
+            "publishedTopics": [
+                {"name": name, "publisherIds": list(nodes)} for name, nodes in published.items()
+            ],
+            "subscribedTopics": [
+                {"name": name, "subscriberIds": list(nodes), **self._schema(name)}
+                for name, nodes in subscribed.items()
+            ],
+            "advertisedServices": [
+                {"name": name, "providerIds": list(nodes)} for name, nodes in offered.items()
+            ],
+            "removedTopics": removed_topics,
+            "removedServices": removed_services,
+        }
+
+    def _schema(self, topic: str) -> dict[str, str]:
+        message_type = self._find_type(self._types[topic]) if topic in self._types else None
+        return {"schemaName": message_type.name, "schema": message_type.definition} if message_type else {}
 
 
 def _new(before: Table, now: Table) -> Table:
@@ -47,21 +92,3 @@ def _new(before: Table, now: Table) -> Table:
 
 def _emptied(before: Table, now: Table, other_side: Table, key: str) -> list[dict[str, Any]]:
     return [{"name": name, key: []} for name in sorted(before.keys() - now.keys()) if name in other_side]
-
-
-def _changes(
-    published: Table,
-    subscribed: Table,
-    offered: Table,
-    removed_topics: list[str],
-    removed_services: list[str],
-) -> dict[str, Any]:
-    return {
-        "publishedTopics": [{"name": name, "publisherIds": list(nodes)} for name, nodes in published.items()],
-        "subscribedTopics": [
-            {"name": name, "subscriberIds": list(nodes)} for name, nodes in subscribed.items()
-        ],
-        "advertisedServices": [{"name": name, "providerIds": list(nodes)} for name, nodes in offered.items()],
-        "removedTopics": removed_topics,
-        "removedServices": removed_services,
-    }

@@ -68,7 +68,7 @@ class FoxgloveGateway:
             graph, store, settings.services, find_service_type, self._offer_services, self._end_services
         )
         self.parameters = Parameters(graph, settings.parameters)
-        self.connections = ConnectionGraph()
+        self.connections = ConnectionGraph(self.channels.known)
         self.assets = Assets(find_packages or _no_packages, self.limits.asset_bytes)
         self.clock = SimClock(graph, self.shared, self._tell_time, self._restart_clients)
         self._tell = tell or (lambda level, text: None)
