@@ -8,6 +8,7 @@ from typing import Protocol, TypeAlias
 
 from rostether.errors import RostetherError
 from rostether.graph.ports import Level
+from rostether.mechanisms.text import escape_line
 
 # A fault that has not shown for this long is over: its next appearance is news again.
 EPISODE_QUIET_S = 10.0
@@ -56,17 +57,14 @@ class LimitedReporter:
             self._began_s, self._said, self._unsaid = now_s, 0, 0
         if self._said < self._count:
             self._said += 1
-            self._reporter.line(level, printable(text), node=node)
+            self._reporter.line(level, shown_line(text), node=node)
         else:
             self._unsaid += 1
 
 
-def printable(text: str) -> str:
-    """Return the text as one line that cannot steer a terminal, cut at 500 characters."""
-    text = text.rstrip("\r\n")
-    if not text.isprintable():
-        text = "".join(char if char.isprintable() else repr(char)[1:-1] for char in text[:MAX_LINE_CHARS])
-    return text if len(text) <= MAX_LINE_CHARS else f"{text[: MAX_LINE_CHARS - 3]}..."
+def shown_line(text: str) -> str:
+    """Return the text as one line that cannot control a terminal, cut at 500 characters."""
+    return escape_line(text.rstrip("\r\n"), MAX_LINE_CHARS)
 
 
 def reason_of(error: Exception) -> str:
@@ -93,13 +91,13 @@ class Notices:
 
     def report(self, level: Level, text: str) -> None:
         """Report a line."""
-        self._reporter.line(level, printable(text), node=self.node)
+        self._reporter.line(level, shown_line(text), node=self.node)
         if self.to_graph is not None:
             self.to_graph(level, text)
 
     def show(self, level: Level, text: str) -> None:
         """Report a line to people only."""
-        self._reporter.line(level, printable(text), node=self.node)
+        self._reporter.line(level, shown_line(text), node=self.node)
 
     def episode(self, kind: str, level: Level, text: LineText, *, count: int = 1) -> None:
         """Report a line when `kind` begins, and nothing more of it until it was quiet for 10 s."""

@@ -13,6 +13,7 @@ from typing import Any
 
 from rostether.errors import ConfigError, RobotModelError
 from rostether.extras import install_command
+from rostether.mechanisms.text import fold_line
 from rostether.robot.xml_tree import parse_xml
 
 ASSIGNMENT = ":="
@@ -108,5 +109,5 @@ def _explain(file: Path, xacro: Any, error: Exception) -> str:
     while isinstance(inner := getattr(cause, "exc", None) or cause.__cause__, Exception):
         cause = inner
     place = next((str(each) for each in reversed(xacro.filestack or ()) if each), str(file))
-    text = " ".join(str(error).split()) or type(cause).__name__
+    text = fold_line(str(error)) or type(cause).__name__
     return text if isinstance(cause, RobotModelError) else f"{place}: {text}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from rostether.mechanisms.text import escape_line
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.events import FrameDiscarded
 from rostether.rosserial.frame_decoder import Decoded, FrameDecoder, Frames
@@ -98,8 +99,8 @@ class LineLog:
         half |= {ids.SERVICE_CLIENT_REQUEST: " request", ids.SERVICE_CLIENT_RESPONSE: " response"}
         return (
             f"{_KINDS[topic_id]}{half.get(topic_id, '')} {info.topic_name!r} "
-            f"[{_printable(info.message_type)}] id {info.topic_id}, {info.buffer_size} bytes, "
-            f"md5 {_printable(info.md5sum)}"
+            f"[{escape_line(info.message_type)}] id {info.topic_id}, {info.buffer_size} bytes, "
+            f"md5 {escape_line(info.md5sum)}"
         )
 
 
@@ -112,10 +113,6 @@ def version_of(device_bytes: bytes) -> int:
         return sum(len(each.payloads) for each in decoded if isinstance(each, Frames))
 
     return 1 if count(1) > count(2) else 2
-
-
-def _printable(text: str) -> str:
-    return text if text.isprintable() else repr(text)
 
 
 def _joined(decoded: list[Decoded]) -> list[Decoded]:

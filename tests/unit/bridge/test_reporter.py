@@ -11,7 +11,7 @@ from rostether.bridge.reporter import (
     LimitedReporter,
     Notices,
     SilentReporter,
-    printable,
+    shown_line,
 )
 from rostether.graph.ports import Level
 from unit.bridge.doubles import RecordingReporter
@@ -95,14 +95,14 @@ def test_kinds_are_bounded(notices: Notices, reporter: RecordingReporter) -> Non
     ("text", "shown"),
     [
         ("plain\r\n", "plain"),
-        ("\x1b[2Jgone", "\\x1b[2Jgone"),
+        ("\x1b[2Jgone", "\\u001b[2Jgone"),
         ("two\nlines", "two\\nlines"),
         ("grün", "grün"),
         ("x" * 600, "x" * (MAX_LINE_CHARS - 3) + "..."),
     ],
 )
 def test_a_peers_text_cannot_steer_a_terminal(text: str, shown: str) -> None:
-    assert printable(text) == shown
+    assert shown_line(text) == shown
 
 
 def test_strangers_bring_about_few_lines(reporter: RecordingReporter, clock: Clock) -> None:

@@ -10,7 +10,7 @@ import pytest
 
 from rostether.cli.main import rostether
 from rostether.cli.shell import failures
-from rostether.cli.shell.failures import exit_code_of, one_line
+from rostether.cli.shell.failures import error_text, exit_code_of
 from rostether.cli.shell.verbs import LazyGroup, Verb
 from rostether.errors import ConfigError, RostetherError
 from unit.cli.command_shell import LiveGraph, Shell
@@ -111,14 +111,14 @@ def test_exit_codes(error: BaseException, code: int, capsys: pytest.CaptureFixtu
     ],
 )
 def test_one_line(error: Exception, text: str) -> None:
-    assert one_line(error) == text
+    assert error_text(error) == text
 
 
 def test_what_nobody_expected_says_how_to_see_more(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert one_line(RostetherError()).startswith("RostetherError")
-    assert failures.TRACEBACK_VARIABLE in one_line(ZeroDivisionError("division by zero"))
+    assert error_text(RostetherError()).startswith("RostetherError")
+    assert failures.TRACEBACK_VARIABLE in error_text(ZeroDivisionError("division by zero"))
     monkeypatch.setenv(failures.TRACEBACK_VARIABLE, "1")
     assert exit_code_of(lambda: fail(ZeroDivisionError("division by zero"))) == 1
     assert "Traceback" in capsys.readouterr().err

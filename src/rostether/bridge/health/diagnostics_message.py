@@ -8,7 +8,7 @@ from rostether.bridge.board_node import BoardNode
 from rostether.bridge.findings.finding import Finding, Severity
 from rostether.bridge.health.diagnostics import BoardView
 from rostether.bridge.health.rates import Rates
-from rostether.bridge.reporter import printable
+from rostether.bridge.reporter import shown_line
 
 TYPE = "diagnostic_msgs/DiagnosticArray"
 TOPIC = "/diagnostics"
@@ -33,7 +33,7 @@ class StatusWriter:
             "message": _message(view, findings),
             "hardware_id": node.hardware_id,
             "values": [
-                {"key": printable(key), "value": printable(value)}
+                {"key": shown_line(key), "value": shown_line(value)}
                 for key, value in self._values(node, view, findings, now_s)
             ],
         }
@@ -99,7 +99,7 @@ def _message(view: BoardView, findings: Sequence[Finding]) -> str:
         return "not connected"
     if findings:
         more = f" (and {len(findings) - 1} more)" if len(findings) > 1 else ""
-        return printable(findings[0].seen) + more
+        return shown_line(findings[0].seen) + more
     return "all is well" if view.is_settled else state_of(view)
 
 

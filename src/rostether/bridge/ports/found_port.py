@@ -16,7 +16,7 @@ from typing import Protocol
 
 from rostether.bridge.ports.machine_ports import MachinePorts
 from rostether.bridge.ports.port_probe import TunableTransport, probe_port
-from rostether.bridge.reporter import Reporter, printable
+from rostether.bridge.reporter import Reporter, shown_line
 from rostether.errors import RostetherError, SessionError, TransportError
 from rostether.graph.ports import Level
 from rostether.mechanisms.backoff import Backoff
@@ -202,7 +202,7 @@ class FoundPort:
         """Say a line unless it was the last one of this port."""
         if text != self._told:
             self._told = text
-            self._reporter.line(level, printable(text))
+            self._reporter.line(level, shown_line(text))
 
 
 _NAME_OF_SOCKET = str.maketrans("-.:", "___")

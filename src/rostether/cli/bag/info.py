@@ -13,8 +13,9 @@ import click
 
 from rostether.cli.bag.figures import duration_text, size_text, time_text
 from rostether.cli.bag.yaml_text import yaml_text, yaml_value
-from rostether.cli.shell.output import json_option, one_line, warn, write_json, write_line
+from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.verbs import Verb
+from rostether.mechanisms.text import escape_line
 from rostether.rostime import NS_PER_S
 
 if TYPE_CHECKING:
@@ -128,7 +129,7 @@ def _print(facts: Mapping[str, Any], reader: RecordingReader) -> None:
         rows += _block("topics", _topic_lines(facts))
     width = max(len(label) for label, _ in rows) + 1
     for label, text in rows:
-        write_line(f"{label + ':' if label else '':<{width}} {one_line(text)}")
+        write_line(f"{label + ':' if label else '':<{width}} {escape_line(text)}")
 
 
 def _block(label: str, lines: list[str]) -> list[tuple[str, str]]:

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from rostether.mechanisms.text import fold_line
+
 STATUS_SUFFIX = ": rosserial"
 _UNKNOWN = "unknown"
 _TOPIC_ROLES = ("publisher", "subscriber")
@@ -68,12 +70,12 @@ def _is_board(status: Any) -> bool:
 
 
 def _read(status: Any) -> BoardStatus:
-    values = {_plain(each.key): _plain(each.value) for each in status.values}
+    values = {fold_line(each.key): fold_line(each.value) for each in status.values}
     return BoardStatus(
-        name="/" + _plain(status.name.removesuffix(STATUS_SUFFIX)),
+        name="/" + fold_line(status.name.removesuffix(STATUS_SUFFIX)),
         state=values["state"],
         level=int(status.level),
-        message=_plain(status.message),
+        message=fold_line(status.message),
         peer=values.get("peer", ""),
         connected_s=_number(values, "connected [s]"),
         received_bytes=_count(values, "received [bytes]"),
@@ -121,8 +123,3 @@ def _number(values: dict[str, str], key: str) -> float | None:
 
 def _count(values: dict[str, str], key: str) -> int:
     return round(_number(values, key) or 0)
-
-
-def _plain(text: str) -> str:
-    """Return text of anybody on the graph so that it cannot steer a terminal."""
-    return text if text.isprintable() else "".join(each if each.isprintable() else " " for each in text)

@@ -40,7 +40,7 @@ def link_show(file: Path, faults: bool, as_json: bool) -> None:
 
     Bytes that are not part of a valid frame are marked with `!`. The last line shows the totals.
     """
-    from rostether.bridge.reporter import printable
+    from rostether.bridge.reporter import shown_line
     from rostether.rosserial.line_log import LineLog
     from rostether.transports.capture import Capture, Chunk, LinkClosed, LinkOpened
 
@@ -71,7 +71,7 @@ def link_show(file: Path, faults: bool, as_json: bool) -> None:
                 ended = logs.pop(each.link, None)
                 tell(each.link, list(ended.finish(time_s)) if ended is not None else [])
                 if not as_json:
-                    what = f"opened: {printable(each.peer)}" if isinstance(each, LinkOpened) else "closed"
+                    what = f"opened: {shown_line(each.peer)}" if isinstance(each, LinkOpened) else "closed"
                     write_line(f"{time_s:12.6f}  link {each.link} {what}")
     for link, log in logs.items():
         tell(link, list(log.finish(time_s)))

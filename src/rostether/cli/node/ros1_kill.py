@@ -8,7 +8,7 @@ import click
 
 from rostether.cli.access.ros1_access import master_client, resolve
 from rostether.cli.node.ros1_calls import ask, node_client, node_names, ping, unknown_node
-from rostether.cli.shell.failures import EXIT_FAILED, one_line
+from rostether.cli.shell.failures import EXIT_FAILED, error_text
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.running import run
 from rostether.errors import GraphError, UnknownNameError
@@ -72,7 +72,7 @@ async def _kill(environment: RosEnvironment, names: list[str]) -> list[tuple[str
                 if isinstance(error.__cause__, ConnectionRefusedError):
                     failed.append((name, "it is gone already; `rostether node cleanup` forgets it"))
                 elif error.__cause__ is None:
-                    failed.append((name, one_line(error)))
+                    failed.append((name, error_text(error)))
     return failed
 
 

@@ -11,9 +11,10 @@ from rostether.cli.node import ros1_report
 from rostether.cli.node.nodes import NodeListing
 from rostether.cli.node.ros1_calls import ask, connections, find_node, node_client, node_names, registrations
 from rostether.cli.shell.failures import EXIT_FAILED
-from rostether.cli.shell.output import one_line, warn, write_json, write_line
+from rostether.cli.shell.output import warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.errors import ConfigError, UnknownNameError
+from rostether.mechanisms.text import escape_line
 from rostether.ros1.environment import RosEnvironment, parse_rpc_uri
 
 
@@ -34,9 +35,9 @@ class Ros1Nodes:
             if wanted.as_json:
                 write_json({"node": name, "uri": uri or None})
             elif wanted.with_uris:
-                write_line(f"{one_line(uri) or 'unknown address'} \t{one_line(name)}")
+                write_line(f"{escape_line(uri) or 'unknown address'} \t{escape_line(name)}")
             else:
-                write_line(one_line(uri or "unknown address" if wanted.uris_only else name))
+                write_line(escape_line(uri or "unknown address" if wanted.uris_only else name))
 
     def info(self, names: tuple[str, ...], *, quiet: bool, with_hidden: bool, as_json: bool) -> None:
         """Print what nodes publish, subscribe to and serve, and their connections."""

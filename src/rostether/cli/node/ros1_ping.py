@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from rostether.cli.access.ros1_access import master_client, resolve
 from rostether.cli.node import ros1_calls
 from rostether.cli.node.ros1_calls import NODE_TIMEOUT_S, find_node, node_names
-from rostether.cli.shell.failures import one_line
+from rostether.cli.shell.failures import error_text
 from rostether.cli.shell.output import warn, write_json, write_line
 from rostether.errors import GraphError, MasterUnreachableError, UnknownNameError
 from rostether.ros1.environment import RosEnvironment
@@ -103,11 +103,11 @@ class _Pinger:
 
     def _report_failure(self, error: GraphError) -> None:
         if self._as_json:
-            record = {"node": self.name, "uri": self._uri, "reply_ms": None, "error": one_line(error)}
+            record = {"node": self.name, "uri": self._uri, "reply_ms": None, "error": error_text(error)}
             write_json(record)
         elif isinstance(error.__cause__, ConnectionRefusedError):
             warn(f"ERROR: connection refused to [{self._uri}]")
         elif error.__cause__ is None:
             warn(f"connection to [{self.name}] timed out")
         else:
-            warn(f"ERROR: {one_line(error)}")
+            warn(f"ERROR: {error_text(error)}")

@@ -10,8 +10,9 @@ from rostether.cli.access.refusals import not_on_ros2, refuse_ros1_only
 from rostether.cli.access.ros2_tool_node import ToolNode, asked
 from rostether.cli.access.ros2_view import GraphView, is_hidden
 from rostether.cli.node.nodes import NodeListing
-from rostether.cli.shell.output import one_line, write_json, write_line
+from rostether.cli.shell.output import write_json, write_line
 from rostether.errors import UnknownNameError
+from rostether.mechanisms.text import escape_line
 from rostether.ros2.endpoint_info import EndpointKind
 
 _SECTIONS = {
@@ -48,7 +49,7 @@ class Ros2Nodes:
             if wanted.as_json:
                 write_json({"node": name})
             else:
-                write_line(one_line(name))
+                write_line(escape_line(name))
 
     def info(self, names: tuple[str, ...], *, quiet: bool, with_hidden: bool, as_json: bool) -> None:
         """Print what nodes publish, subscribe to, serve and call. Raises UnknownNameError."""
@@ -88,10 +89,10 @@ def _write_info(name: str, sections: dict[str, list[tuple[str, list[str]]]], *, 
     if as_json:
         write_json({"node": name, **{_key(title): _records(found) for title, found in sections.items()}})
         return
-    write_line(one_line(name))
+    write_line(escape_line(name))
     for title, found in sections.items():
         write_line(f"  {title}:")
-        write_line("\n".join(one_line(f"    {each}: {', '.join(types)}") for each, types in found))
+        write_line("\n".join(escape_line(f"    {each}: {', '.join(types)}") for each, types in found))
 
 
 def full_node_name(name: str) -> str:

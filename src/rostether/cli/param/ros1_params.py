@@ -13,9 +13,10 @@ from rostether.cli.access.ros1_access import master_client, read_environment
 from rostether.cli.param.params import GetOptions, ParamListing, SetOptions
 from rostether.cli.param.ros1_names import not_set, param_name
 from rostether.cli.shell.input_files import read_bytes, read_text
-from rostether.cli.shell.output import one_line, warn, write_json, write_line
+from rostether.cli.shell.output import warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.errors import ConfigError, InvalidNameError, UnknownNameError
+from rostether.mechanisms.text import escape_line
 from rostether.ros1.environment import RosEnvironment
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ class Ros1Params:
             if wanted.as_json:
                 write_json({"name": name})
             else:
-                write_line(one_line(name))
+                write_line(escape_line(name))
 
     def get(self, name: str, parameter: str | None, options: GetOptions) -> None:
         """Print a parameter, or all parameters of a namespace, in YAML."""

@@ -19,8 +19,9 @@ from rostether.cli.access.ros2_tool_node import ToolNode, asked
 from rostether.cli.access.ros2_view import GraphView, is_hidden
 from rostether.cli.node.ros2_nodes import full_node_name
 from rostether.cli.param.params import GetOptions, ParamListing, SetOptions
-from rostether.cli.shell.output import one_line, warn, write_json, write_line
+from rostether.cli.shell.output import warn, write_json, write_line
 from rostether.errors import ConfigError, GraphError, SerializationError, UnknownNameError
+from rostether.mechanisms.text import escape_line
 from rostether.ros2.parameters.parameter_name import name_parts
 from rostether.ros2.parameters.typed_value import NOT_SET, ParameterType, TypedValue, typed_value
 
@@ -128,9 +129,9 @@ class Ros2Params:
                     write_json({"node": owner, "name": name, **({"type": kind} if wanted.with_types else {})})
                 continue
             if node is None:
-                write_line(one_line(f"{owner}:"))
+                write_line(escape_line(f"{owner}:"))
             for name, kind in names.items():
-                write_line(one_line(f"  {name} (type: {kind})" if wanted.with_types else f"  {name}"))
+                write_line(escape_line(f"  {name} (type: {kind})" if wanted.with_types else f"  {name}"))
 
     def get(self, name: str, parameter: str | None, options: GetOptions) -> None:
         """Print a parameter with its type. Raises UnknownNameError."""
@@ -166,7 +167,7 @@ class Ros2Params:
         for name, value in values.items():
             _set(self._graph, node, {name: value}, "Setting")
             write_line(
-                one_line(f"{name}: Set parameter successful")
+                escape_line(f"{name}: Set parameter successful")
                 if len(values) > 1
                 else "Set parameter successful"
             )
@@ -199,7 +200,7 @@ class Ros2Params:
             if each.additional_constraints:
                 lines.append(f"    Additional constraints: {each.additional_constraints}")
             for line in lines:
-                write_line(one_line(line))
+                write_line(escape_line(line))
 
     def dump(self, file: Path | None, namespace: str, *, verbose: bool) -> None:
         """Print all parameters of the node `file` as a file for `--params-file` and `param load`."""
@@ -242,10 +243,10 @@ class Ros2Params:
             for name, value in values.items():
                 try:
                     await client.set(owner, {name: typed_value(name, value)})
-                    write_line(one_line(f"Set parameter {name} successful"))
+                    write_line(escape_line(f"Set parameter {name} successful"))
                 except (GraphError, SerializationError) as error:
                     failed += 1
-                    warn(one_line(f"Set parameter {name} failed: {error}"))
+                    warn(escape_line(f"Set parameter {name} failed: {error}"))
             return failed
 
         failed = _asked_of(self._graph, owner, ask)

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from rostether.cli.access.ros1_access import in_namespace
-from rostether.cli.shell.output import one_line
 from rostether.errors import UnknownNameError
 from rostether.graph.ports import ServiceInfo, Snapshot, TopicInfo
+from rostether.mechanisms.text import escape_line
 from rostether.msgdef.interface import ANY_TYPE
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ def choose(snapshot: Snapshot, names: Iterable[str] = (), *, with_hidden: bool =
 def as_text(shown: Shown) -> Iterator[str]:
     """Yield lines: each node with what it publishes, subscribes to and offers, and the other ends."""
     for node in shown.nodes:
-        yield one_line(node)
+        yield escape_line(node)
         for topic in shown.topics:
             if node in topic.publishers:
                 yield f"  -> {_topic(topic)}{_others(' to', topic.subscribers)}"
@@ -69,8 +69,8 @@ def as_text(shown: Shown) -> Iterator[str]:
                 yield f"  <- {_topic(topic)}{_others(' from', topic.publishers)}"
         for service in shown.services:
             if node in service.providers:
-                kind = "" if service.type == ANY_TYPE else f" [{one_line(service.type)}]"
-                yield f"  => {one_line(service.name)}{kind}"
+                kind = "" if service.type == ANY_TYPE else f" [{escape_line(service.type)}]"
+                yield f"  => {escape_line(service.name)}{kind}"
     if not shown.nodes:
         yield "no nodes"
 
@@ -97,10 +97,10 @@ def as_digraph(shown: Shown, *, nodes_only: bool = False) -> Digraph:
     """Return the vertices and edges of a picture; topics are vertices too, unless `nodes_only`."""
     from rostether.pictures.digraph import Digraph, Edge, Shape, Vertex
 
-    vertices = [Vertex(f"node {each}", one_line(each), Shape.ELLIPSE) for each in shown.nodes]
+    vertices = [Vertex(f"node {each}", escape_line(each), Shape.ELLIPSE) for each in shown.nodes]
     edges = []
     for topic in shown.topics:
-        name = one_line(topic.name)
+        name = escape_line(topic.name)
         if nodes_only:
             edges += [
                 Edge(f"node {source}", f"node {target}", name)
@@ -147,8 +147,8 @@ def _without(topic: TopicInfo, nodes: set[str]) -> TopicInfo:
 
 def _topic(topic: TopicInfo) -> str:
     kind = "unknown type" if topic.type == ANY_TYPE else topic.type
-    return f"{one_line(topic.name)} [{one_line(kind)}]"
+    return f"{escape_line(topic.name)} [{escape_line(kind)}]"
 
 
 def _others(word: str, nodes: Sequence[str]) -> str:
-    return f"{word} {', '.join(map(one_line, nodes))}" if nodes else f"{word} no node"
+    return f"{word} {', '.join(map(escape_line, nodes))}" if nodes else f"{word} no node"

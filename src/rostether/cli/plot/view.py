@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from rostether.cli.shell.output import one_line
+from rostether.mechanisms.text import escape_line
 from rostether.pictures.axis import Axis
 from rostether.pictures.braille import braille
 from rostether.pictures.plot import COLORS, Curve
@@ -69,7 +69,7 @@ def _legend(curves: Sequence[Curve], columns: int) -> list[list[Piece]]:
     lines: list[list[Piece]] = []
     for number, curve in enumerate(curves):
         last = f"{curve.points[-1][1]:.6g}" if curve.points else "-"
-        lines.append([(f"── {one_line(curve.name)} {last}"[:columns], number)])
+        lines.append([(f"── {escape_line(curve.name)} {last}"[:columns], number)])
     return lines
 
 

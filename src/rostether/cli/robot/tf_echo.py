@@ -9,9 +9,10 @@ import click
 
 from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
-from rostether.cli.shell.output import json_option, one_line, warn, write_json, write_line
+from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
+from rostether.mechanisms.text import escape_line
 
 MAX_RATE_HZ = 1_000.0
 """Faster than anybody reads; a script that wants every message echoes /tf."""
@@ -87,11 +88,11 @@ async def _echo(
                     problem = str(error).strip().splitlines()[0]
                     waited_s = loop.time() - began_s
                     if not shown_count and timeout_s is not None and waited_s >= timeout_s:
-                        warn(one_line(problem))
+                        warn(escape_line(problem))
                         return EXIT_FAILED
                     if problem != told and waited_s >= 1.0:
                         told = problem
-                        warn(f"waiting: {one_line(problem)}")
+                        warn(f"waiting: {escape_line(problem)}")
                     listener.arrived.clear()
                     with contextlib.suppress(TimeoutError):
                         async with asyncio.timeout(0.2):

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
-from rostether.cli.shell.output import json_option, one_line, write_json, write_line
+from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
+from rostether.mechanisms.text import escape_line
 
 if TYPE_CHECKING:
     from rostether.robot.tf_buffer import TransformBuffer
@@ -77,7 +78,7 @@ def _report(
         try:
             chain = buffer.chain(frames[0], frames[1])
         except TransformError as error:
-            problem = one_line(str(error).strip().splitlines()[0])
+            problem = escape_line(str(error).strip().splitlines()[0])
             write_json({"problem": problem}) if as_json else write_line(f"waiting: {problem}")
             return
     rows = {name: row for name, row in sorted(statistics.frames.items()) if not frames or name in chain}
@@ -95,16 +96,16 @@ def _report(
         return
     write_line(f"\nRESULTS: for {f'{frames[0]} to {frames[1]}' if frames else 'all Frames'}")
     if frames:
-        write_line(f"Chain is: {one_line(' -> '.join(chain))}")
+        write_line(f"Chain is: {escape_line(' -> '.join(chain))}")
     write_line("Frames:")
     for name, row in rows.items():
         write_line(
-            f"Frame: {one_line(name)} published by {one_line(row.broadcaster)} "
+            f"Frame: {escape_line(name)} published by {escape_line(row.broadcaster)} "
             f"Average Delay: {row.average_s:.6g} Max Delay: {row.max_s:.6g}"
         )
     write_line("\nAll Broadcasters:")
     for name, row in sorted(statistics.nodes.items()):
         write_line(
-            f"Node: {one_line(name)} {row.rate_hz:.6g} Hz, "
+            f"Node: {escape_line(name)} {row.rate_hz:.6g} Hz, "
             f"Average Delay: {row.average_s:.6g} Max Delay: {row.max_s:.6g}"
         )

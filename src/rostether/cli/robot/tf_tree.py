@@ -9,9 +9,10 @@ import click
 
 from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
-from rostether.cli.shell.output import json_option, one_line, warn, write_json, write_line
+from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
+from rostether.mechanisms.text import escape_line
 
 DEFAULT_LISTENING_S = 2.0
 """Long enough for what comes at 1 Hz, and for a rate to be known."""
@@ -62,7 +63,7 @@ async def _tree(listening_s: float, dot: bool, as_json: bool, graph: GraphOption
         await asyncio.sleep(listening_s)
         buffer = listener.buffer
     for refusal in refusals:
-        warn(one_line(refusal))
+        warn(escape_line(refusal))
     if not buffer.frames:
         warn(
             f"no transform came within {listening_s:g} s; robot_state_publisher or `rostether tf static` "
@@ -76,5 +77,5 @@ async def _tree(listening_s: float, dot: bool, as_json: bool, graph: GraphOption
         write_line(frames_as_dot(buffer))
     else:
         for line in frame_tree(buffer):
-            write_line(one_line(line))
+            write_line(escape_line(line))
     return EXIT_DONE

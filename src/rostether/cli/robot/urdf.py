@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rostether.cli.shell.output import json_option, one_line, warn, write_json, write_line
+from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.verbs import LazyGroup, Verb, VerbEntry
+from rostether.mechanisms.text import escape_line
 
 if TYPE_CHECKING:
     from rostether.robot.robot_model import Joint, RobotModel
@@ -47,16 +48,16 @@ def urdf() -> None:
 def check(file: Path, mappings: tuple[str, ...]) -> None:
     """Report errors in FILE, or show its tree of links; a .xacro file is expanded first."""
     model = _load(file, mappings)
-    write_line(f"robot name is: {one_line(model.name)}")
+    write_line(f"robot name is: {escape_line(model.name)}")
     write_line("---------- Successfully Parsed XML ---------------")
-    write_line(f"root Link: {one_line(model.root)} has {len(model.joints_below(model.root))} child(ren)")
+    write_line(f"root Link: {escape_line(model.root)} has {len(model.joints_below(model.root))} child(ren)")
     waiting = [(1, place, joint) for place, joint in _numbered_backward(model, model.root)]
     while waiting:
         depth, place, joint = waiting.pop()
-        write_line(f"{'    ' * depth}child({place}):  {one_line(joint.child)}")
+        write_line(f"{'    ' * depth}child({place}):  {escape_line(joint.child)}")
         waiting += [(depth + 1, below, each) for below, each in _numbered_backward(model, joint.child)]
     for problem in model.problems:
-        warn(f"left out: {one_line(problem)}")
+        warn(f"left out: {escape_line(problem)}")
 
 
 @click.command("tree", cls=Verb, examples="rostether urdf tree robot.urdf")
@@ -70,9 +71,9 @@ def tree(file: Path, mappings: tuple[str, ...], as_json: bool) -> None:
         for joint in model.joints.values():
             write_json(_record(joint))
         return
-    write_line(one_line(model.root))
+    write_line(escape_line(model.root))
     for line in _tree_lines(model):
-        write_line(one_line(line))
+        write_line(escape_line(line))
 
 
 def _load(file: Path, mappings: tuple[str, ...]) -> RobotModel:

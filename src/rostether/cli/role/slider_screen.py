@@ -11,7 +11,7 @@ import termios
 import tty
 from typing import TYPE_CHECKING
 
-from rostether.cli.shell.output import one_line
+from rostether.mechanisms.text import escape_line
 from rostether.robot.joint_sliders import JointSliders, SliderKey
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ class SliderScreen:
     def refresh(self) -> None:
         """Show the sliders as they stand."""
         size = shutil.get_terminal_size()
-        lines = [one_line(line) + _CLEAR_LINE for line in self._sliders.lines(size.columns, size.lines)]
+        lines = [escape_line(line) + _CLEAR_LINE for line in self._sliders.lines(size.columns, size.lines)]
         sys.stdout.write(_HOME + "\r\n".join(lines) + _CLEAR_BELOW)
         sys.stdout.flush()
 

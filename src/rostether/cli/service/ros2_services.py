@@ -9,9 +9,10 @@ from rostether.cli.access.refusals import not_on_ros2, refuse_ros1_only
 from rostether.cli.access.ros2_tool_node import ToolNode, asked
 from rostether.cli.access.ros2_view import SERVICE_KINDS, GraphView
 from rostether.cli.service.services import CallOptions, ServiceListing
-from rostether.cli.shell.output import one_line, write_json, write_line
+from rostether.cli.shell.output import write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.errors import UnknownNameError
+from rostether.mechanisms.text import escape_line
 from rostether.ros2.endpoint_info import EndpointKind
 from rostether.ros2.types.native_registry import short_name
 
@@ -40,7 +41,7 @@ class Ros2Services:
                 write_json(record)
             else:
                 shown = f" [{', '.join(types)}]" if wanted.show_types else ""
-                write_line(one_line(f"{name}{shown}{' ' + ','.join(nodes) if wanted.nodes else ''}"))
+                write_line(escape_line(f"{name}{shown}{' ' + ','.join(nodes) if wanted.nodes else ''}"))
 
     def uri_of(self, service: str) -> None:
         """Refuse: there is no such command on ROS 2."""
@@ -52,13 +53,13 @@ class Ros2Services:
         """Print the type of a service, or each of them."""
         name, view = _view_of(self._graph, service)
         for each in view.types([EndpointKind.SERVER], name):
-            write_line(one_line(each))
+            write_line(escape_line(each))
 
     def node_of(self, service: str) -> None:
         """Print the nodes that offer a service."""
         name, view = _view_of(self._graph, service)
         for each in servers_of(view, name):
-            write_line(one_line(each))
+            write_line(escape_line(each))
 
     def args(self, service: str, msg_paths: tuple[Path, ...]) -> None:
         """Print the names of a service's arguments."""
@@ -94,7 +95,7 @@ class Ros2Services:
         view = asked(self._graph, lambda tool: tool.settled_snapshot())
         for name in view.services():
             if short_name(type_name) in map(short_name, view.types([EndpointKind.SERVER], name)):
-                write_line(one_line(name))
+                write_line(escape_line(name))
 
     def call(self, service: str, values: tuple[str, ...], options: CallOptions) -> None:
         """Call a service as `ros2 service call` does."""

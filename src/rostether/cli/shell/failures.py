@@ -11,6 +11,7 @@ from collections.abc import Callable
 import click
 
 from rostether.errors import RostetherError, first_error
+from rostether.mechanisms.text import fold_line
 
 EXIT_DONE = 0
 EXIT_FAILED = 1
@@ -44,10 +45,10 @@ def exit_code_of(command: Callable[[], object]) -> int:
     return code if isinstance(code, int) else EXIT_DONE
 
 
-def one_line(error: BaseException) -> str:
+def error_text(error: BaseException) -> str:
     """Return what an error says in one line, and leave out the name of its class where the text is clear."""
     error = first_error(error)
-    text = " ".join(str(error).split())
+    text = fold_line(str(error))
     if isinstance(error, RostetherError) and text:
         return text
     if isinstance(error, OSError) and error.strerror:
@@ -67,7 +68,7 @@ def _report_usage(error: click.ClickException) -> int:
         click.echo(error.format_message(), err=True)
         return error.exit_code
     context = getattr(error, "ctx", None)
-    text = " ".join(error.format_message().split()).rstrip(".")
+    text = fold_line(error.format_message()).rstrip(".")
     for clicks, ours in _PLAINER.items():
         text = text.replace(clicks, ours)
     # Our own usage errors say what to do; click's say what is wrong.
@@ -82,5 +83,5 @@ def _report(error: Exception) -> int:
         import traceback
 
         traceback.print_exception(error)
-    print_error(one_line(error))
+    print_error(error_text(error))
     return EXIT_FAILED

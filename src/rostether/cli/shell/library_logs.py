@@ -9,6 +9,7 @@ from collections.abc import Callable
 from rostether.cli.shell.failures import TRACEBACK_VARIABLE
 from rostether.cli.shell.output import warn
 from rostether.graph.ports import Level
+from rostether.mechanisms.text import fold_line
 
 _LEVELS = {
     logging.DEBUG: Level.DEBUG,
@@ -45,10 +46,7 @@ class _Lines(logging.Handler):
     def emit(self, record: logging.LogRecord) -> None:
         if record.name == _ASYNCIO.name and self._is_repeated(record):
             return
-        text = " ".join(record.getMessage().split())
-        if not text.isprintable():
-            # It may contain text from a peer, which must not control the terminal.
-            text = "".join(char if char.isprintable() else repr(char)[1:-1] for char in text)
+        text = fold_line(record.getMessage())
         error = record.exc_info[1] if record.exc_info else None
         if error is not None and not os.environ.get(TRACEBACK_VARIABLE):
             text = f"{text} ({type(error).__name__}: {error}); please report it"

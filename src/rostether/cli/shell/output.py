@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import json
 import os
-import re
 import sys
 from collections.abc import Callable, Mapping
 from typing import Any, TextIO
@@ -13,11 +12,7 @@ from typing import Any, TextIO
 import click
 
 from rostether.cli.shell.failures import EXIT_DONE
-
-# Control characters except line ends and tabs, and invisible or direction-changing characters.
-_STEERING = re.compile(
-    "[\\x00-\\x08\\x0b-\\x1f\\x7f-\\x9f\\u200b-\\u200f\\u2028-\\u202e\\u2060-\\u206f\\ufeff]"
-)
+from rostether.mechanisms.text import escape_text
 
 json_option: Callable[[Any], Any] = click.option(
     "--json", "as_json", is_flag=True, help="Print one JSON object a line."
@@ -31,21 +26,11 @@ def write_line(text: str = "") -> None:
     When the reader closes the pipe (`| head`), the command ends here with exit code 0.
     """
     try:
-        sys.stdout.write(printable(text) + "\n")
+        sys.stdout.write(escape_text(text) + "\n")
         sys.stdout.flush()
     except BrokenPipeError:
         forget(sys.stdout)
         raise click.exceptions.Exit(EXIT_DONE) from None
-
-
-def printable(text: str) -> str:
-    """Return the text with its lines and tabs; what could control a terminal is escaped as in JSON."""
-    return _STEERING.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
-
-
-def one_line(text: str) -> str:
-    """Return text from a peer as one line, with unprintable characters escaped."""
-    return printable(text).replace("\n", "\\n").replace("\t", "\\t")
 
 
 def forget(stream: TextIO) -> None:
@@ -58,7 +43,7 @@ def forget(stream: TextIO) -> None:
 def warn(text: str) -> None:
     """Write a line to stderr."""
     sys.stdout.flush()
-    sys.stderr.write(printable(text) + "\n")
+    sys.stderr.write(escape_text(text) + "\n")
     sys.stderr.flush()
 
 

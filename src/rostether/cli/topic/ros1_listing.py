@@ -7,11 +7,12 @@ from pathlib import Path
 
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.ros1_access import in_namespace, master_client, read_environment, resolve
-from rostether.cli.shell.output import one_line, write_json, write_line
+from rostether.cli.shell.output import write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.topic.requests import TopicListing
 from rostether.cli.topic.ros1_chosen_topic import choose_topic, resolve_with_field
 from rostether.cli.topic.ros1_view import TopicView, fetch_topics, node_uris, unknown_topic
+from rostether.mechanisms.text import escape_line
 from rostether.ros1.environment import RosEnvironment, parse_rpc_uri
 
 
@@ -102,7 +103,7 @@ def info(graph: GraphOptions, topic: str, *, as_json: bool) -> None:
     for title, nodes in (("Publishers", view.publishers), ("Subscribers", view.subscribers)):
         write_line(f"{title}: " if nodes else f"{title}: None")
         for node in nodes:
-            write_line(one_line(f" * {node} ({uris[node] or f'unknown address {node}'})"))
+            write_line(escape_line(f" * {node} ({uris[node] or f'unknown address {node}'})"))
         write_line()
     # rostopic ends with one line more.
     write_line()

@@ -8,9 +8,10 @@ from typing import Any
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.ros2_tool_node import ToolNode, asked
 from rostether.cli.access.ros2_view import TOPIC_KINDS, GraphView
-from rostether.cli.shell.output import one_line, write_json, write_line
+from rostether.cli.shell.output import write_json, write_line
 from rostether.cli.topic.requests import TopicListing
 from rostether.errors import UnknownNameError
+from rostether.mechanisms.text import escape_line
 from rostether.names.graph_name import namespace_of
 from rostether.ros2.endpoint_info import EndpointInfo, EndpointKind
 from rostether.ros2.types.native_registry import short_name
@@ -39,7 +40,7 @@ def list_topics(graph: GraphOptions, wanted: TopicListing) -> None:
     else:
         for name in names:
             shown = f" [{', '.join(view.types(TOPIC_KINDS, name))}]" if wanted.show_types else ""
-            write_line(one_line(name + shown))
+            write_line(escape_line(name + shown))
 
 
 def _write_counts(view: GraphView, names: list[str], kind: EndpointKind, title: str, what: str) -> None:
@@ -48,7 +49,7 @@ def _write_counts(view: GraphView, names: list[str], kind: EndpointKind, title: 
         count = len(view.of(kind, name))
         if count:
             types = ", ".join(view.types(TOPIC_KINDS, name))
-            write_line(one_line(f" * {name} [{types}] {count} {what}{'s' if count > 1 else ''}"))
+            write_line(escape_line(f" * {name} [{types}] {count} {what}{'s' if count > 1 else ''}"))
     write_line()
 
 
@@ -133,7 +134,7 @@ def format_end(end: EndpointInfo) -> str:
             f"  Liveliness: {qos.liveliness}",
             f"  Liveliness lease duration: {qos.lease}",
         ]
-    return "\n".join(map(one_line, lines))
+    return "\n".join(map(escape_line, lines))
 
 
 def end_record(end: EndpointInfo) -> dict[str, Any]:
@@ -151,7 +152,7 @@ def type_of(graph: GraphOptions, topic: str) -> None:
     """Print the type of a topic, or each of them."""
     name, view = _view_of(graph, topic)
     for each in view.types(TOPIC_KINDS, name):
-        write_line(one_line(each))
+        write_line(escape_line(each))
 
 
 def find(graph: GraphOptions, type_name: str, *, as_json: bool, with_hidden: bool = False) -> None:
@@ -162,4 +163,4 @@ def find(graph: GraphOptions, type_name: str, *, as_json: bool, with_hidden: boo
             if as_json:
                 write_json({"topic": name})
             else:
-                write_line(one_line(name))
+                write_line(escape_line(name))

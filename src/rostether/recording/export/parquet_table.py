@@ -9,6 +9,7 @@ from typing import Any
 
 from rostether.errors import ConfigError, RecordingError
 from rostether.extras import install_command
+from rostether.mechanisms.text import fold_line
 from rostether.recording.export.columns import Column
 from rostether.recording.export.tables import TIME_COLUMNS, nested
 from rostether.rostime import NS_PER_S
@@ -93,8 +94,8 @@ class ParquetTable:
         try:
             yield
         except (OSError, self._arrow.ArrowException) as error:
-            told = getattr(error, "strerror", None) or " ".join(str(error).split())
-            raise RecordingError(f"cannot write {self._path}: {told}") from None
+            reason = getattr(error, "strerror", None) or fold_line(str(error))
+            raise RecordingError(f"cannot write {self._path}: {reason}") from None
 
 
 def _type_of(arrow: Any, column: Column) -> Any:

@@ -178,5 +178,5 @@ def test_a_status_is_read_whatever_it_says() -> None:
         ("publisher", "a", "std_msgs/String", 7, 2.5),
         ("service client", "b", "", 1, 0.0),
     ]
-    assert board.findings == ("it prints  [31mred",)
-    assert board.message == "a  [2Jmessage"
+    assert board.findings == ("it prints \\u001b[31mred",)
+    assert board.message == "a \\u001b[2Jmessage"

@@ -36,7 +36,7 @@ def test_a_peers_words_do_not_steer_the_terminal() -> None:
     shown: list[str] = []
     show_library_logs(lambda _level, text: shown.append(text))
     ROOM.warning("%s is gone", "\x1b]0;x\x07/node")
-    assert shown == ["\\x1b]0;x\\x07/node is gone"]
+    assert shown == ["\\u001b]0;x\\u0007/node is gone"]
 
 
 def test_last_call_counts() -> None:

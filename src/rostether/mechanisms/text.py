@@ -1,0 +1,34 @@
+"""Text from peers, files and libraries as people may see it: it controls no terminal and fits its line."""
+
+from __future__ import annotations
+
+import json
+import re
+
+# Control characters except line ends and tabs, what is invisible or changes the direction of writing, and
+# half characters (bytes that were not UTF-8), which a terminal's encoding rejects.
+_STEERING = re.compile(
+    "[\\x00-\\x08\\x0b-\\x1f\\x7f-\\x9f\\xad\\u061c\\u180e\\u200b-\\u200f\\u2028-\\u202e\\u2060-\\u206f"
+    "\\ud800-\\udfff\\ufeff\\ufff9-\\ufffb\\U000e0000-\\U000e007f]"
+)
+
+
+def escape_text(text: str) -> str:
+    """Return the text with its lines and tabs; what could control a terminal is escaped as in JSON."""
+    if text.isprintable():
+        return text
+    return _STEERING.sub(lambda found: json.dumps(found[0])[1:-1], text)
+
+
+def escape_line(text: str, max_chars: int | None = None) -> str:
+    """Return the text as one line, with line ends and tabs escaped; `...` ends one that was too long."""
+    # Escaping never shortens, so what is beyond the limit is not needed.
+    escaped = text if max_chars is None else text[: max_chars + 1]
+    if not escaped.isprintable():
+        escaped = escape_text(escaped).replace("\n", "\\n").replace("\t", "\\t")
+    return escaped if max_chars is None or len(escaped) <= max_chars else f"{escaped[: max_chars - 3]}..."
+
+
+def fold_line(text: str, max_chars: int | None = None) -> str:
+    """Return the text as one line, with one space for each run of white space; else as `escape_line`."""
+    return escape_line(" ".join(text.split()), max_chars)

@@ -1,0 +1,46 @@
+"""What peers send is shown, and controls no terminal."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+
+import pytest
+
+from rostether.mechanisms.text import escape_line, escape_text, fold_line
+
+EVIL = "a\x1b[2J\x9b31m\u202e\x7f\r\nFAKE\tb\u00e4\u6c34"
+
+
+def test_lines_and_tabs_stay_while_controls_are_escaped() -> None:
+    shown = "a\\u001b[2J\\u009b31m\\u202e\\u007f\\r\nFAKE\tb\u00e4\u6c34"
+    assert escape_text(EVIL) == shown
+    assert escape_text(shown) == shown
+
+
+def test_a_name_is_one_line() -> None:
+    assert escape_line(EVIL) == "a\\u001b[2J\\u009b31m\\u202e\\u007f\\r\\nFAKE\\tb\u00e4\u6c34"
+
+
+def test_white_space_folds_into_one_space() -> None:
+    assert fold_line("  no such\n    thing:\t\x1b[2J ") == "no such thing: \\u001b[2J"
+
+
+@pytest.mark.parametrize("hidden", ["\x00", "\u200b", "\u2066", "\ufeff", "\udc80", "\U000e0041"])
+def test_what_is_invisible_shows_and_stays_json(hidden: str) -> None:
+    text = json.dumps({"name": hidden}, ensure_ascii=False)
+    assert escape_text(text).isprintable()
+    assert json.loads(escape_text(text)) == {"name": hidden}
+
+
+@pytest.mark.parametrize("text", ["grün 水", "a\u00a0b\u3000c", "🤖"])
+def test_what_people_write_stays(text: str) -> None:
+    assert escape_line(text) == text
+
+
+@pytest.mark.parametrize("limited", [escape_line, fold_line])
+def test_a_line_is_cut_at_its_limit(limited: Callable[[str, int], str]) -> None:
+    assert limited("x" * 500, 500) == "x" * 500
+    assert limited("x" * 501, 500) == "x" * 497 + "..."
+    assert limited("\x1b" * 501, 500).startswith("\\u001b" * 80)
+    assert len(limited("\x1b" * 501, 500)) == 500
