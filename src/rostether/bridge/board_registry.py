@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from rostether.bridge.board_node import BoardNode
-from rostether.bridge.free_memory import give_back_memory
 from rostether.bridge.identity import numbered
+from rostether.bridge.process_memory import give_back_memory
 from rostether.bridge.reporter import reason_of
 from rostether.bridge.session import Session
 from rostether.errors import SessionError

@@ -20,6 +20,7 @@ from rostether.bridge.peer_entry import BOARD_ENTRY
 from rostether.bridge.ports.discovery import Discovery
 from rostether.bridge.ports.link_keeper import LinkKeeper, identify_address, way_back
 from rostether.bridge.ports.machine_ports import THIS_MACHINE, MachinePorts
+from rostether.bridge.process_memory import BoardObjects
 from rostether.bridge.reporter import LimitedReporter, Reporter, SilentReporter, reason_of
 from rostether.bridge.session import Session
 from rostether.bridge.settings import DEFAULT_SETTINGS, BridgeSettings
@@ -108,6 +109,7 @@ class Supervisor:
         # Anybody can connect, and connect again.
         self._door = LimitedReporter(self._reporter, self._clock)
         self._boards = BoardRegistry(settings.grace_s, self._clock)
+        self._objects = BoardObjects()
         self._health = HealthRound(
             lambda: self._boards, store, self._reporter, self._clock, publishes=diagnostics
         )
@@ -184,6 +186,7 @@ class Supervisor:
         if self._tasks:
             await asyncio.wait(list(self._tasks))
         await asyncio.gather(self._boards.close(), *(listener.close() for listener in self._listeners))
+        self._objects.close()
         self._done.set()
 
     async def _start_listening(self, address: Address) -> None:
@@ -226,9 +229,11 @@ class Supervisor:
                 transport = self._tap(transport)
             session = board.session = Session(transport, node, baud=baud)
             session.start()
+            self._objects.connected()
             if isinstance(address, TcpAddress) and address.listens:
                 timer = asyncio.get_running_loop().call_later(SPEECHLESS_S, _end_if_speechless, session)
             error = await session.wait_ended()
+            self._objects.disconnected()
             node.health.disconnected(error)
             if board.leaving is not None:
                 ended = SessionError if board.is_dismissed else NodeEndedError

@@ -11,7 +11,7 @@ import asyncio
 import logging
 from collections.abc import Awaitable, Callable
 from enum import Enum
-from weakref import WeakValueDictionary
+from weakref import WeakSet, WeakValueDictionary
 from zlib import crc32
 
 from rostether.errors import GraphError, MasterUnreachableError, UnknownNameError
@@ -19,6 +19,9 @@ from rostether.ros1.node.master_client import MasterClient
 
 DEFAULT_CHECK_INTERVAL_S = 2.0
 """One small call each; a master that came back has our topics again within about this time."""
+
+# A thousand nodes of one process that ask every 2 s would use a sixth of a core, and the master as much.
+MAX_CHECKS_HZ = 200
 
 _log = logging.getLogger("rostether.ros1")
 
@@ -31,9 +34,14 @@ class Kind(Enum):
     SERVICE = "service"
 
 
+_watching: WeakSet[Registrations] = WeakSet()
+"""Those of this process that ask a master."""
+
+
 class Registrations:
     """Keeps a table of registrations and the master's in step.
 
+    All nodes of one process ask the master at most MAX_CHECKS_HZ times a second together.
     `on_publishers` gets the URIs of publishers of a topic we subscribed to; `register_more` runs after a
     master has been given the table again; `on_replaced` is called when another node has taken our name.
     """
@@ -88,6 +96,7 @@ class Registrations:
         if self._watch is not None:
             self._watch.cancel()
             await asyncio.wait((self._watch,))
+            _watching.discard(self)
         await asyncio.gather(*(self.remove(kind, name) for kind, name in list(self._wanted)))
 
     async def _settle(self, kind: Kind, name: str) -> None:
@@ -117,12 +126,13 @@ class Registrations:
         await self._register_more()
 
     async def _watch_master(self, interval_s: float) -> None:
+        _watching.add(self)
         is_away = False
         # Each node at a moment of its own: a hundred boards that ask at once keep their messages waiting.
         wait_s = interval_s * crc32(self._master.caller_id.encode()) / 2**32
         while True:
             await asyncio.sleep(wait_s)
-            wait_s = interval_s
+            wait_s = max(interval_s, len(_watching) / MAX_CHECKS_HZ)
             try:
                 if await self._check():
                     _log.warning(

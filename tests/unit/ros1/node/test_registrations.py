@@ -7,6 +7,7 @@ import asyncio
 import pytest
 
 from rostether.ros1.master.server import MasterServer
+from rostether.ros1.node import registrations as registrations_module
 from rostether.ros1.node.master_client import MasterClient
 from rostether.ros1.node.registrations import Kind, Registrations
 
@@ -79,3 +80,38 @@ async def test_nodes_ask_a_master_one_after_the_other(monkeypatch: pytest.Monkey
         await registrations.close()
         await master.close()
     await server.close()
+
+
+async def test_many_nodes_ask_a_master_less_often_each(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def lookup_node(_master: MasterClient, name: str) -> str:
+        return NODE_URI
+
+    waits_s: list[float] = []
+    sleep = asyncio.sleep
+
+    async def record(wait_s: float) -> None:
+        waits_s.append(wait_s)
+        await sleep(0 if len(waits_s) < 100 else 60)
+
+    monkeypatch.setattr(MasterClient, "lookup_node", lookup_node)
+    monkeypatch.setattr(registrations_module, "MAX_CHECKS_HZ", 4)
+    monkeypatch.setattr(asyncio, "sleep", record)
+    nodes = [
+        Registrations(
+            MasterClient("http://127.0.0.1:9/", f"/board{number}"),
+            node_uri=NODE_URI,
+            service_uri=SERVICE_URI,
+            on_publishers=lambda *_: None,
+            register_more=nothing,
+            on_replaced=lambda _: None,
+        )
+        for number in range(20)
+    ]
+    for node in nodes:
+        node.start_watch(2.0)
+    while len(waits_s) < 100:
+        await sleep(0)
+    for node in nodes:
+        await node.close()
+    assert max(waits_s) == 5.0
+    assert sorted(waits_s)[-20:] == [5.0] * 20

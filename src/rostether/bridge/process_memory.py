@@ -1,0 +1,70 @@
+"""The process's memory: which objects the garbage collector inspects, and giving free pages back.
+
+A full garbage collection inspects every object. Those of 1,000 boards take 0.3 s, in which no message moves.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import gc
+
+# A full collection of so many boards' objects takes less than 10 ms.
+FEW_BOARDS = 30
+# Boards that connect one after the other are followed by one freeze.
+FREEZE_AFTER_S = 0.5
+# As in Python's own rule for full collections: garbage may become a quarter of what is in use.
+GARBAGE_PART = 4
+
+
+class BoardObjects:
+    """Exempts the objects of connected boards from full collections, until many of the boards have left."""
+
+    def __init__(self) -> None:
+        self._boards = 0
+        self._left = 0
+        self._timer: asyncio.TimerHandle | None = None
+
+    def connected(self) -> None:
+        """Take note of a board that has connected."""
+        self._boards += 1
+        self._freeze_soon()
+
+    def disconnected(self) -> None:
+        """Take note of a board whose connection ended."""
+        self._boards -= 1
+        self._left += 1
+        self._freeze_soon()
+
+    def close(self) -> None:
+        """Leave all objects to the collector again."""
+        if self._timer is not None:
+            self._timer.cancel()
+        gc.unfreeze()
+
+    @property
+    def _has_garbage(self) -> bool:
+        return self._left > FEW_BOARDS and self._left * GARBAGE_PART > self._boards
+
+    def _freeze_soon(self) -> None:
+        if self._timer is None and (self._boards > FEW_BOARDS or self._has_garbage):
+            self._timer = asyncio.get_running_loop().call_later(FREEZE_AFTER_S, self._freeze)
+
+    def _freeze(self) -> None:
+        self._timer = None
+        if self._has_garbage:
+            self._left = 0
+            gc.unfreeze()
+            gc.collect()
+        gc.freeze()
+
+
+def give_back_memory() -> None:
+    """Return unused pages to the system, in some 10 ms for 100 MB; without glibc, do nothing."""
+    # Not at import: few processes come to need it.
+    import ctypes
+
+    try:
+        trim = ctypes.CDLL(None).malloc_trim
+    except (AttributeError, OSError, TypeError):  # only glibc has it
+        return
+    trim(0)
