@@ -39,6 +39,7 @@ VERBS = {
     "role": VerbEntry("rostether.cli.role.group:role", "Run a standard ROS node that launch files start."),
     "bag": VerbEntry("rostether.cli.bag.group:bag", "Record, replay and inspect bags."),
     "export": VerbEntry("rostether.cli.bag.export:export", "Export a recording to CSV or Parquet."),
+    "dashboard": VerbEntry("rostether.cli.dashboard.dashboard:dashboard", "Show the robot in a browser."),
     "foxglove": VerbEntry("rostether.cli.gateway.foxglove:foxglove", "Connect Foxglove to the graph."),
     "rosbridge": VerbEntry(
         "rostether.cli.gateway.rosbridge:rosbridge", "Connect web pages to the graph, like rosbridge."

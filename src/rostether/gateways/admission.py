@@ -55,6 +55,12 @@ class PageRule:
         # A name that somebody else's name server resolves to us must not count as ours.
         return bool(name) and name == server and self.own_names.include(name)
 
+    def admits_host(self, host: str) -> bool:
+        """Tell whether a page may be asked for by this Host: a name of ours, or of an allowed page."""
+        if not host or ANY_PAGE in self.origins or self.own_names.include(host):
+            return True
+        return any(urlsplit(origin).netloc == host for origin in self.origins)
+
     def _is_viewer(self, page: SplitResult) -> bool:
         name = page.hostname or ""
         if page.scheme not in _WEB_SCHEMES:

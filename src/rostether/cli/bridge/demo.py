@@ -21,9 +21,11 @@ from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.master_choice import used_master
 from rostether.cli.access.ros1_access import joining_ros1, read_environment
 from rostether.cli.access.ros_choice import Middleware
+from rostether.cli.access.served_graphs import ServedGraphs
 from rostether.cli.bridge.demo_view import DemoView, RecentLines, our_command
 from rostether.cli.bridge.device_options import config_option, read_devices
 from rostether.cli.bridge.serving import bridge
+from rostether.cli.dashboard.served import DashboardSettings, dashboard_beside
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -67,21 +69,31 @@ PLAIN_LINE_S = 1.0
 )
 @config_option
 @click.option("--ros1", is_flag=True, help="Use only the ROS 1 graph.")
+@click.option("--no-page", is_flag=True, help="Do not serve the dashboard.")
 @graph_options(master="", ros=False)
-def demo(seconds: float | None, config: Path | None, ros1: bool, graph: GraphOptions) -> None:
+def demo(seconds: float | None, config: Path | None, ros1: bool, no_page: bool, graph: GraphOptions) -> None:
     """Run a simulated board and show its topics. Needs no hardware, no ROS and no setup.
 
     The board is a node on a ROS 1 graph, and also on a ROS 2 graph if zenoh is installed (unless --ros1).
 
-    Settings are read only from a file given with --config; the board's name is virtual_board.
+    A browser shows it at the address of the dashboard. Settings are read only from a file given with
+    --config; the board's name is virtual_board.
     """
     # The user's settings for real boards must not make the demo fail.
     devices = read_devices(config, ()) if config is not None else None
-    run(_demo(read_environment(graph), seconds, devices, only_ros1=ros1), is_service=True)
+    run(
+        _demo(read_environment(graph), seconds, devices, only_ros1=ros1, has_page=not no_page),
+        is_service=True,
+    )
 
 
 async def _demo(
-    environment: RosEnvironment, seconds: float | None, devices: DeviceBook | None, *, only_ros1: bool
+    environment: RosEnvironment,
+    seconds: float | None,
+    devices: DeviceBook | None,
+    *,
+    only_ros1: bool,
+    has_page: bool,
 ) -> None:
     is_live = sys.stdout.isatty() and os.environ.get("TERM") not in ("dumb", "unknown")
     recent = RecentLines()
@@ -97,13 +109,24 @@ async def _demo(
         if ros2 is not None:
             joins.append(ros2)
         join = joins[0] if ros2 is None else JointJoin(joins)
-        supervisor = await stack.enter_async_context(bridge(join, [address], reporter, devices=devices))
+        supervisor = await stack.enter_async_context(
+            bridge(join, [address], reporter, devices=devices, diagnostics=has_page)
+        )
+        dashboard = await stack.enter_async_context(
+            dashboard_beside(
+                DashboardSettings(wider="`rostether dashboard --listen 0.0.0.0`") if has_page else None,
+                ServedGraphs(join, used.environment, ()),
+                (),
+                reporter.line,
+            )
+        )
         view = DemoView(
             supervisor.boards,
             asyncio.get_running_loop().time,
             recent,
             used.environment.master_uri,
             is_in_ros2=ros2 is not None,
+            dashboard_url=dashboard.url if dashboard is not None else "",
         )
         await stack.enter_async_context(_watch(used.environment, store, view, board_name))
         await stack.enter_async_context(_virtual_board(supervisor))

@@ -65,6 +65,7 @@ class DemoView:
         master_uri: str,
         *,
         is_in_ros2: bool = False,
+        dashboard_url: str = "",
     ) -> None:
         self.has_flowed = False
         self._boards = boards
@@ -72,6 +73,7 @@ class DemoView:
         self._recent = recent
         self._master_uri = master_uri
         self._is_in_ros2 = is_in_ros2
+        self._dashboard_url = dashboard_url
         self._board: BoardView | None = None
         self._last: dict[str, tuple[Codec, bytes]] = {}
         self._history: dict[str, deque[tuple[float, int]]] = {}
@@ -141,6 +143,7 @@ class DemoView:
                 self._health(),
                 Text("\n".join(self._recent.lines), style="dim"),
                 "",
+                *((f"Dashboard: {self._dashboard_url}",) if self._dashboard_url else ()),
                 (NEXT_STEPS + (NEXT_STEP_ROS2 if self._is_in_ros2 else "")).format(us=our_command()),
             ),
             title=f"a simulated board on the ROS graph at {self._master_uri}"

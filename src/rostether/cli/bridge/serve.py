@@ -34,6 +34,8 @@ from rostether.cli.bridge.device_options import (
 )
 from rostether.cli.bridge.limit_options import BRIDGE_LIMITS, GRAPH_LIMITS, limit_option, read_limits
 from rostether.cli.bridge.serving import bridge, loopback_lines, read_links, shortage_lines
+from rostether.cli.dashboard.options import dashboard_option
+from rostether.cli.dashboard.served import DashboardSettings, dashboard_beside
 from rostether.cli.gateway.options import GatewayOptions, gateway_options
 from rostether.cli.gateway.served import served_gateways
 from rostether.cli.shell.option_group import option_group
@@ -125,6 +127,7 @@ _serve_options = option_group(
     rostether serve pty:/tmp/board                    for a simulator
     rostether serve "sim:blink.ino?board=uno"         a simulated board of ours
     rostether serve /dev/ttyACM0 /dev/ttyACM1 --ns-per-board
+    rostether serve /dev/ttyACM0 --dashboard          a page for browsers, too
     rostether serve /dev/ttyACM0 --rosbridge          web pages with roslibjs, too
     rostether serve /dev/ttyACM0 --foxglove           and Foxglove
     rostether serve /dev/ttyACM0 --ros2 zenoh         a ROS 2 node
@@ -135,12 +138,14 @@ _serve_options = option_group(
 @_serve_options
 @click.argument("addresses", nargs=-1, metavar="[ADDRESS...]")
 @graph_options(master=SERVED_MASTER, allow=SERVED_ALLOW, serving=True)
+@dashboard_option
 @gateway_options
 @bag_recording_options
 def serve(
     options: ServeOptions,
     addresses: tuple[str, ...],
     graph: GraphOptions,
+    dashboard: str | None,
     gateways: GatewayOptions,
     bags: BagRecording | None,
 ) -> None:
@@ -179,7 +184,8 @@ def serve(
         discovers=discovers,
         announces=announces,
         wants_mdns=options.mdns is True,
-        gateways=replace(gateways, allow=graph.allow),
+        gateways=(access := replace(gateways, allow=graph.allow)),
+        dashboard=DashboardSettings(dashboard, access) if dashboard is not None else None,
         bags=bags,
         record_line=options.record_line,
         record_limit_mb=options.record_limit_mb,
@@ -202,6 +208,7 @@ class _Serving:
     announces: bool
     wants_mdns: bool
     gateways: GatewayOptions
+    dashboard: DashboardSettings | None
     bags: BagRecording | None
     record_line: Path | None
     record_limit_mb: float
@@ -250,6 +257,7 @@ async def _serve(
             ),
             # Last, so that an unreachable master does not delay the boards.
             served_gateways(serving.gateways, graphs, graph, serving.msg_paths, reporter.line),
+            dashboard_beside(serving.dashboard, graphs, serving.msg_paths, reporter.line),
         ):
             if serving.discovers:
                 supervisor.discover(KnownBoards(known_boards_path()), taken=opened)

@@ -7,7 +7,6 @@ from collections.abc import AsyncIterator, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from dataclasses import replace
 from functools import partial
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,7 +29,6 @@ from rostether.cli.gateway.serving import serve_gateway
 from rostether.cli.role.node import NODE_SETTINGS, node_environment, run_role
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
-from rostether.extras import install_command
 from rostether.graph.ports import Level
 from rostether.names.remap import Arguments
 
@@ -38,6 +36,7 @@ if TYPE_CHECKING:
     from rostether.cli.gateway.options import GatewayOptions
     from rostether.gateways.foxglove.gateway import FoxgloveGateway
     from rostether.gateways.foxglove.settings import FoxgloveSettings, NameFilter
+    from rostether.gateways.websocket.site import Site
     from rostether.graph.ports import Graph
     from rostether.graph.typed_graph import TypedGraph
 
@@ -69,12 +68,11 @@ def foxglove(
     Its node is foxglove_bridge, on other ports foxglove_bridge_PORT; __name:=, __ns:= and from:=to work as
     for any ROS node.
     """
-    check_foxglove()
     place, node = read_gateway_words(words, graph.arguments)
     settings = read_settings(place, replace(gateways, allow=graph.allow))
 
     def open_gateway(graphs: ServedGraphs, tell: Tell) -> AbstractAsyncContextManager[FoxgloveGateway]:
-        on = _in_ros1_words(graphs, msg_paths)
+        on = in_ros1_words(graphs, msg_paths)
         return _gateway(settings, node, on, tell, "`rostether foxglove 0.0.0.0:{port}`")
 
     serve_gateway(graph, msg_paths, open_gateway)
@@ -98,7 +96,6 @@ def foxglove_bridge(arguments: tuple[str, ...], gateways: GatewayOptions) -> Non
     ~service_whitelist, ~param_whitelist, ~client_topic_whitelist, ~capabilities, ~send_buffer_limit, ~tls,
     ~certfile, ~keyfile. Other parameters of foxglove_bridge have no effect.
     """
-    check_foxglove()
     run_role(FOXGLOVE_NODE, arguments, partial(_main, token=gateways.token))
 
 
@@ -110,9 +107,8 @@ async def served_foxglove(
     if options.foxglove is None:
         yield
         return
-    check_foxglove()
     settings = read_settings(options.foxglove, options)
-    on = _in_ros1_words(graphs, msg_paths)
+    on = in_ros1_words(graphs, msg_paths)
     async with _gateway(settings, NodeWords(), on, tell, "--foxglove 0.0.0.0:{port}"):
         yield
 
@@ -123,12 +119,6 @@ def read_settings(place: str, options: GatewayOptions) -> FoxgloveSettings:
 
     host, port = read_place(place, DEFAULT_PORT)
     return FoxgloveSettings(host, port, token=options.token, origins=options.origins, allow=options.allow)
-
-
-def check_foxglove() -> None:
-    """Raise ConfigError where the extra is not installed."""
-    if find_spec("websockets") is None:
-        raise ConfigError(f"the gateway for Foxglove is not installed; run: {install_command('foxglove')}")
 
 
 def settings_of_parameters(
@@ -172,7 +162,7 @@ async def _main(graph: TypedGraph, arguments: Arguments, token: str) -> None:
         await gateway.wait_ended()
 
 
-def _in_ros1_words(graphs: ServedGraphs, msg_paths: Sequence[Path]) -> GatewayGraph:
+def in_ros1_words(graphs: ServedGraphs, msg_paths: Sequence[Path]) -> GatewayGraph:
     """Return the graphs with ROS 1's definitions, on ROS 2 too: Foxglove's panels know times by them."""
     from rostether.msgdef.registry import Registry
     from rostether.serde.store import TypeStore
@@ -201,6 +191,16 @@ async def _gateway(
 async def _gateway_on(
     graph: Graph, on: GatewayGraph, settings: FoxgloveSettings, tell: Tell, wider: str
 ) -> AsyncIterator[FoxgloveGateway]:
+    async with gateway_on(graph, on, settings, tell) as gateway:
+        tell(Level.INFO, f"foxglove: open a connection to {gateway.url} in Foxglove")
+        tell_reach("foxglove", settings.host, settings.port, settings.token, wider, tell)
+        yield gateway
+
+
+def gateway_on(
+    graph: Graph, on: GatewayGraph, settings: FoxgloveSettings, tell: Tell, site: Site | None = None
+) -> FoxgloveGateway:
+    """Return a gateway on a node, to be used as a context manager; `site` are files that it also serves."""
     from rostether.gateways.foxglove.gateway import FoxgloveGateway
     from rostether.msgdef.ros2.definition_files import install_prefixes
     from rostether.packages.installed import installed_packages
@@ -210,18 +210,15 @@ async def _gateway_on(
         # Where a ROS 2 is sourced, robots' meshes are where it was installed.
         return installed_packages(install_prefixes(os.environ)) | package_folders(os.environ, Path.cwd())
 
-    gateway = FoxgloveGateway(
+    return FoxgloveGateway(
         graph,
         on.store,
         settings,
         find_service_type=on.ask_service_type,
         find_packages=find_packages,
         tell=tell,
+        site=site,
     )
-    async with gateway:
-        tell(Level.INFO, f"foxglove: open a connection to {gateway.url} in Foxglove")
-        tell_reach("foxglove", settings.host, settings.port, settings.token, wider, tell)
-        yield gateway
 
 
 def _filter(parameters: Mapping[str, Any], name: str) -> NameFilter:

@@ -194,5 +194,5 @@ def tell_reach(gateway: str, host: str, port: int, token: str, wider: str, tell:
 
 def check_rosbridge() -> None:
     """Raise ConfigError where the extra is not installed."""
-    if find_spec("websockets") is None or find_spec("cbor2") is None:
+    if find_spec("cbor2") is None:
         raise ConfigError(f"rosbridge is not installed; run: {install_command('rosbridge')}")

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.access.graph_options import GraphOptions, graph_options
+from rostether.cli.dashboard.options import dashboard_option
+from rostether.cli.gateway.options import GatewayOptions, access_options
 from rostether.cli.shell.input_files import STDIN, read_bytes
 from rostether.cli.shell.option_group import ignored_options, option_group
 from rostether.cli.shell.output import warn, write_line
@@ -19,6 +21,7 @@ from rostether.cli.shell.verbs import Verb
 from rostether.errors import MasterUnreachableError
 
 if TYPE_CHECKING:
+    from rostether.cli.dashboard.served import DashboardSettings
     from rostether.cli.launch.sources import LaunchSources
     from rostether.launch.command_line import Locate, Program, Replaced
     from rostether.launch.plan import LaunchPlan
@@ -128,6 +131,7 @@ _launch_options = option_group(
     rostether launch mearm_model display.launch            a file of a package
     rostether launch robot.launch port:=/dev/ttyACM1       a file, with an argument
     rostether launch mearm_model display.launch --nodes    what it would start
+    rostether launch robot.launch --dashboard              with a page for browsers
     rostether launch robot.launch --dump-params            what it would set
     rostether launch robot.launch --ros-args               which arguments it takes
     """,
@@ -140,15 +144,24 @@ _launch_options = option_group(
     metavar="[PACKAGE] FILE [NAME:=VALUE]...",
     shell_complete=_complete,
 )
+@dashboard_option
+@access_options
 @_roslaunch_options
 @graph_options(ros=False)
-def launch(options: LaunchOptions, words: tuple[str, ...], graph: GraphOptions) -> None:
+def launch(
+    options: LaunchOptions,
+    words: tuple[str, ...],
+    dashboard: str | None,
+    gateways: GatewayOptions,
+    graph: GraphOptions,
+) -> None:
     """Set the parameters and start the nodes of launch files; start a master if none runs.
 
     Packages are found on ROS_PACKAGE_PATH, in the catkin workspace around this folder, and below it; nothing
     needs to be built. Logs are kept in ~/.ros/log/latest. Ctrl-C ends all nodes in order.
     """
     from rostether.cli.access.ros1_access import read_environment
+    from rostether.cli.dashboard.served import DashboardSettings
     from rostether.cli.launch import listing
     from rostether.cli.launch.packages_here import packages_here
     from rostether.cli.launch.sources import find_sources
@@ -230,6 +243,7 @@ def launch(options: LaunchOptions, words: tuple[str, ...], graph: GraphOptions) 
                     is_chosen=graph.master is not None,
                     port=options.port,
                     wait=options.wait,
+                    dashboard=DashboardSettings(dashboard, gateways) if dashboard is not None else None,
                 ),
                 is_service=True,
             )
@@ -313,11 +327,14 @@ async def _launch(
     is_chosen: bool,
     port: int | None,
     wait: bool,
+    dashboard: DashboardSettings | None,
 ) -> None:
     from dataclasses import replace
 
     from rostether.cli.access.master_choice import master_answers, used_master
-    from rostether.cli.access.ros1_access import no_master
+    from rostether.cli.access.ros1_access import joining_ros1, no_master
+    from rostether.cli.access.served_graphs import ServedGraphs
+    from rostether.cli.dashboard.served import dashboard_beside
     from rostether.launch.runner import run_plan
 
     if wait and not await master_answers(environment):
@@ -326,15 +343,17 @@ async def _launch(
             await asyncio.sleep(_WAIT_S)
     async with used_master(environment, is_chosen=is_chosen, port=port) as used:
         write_line(used.line)
+        graphs = ServedGraphs(joining_ros1(used.environment), used.environment, ())
         try:
-            succeeded = await run_plan(
-                plan,
-                master_uri=used.environment.master_uri,
-                environ=environ,
-                locate=locate,
-                report=_report,
-                options=replace(options, stays=used.is_ours),
-            )
+            async with dashboard_beside(dashboard, graphs, (), _report):
+                succeeded = await run_plan(
+                    plan,
+                    master_uri=used.environment.master_uri,
+                    environ=environ,
+                    locate=locate,
+                    report=_report,
+                    options=replace(options, stays=used.is_ours),
+                )
         except MasterUnreachableError as error:
             raise no_master(used.environment, error) from error
     if not succeeded:

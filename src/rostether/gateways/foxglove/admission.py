@@ -30,3 +30,11 @@ class Admission:
         if self._token.is_wanted and not has_token:
             return "the token is missing or wrong: connect to ws://HOST:PORT/?token=TOKEN"
         return None
+
+    def page_refusal(self, headers: Headers) -> str | None:
+        """Return why a plain request for a file is refused, None when it is not.
+
+        Files are no secret, so they need no token: the page brings it when it connects.
+        """
+        host = single_header(headers, "Host") or ""
+        return None if self._pages.admits_host(host) else foreign_host(host)

@@ -31,6 +31,7 @@ from rostether.gateways.foxglove.services import FindServiceType, Services
 from rostether.gateways.foxglove.settings import FoxgloveSettings
 from rostether.gateways.foxglove.sim_clock import SimClock
 from rostether.gateways.shared_subscriptions import SharedSubscriptions
+from rostether.gateways.websocket.site import Site
 from rostether.graph.ports import Graph, Level
 from rostether.msgdef.search_waiting import definitions_searched
 from rostether.serde.store import TypeStore
@@ -55,6 +56,7 @@ class FoxgloveGateway:
         find_service_type: FindServiceType | None = None,
         find_packages: FindPackages | None = None,
         tell: Callable[[Level, str], None] | None = None,
+        site: Site | None = None,
     ) -> None:
         self.graph = graph
         self.store = store
@@ -72,7 +74,7 @@ class FoxgloveGateway:
         self.assets = Assets(find_packages or _no_packages, self.limits.asset_bytes)
         self.clock = SimClock(graph, self.shared, self._tell_time, self._restart_clients)
         self._tell = tell or (lambda level, text: None)
-        self._listening = Listening(settings, lambda line: Client(self, line), self._tell_refused)
+        self._listening = Listening(settings, lambda line: Client(self, line), self._tell_refused, site)
         self._clients: dict[Client, None] = {}
         self._statuses: dict[str, str] = {}
         self._work: set[asyncio.Task[Any]] = set()
@@ -100,6 +102,11 @@ class FoxgloveGateway:
     def client_count(self) -> int:
         """How many clients are connected."""
         return len(self._clients)
+
+    @property
+    def connection_count(self) -> int:
+        """How many connections are open, also those that are not clients."""
+        return self._listening.door.open_count
 
     async def start(self) -> None:
         """Listen, and follow the graph. Raises ConfigError when the port is taken."""
@@ -157,7 +164,7 @@ class FoxgloveGateway:
                 capabilities=capabilities,
                 # A client that comes back finds everything again: ids are those of this run.
                 session_id=self._session_id,
-                metadata={"ROS_DISTRO": "noetic"},
+                metadata={"ROS_DISTRO": "noetic", **self.settings.metadata},
             )
         )
         # The protocol wants one in each connection; it may be empty.

@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Sequence
+from http import HTTPStatus
 from typing import Any, Protocol
 
+from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed
 from websockets.frames import Frame, Opcode
 from websockets.http11 import Request, Response
@@ -21,12 +23,16 @@ from rostether.gateways.foxglove.admission import Admission
 from rostether.gateways.foxglove.data_outlet import DataOutlet
 from rostether.gateways.foxglove.limits import FoxgloveLimits
 from rostether.gateways.foxglove.server_messages import SUBPROTOCOLS
+from rostether.gateways.websocket.site import Reply, Site, refusal
 
 HIGH_WATER_BYTES = 1 << 20
 """What stands in the process for a client before messages wait in queues where they can be dropped: 50 ms of
 what a fast network takes."""
 
 _CLOSE_S = 5.0  # for a client to answer that the connection ends; then it is cut
+
+# A phone on a weak network reads the largest file of the page in this time.
+_FILE_S = 30.0
 
 
 class LineUser(Protocol):
@@ -51,9 +57,14 @@ class Line(asyncio.Protocol):
     user: LineUser
 
     def __init__(
-        self, admission: Admission, limits: FoxgloveLimits, tell_refused: Callable[[str], None]
+        self,
+        admission: Admission,
+        limits: FoxgloveLimits,
+        tell_refused: Callable[[str], None],
+        site: Site | None = None,
     ) -> None:
         self._admission = admission
+        self._site = site
         self._limits = limits
         self._tell_refused = tell_refused
         self._websocket = ServerProtocol(
@@ -71,6 +82,7 @@ class Line(asyncio.Protocol):
         self._parts: list[bytes] = []
         self._is_text = False
         self._timer: asyncio.TimerHandle | None = None
+        self._is_ending = False
         self._is_answered = True
         self._unsent_at_ping = 0
 
@@ -190,16 +202,20 @@ class Line(asyncio.Protocol):
         self._write_control()
         if self._websocket.state is not OPEN:
             self._data.end()
-        if self._websocket.close_expected() and self._transport is not None:
+        if self._websocket.close_expected() and self._transport is not None and not self._is_ending:
+            self._is_ending = True
             # A client that fell out of step is told why (RFC 6455, 7.4); then it hangs up, or we do.
             self._set_timer(_CLOSE_S, self.abort)
 
     def _shake_hands(self, request: Request) -> None:
-        refusal = self._admission.refusal(request.path, request.headers)
+        if self._site is not None and not _asks_for_websocket(request):
+            self._serve_file(request)
+            return
+        reason = self._admission.refusal(request.path, request.headers)
         response: Response
-        if refusal is not None:
-            self._tell_refused(refusal)
-            response = self._websocket.reject(403, refusal + "\n")
+        if reason is not None:
+            self._tell_refused(reason)
+            response = self._websocket.reject(403, reason + "\n")
         else:
             response = self._websocket.accept(request)
         self._websocket.send_response(response)
@@ -209,6 +225,20 @@ class Line(asyncio.Protocol):
         self._data.open(self._transport)
         self._set_timer(self._limits.ping_period_s, self._ping)
         self.user.opened()
+
+    def _serve_file(self, request: Request) -> None:
+        assert self._site is not None
+        # Before websockets 17 only GET comes here, and requests have no method.
+        method = getattr(request, "method", "GET")
+        if (reason := self._admission.page_refusal(request.headers)) is not None:
+            self._tell_refused(reason)
+            reply = refusal(HTTPStatus.FORBIDDEN, reason)
+        else:
+            reply = self._site.reply(method, request.path, request.headers)
+        self._websocket.send_response(_response(reply))
+        # Whatever the client sends from now on, it does not gain time.
+        self._is_ending = True
+        self._set_timer(_FILE_S, self.abort)
 
     def _take(self, frame: Frame) -> None:
         self._is_answered = True
@@ -257,6 +287,18 @@ class Line(asyncio.Protocol):
         if self._timer is not None:
             self._timer.cancel()
         self._timer = self._loop.call_later(delay_s, act)
+
+
+def _asks_for_websocket(request: Request) -> bool:
+    return any("websocket" in value.lower() for value in request.headers.get_all("Upgrade"))
+
+
+def _response(reply: Reply) -> Response:
+    headers = Headers(reply.headers)
+    if reply.status is not HTTPStatus.NOT_MODIFIED:
+        headers["Content-Length"] = str(reply.length)
+    headers["Connection"] = "close"
+    return Response(reply.status.value, reply.status.phrase, headers, reply.body)
 
 
 def _choose_subprotocol(_: ServerProtocol, offered: Sequence[Subprotocol]) -> Subprotocol | None:

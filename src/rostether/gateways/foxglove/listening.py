@@ -15,6 +15,7 @@ from rostether.gateways.foxglove.admission import Admission
 from rostether.gateways.foxglove.limits import FoxgloveLimits
 from rostether.gateways.foxglove.line import Line, LineUser
 from rostether.gateways.foxglove.settings import DEFAULT_HOST, FoxgloveSettings
+from rostether.gateways.websocket.site import Site
 from rostether.transports.sockets import system_bind_errors
 
 
@@ -26,8 +27,10 @@ class Listening:
         settings: FoxgloveSettings,
         make_user: Callable[[Line], LineUser],
         tell_refused: Callable[[str], None],
+        site: Site | None = None,
     ) -> None:
         self._settings = settings
+        self._site = site
         self._make_user = make_user
         self._admission = Admission(
             settings.origins, settings.token, (settings.host, os.environ.get("ROS_HOSTNAME", ""))
@@ -87,7 +90,7 @@ class Listening:
             await asyncio.wait(ended)
 
     def _connect(self) -> Line:
-        line = _Counted(self, self._admission, self._settings.limits)
+        line = _Counted(self, self._admission, self._settings.limits, self._site)
         line.user = self._make_user(line)
         return line
 
@@ -108,8 +111,10 @@ class Listening:
 class _Counted(Line):
     """A line that counts as soon as it is there: who never shakes hands takes a place, too."""
 
-    def __init__(self, listening: Listening, admission: Admission, limits: FoxgloveLimits) -> None:
-        super().__init__(admission, limits, self._tell_refused)
+    def __init__(
+        self, listening: Listening, admission: Admission, limits: FoxgloveLimits, site: Site | None
+    ) -> None:
+        super().__init__(admission, limits, self._tell_refused, site)
         self.ended: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         self._listening = listening
 

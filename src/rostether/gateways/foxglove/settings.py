@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from rostether.errors import ConfigError
@@ -49,7 +49,8 @@ class FoxgloveSettings:
 
     `host` is one name or address of ours, `localhost` both loopback addresses. Clients must give `token`
     where it is not empty; `origins` are more web pages that may connect (`*`: all), `allow` networks.
-    With a certificate and its key, files, connections are encrypted (wss).
+    With a certificate and its key, files, connections are encrypted (wss). `metadata` is told to clients
+    with the server's name.
     """
 
     host: str = DEFAULT_HOST
@@ -61,6 +62,7 @@ class FoxgloveSettings:
     certificate: str = ""
     key: str = ""
     capabilities: tuple[str, ...] = CAPABILITIES
+    metadata: Mapping[str, str] = field(default_factory=dict)
     topics: NameFilter = NameFilter()
     services: NameFilter = NameFilter()
     parameters: NameFilter = NameFilter()

@@ -10,7 +10,6 @@ from websockets.exceptions import InvalidStatus
 from websockets.typing import Subprotocol
 
 from interop.ros1_peers import Peer, free_port
-from rostether.cli.gateway import foxglove
 from rostether.cli.gateway.foxglove import settings_of_parameters
 from rostether.errors import ConfigError
 from rostether.gateways.foxglove.limits import FoxgloveLimits
@@ -133,9 +132,3 @@ def test_parameters_of_foxglove_bridge() -> None:
 def test_parameters_that_make_no_sense(parameters: dict[str, object], reason: str) -> None:
     with pytest.raises(ConfigError, match=reason):
         settings_of_parameters(parameters)
-
-
-def test_a_missing_extra_is_said_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(foxglove, "find_spec", lambda _: None)
-    with pytest.raises(ConfigError, match=r"pip install 'rostether\[foxglove\]'"):
-        foxglove.check_foxglove()

@@ -1,0 +1,136 @@
+"""The dashboard on graphs that are joined already: its gateway, its page and its address."""
+
+from __future__ import annotations
+
+import asyncio
+import errno
+import socket
+from collections.abc import AsyncIterator, Sequence
+from contextlib import asynccontextmanager
+from dataclasses import dataclass, field
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING
+from urllib.parse import quote
+
+from rostether.cli.access.served_graphs import ServedGraphs
+from rostether.cli.gateway.foxglove import gateway_on, in_ros1_words
+from rostether.cli.gateway.gateways import Tell, joined_as, tell_reach
+from rostether.cli.gateway.node import NodeWords
+from rostether.cli.gateway.options import DEFAULT_PLACE, GatewayOptions, read_place
+from rostether.graph.ports import Level
+from rostether.ros1.environment import LOOPBACK
+
+if TYPE_CHECKING:
+    from rostether.gateways.foxglove.gateway import FoxgloveGateway
+
+NODE = "dashboard"
+
+# A second and third dashboard keep addresses that people can remember.
+_NEXT_PORTS = 20
+_EVERYWHERE = ("", "0.0.0.0", "::")  # noqa: S104 - what was typed
+
+
+@dataclass(frozen=True, slots=True)
+class DashboardSettings:
+    """Where and to whom the dashboard is served.
+
+    `place` is [HOST:]PORT; without a port, the next free one after 8765 is taken. Without `has_page` only the
+    gateway is served. `wider` is what people type, with {port}, to let other machines connect.
+    """
+
+    place: str = DEFAULT_PLACE
+    access: GatewayOptions = field(default_factory=GatewayOptions)
+    node: NodeWords = field(default_factory=NodeWords)
+    has_page: bool = True
+    wider: str = "--dashboard 0.0.0.0:{port}"
+
+
+@dataclass(frozen=True, slots=True)
+class Dashboard:
+    """A dashboard that is served; `url` is what to open, with the token where there is one."""
+
+    gateway: FoxgloveGateway
+    url: str
+
+    async def wait_ended(self) -> None:
+        """Wait until its node has left the graph."""
+        await self.gateway.wait_ended()
+
+
+@asynccontextmanager
+async def served_dashboard(
+    settings: DashboardSettings, graphs: ServedGraphs, msg_paths: Sequence[Path], tell: Tell
+) -> AsyncIterator[Dashboard]:
+    """Serve the dashboard until the end of the block. Raises ConfigError, GraphError."""
+    from rostether.dashboard.page_files import load_page
+    from rostether.gateways.foxglove.settings import DEFAULT_PORT, FoxgloveSettings
+
+    host, port = read_place(settings.place, 0)
+    if settings.place == host or settings.place.strip("[]") == host:
+        # No port was typed.
+        port = await asyncio.to_thread(_free_port, host, DEFAULT_PORT)
+    site = await asyncio.to_thread(load_page) if settings.has_page else None
+    access = settings.access
+    served = FoxgloveSettings(
+        host,
+        port,
+        name=socket.gethostname(),
+        token=access.token,
+        origins=access.origins,
+        allow=access.allow,
+        metadata={"rostether_version": version("rostether")},
+    )
+    on = in_ros1_words(graphs, msg_paths)
+    graph = await joined_as(on, settings.node, settings.node.name_for(NODE, port, DEFAULT_PORT), tell)
+    try:
+        async with gateway_on(graph, on, served, tell, site) as gateway:
+            url = page_url(host, gateway.port, access.token)
+            if settings.has_page:
+                tell(Level.INFO, f"Dashboard: {url}")
+            else:
+                tell(Level.INFO, f"dashboard: the gateway without the page is at {gateway.url}")
+            tell_reach("dashboard", host, gateway.port, access.token, settings.wider, tell)
+            yield Dashboard(gateway, url)
+    finally:
+        await graph.close()
+
+
+@asynccontextmanager
+async def dashboard_beside(
+    settings: DashboardSettings | None, graphs: ServedGraphs, msg_paths: Sequence[Path], tell: Tell
+) -> AsyncIterator[Dashboard | None]:
+    """Serve the dashboard where it is wanted, beside something else. Raises as `served_dashboard`."""
+    if settings is None:
+        yield None
+        return
+    async with served_dashboard(settings, graphs, msg_paths, tell) as dashboard:
+        yield dashboard
+
+
+def page_url(host: str, port: int, token: str = "") -> str:
+    """Return the address to open in a browser; the token is in the part that browsers keep to themselves."""
+    if host == DEFAULT_PLACE:
+        host = LOOPBACK
+    elif host in _EVERYWHERE:
+        host = socket.gethostname()
+    fragment = f"#token={quote(token, safe='')}" if token else ""
+    return f"http://{f'[{host}]' if ':' in host else host}:{port}/{fragment}".removesuffix("/")
+
+
+def _free_port(host: str, wanted: int) -> int:
+    """Return the wanted port, else the next free one, else 0 for any."""
+    name = LOOPBACK if host == DEFAULT_PLACE else host
+    for port in range(wanted, wanted + _NEXT_PORTS):
+        try:
+            with socket.create_server((name, port), family=_family(name)):
+                return port
+        except OSError as error:
+            if error.errno != errno.EADDRINUSE:
+                # The gateway says what is wrong with the address.
+                return wanted
+    return 0
+
+
+def _family(host: str) -> socket.AddressFamily:
+    return socket.AF_INET6 if ":" in host else socket.AF_INET

@@ -1,0 +1,169 @@
+"""Files that a gateway also serves by plain GET, such as the page of the dashboard.
+
+All files are read and compressed once, when the site is loaded. A request is a look-up of its path in a
+table, so no path leads out of the folder.
+"""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import mimetypes
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from http import HTTPStatus
+from pathlib import Path
+from typing import Protocol
+
+from rostether.errors import ConfigError
+
+INDEX = "index.html"
+
+# The dashboard has about ten files with one megabyte; a folder beyond these limits is another folder.
+MAX_FILES = 1000
+MAX_BYTES = 64 << 20
+
+# Scripts, styles and pictures of this page alone; connections to this server alone; no frame around it.
+POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
+    "connect-src 'self' ws: wss:; worker-src 'self' blob:; manifest-src 'self'; "
+    "frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
+)
+
+_ALWAYS = (
+    ("Content-Security-Policy", POLICY),
+    ("X-Content-Type-Options", "nosniff"),
+    ("Referrer-Policy", "no-referrer"),
+    ("Cache-Control", "no-cache"),
+)
+# The system's table of types may lack these or name them differently.
+_TYPES = {
+    ".js": "text/javascript; charset=utf-8",
+    ".mjs": "text/javascript; charset=utf-8",
+    ".css": "text/css; charset=utf-8",
+    ".html": "text/html; charset=utf-8",
+    ".json": "application/json",
+    ".map": "application/json",
+    ".svg": "image/svg+xml",
+    ".webmanifest": "application/manifest+json",
+    ".wasm": "application/wasm",
+    ".woff2": "font/woff2",
+}
+
+
+class RequestHeaders(Protocol):
+    """What is asked of a request's headers."""
+
+    def get_all(self, key: str, /) -> list[str]:
+        """Return all values of a header."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reply:
+    """The response to a plain request. `length` is the size of the body, which HEAD leaves out."""
+
+    status: HTTPStatus
+    headers: tuple[tuple[str, str], ...]
+    body: bytes
+    length: int
+
+
+@dataclass(frozen=True, slots=True)
+class SiteFile:
+    """One file: its content, compressed too where that is smaller, and the tag of its version."""
+
+    content_type: str
+    content: bytes
+    compressed: bytes | None
+    tag: str
+
+    @classmethod
+    def of(cls, name: str, content: bytes) -> SiteFile:
+        """Prepare the file of a name for many requests."""
+        # Without a time, so that the same content always has the same bytes.
+        compressed = gzip.compress(content, mtime=0)
+        return cls(
+            content_type=_content_type(name),
+            content=content,
+            compressed=compressed if len(compressed) < len(content) else None,
+            tag=hashlib.sha256(content).hexdigest()[:32],
+        )
+
+
+class Site:
+    """A fixed set of files by their paths without the leading slash; `/` is `index.html`."""
+
+    def __init__(self, files: Mapping[str, bytes]) -> None:
+        self._files = {f"/{name}": SiteFile.of(name, content) for name, content in files.items()}
+        if index := self._files.get(f"/{INDEX}"):
+            self._files["/"] = index
+
+    @classmethod
+    def of_folder(cls, folder: Path) -> Site:
+        """Read all files of a folder; takes a while. Raises ConfigError."""
+        try:
+            files = dict(_read_files(folder))
+        except OSError as error:
+            raise ConfigError(f"the page in {folder} cannot be read: {error.strerror}") from None
+        if INDEX not in files:
+            raise ConfigError(
+                f"the page in {folder} is incomplete: {INDEX} is missing; install rostether again"
+            )
+        return cls(files)
+
+    def reply(self, method: str, path: str, headers: RequestHeaders) -> Reply:
+        """Return the response to a request that asks for no WebSocket."""
+        if method not in ("GET", "HEAD"):
+            return refusal(
+                HTTPStatus.METHOD_NOT_ALLOWED, "only GET and HEAD are allowed", ("Allow", "GET, HEAD")
+            )
+        file = self._files.get(path.partition("?")[0])
+        if file is None:
+            return refusal(HTTPStatus.NOT_FOUND, "no such file; the page is at /", is_head=method == "HEAD")
+        common = (*_ALWAYS, ("Vary", "Accept-Encoding"))
+        body, tag = file.content, f'"{file.tag}"'
+        encoding: tuple[tuple[str, str], ...] = ()
+        if file.compressed is not None and _takes_gzip(headers.get_all("Accept-Encoding")):
+            body, encoding, tag = file.compressed, (("Content-Encoding", "gzip"),), f'"{file.tag}-gzip"'
+        if _has_tag(headers.get_all("If-None-Match"), tag):
+            return Reply(HTTPStatus.NOT_MODIFIED, (*common, ("ETag", tag)), b"", 0)
+        described = (("ETag", tag), ("Content-Type", file.content_type), *encoding)
+        return Reply(HTTPStatus.OK, (*common, *described), b"" if method == "HEAD" else body, len(body))
+
+
+def refusal(status: HTTPStatus, text: str, *more: tuple[str, str], is_head: bool = False) -> Reply:
+    """Return a response that says in one line why there is no file."""
+    body = f"{text}\n".encode("utf-8", "replace")
+    headers = (*_ALWAYS, ("Content-Type", "text/plain; charset=utf-8"), *more)
+    return Reply(status, headers, b"" if is_head else body, len(body))
+
+
+def _read_files(folder: Path) -> Iterator[tuple[str, bytes]]:
+    count = size = 0
+    for file in sorted(folder.rglob("*")):
+        if not file.is_file():
+            continue
+        count, size = count + 1, size + file.stat().st_size
+        if count > MAX_FILES or size > MAX_BYTES:
+            raise ConfigError(
+                f"{folder} has more than {MAX_FILES} files or {MAX_BYTES >> 20} MB: it is not a page"
+            )
+        yield file.relative_to(folder).as_posix(), file.read_bytes()
+
+
+def _content_type(name: str) -> str:
+    known = _TYPES.get(Path(name).suffix.lower())
+    return known or mimetypes.guess_type(name)[0] or "application/octet-stream"
+
+
+def _takes_gzip(values: list[str]) -> bool:
+    for each in ",".join(values).split(","):
+        coding, _, weight = each.partition(";")
+        if coding.strip().lower() in ("gzip", "*"):
+            return weight.replace(" ", "").lower() not in ("q=0", "q=0.0", "q=0.00", "q=0.000")
+    return False
+
+
+def _has_tag(values: list[str], tag: str) -> bool:
+    tags = [each.strip().removeprefix("W/") for each in ",".join(values).split(",")]
+    return tag in tags or "*" in tags

@@ -1,0 +1,148 @@
+from __future__ import annotations
+
+import asyncio
+import re
+import socket
+import urllib.request
+from pathlib import Path
+
+import pytest
+
+from interop.ros1_peers import Peer, free_port
+from rostether.cli.dashboard import dashboard
+from rostether.cli.dashboard.served import page_url
+from rostether.ros1.master.server import MasterServer
+from unit.cli.gateway.test_foxglove import offers
+from unit.cli.serving_process import started
+
+LAUNCH = "<launch><param name='speed' value='3'/></launch>"
+
+
+async def fetched(peer: Peer) -> tuple[str, str]:
+    """Return the address that was printed and the page that is there."""
+    await peer.wait_for("Dashboard: http://127.0.0.1:")
+    match = re.search(r"Dashboard: (http://127\.0\.0\.1:\d+)", peer.text)
+    assert match is not None
+    reply = await asyncio.to_thread(urllib.request.urlopen, match[1], timeout=60)
+    with reply:
+        return match[1], reply.read().decode()
+
+
+async def test_it_serves_the_page_and_the_graph_until_its_node_ends() -> None:
+    master = await MasterServer.start(host="127.0.0.1", port=0)
+    try:
+        async with started("dashboard", "--port", "0", "--master", master.uri) as alone:
+            url, page = await fetched(alone)
+            assert page.startswith("<!doctype html>")
+            await offers(url.replace("http:", "ws:"), "/rosout")
+            assert "dashboard: this machine only; `rostether dashboard --listen 0.0.0.0`" in alone.text
+            async with started("node", "kill", "/dashboard", "--master", master.uri) as kill:
+                await kill.wait_for("killed")
+            await alone.wait_for("its node was shut down")
+            assert await alone.process.wait() == 0
+    finally:
+        await master.close()
+
+
+async def test_a_port_in_use_is_passed_over_unless_it_was_asked_for() -> None:
+    master = await MasterServer.start(host="127.0.0.1", port=0)
+    try:
+        async with started("dashboard", "--master", master.uri) as first:
+            url, _ = await fetched(first)
+            async with started("dashboard", "--master", master.uri) as second:
+                assert (await fetched(second))[0] != url
+            port = url.rpartition(":")[2]
+            async with started("dashboard", "-p", port, "--master", master.uri, "__name:=c") as third:
+                await third.wait_for(f"cannot listen on localhost:{port}")
+                assert await third.process.wait() == 1
+    finally:
+        await master.close()
+
+
+async def test_with_a_token_the_address_carries_it() -> None:
+    master = await MasterServer.start(host="127.0.0.1", port=0)
+    try:
+        async with started("dashboard", "-p", "0", "--token", "a b", "--master", master.uri) as alone:
+            await fetched(alone)
+            assert re.search(r"Dashboard: http://127\.0\.0\.1:\d+/#token=a%20b", alone.text)
+    finally:
+        await master.close()
+
+
+async def test_the_gateway_alone() -> None:
+    master = await MasterServer.start(host="127.0.0.1", port=0)
+    try:
+        async with started("dashboard", "-p", "0", "--no-page", "--master", master.uri) as alone:
+            await alone.wait_for("the gateway without the page is at ws://localhost:")
+            url = re.search(r"ws://(localhost:\d+)", alone.text)
+            assert url is not None
+            with pytest.raises(urllib.error.HTTPError, match="426"):
+                await asyncio.to_thread(urllib.request.urlopen, f"http://{url[1]}", timeout=60)
+    finally:
+        await master.close()
+
+
+async def test_serve_has_it_beside_boards() -> None:
+    port = str(free_port())
+    async with started(
+        "serve", "tcp://127.0.0.1:0", "--master-port", port, "--dashboard", "127.0.0.1:0"
+    ) as serve:
+        assert (await fetched(serve))[1].startswith("<!doctype html>")
+
+
+async def test_launch_has_it_beside_nodes(tmp_path: Path) -> None:
+    file = tmp_path / "robot.launch"
+    file.write_text(LAUNCH)
+    port = str(free_port())
+    async with started("launch", str(file), "-p", port, "--dashboard", "0", ROS_HOME=str(tmp_path)) as launch:
+        assert (await fetched(launch))[1].startswith("<!doctype html>")
+
+
+async def test_the_demo_has_it() -> None:
+    uri = f"http://127.0.0.1:{free_port()}"
+    async with started("demo", "--ros1", ROS_MASTER_URI=uri) as demo:
+        url, page = await fetched(demo)
+        assert page.startswith("<!doctype html>")
+        await offers(url.replace("http:", "ws:"), "/diagnostics")
+
+
+async def test_the_demo_without_it() -> None:
+    uri = f"http://127.0.0.1:{free_port()}"
+    async with started("demo", "--ros1", "--no-page", ROS_MASTER_URI=uri) as demo:
+        await demo.wait_for("virtual board ready")
+        assert "Dashboard" not in demo.text
+
+
+@pytest.mark.parametrize(
+    ("host", "token", "url"),
+    [
+        ("localhost", "", "http://127.0.0.1:8765"),
+        ("127.0.0.1", "", "http://127.0.0.1:8765"),
+        ("::1", "", "http://[::1]:8765"),
+        ("0.0.0.0", "", f"http://{socket.gethostname()}:8765"),
+        ("robot.local", "x&y#", "http://robot.local:8765/#token=x%26y%23"),
+    ],
+)
+def test_its_address(host: str, token: str, url: str) -> None:
+    assert page_url(host, 8765, token) == url
+
+
+async def test_a_browser_that_does_not_start_is_no_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails(_: str) -> bool:
+        raise OSError("no browser")
+
+    monkeypatch.setattr("webbrowser.open", fails)
+    await dashboard.open_browser("http://127.0.0.1:1")
+
+
+def test_a_browser_opens_only_where_windows_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True)
+    monkeypatch.setattr("sys.platform", "linux")
+    assert dashboard._has_browser({"DISPLAY": ":0"})
+    assert dashboard._has_browser({"WAYLAND_DISPLAY": "wayland-0"})
+    assert not dashboard._has_browser({})
+    monkeypatch.setattr("sys.platform", "darwin")
+    assert dashboard._has_browser({})
+    assert not dashboard._has_browser({"SSH_CONNECTION": "1.2.3.4"})
+    monkeypatch.setattr("sys.stdout.isatty", lambda: False)
+    assert not dashboard._has_browser({"DISPLAY": ":0"})
