@@ -33,7 +33,7 @@ _EVERYWHERE = ("", "0.0.0.0", "::")  # noqa: S104 - what was typed
 
 @dataclass(frozen=True, slots=True)
 class DashboardSettings:
-    """Where and to whom the dashboard is served.
+    """Where the dashboard is served, and who may use it.
 
     `place` is [HOST:]PORT; without a port, the next free one after 8765 is taken. Without `has_page` only the
     gateway is served. `wider` is what people type, with {port}, to let other machines connect.

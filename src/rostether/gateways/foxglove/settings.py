@@ -49,7 +49,7 @@ class FoxgloveSettings:
 
     `host` is one name or address of ours, `localhost` both loopback addresses. Clients must give `token`
     where it is not empty; `origins` are more web pages that may connect (`*`: all), `allow` networks.
-    With a certificate and its key, files, connections are encrypted (wss). `metadata` is told to clients
+    With a certificate and its key, files, connections are encrypted (wss). Clients get `metadata`
     with the server's name.
     """
 
