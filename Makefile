@@ -3,7 +3,7 @@ PYTHON ?= $(shell scripts/find-python)
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: help demo test test-fast test-pythons test-fresh check bench fuzz soak docs clean
+.PHONY: help demo test test-fast test-pythons test-fresh check check-web web bench fuzz soak docs clean
 
 help:
 	@echo "make demo   watch a simulated board become a ROS node (no hardware, no ROS, no root)"
@@ -11,7 +11,8 @@ help:
 	@echo "make test-fast  the tests that need no other program: no compiler, simulator or ROS"
 	@echo "make test-pythons  the unit, property and contract tests under every Python here, from 3.11 on"
 	@echo "make test-fresh  what CI does, in a new Debian 12 made by mmdebstrap (root, 20 minutes)"
-	@echo "make check  ruff, mypy, import-linter, reuse and the words of our texts"
+	@echo "make check  ruff, mypy, import-linter, reuse, the words of our texts and the dashboard's page"
+	@echo "make web    build the dashboard's page into src/rostether/dashboard/page"
 	@echo "make bench  measure the data path, beside a bare relay"
 	@echo "make fuzz   look for inputs that break a promise, ten minutes a target (SECONDS=600)"
 	@echo "make soak   serve boards on lines that fail all the time, for MINUTES=10"
@@ -37,13 +38,29 @@ test-pythons:
 test-fresh:
 	scripts/test-fresh $(ARGS)
 
-check: $(VENV)/.dev
+check: $(VENV)/.dev check-web
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
 	$(BIN)/reuse lint --quiet
 	$(BIN)/python scripts/check-words
+
+# The page's own tools: types, format, tests, and whether the built files are those of its sources.
+check-web: web/node_modules/.installed
+	cd web && ../$(BIN)/node node_modules/typescript/bin/tsc --noEmit
+	cd web && ../$(BIN)/node node_modules/@biomejs/biome/bin/biome check --error-on-warnings .
+	mkdir -p web/build
+	$(BIN)/python scripts/write-page-vectors web/build/vectors.json
+	cd web && ../$(BIN)/node --test "test/*.test.ts"
+	$(BIN)/node web/build.mjs --check
+
+web: web/node_modules/.installed
+	$(BIN)/node web/build.mjs
+
+web/node_modules/.installed: web/package-lock.json $(VENV)/.dev
+	cd web && ../$(BIN)/npm ci --ignore-scripts --no-audit --no-fund --loglevel=error
+	touch $@
 
 bench: $(VENV)/.dev
 	scripts/install-peers

@@ -1,0 +1,106 @@
+// Builds the page into src/rostether/dashboard/page. The same sources give the same bytes.
+import { mkdirSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { dirname, join, relative, resolve } from "node:path";
+import { fileURLToPath } from "node:url";
+import { gzipSync } from "node:zlib";
+import * as esbuild from "esbuild";
+
+const here = dirname(fileURLToPath(import.meta.url));
+const page = resolve(here, "../src/rostether/dashboard/page");
+// A phone on a weak robot network loads this before it shows anything.
+const CORE_LIMIT_KB = 150;
+
+/** Returns the built files by their path in the page. */
+async function build() {
+  const result = await esbuild.build({
+    absWorkingDir: here,
+    entryPoints: { app: "src/main.tsx", style: "src/style/main.css" },
+    outdir: page,
+    bundle: true,
+    splitting: true,
+    format: "esm",
+    target: "es2022",
+    minify: true,
+    write: false,
+    metafile: true,
+    legalComments: "none",
+    jsx: "automatic",
+    jsxImportSource: "preact",
+    chunkNames: "chunks/[name]-[hash]",
+    assetNames: "assets/[name]-[hash]",
+    loader: { ".png": "file", ".svg": "file" },
+    logLevel: "warning",
+  });
+  const files = new Map(result.outputFiles.map((each) => [relative(page, each.path), each.contents]));
+  files.set("index.html", readFileSync(join(here, "src/index.html")));
+  files.set("licenses.txt", Buffer.from(licenses(Object.keys(result.metafile.inputs))));
+  return { files, outputs: result.metafile.outputs };
+}
+
+/** Returns the licenses of the packages whose code is in the page, as they ask for. */
+function licenses(inputs) {
+  const names = inputs.map((path) => /^node_modules\/((?:@[^/]+\/)?[^/]+)/.exec(path)?.[1]).filter(Boolean);
+  const parts = [...new Set(names)].sort().map((name) => {
+    const folder = join(here, "node_modules", name);
+    const { version } = JSON.parse(readFileSync(join(folder, "package.json"), "utf8"));
+    const file = readdirSync(folder).find((each) => /^licen[cs]e/i.test(each));
+    if (!file) throw new Error(`${name} has no license file`);
+    return `${name} ${version}\n\n${readFileSync(join(folder, file), "utf8").trim()}\n`;
+  });
+  return parts.join(`\n${"-".repeat(80)}\n\n`);
+}
+
+/** Returns the files that the browser loads before it shows the page. */
+function coreFiles(outputs) {
+  const byPath = Object.fromEntries(
+    Object.entries(outputs).map(([path, each]) => [relative(page, resolve(here, path)), each]),
+  );
+  const core = new Set(["index.html", "style.css"]);
+  const add = (path) => {
+    if (core.has(path)) return;
+    core.add(path);
+    for (const each of byPath[path].imports) {
+      if (each.kind === "import-statement") add(relative(page, resolve(here, each.path)));
+    }
+  };
+  add("app.js");
+  return core;
+}
+
+function kilobytes(contents) {
+  return gzipSync(contents, { level: 9 }).length / 1000;
+}
+
+const { files, outputs } = await build();
+const core = coreFiles(outputs);
+let coreSize = 0;
+for (const [path, contents] of [...files].sort(([a], [b]) => (a < b ? -1 : 1))) {
+  const size = kilobytes(contents);
+  if (core.has(path)) coreSize += size;
+  console.log(`${size.toFixed(1).padStart(8)} kB gzip  ${path}${core.has(path) ? "  (core)" : ""}`);
+}
+console.log(`${coreSize.toFixed(1).padStart(8)} kB gzip  core, of at most ${CORE_LIMIT_KB}`);
+if (coreSize > CORE_LIMIT_KB) {
+  console.error("The core of the page is too large: load a part of it on first use with import().");
+  process.exit(1);
+}
+if (process.argv.includes("--check")) {
+  const there = readdirSync(page, { recursive: true, withFileTypes: true })
+    .filter((each) => each.isFile() && !each.name.endsWith(".py"))
+    .map((each) => relative(page, join(each.parentPath, each.name)));
+  const stale = [...files].filter(
+    ([path, contents]) => !there.includes(path) || !readFileSync(join(page, path)).equals(contents),
+  );
+  const extra = there.filter((path) => !files.has(path));
+  if (stale.length || extra.length) {
+    const names = [...stale.map(([path]) => path), ...extra].join(", ");
+    console.error(`The built page differs from its sources: run \`make web\` and commit. Files: ${names}`);
+    process.exit(1);
+  }
+} else {
+  rmSync(page, { recursive: true, force: true });
+  for (const [path, contents] of files) {
+    mkdirSync(dirname(join(page, path)), { recursive: true });
+    writeFileSync(join(page, path), contents);
+  }
+}

@@ -1,0 +1,28 @@
+// Where the gateway is, and the token for it. The token is in the URL's fragment only, which no server sees.
+
+const TOKEN_KEY = "rostether.token";
+
+/** Moves a token from the address bar (`#token=7f3c9a`) into this tab's storage. */
+export function keepToken(): void {
+  const match = /(?:^#|[#&?])token=([^&]+)/.exec(location.hash);
+  if (!match) return;
+  sessionStorage.setItem(TOKEN_KEY, decodeURIComponent(match[1]!));
+  const rest = location.hash.replace(/([#&?])token=[^&]*&?/, "$1").replace(/[#&?]$/, "");
+  history.replaceState(null, "", location.pathname + location.search + rest);
+}
+
+/** The gateway's address; `?ws=ws://HOST:PORT` in the page's address names another than the page's own server. */
+export function gatewayUrl(): string {
+  const given = new URLSearchParams(location.search).get("ws");
+  const url = new URL(given ?? location.href);
+  if (!given) {
+    url.search = "";
+    url.pathname = "/";
+  }
+  url.protocol = url.protocol === "https:" || url.protocol === "wss:" ? "wss:" : "ws:";
+  url.hash = "";
+  const token = sessionStorage.getItem(TOKEN_KEY);
+  // A token is for the server that the page came from, never for one that a link names.
+  if (token && (!given || url.hostname === location.hostname)) url.searchParams.set("token", token);
+  return url.href;
+}

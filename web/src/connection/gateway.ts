@@ -1,0 +1,261 @@
+// The page's two connections to the gateway: one to view, one for commands, so that a camera never delays a stop.
+import { gatewayUrl } from "./address.ts";
+import {
+  type Channel,
+  type GraphUpdate,
+  messageData,
+  type Parameter,
+  type ServerBinary,
+  type ServerInfo,
+  type ServerText,
+  type Service,
+  type Status,
+  serviceRequest,
+} from "./protocol.ts";
+import { ReconnectingSocket } from "./socket.ts";
+
+export interface GatewayHandlers {
+  /** The view connection is open (`info`) or lost (undefined). */
+  onConnection(info: ServerInfo | undefined, reason: string): void;
+  onCommandConnection(isOpen: boolean): void;
+  onChannels(added: Channel[], removedIds: number[]): void;
+  onServices(added: Service[], removedIds: number[]): void;
+  onMessage(subscriptionId: number, timeNs: bigint, payload: Uint8Array): void;
+  onGraph(update: GraphUpdate): void;
+  onParameters(parameters: Parameter[]): void;
+  onStatus(status: Status): void;
+  onStatusRemoved(ids: string[]): void;
+  onTime(timeNs: bigint): void;
+}
+
+interface Waiting<T> {
+  resolve(value: T): void;
+  reject(error: Error): void;
+}
+
+// An answer that never comes must not be kept for ever; the gateway itself waits 60 s for a service.
+const ANSWER_TIMEOUT_MS = 65_000;
+
+/** A request that the gateway refused, or that it did not answer. */
+export class GatewayError extends Error {}
+
+export class Gateway {
+  private readonly view: ReconnectingSocket;
+  private readonly command: ReconnectingSocket;
+  private readonly handlers: GatewayHandlers;
+  private info: ServerInfo | undefined;
+  private readonly commandServices = new Map<string, Service>();
+  private readonly calls = new Map<number, Waiting<Uint8Array>>();
+  private readonly parameterRequests = new Map<string, Waiting<Parameter[]>>();
+  private readonly assets = new Map<number, Waiting<Uint8Array>>();
+  private readonly advertised = new Map<number, { topic: string; schemaName: string; schema: string }>();
+  private readonly watched = new Set<string>();
+  private nextId = 1;
+
+  constructor(handlers: GatewayHandlers) {
+    this.handlers = handlers;
+    this.view = new ReconnectingSocket(gatewayUrl, {
+      onOpen: () => {
+        this.view.send({ op: "subscribeConnectionGraph" });
+        handlers.onConnection(this.info, "");
+      },
+      onText: (message) => this.onViewText(message),
+      onBinary: (message) => this.onViewBinary(message),
+      onClose: (reason) => {
+        rejectAll(this.assets);
+        handlers.onConnection(undefined, reason);
+      },
+    });
+    this.command = new ReconnectingSocket(gatewayUrl, {
+      onOpen: () => {
+        for (const [id, each] of this.advertised) this.sendAdvertise(id, each);
+        if (this.watched.size > 0) {
+          this.command.send({ op: "subscribeParameterUpdates", parameterNames: [...this.watched] });
+        }
+        handlers.onCommandConnection(true);
+      },
+      onText: (message) => this.onCommandText(message),
+      onBinary: (message) => this.onCommandBinary(message),
+      onClose: () => {
+        this.commandServices.clear();
+        rejectAll(this.calls);
+        rejectAll(this.parameterRequests);
+        handlers.onCommandConnection(false);
+      },
+    });
+  }
+
+  subscribe(subscriptions: { id: number; channelId: number }[]): void {
+    this.view.send({ op: "subscribe", subscriptions });
+  }
+
+  unsubscribe(subscriptionIds: number[]): void {
+    this.view.send({ op: "unsubscribe", subscriptionIds });
+  }
+
+  /** Advertises a topic; returns the id for `publish`. It is advertised again after a reconnection. */
+  advertise(topic: string, schemaName: string, schema: string): number {
+    const id = this.nextId++;
+    const channel = { topic, schemaName, schema };
+    this.advertised.set(id, channel);
+    this.sendAdvertise(id, channel);
+    return id;
+  }
+
+  unadvertise(id: number): void {
+    if (this.advertised.delete(id)) this.command.send({ op: "unadvertise", channelIds: [id] });
+  }
+
+  /** Publishes on an advertised topic; false when there is no connection: nothing is sent later. */
+  publish(id: number, payload: Uint8Array): boolean {
+    return this.command.send(messageData(id, payload));
+  }
+
+  /** Calls a service; resolves with the encoded response. */
+  call(name: string, request: Uint8Array): Promise<Uint8Array> {
+    const service = this.commandServices.get(name);
+    if (!service) return Promise.reject(new GatewayError(`${name} is not offered`));
+    const id = this.nextId++;
+    return wait(this.calls, id, () => this.command.send(serviceRequest(service.id, id, request)));
+  }
+
+  /** Reads parameters; no names means all. */
+  getParameters(names: string[] = []): Promise<Parameter[]> {
+    const id = String(this.nextId++);
+    return wait(this.parameterRequests, id, () =>
+      this.command.send({ op: "getParameters", parameterNames: names, id }),
+    );
+  }
+
+  /** Sets parameters; resolves with the values they have then. */
+  setParameters(parameters: Parameter[]): Promise<Parameter[]> {
+    const id = String(this.nextId++);
+    return wait(this.parameterRequests, id, () => this.command.send({ op: "setParameters", parameters, id }));
+  }
+
+  /** Reports changes of these parameters to `onParameters` from now on. */
+  watchParameters(names: string[]): void {
+    for (const each of names) this.watched.add(each);
+    this.command.send({ op: "subscribeParameterUpdates", parameterNames: names });
+  }
+
+  unwatchParameters(names: string[]): void {
+    for (const each of names) this.watched.delete(each);
+    this.command.send({ op: "unsubscribeParameterUpdates", parameterNames: names });
+  }
+
+  /** Fetches a file of the robot, such as `package://arm/meshes/base.stl`. */
+  fetchAsset(uri: string): Promise<Uint8Array> {
+    const requestId = this.nextId++;
+    return wait(this.assets, requestId, () => this.view.send({ op: "fetchAsset", uri, requestId }));
+  }
+
+  close(): void {
+    this.view.close();
+    this.command.close();
+  }
+
+  private sendAdvertise(id: number, channel: { topic: string; schemaName: string; schema: string }): void {
+    const described = { id, encoding: "ros1", schemaEncoding: "ros1msg", ...channel };
+    this.command.send({ op: "advertise", channels: [described] });
+  }
+
+  private onViewText(message: ServerText): void {
+    switch (message.op) {
+      case "serverInfo":
+        this.info = message;
+        break;
+      case "advertise":
+        this.handlers.onChannels(message.channels, []);
+        break;
+      case "unadvertise":
+        this.handlers.onChannels([], message.channelIds);
+        break;
+      case "advertiseServices":
+        this.handlers.onServices(message.services, []);
+        break;
+      case "unadvertiseServices":
+        this.handlers.onServices([], message.serviceIds);
+        break;
+      case "connectionGraphUpdate":
+        this.handlers.onGraph(message);
+        break;
+      case "status":
+        this.handlers.onStatus(message);
+        break;
+      case "removeStatus":
+        this.handlers.onStatusRemoved(message.statusIds);
+        break;
+    }
+  }
+
+  private onViewBinary(message: ServerBinary): void {
+    if (message.op === "message") {
+      this.handlers.onMessage(message.subscriptionId, message.timeNs, message.payload);
+    } else if (message.op === "time") this.handlers.onTime(message.timeNs);
+    else if (message.op === "asset") {
+      const waiting = this.assets.get(message.requestId);
+      if (message.data) waiting?.resolve(message.data);
+      else waiting?.reject(new GatewayError(message.error));
+    }
+  }
+
+  private onCommandText(message: ServerText): void {
+    switch (message.op) {
+      case "advertiseServices":
+        for (const each of message.services) this.commandServices.set(each.name, each);
+        break;
+      case "unadvertiseServices":
+        for (const [name, each] of this.commandServices) {
+          if (message.serviceIds.includes(each.id)) this.commandServices.delete(name);
+        }
+        break;
+      case "serviceCallFailure":
+        this.calls.get(message.callId)?.reject(new GatewayError(message.message));
+        break;
+      case "parameterValues":
+        if (message.id !== undefined) this.parameterRequests.get(message.id)?.resolve(message.parameters);
+        this.handlers.onParameters(message.parameters);
+        break;
+      case "status":
+        // Those with an id come on the view connection as well; the others answer what this one sent.
+        if (message.id === undefined) this.handlers.onStatus(message);
+        break;
+    }
+  }
+
+  private onCommandBinary(message: ServerBinary): void {
+    if (message.op === "serviceResponse") this.calls.get(message.callId)?.resolve(message.payload);
+  }
+}
+
+function wait<K, T>(waiting: Map<K, Waiting<T>>, id: K, send: () => boolean): Promise<T> {
+  return new Promise<T>((resolve, reject) => {
+    if (!send()) {
+      reject(new GatewayError("there is no connection to the robot"));
+      return;
+    }
+    const end = () => {
+      clearTimeout(timer);
+      waiting.delete(id);
+    };
+    const timer = setTimeout(() => {
+      end();
+      reject(new GatewayError("the robot did not answer"));
+    }, ANSWER_TIMEOUT_MS);
+    waiting.set(id, {
+      resolve(value) {
+        end();
+        resolve(value);
+      },
+      reject(error) {
+        end();
+        reject(error);
+      },
+    });
+  });
+}
+
+function rejectAll<K, T>(waiting: Map<K, Waiting<T>>): void {
+  for (const each of [...waiting.values()]) each.reject(new GatewayError("the connection was lost"));
+}

@@ -1,0 +1,107 @@
+// One WebSocket that connects again by itself, sooner when the page is looked at.
+import { parseBinary, type ServerBinary, type ServerText, SUBPROTOCOL } from "./protocol.ts";
+
+const FIRST_RETRY_MS = 250;
+const MAX_RETRY_MS = 5000;
+// A server that accepts and never answers is given up.
+const OPEN_TIMEOUT_MS = 10_000;
+
+export interface SocketHandlers {
+  /** The server's first message came: the connection can be used. */
+  onOpen(): void;
+  onText(message: ServerText): void;
+  onBinary(message: ServerBinary): void;
+  /** `retryMs` is how long it waits until it tries again. */
+  onClose(reason: string, retryMs: number): void;
+}
+
+export class ReconnectingSocket {
+  private readonly url: () => string;
+  private readonly handlers: SocketHandlers;
+  private socket: WebSocket | undefined;
+  private timer: ReturnType<typeof setTimeout> | undefined;
+  private retryMs = FIRST_RETRY_MS;
+  private isClosed = false;
+
+  constructor(url: () => string, handlers: SocketHandlers) {
+    this.url = url;
+    this.handlers = handlers;
+    addEventListener("online", this.retryNow);
+    document.addEventListener("visibilitychange", this.retryNow);
+    this.connect();
+  }
+
+  /** Sends a message; false when there is no connection. */
+  send(message: object | Uint8Array<ArrayBuffer>): boolean {
+    if (this.socket?.readyState !== WebSocket.OPEN) return false;
+    this.socket.send(message instanceof Uint8Array ? message : JSON.stringify(message));
+    return true;
+  }
+
+  /** Bytes that wait to be sent. */
+  get waitingBytes(): number {
+    return this.socket?.bufferedAmount ?? 0;
+  }
+
+  close(): void {
+    this.isClosed = true;
+    clearTimeout(this.timer);
+    removeEventListener("online", this.retryNow);
+    document.removeEventListener("visibilitychange", this.retryNow);
+    this.socket?.close();
+  }
+
+  private readonly retryNow = () => {
+    if (document.hidden || this.timer === undefined || this.isClosed) return;
+    clearTimeout(this.timer);
+    this.connect();
+  };
+
+  private connect(): void {
+    this.timer = undefined;
+    let socket: WebSocket;
+    try {
+      socket = new WebSocket(this.url(), [SUBPROTOCOL]);
+    } catch (error) {
+      this.retryLater(String(error));
+      return;
+    }
+    this.socket = socket;
+    socket.binaryType = "arraybuffer";
+    const timeout = setTimeout(() => socket.close(), OPEN_TIMEOUT_MS);
+    socket.onmessage = (event) => {
+      if (this.socket !== socket) return;
+      if (typeof event.data !== "string") {
+        const message = parseBinary(event.data as ArrayBuffer);
+        if (message) this.handlers.onBinary(message);
+        return;
+      }
+      let message: ServerText;
+      try {
+        message = JSON.parse(event.data) as ServerText;
+      } catch {
+        return;
+      }
+      if (message.op === "serverInfo") {
+        clearTimeout(timeout);
+        this.retryMs = FIRST_RETRY_MS;
+        this.handlers.onText(message);
+        this.handlers.onOpen();
+      } else this.handlers.onText(message);
+    };
+    socket.onclose = (event) => {
+      clearTimeout(timeout);
+      if (this.socket !== socket) return;
+      this.socket = undefined;
+      if (!this.isClosed) this.retryLater(event.reason);
+    };
+  }
+
+  private retryLater(reason: string): void {
+    // A crowd of pages does not come back at the same moment.
+    const wait = this.retryMs * (0.75 + Math.random() / 2);
+    this.retryMs = Math.min(this.retryMs * 2, MAX_RETRY_MS);
+    this.timer = setTimeout(() => this.connect(), wait);
+    this.handlers.onClose(reason, wait);
+  }
+}

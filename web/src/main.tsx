@@ -1,0 +1,11 @@
+import "./shell/theme.ts";
+import { render } from "preact";
+import { keepToken } from "./connection/address.ts";
+import { App } from "./shell/app.tsx";
+import { Robot } from "./store/robot.ts";
+
+keepToken();
+const robot = new Robot();
+// For tests and for those who look into a page: `rostether.subscriptionCount`.
+Object.assign(globalThis, { rostether: robot });
+render(<App robot={robot} />, document.getElementById("app")!);

@@ -1,0 +1,12 @@
+// A panel that is a Preact component.
+import { type ComponentType, render } from "preact";
+import type { PanelContext, PanelModule } from "./panel.ts";
+
+export function preactPanel(Component: ComponentType<{ context: PanelContext }>): PanelModule {
+  return {
+    mount(host, context) {
+      render(<Component context={context} />, host);
+      return () => render(null, host);
+    },
+  };
+}

@@ -1,0 +1,16 @@
+// All panels, in the order of the navigation.
+import type { Robot } from "../store/robot.ts";
+import type { Graph, Panel } from "./panel.ts";
+import { topicsPanel } from "./topics/topics.ts";
+
+export const panels: readonly Panel[] = [topicsPanel];
+
+/** The graph as panels see it; reading it in a computed signal follows its changes. */
+export function graphOf(robot: Robot): Graph {
+  return {
+    topics: robot.topics.value,
+    publishers: robot.publishers.value,
+    subscribers: robot.subscribers.value,
+    services: robot.services.value,
+  };
+}

@@ -1,0 +1,94 @@
+// The frame around the panels: header, navigation, the panel of the address.
+import { computed, useSignal } from "@preact/signals";
+import { useEffect, useMemo } from "preact/hooks";
+import type { Panel } from "../panels/panel.ts";
+import { graphOf, panels } from "../panels/registry.ts";
+import type { Robot } from "../store/robot.ts";
+import { texts } from "../texts.ts";
+import { Header } from "./header.tsx";
+import { Icon } from "./icons.tsx";
+import { Overview } from "./overview.tsx";
+import { PanelPage } from "./panel_page.tsx";
+import { linkTo, route } from "./route.ts";
+
+const TAB_COUNT = 4;
+
+export function App({ robot }: { robot: Robot }) {
+  const useful = useMemo(
+    () => computed(() => panels.filter((each) => each.isUseful?.(graphOf(robot)) ?? true)),
+    [robot],
+  );
+  const panel = panels.find((each) => each.id === route.value.panelId);
+  useEffect(() => {
+    const name = robot.info.value?.name;
+    document.title = [panel && texts.panels[panel.title], name, "rostether"].filter(Boolean).join(" · ");
+  });
+  return (
+    <div class="app">
+      <a class="skip" href="#content">
+        {texts.shell.skip}
+      </a>
+      <Header robot={robot} />
+      <Navigation panels={useful.value} active={panel?.id ?? ""} />
+      <main id="content" tabIndex={-1} class={panel?.fillsPage ? "content fills" : "content"}>
+        {panel ? <PanelPage key={panel.id} panel={panel} robot={robot} /> : <Overview robot={robot} />}
+      </main>
+    </div>
+  );
+}
+
+function Navigation({ panels, active }: { panels: Panel[]; active: string }) {
+  const isOpen = useSignal(false);
+  const tabs = panels.filter((each) => each.onTabBar).slice(0, TAB_COUNT - 1);
+  const isTab = (panel: Panel) => tabs.includes(panel);
+  return (
+    <nav class={isOpen.value ? "navigation open" : "navigation"} aria-label={texts.shell.navigation}>
+      <NavigationLink id="" title="overview" icon="overview" isActive={active === ""} isTab />
+      {panels.map((each) => (
+        <NavigationLink
+          key={each.id}
+          id={each.id}
+          title={each.title}
+          icon={each.icon}
+          isActive={active === each.id}
+          isTab={isTab(each)}
+          onOpen={() => {
+            isOpen.value = false;
+          }}
+        />
+      ))}
+      <button
+        type="button"
+        class="more"
+        aria-expanded={isOpen.value}
+        onClick={() => {
+          isOpen.value = !isOpen.value;
+        }}
+      >
+        <Icon name={isOpen.value ? "close" : "more"} />
+        <span>{texts.shell.more}</span>
+      </button>
+    </nav>
+  );
+}
+
+function NavigationLink(props: {
+  id: string;
+  title: Panel["title"];
+  icon: Panel["icon"];
+  isActive: boolean;
+  isTab: boolean;
+  onOpen?: () => void;
+}) {
+  return (
+    <a
+      href={linkTo(props.id)}
+      class={props.isTab ? "tab" : undefined}
+      aria-current={props.isActive ? "page" : undefined}
+      onClick={props.onOpen}
+    >
+      <Icon name={props.icon} />
+      <span>{texts.panels[props.title]}</span>
+    </a>
+  );
+}

@@ -1,0 +1,42 @@
+// The header: the robot's name, whether it is connected, the stop button, colors.
+import type { Robot } from "../store/robot.ts";
+import { texts } from "../texts.ts";
+import { Badge, IconButton, type Level } from "./parts.tsx";
+import { StopButton } from "./stop_button.tsx";
+import { theme, toggleTheme } from "./theme.ts";
+
+export function Header({ robot }: { robot: Robot }) {
+  const state = robot.connection.value;
+  const level: Level = state === "open" ? "ok" : state === "lost" ? "error" : "stale";
+  const label = { open: texts.shell.connected, lost: texts.shell.lost, connecting: texts.shell.connecting }[
+    state
+  ];
+  const isDark = theme.value === "dark";
+  return (
+    <>
+      <header class="header">
+        <a class="brand" href="#/">
+          {robot.info.value?.name ?? "rostether"}
+        </a>
+        <span class="connection" role="status">
+          <Badge level={level}>{label}</Badge>
+          {robot.simulatedTimeNs.value !== undefined && (
+            <Badge level="warning">{texts.shell.simulatedTime}</Badge>
+          )}
+        </span>
+        <span class="spring" />
+        <StopButton robot={robot} />
+        <IconButton
+          icon={isDark ? "sun" : "moon"}
+          label={isDark ? texts.shell.light : texts.shell.dark}
+          onClick={toggleTheme}
+        />
+      </header>
+      {state === "lost" && (
+        <div class="banner" role="alert">
+          {robot.lostReason.value || texts.shell.lost}. {texts.shell.lostDetail}
+        </div>
+      )}
+    </>
+  );
+}

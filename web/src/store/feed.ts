@@ -1,0 +1,69 @@
+// One topic's messages for all panels that show it: subscribed while at least one of them is visible.
+import { type ReadonlySignal, type Signal, signal } from "@preact/signals";
+import { decoder, type Message } from "../wire/decode.ts";
+import { RateMeter } from "./rate.ts";
+import type { Topic } from "./topics.ts";
+
+/** A message as it came; `payload` is valid as long as it is referenced. */
+export interface Arrival {
+  payload: Uint8Array;
+  /** When it came here, `performance.now()`. */
+  receivedMs: number;
+  /** The gateway's clock, nanoseconds since 1970. */
+  timeNs: bigint;
+}
+export type Listener = (arrival: Arrival) => void;
+
+export class Feed {
+  readonly topicName: string;
+  /** The topic while it is on the graph. */
+  readonly topic: Signal<Topic | undefined> = signal(undefined);
+  readonly rate = new RateMeter();
+  /** The last message; kept when the topic ends, and then stale. */
+  last: Arrival | undefined;
+  readonly listeners = new Set<Listener>();
+  private readonly versionSignal = signal(0);
+  private decode: { topic: Topic; run: (payload: Uint8Array) => Message } | undefined;
+  private decoded: { arrival: Arrival; message: Message | Error } | undefined;
+
+  constructor(topicName: string) {
+    this.topicName = topicName;
+  }
+
+  /** Counts frames in which messages came; a component that reads it is drawn again, at most once a frame. */
+  get version(): ReadonlySignal<number> {
+    return this.versionSignal;
+  }
+
+  /** The last message decoded, once however many panels ask; an Error when it cannot be. */
+  lastMessage(): Message | Error | undefined {
+    const arrival = this.last;
+    const topic = this.topic.value;
+    if (!arrival || !topic) return undefined;
+    if (this.decoded?.arrival === arrival) return this.decoded.message;
+    let message: Message | Error;
+    try {
+      if (this.decode?.topic !== topic) this.decode = { topic, run: decoder(topic.type()) };
+      message = this.decode.run(arrival.payload);
+    } catch (error) {
+      message = error as Error;
+    }
+    this.decoded = { arrival, message };
+    return message;
+  }
+
+  isStale(nowMs = performance.now()): boolean {
+    return this.rate.isStale(nowMs);
+  }
+
+  receive(arrival: Arrival): void {
+    this.last = arrival;
+    this.rate.add(arrival.receivedMs, arrival.payload.length);
+    for (const each of this.listeners) each(arrival);
+  }
+
+  /** Draws again what shows this feed; the store calls it once a frame. */
+  bump(): void {
+    this.versionSignal.value++;
+  }
+}

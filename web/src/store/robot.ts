@@ -1,0 +1,240 @@
+// What the page knows of the robot, as signals, and the subscriptions that its panels share.
+import { batch, computed, type ReadonlySignal, type Signal, signal } from "@preact/signals";
+import { Gateway } from "../connection/gateway.ts";
+import type { GraphUpdate, ServerInfo, Service, Status } from "../connection/protocol.ts";
+import { Feed, type Listener } from "./feed.ts";
+import { frameTask } from "./frames.ts";
+import { Parameters } from "./parameters.ts";
+import { Topic } from "./topics.ts";
+
+export type ConnectionState = "connecting" | "open" | "lost";
+
+// A quick change of pages must not end and begin subscriptions.
+const UNSUBSCRIBE_DELAY_MS = 300;
+const MAX_STATUSES = 50;
+// The offers of a large graph come in parts; panels are laid out when they are in.
+const NONE: ReadonlyMap<string, readonly string[]> = new Map();
+
+interface Use {
+  count: number;
+  subscriptionId: number | undefined;
+  endTimer: ReturnType<typeof setTimeout> | undefined;
+}
+
+export interface Subscription {
+  readonly feed: Feed;
+  close(): void;
+}
+
+export class Robot {
+  readonly connection: Signal<ConnectionState> = signal("connecting");
+  /** Why the connection was lost, in the server's words; may be empty. */
+  readonly lostReason = signal("");
+  readonly canCommand = signal(false);
+  readonly info: Signal<ServerInfo | undefined> = signal(undefined);
+  /** Topics by name. After a lost connection they stay until the new one says what there is. */
+  readonly topics: Signal<ReadonlyMap<string, Topic>> = signal(new Map());
+  readonly services: Signal<ReadonlyMap<string, Service>> = signal(new Map());
+  /** Nodes that publish each topic, subscribe to it, and offer each service. */
+  readonly publishers = signal(NONE);
+  readonly subscribers = signal(NONE);
+  readonly providers = signal(NONE);
+  readonly nodes: ReadonlySignal<string[]> = computed(() => {
+    const names = new Set<string>();
+    for (const table of [this.publishers.value, this.subscribers.value, this.providers.value]) {
+      for (const each of table.values()) for (const name of each) names.add(name);
+    }
+    return [...names].sort();
+  });
+  readonly statuses: Signal<readonly Status[]> = signal([]);
+  /** The robot's simulated clock in nanoseconds, undefined while it runs in real time. */
+  readonly simulatedTimeNs: Signal<bigint | undefined> = signal(undefined);
+  readonly parameters: Parameters;
+  readonly gateway: Gateway;
+
+  private readonly feeds = new Map<string, Feed>();
+  private readonly uses = new Map<string, Use>();
+  private readonly bySubscription = new Map<number, Feed>();
+  private readonly changed = new Set<Feed>();
+  private nextSubscriptionId = 1;
+  private readonly frame = frameTask(() => this.bumpChanged());
+
+  constructor() {
+    this.gateway = new Gateway({
+      onConnection: (info, reason) => this.onConnection(info, reason),
+      onCommandConnection: (isOpen) => {
+        this.canCommand.value = isOpen;
+      },
+      onChannels: (added, removedIds) => this.onChannels(added.map(Topic.ofChannel), removedIds),
+      onServices: (added, removedIds) => this.onServices(added, removedIds),
+      onMessage: (id, timeNs, payload) => {
+        const feed = this.bySubscription.get(id);
+        if (!feed) return;
+        feed.receive({ payload, receivedMs: performance.now(), timeNs });
+        this.changed.add(feed);
+        this.frame.markDirty();
+      },
+      onGraph: (update) => this.onGraph(update),
+      onParameters: (parameters) => this.parameters.receive(parameters),
+      onStatus: (status) => {
+        const others = this.statuses.value.filter((each) => each.id === undefined || each.id !== status.id);
+        this.statuses.value = [...others, status].slice(-MAX_STATUSES);
+      },
+      onStatusRemoved: (ids) => {
+        this.statuses.value = this.statuses.value.filter((each) => !each.id || !ids.includes(each.id));
+      },
+      onTime: (timeNs) => {
+        this.simulatedTimeNs.value = timeNs;
+      },
+    });
+    this.parameters = new Parameters(this.gateway);
+  }
+
+  /** The feed of a topic, which need not exist yet; reading it subscribes nothing. */
+  feed(topicName: string): Feed {
+    let feed = this.feeds.get(topicName);
+    if (!feed) {
+      feed = new Feed(topicName);
+      feed.topic.value = this.topics.peek().get(topicName);
+      this.feeds.set(topicName, feed);
+    }
+    return feed;
+  }
+
+  /** Receives a topic until `close`. Panels use `PanelContext.subscribe`, which also stops while they are hidden. */
+  subscribe(topicName: string, listener?: Listener): Subscription {
+    const feed = this.feed(topicName);
+    let use = this.uses.get(topicName);
+    if (!use) {
+      use = { count: 0, subscriptionId: undefined, endTimer: undefined };
+      this.uses.set(topicName, use);
+    }
+    clearTimeout(use.endTimer);
+    use.endTimer = undefined;
+    use.count++;
+    if (listener) feed.listeners.add(listener);
+    this.begin(feed, use);
+    let isOpen = true;
+    return {
+      feed,
+      close: () => {
+        if (!isOpen) return;
+        isOpen = false;
+        if (listener) feed.listeners.delete(listener);
+        use.count--;
+        if (use.count > 0) return;
+        use.endTimer = setTimeout(() => {
+          this.end(use);
+          this.uses.delete(topicName);
+        }, UNSUBSCRIBE_DELAY_MS);
+      },
+    };
+  }
+
+  /** How many topics are subscribed now; for tests. */
+  get subscriptionCount(): number {
+    return this.bySubscription.size;
+  }
+
+  private begin(feed: Feed, use: Use): void {
+    const channelId = feed.topic.peek()?.channelId;
+    if (channelId === undefined || use.subscriptionId !== undefined) return;
+    if (this.connection.peek() !== "open") return;
+    use.subscriptionId = this.nextSubscriptionId++;
+    this.bySubscription.set(use.subscriptionId, feed);
+    this.gateway.subscribe([{ id: use.subscriptionId, channelId }]);
+  }
+
+  private end(use: Use): void {
+    if (use.subscriptionId === undefined) return;
+    this.bySubscription.delete(use.subscriptionId);
+    this.gateway.unsubscribe([use.subscriptionId]);
+    use.subscriptionId = undefined;
+  }
+
+  private onConnection(info: ServerInfo | undefined, reason: string): void {
+    this.bySubscription.clear();
+    for (const use of this.uses.values()) use.subscriptionId = undefined;
+    if (!info) {
+      batch(() => {
+        this.connection.value = "lost";
+        this.lostReason.value = reason;
+      });
+      return;
+    }
+    batch(() => {
+      this.connection.value = "open";
+      this.lostReason.value = "";
+      this.info.value = info;
+      this.simulatedTimeNs.value = undefined;
+      this.statuses.value = [];
+      // The offers of this connection follow in its next messages.
+      this.topics.value = new Map();
+      this.services.value = new Map();
+      this.publishers.value = this.subscribers.value = this.providers.value = NONE;
+      for (const feed of this.feeds.values()) feed.topic.value = undefined;
+    });
+  }
+
+  private onChannels(added: Topic[], removedIds: number[]): void {
+    const removed = new Set(removedIds);
+    const topics = new Map(this.topics.value);
+    for (const [name, each] of topics) {
+      if (each.channelId !== undefined && removed.has(each.channelId)) topics.delete(name);
+    }
+    for (const each of added) topics.set(each.name, each);
+    batch(() => {
+      this.topics.value = topics;
+      for (const feed of this.feeds.values()) {
+        const topic = topics.get(feed.topicName);
+        const before = feed.topic.peek();
+        if (topic === before) continue;
+        feed.topic.value = topic;
+        const use = this.uses.get(feed.topicName);
+        if (!use) continue;
+        // The server ends the subscription with its channel.
+        if (use.subscriptionId !== undefined) this.bySubscription.delete(use.subscriptionId);
+        use.subscriptionId = undefined;
+        if (use.count > 0) this.begin(feed, use);
+      }
+    });
+  }
+
+  private onServices(added: Service[], removedIds: number[]): void {
+    const services = new Map(this.services.value);
+    for (const [name, each] of services) if (removedIds.includes(each.id)) services.delete(name);
+    for (const each of added) services.set(each.name, each);
+    this.services.value = services;
+  }
+
+  private onGraph(update: GraphUpdate): void {
+    const publishers = without(this.publishers.value, update.removedTopics);
+    const subscribers = without(this.subscribers.value, update.removedTopics);
+    const providers = without(this.providers.value, update.removedServices);
+    for (const each of update.publishedTopics) publishers.set(each.name, each.publisherIds);
+    for (const each of update.subscribedTopics) subscribers.set(each.name, each.subscriberIds);
+    for (const each of update.advertisedServices) providers.set(each.name, each.providerIds);
+    batch(() => {
+      this.publishers.value = publishers;
+      this.subscribers.value = subscribers;
+      this.providers.value = providers;
+    });
+  }
+
+  private bumpChanged(): void {
+    const changed = [...this.changed];
+    this.changed.clear();
+    batch(() => {
+      for (const feed of changed) feed.bump();
+    });
+  }
+}
+
+function without(
+  table: ReadonlyMap<string, readonly string[]>,
+  names: string[],
+): Map<string, readonly string[]> {
+  const copy = new Map(table);
+  for (const name of names) copy.delete(name);
+  return copy;
+}

@@ -1,0 +1,20 @@
+// Settings that outlive the page. Private windows and full disks refuse storage; the page works without.
+
+const PREFIX = "rostether.";
+
+export function loadSetting<T>(key: string, otherwise: T): T {
+  try {
+    const text = localStorage.getItem(PREFIX + key);
+    return text === null ? otherwise : (JSON.parse(text) as T);
+  } catch {
+    return otherwise;
+  }
+}
+
+export function saveSetting(key: string, value: unknown): void {
+  try {
+    localStorage.setItem(PREFIX + key, JSON.stringify(value));
+  } catch {
+    // Then it is kept as long as the page.
+  }
+}

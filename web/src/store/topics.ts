@@ -1,0 +1,38 @@
+// A topic of the graph with its definition.
+import type { Channel } from "../connection/protocol.ts";
+import { parseDefinition } from "../wire/definition.ts";
+import type { StructNode } from "../wire/schema.ts";
+
+export class Topic {
+  readonly name: string;
+  /** Such as `sensor_msgs/Range`. */
+  readonly typeName: string;
+  readonly definition: string;
+  /** Undefined for a topic that is subscribed only: nothing can be received from it. */
+  readonly channelId: number | undefined;
+  private parsed: StructNode | Error | undefined;
+
+  constructor(name: string, typeName: string, definition: string, channelId: number | undefined) {
+    this.name = name;
+    this.typeName = typeName;
+    this.definition = definition;
+    this.channelId = channelId;
+  }
+
+  static ofChannel(channel: Channel): Topic {
+    return new Topic(channel.topic, channel.schemaName, channel.schema, channel.id);
+  }
+
+  /** The tree of its type; throws DefinitionError. Definitions are parsed only when something reads them. */
+  type(): StructNode {
+    if (this.parsed === undefined) {
+      try {
+        this.parsed = parseDefinition(this.typeName, this.definition);
+      } catch (error) {
+        this.parsed = error as Error;
+      }
+    }
+    if (this.parsed instanceof Error) throw this.parsed;
+    return this.parsed;
+  }
+}

@@ -1,0 +1,32 @@
+// What is seen: a panel is visible while a part of it is on the screen and the page is not hidden.
+import { computed, type ReadonlySignal, signal } from "@preact/signals";
+
+export const pageHidden = signal(document.hidden);
+document.addEventListener("visibilitychange", () => {
+  pageHidden.value = document.hidden;
+});
+
+const onScreen = new WeakMap<Element, (isSeen: boolean) => void>();
+const observer = new IntersectionObserver(
+  (entries) => {
+    for (const each of entries) onScreen.get(each.target)?.(each.isIntersecting);
+  },
+  // What is about to be scrolled into view begins before it is seen.
+  { rootMargin: "100px" },
+);
+
+/** Watches whether an element is seen, until `dispose`. */
+export function watchVisible(element: Element): { visible: ReadonlySignal<boolean>; dispose(): void } {
+  const isSeen = signal(true);
+  onScreen.set(element, (seen) => {
+    isSeen.value = seen;
+  });
+  observer.observe(element);
+  return {
+    visible: computed(() => isSeen.value && !pageHidden.value),
+    dispose() {
+      observer.unobserve(element);
+      onScreen.delete(element);
+    },
+  };
+}
