@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from rostether.errors import LaunchError
+from rostether.launch.launch_xml import MAX_FILE_BYTES, parse_launch_xml
 from rostether.launch.machine_tag import read_machine
 from rostether.launch.node_tag import NodeTags
 from rostether.launch.parameter_tags import ParameterTags
@@ -17,7 +18,7 @@ from rostether.launch.plan import DeclaredArgument, LaunchPlan
 from rostether.launch.scope import Scope, as_namespace
 from rostether.launch.substitution import LaunchContext, explain_unreadable
 from rostether.launch.tag_reader import TagReader
-from rostether.launch.xml_tree import MAX_FILE_BYTES, Element, parse_launch_xml
+from rostether.mechanisms.xml_tree import XmlElement
 
 MAX_INCLUDE_DEPTH = 50  # files include themselves to count down; one that does so without end stops here
 MAX_INCLUDES = 10_000  # two includes in each of fifty files would go on for ever
@@ -66,7 +67,7 @@ class _Loader:
         self.reader = reader
         self._parameters = ParameterTags(reader, programs, runs_commands=runs_commands)
         self._nodes = NodeTags(reader, self._parameters)
-        self._node_names: dict[str, Element] = {}
+        self._node_names: dict[str, XmlElement] = {}
         self._machines: set[str] = set()
         self._depth = 0
         self._includes = 0
@@ -78,14 +79,14 @@ class _Loader:
         for name, argument in scope.declared.items():
             self.reader.draft.arguments.setdefault(name, argument)
 
-    def _parse(self, data: bytes, file: str) -> Element:
+    def _parse(self, data: bytes, file: str) -> XmlElement:
         root = parse_launch_xml(data, file=file)
         self.reader.draft.files.append(file)
         if notice := root.attributes.get("deprecated"):
             self.reader.warn(root, f"deprecated: {notice}")
         return root
 
-    def _read_children(self, parent: Element, scope: Scope) -> None:
+    def _read_children(self, parent: XmlElement, scope: Scope) -> None:
         for element in parent.children:
             with self.reader.placed(element):
                 if element.tag == "launch":
@@ -93,7 +94,7 @@ class _Loader:
                 if self.reader.is_meant(element, scope):
                     self._read(element, scope)
 
-    def _read(self, element: Element, scope: Scope) -> None:
+    def _read(self, element: XmlElement, scope: Scope) -> None:
         match element.tag:
             case "arg":
                 self._arg(element, scope)
@@ -121,7 +122,7 @@ class _Loader:
             case _:
                 self.reader.warn(element, f"there is no tag <{element.tag}>; it is ignored")
 
-    def _arg(self, element: Element, scope: Scope, values: Scope | None = None) -> None:
+    def _arg(self, element: XmlElement, scope: Scope, values: Scope | None = None) -> None:
         reader, values = self.reader, values or scope
         reader.check_attributes(element, ("name", "value", "default", "doc"))
         name = reader.required(element, values, "name")
@@ -131,7 +132,7 @@ class _Loader:
             raise LaunchError(f"argument {name!r} has both value= and default=; keep one of them")
         scope.declare(DeclaredArgument(name, default, doc or "", is_fixed=value is not None), value)
 
-    def _node(self, element: Element, scope: Scope) -> None:
+    def _node(self, element: XmlElement, scope: Scope) -> None:
         node = self._nodes.node(element, scope)
         machine = self.reader.optional(element, scope, "machine")
         if machine and machine not in self._machines:
@@ -143,7 +144,7 @@ class _Loader:
             )
         self.reader.draft.nodes.append(node)
 
-    def _include(self, element: Element, scope: Scope) -> None:
+    def _include(self, element: XmlElement, scope: Scope) -> None:
         reader = self.reader
         reader.check_attributes(element, ("file", "ns", "clear_params", "pass_all_args"))
         file = reader.required(element, scope, "file")
@@ -175,7 +176,7 @@ class _Loader:
                 f"{file} declares no argument {' and no '.join(unused)}; remove it from <include>"
             )
 
-    def _read_included(self, element: Element, scope: Scope) -> None:
+    def _read_included(self, element: XmlElement, scope: Scope) -> None:
         self._includes += 1
         if self._depth >= MAX_INCLUDE_DEPTH or self._includes > MAX_INCLUDES:
             raise LaunchError(f"{scope.file} is included again and again; end it with if= or unless=")

@@ -9,12 +9,12 @@ import socket
 from rostether.errors import LaunchError
 from rostether.launch.scope import Scope
 from rostether.launch.tag_reader import TagReader
-from rostether.launch.xml_tree import Element
+from rostether.mechanisms.xml_tree import XmlElement
 
 _ATTRIBUTES = ("name", "address", "env-loader", "ssh-port", "user", "password", "default", "timeout")
 
 
-def read_machine(reader: TagReader, element: Element, scope: Scope) -> str:
+def read_machine(reader: TagReader, element: XmlElement, scope: Scope) -> str:
     """Return the name of a machine that is this one. Raises LaunchError for any other."""
     reader.check_attributes(element, _ATTRIBUTES)
     name, address = (reader.required(element, scope, each) for each in ("name", "address"))

@@ -10,7 +10,7 @@ from rostether.launch.plan import LaunchNode, Output, WorkingFolder
 from rostether.launch.scope import Scope
 from rostether.launch.substitution import new_anonymous_name
 from rostether.launch.tag_reader import TagReader
-from rostether.launch.xml_tree import Element
+from rostether.mechanisms.xml_tree import XmlElement
 from rostether.names.graph_name import PRIVATE, SEPARATOR, canonical, is_legal_name
 
 NODE_ATTRIBUTES = (
@@ -28,7 +28,7 @@ class NodeTags:
         self._reader = reader
         self._parameters = parameters
 
-    def node(self, element: Element, scope: Scope) -> LaunchNode:
+    def node(self, element: XmlElement, scope: Scope) -> LaunchNode:
         """Return the node, its parameters set."""
         reader = self._reader
         reader.check_attributes(element, NODE_ATTRIBUTES)
@@ -61,7 +61,7 @@ class NodeTags:
             raise LaunchError("respawn= and required= exclude each other; keep one of them")
         return node
 
-    def test(self, element: Element, scope: Scope) -> None:
+    def test(self, element: XmlElement, scope: Scope) -> None:
         """Set a test's parameters; it is not started."""
         reader = self._reader
         reader.check_attributes(element, _TEST_ATTRIBUTES)
@@ -77,7 +77,7 @@ class NodeTags:
             self._filled(element, scope, name)
         self._inside(element, scope, reader.optional(element, scope, "name") or test_name)
 
-    def _inside(self, element: Element, scope: Scope, name: str) -> Scope:
+    def _inside(self, element: XmlElement, scope: Scope, name: str) -> Scope:
         """Read the children; the result has the node's namespace, remaps and environment."""
         reader = self._reader
         if SEPARATOR in name:
@@ -111,20 +111,20 @@ class NodeTags:
                 reader.set_parameter(place, own.namespace + key.removeprefix(PRIVATE), value)
         return inside
 
-    def _filled(self, element: Element, scope: Scope, name: str) -> str:
+    def _filled(self, element: XmlElement, scope: Scope, name: str) -> str:
         text = self._reader.required(element, scope, name)
         if not text.strip():
             raise LaunchError(f"<{element.tag}> has an empty {name}=")
         return text
 
-    def _output(self, element: Element, scope: Scope) -> Output:
+    def _output(self, element: XmlElement, scope: Scope) -> Output:
         text = self._reader.optional(element, scope, "output")
         try:
             return Output.LOG if text is None else Output(text)
         except ValueError:
             raise LaunchError(f"output={text!r} is not known; known are screen and log") from None
 
-    def _working_folder(self, element: Element, scope: Scope) -> WorkingFolder:
+    def _working_folder(self, element: XmlElement, scope: Scope) -> WorkingFolder:
         text = self._reader.optional(element, scope, "cwd")
         try:
             return WorkingFolder("ROS_HOME" if text in (None, "ros_home") else text)

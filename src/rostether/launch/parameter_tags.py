@@ -10,12 +10,13 @@ from pathlib import Path
 from typing import Any
 
 from rostether.errors import LaunchError
+from rostether.launch.launch_xml import MAX_FILE_BYTES
 from rostether.launch.plan import DeleteParameters, DumpParameters
 from rostether.launch.scope import Scope
 from rostether.launch.substitution import SERVED_ROOT, explain_unreadable
 from rostether.launch.tag_reader import TagReader
 from rostether.launch.values import convert
-from rostether.launch.xml_tree import MAX_FILE_BYTES, Element
+from rostether.mechanisms.xml_tree import XmlElement
 from rostether.names.graph_name import is_private, join
 from rostether.param_yaml import leaves, parse_single_document
 
@@ -46,7 +47,7 @@ class ParameterTags:
         self._programs = programs
         self._runs_commands = runs_commands
 
-    def param(self, element: Element, scope: Scope) -> None:
+    def param(self, element: XmlElement, scope: Scope) -> None:
         """Set a parameter, or keep a private one for the nodes that follow."""
         name, value = self._name_and_value(element, scope)
         if is_private(name):
@@ -54,11 +55,11 @@ class ParameterTags:
         else:
             self._reader.set_parameter(element, join(scope.namespace, name), value)
 
-    def node_param(self, element: Element, scope: Scope) -> tuple[str, Any]:
+    def node_param(self, element: XmlElement, scope: Scope) -> tuple[str, Any]:
         """Return name and value of a <param> inside a <node>: it is private with and without `~`."""
         return self._name_and_value(element, scope)
 
-    def rosparam(self, element: Element, scope: Scope) -> None:
+    def rosparam(self, element: XmlElement, scope: Scope) -> None:
         """Load, or note down what is to be dumped or deleted before the launch."""
         reader = self._reader
         reader.check_attributes(element, _ROSPARAM_ATTRIBUTES)
@@ -87,7 +88,14 @@ class ParameterTags:
                 raise LaunchError(f"<rosparam> has no command {command!r}; known are {', '.join(_COMMANDS)}")
 
     def _load(
-        self, element: Element, scope: Scope, name: str, full_name: str, file: str | None, *, replaces: bool
+        self,
+        element: XmlElement,
+        scope: Scope,
+        name: str,
+        full_name: str,
+        file: str | None,
+        *,
+        replaces: bool,
     ) -> None:
         text, source = element.text, "its YAML"
         if file is not None:
@@ -102,7 +110,7 @@ class ParameterTags:
         for key, value in leaves(full_name, data):
             self._reader.set_parameter(element, key, value)
 
-    def _name_and_value(self, element: Element, scope: Scope) -> tuple[str, Any]:
+    def _name_and_value(self, element: XmlElement, scope: Scope) -> tuple[str, Any]:
         reader = self._reader
         reader.check_attributes(element, _PARAM_ATTRIBUTES)
         given = {source: reader.optional(element, scope, source) for source in _SOURCES}

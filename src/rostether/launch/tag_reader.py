@@ -19,7 +19,7 @@ from rostether.launch.plan import (
 from rostether.launch.scope import Scope, as_namespace
 from rostether.launch.substitution import LaunchContext, substitute
 from rostether.launch.values import check, truth
-from rostether.launch.xml_tree import Element
+from rostether.mechanisms.xml_tree import XmlElement
 from rostether.names.graph_name import SEPARATOR, canonical, is_legal_name, join, namespace_of
 
 MAX_SUBSTITUTED_CHARS = 64 << 20
@@ -77,26 +77,26 @@ class TagReader:
                 )
         return result
 
-    def optional(self, element: Element, scope: Scope, name: str) -> str | None:
+    def optional(self, element: XmlElement, scope: Scope, name: str) -> str | None:
         """Return an attribute's value; None where it is not there."""
         text = element.attributes.get(name)
         return None if text is None else self.substitute(text, scope)
 
-    def required(self, element: Element, scope: Scope, name: str) -> str:
+    def required(self, element: XmlElement, scope: Scope, name: str) -> str:
         """Return the value of an attribute that has to be there."""
         text = self.optional(element, scope, name)
         if text is None:
             raise LaunchError(f"<{element.tag}> needs the attribute {name}=")
         return text
 
-    def switch(self, element: Element, scope: Scope, name: str) -> bool:
+    def switch(self, element: XmlElement, scope: Scope, name: str) -> bool:
         """Return an attribute that is true or false; false where it is not there."""
         text = self.optional(element, scope, name)
         if text is not None and text.lower() not in ("true", "false"):
             raise LaunchError(f"{name}={text!r} is neither true nor false")
         return text is not None and text.lower() == "true"
 
-    def number(self, element: Element, scope: Scope, name: str) -> float:
+    def number(self, element: XmlElement, scope: Scope, name: str) -> float:
         """Return an attribute that is a number; 0 where it is not there."""
         text = self.optional(element, scope, name)
         try:
@@ -104,7 +104,7 @@ class TagReader:
         except ValueError:
             raise LaunchError(f"{name}={text!r} is not a number") from None
 
-    def is_meant(self, element: Element, scope: Scope) -> bool:
+    def is_meant(self, element: XmlElement, scope: Scope) -> bool:
         """Tell whether an element's if= or unless= lets it count."""
         on, off = (self.optional(element, scope, name) for name in _CONDITIONS)
         if on is not None and off is not None:
@@ -113,17 +113,17 @@ class TagReader:
             return truth(on)
         return off is None or not truth(off)
 
-    def check_attributes(self, element: Element, known: Collection[str]) -> None:
+    def check_attributes(self, element: XmlElement, known: Collection[str]) -> None:
         """Warn of attributes that mean nothing."""
         for name in element.attributes:
             if name not in known and name not in _CONDITIONS:
                 self.warn(element, f"<{element.tag}> has no attribute {name}=; it is ignored")
 
-    def warn(self, element: Element, text: str) -> None:
+    def warn(self, element: XmlElement, text: str) -> None:
         """Report a problem with an element that does not stop the launch."""
         self.draft.warnings.append(f"{element.file}:{element.line}: {text}")
 
-    def namespace(self, element: Element, scope: Scope, node_name: str = "") -> Scope:
+    def namespace(self, element: XmlElement, scope: Scope, node_name: str = "") -> Scope:
         """Return the scope inside an element with ns= and clear_params=."""
         namespace = self.optional(element, scope, "ns")
         if namespace == "":
@@ -140,12 +140,12 @@ class TagReader:
             self.draft.cleared.append(cleared)
         return inside
 
-    def remap(self, element: Element, scope: Scope) -> None:
+    def remap(self, element: XmlElement, scope: Scope) -> None:
         """Take a <remap>."""
         self.check_attributes(element, ("from", "to"))
         scope.remap(self.required(element, scope, "from"), self.required(element, scope, "to"))
 
-    def environment(self, element: Element, scope: Scope) -> None:
+    def environment(self, element: XmlElement, scope: Scope) -> None:
         """Take an <env>."""
         self.check_attributes(element, ("name", "value"))
         name, value = self.required(element, scope, "name"), self.required(element, scope, "value")
@@ -154,7 +154,7 @@ class TagReader:
         scope.environment.append((name, value))
 
     @contextmanager
-    def placed(self, element: Element) -> Iterator[None]:
+    def placed(self, element: XmlElement) -> Iterator[None]:
         """Give errors that have no place in a file yet the element's."""
         try:
             yield
@@ -165,7 +165,7 @@ class TagReader:
         except (ConfigError, InvalidNameError) as error:
             raise element.error(str(error)) from None
 
-    def set_parameter(self, element: Element, name: str, value: Any) -> None:
+    def set_parameter(self, element: XmlElement, name: str, value: Any) -> None:
         """Set a parameter; the last value of a name counts."""
         key = canonical(name)
         check(key, value)

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
-from xml.parsers import expat
 
 from rostether.errors import ConfigError
+from rostether.mechanisms.xml_tree import XmlElement, parse_xml
 
 MAX_PACKAGE_XML_BYTES = 1 << 20  # real ones are a few KB; a larger file is not a package.xml
-_MAX_DEPTH = 64  # exports nest a few levels; a bound keeps a hostile file from growing the stack
 _PACKAGE_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 _DEPENDENCIES = frozenset(
     {
@@ -49,77 +48,42 @@ def parse_package_xml(data: bytes, *, file: str = "package.xml", default_name: s
 
     Raises ConfigError: too large, not XML, a DTD or entity, no or a bad package name.
     """
-    if len(data) > MAX_PACKAGE_XML_BYTES:
-        raise ConfigError(f"{file}: larger than {MAX_PACKAGE_XML_BYTES} bytes, not a package.xml")
-    reader = _Reader(file)
-    reader.read(data)
-    name = "".join(reader.texts.get("name", ())[:1]) or default_name
+
+    def make_error(reason: str, line: int) -> ConfigError:
+        return ConfigError(f"{file}:{line}: {reason}" if line else f"{file}: {reason}")
+
+    root = parse_xml(
+        data, file=file, max_bytes=MAX_PACKAGE_XML_BYTES, what="a package.xml", make_error=make_error
+    )
+    if root.tag != "package":
+        raise ConfigError(f"{file}: the outermost element is <{root.tag}>, not <package>")
+    name = _text(root, "name") or default_name
     if not is_package_name(name):
         raise ConfigError(f"{file}: {name!r} is not a package name; give one in <name>")
     dependencies: dict[str, set[str]] = {}
-    for kind, package in reader.dependencies:
-        dependencies.setdefault(package, set()).add(kind)
+    for element in root.children:
+        # rosbuild's <depend package="NAME"/>, or <exec_depend>NAME</exec_depend>.
+        package = element.get("package") if element.tag == "depend" else None
+        if element.tag in _DEPENDENCIES and (package := package or _folded(element)):
+            dependencies.setdefault(package, set()).add(element.tag)
+    export = root.first("export")
     return PackageXml(
         name=name,
-        version=_first(reader, "version"),
-        description=_first(reader, "description"),
-        maintainers=tuple(reader.texts.get("maintainer", ())),
-        licenses=tuple(reader.texts.get("license", ())),
+        version=_text(root, "version"),
+        description=_text(root, "description"),
+        maintainers=tuple(map(_folded, root.all("maintainer"))),
+        licenses=tuple(map(_folded, root.all("license"))),
         dependencies={package: frozenset(kinds) for package, kinds in dependencies.items()},
-        build_type=_first(reader, "export/build_type"),
+        build_type=_text(export, "build_type") if export is not None else "",
     )
 
 
-def _first(reader: _Reader, path: str) -> str:
-    return next(iter(reader.texts.get(path, ())), "")
+def _text(parent: XmlElement, tag: str) -> str:
+    """Return the text of the first child with a tag, empty if there is none."""
+    child = parent.first(tag)
+    return _folded(child) if child is not None else ""
 
 
-class _Reader:
-    """Collects the texts of the document's elements by their path below the root."""
-
-    def __init__(self, file: str) -> None:
-        self.texts: dict[str, list[str]] = {}
-        self.dependencies: list[tuple[str, str]] = []
-        self._file = file
-        self._path: list[str] = []
-        self._text: list[list[str]] = []
-
-    def read(self, data: bytes) -> None:
-        parser = expat.ParserCreate()
-        parser.StartElementHandler = self._start
-        parser.EndElementHandler = self._end
-        parser.CharacterDataHandler = self._characters
-        parser.StartDoctypeDeclHandler = self._refuse_dtd
-        parser.EntityDeclHandler = self._refuse_dtd
-        try:
-            parser.Parse(data, True)
-        except expat.ExpatError as error:
-            raise ConfigError(
-                f"{self._file}:{error.lineno}: not XML ({expat.ErrorString(error.code)})"
-            ) from error
-
-    def _start(self, tag: str, attributes: dict[str, str]) -> None:
-        if len(self._path) >= _MAX_DEPTH:
-            raise ConfigError(f"{self._file}: elements nest deeper than {_MAX_DEPTH}")
-        if not self._path and tag != "package":
-            raise ConfigError(f"{self._file}: the outermost element is <{tag}>, not <package>")
-        if len(self._path) == 1 and tag == "depend" and "package" in attributes:
-            self.dependencies.append((tag, attributes["package"]))
-        self._path.append(tag)
-        self._text.append([])
-
-    def _characters(self, text: str) -> None:
-        # A description holds mark-up, so a text also counts for the elements around it.
-        for pieces in self._text[1:]:
-            pieces.append(text)
-
-    def _end(self, tag: str) -> None:
-        text = " ".join("".join(self._text.pop()).split())
-        path = "/".join(self._path[1:])
-        self._path.pop()
-        self.texts.setdefault(path, []).append(text)
-        if path in _DEPENDENCIES and text:
-            self.dependencies.append((path, text))
-
-    def _refuse_dtd(self, *_: object) -> None:
-        raise ConfigError(f"{self._file}: declares a DTD or an entity, which is not allowed; remove it")
+def _folded(element: XmlElement) -> str:
+    # A description contains mark-up, whose text counts too.
+    return " ".join(element.full_text.split())

@@ -10,12 +10,13 @@ from __future__ import annotations
 import math
 
 from rostether.errors import RobotModelError
+from rostether.mechanisms.xml_tree import XmlElement, parse_xml
 from rostether.robot.robot_model import Joint, JointType, Limits, Link, Mimic, RobotModel
 from rostether.robot.transform import Vector
 from rostether.robot.urdf_link import read_colors, read_link
 from rostether.robot.urdf_numbers import Numbers
-from rostether.robot.xml_tree import XmlElement, parse_xml
 
+MAX_XML_BYTES = 64 << 20  # the largest robots with inlined meshes' names have a few MB
 MAX_LINKS = 100_000  # three orders above real robots; the tree is walked for each of them
 
 _NEED_LIMITS = frozenset({JointType.REVOLUTE, JointType.PRISMATIC})
@@ -23,55 +24,68 @@ _NEED_LIMITS = frozenset({JointType.REVOLUTE, JointType.PRISMATIC})
 
 def parse_urdf(text: str | bytes, *, file: str = "robot_description") -> RobotModel:
     """Return the robot that a URDF describes. Raises RobotModelError with file and line."""
-    root = parse_xml(text, file=file)
+    root = parse_robot_xml(text, file=file)
     if root.tag != "robot":
         what = "COLLADA is not read here; convert it to URDF" if root.tag == "COLLADA" else "it is no URDF"
-        raise RobotModelError(
-            f"{file}:{root.line}: the outermost element is <{root.tag}>, not <robot>: {what}"
-        )
-    return _Reader(file, Numbers(file)).read(root)
+        raise root.error(f"the outermost element is <{root.tag}>, not <robot>: {what}")
+    return _Reader(Numbers(file)).read(root)
+
+
+def parse_robot_xml(text: str | bytes, *, file: str) -> XmlElement:
+    """Return the outermost element of a URDF or a xacro file. Raises RobotModelError with file and line."""
+
+    def make_error(reason: str, line: int) -> RobotModelError:
+        return RobotModelError(f"{file}:{line}: {reason}" if line else f"{file}: {reason}")
+
+    data, encoding = (text.encode(), "utf-8") if isinstance(text, str) else (text, None)
+    return parse_xml(
+        data.lstrip(),
+        file=file,
+        max_bytes=MAX_XML_BYTES,
+        what="a robot description",
+        make_error=make_error,
+        encoding=encoding,
+    )
 
 
 class _Reader:
-    def __init__(self, file: str, numbers: Numbers) -> None:
-        self._file = file
+    def __init__(self, numbers: Numbers) -> None:
         self._numbers = numbers
 
     def read(self, robot: XmlElement) -> RobotModel:
         name = robot.get("name")
         if not name:
-            raise self._error(robot, 'the robot has no name; write <robot name="...">')
+            raise robot.error('the robot has no name; write <robot name="...">')
         if robot.get("version") not in (None, "1.0", "1"):
-            raise self._error(robot, f"version {robot.get('version')} is not known; known is 1.0")
+            raise robot.error(f"version {robot.get('version')} is not known; known is 1.0")
         problems: list[str] = []
         colors = read_colors(robot, self._numbers, problems)
         links: dict[str, Link] = {}
         for element in robot.all("link"):
             link = read_link(element, self._numbers, colors, problems)
             if link.name in links:
-                raise self._error(element, f"link {link.name!r} is not unique")
+                raise element.error(f"link {link.name!r} is not unique")
             links[link.name] = link
         if not links:
-            raise self._error(robot, f"no <link> is in the robot{self._xacro_hint(robot)}")
+            raise robot.error(f"no <link> is in the robot{self._xacro_hint(robot)}")
         if len(links) > MAX_LINKS:
-            raise self._error(robot, f"more than {MAX_LINKS} links")
+            raise robot.error(f"more than {MAX_LINKS} links")
         joints: dict[str, Joint] = {}
         children: dict[str, str] = {}
         for element in robot.all("joint"):
             joint = self._joint(element)
             if joint.name in joints:
-                raise self._error(element, f"joint {joint.name!r} is not unique")
+                raise element.error(f"joint {joint.name!r} is not unique")
             for role, link_name in (("parent", joint.parent), ("child", joint.child)):
                 if link_name not in links:
-                    raise self._error(
-                        element,
+                    raise element.error(
                         f"{role} link {link_name!r} of joint {joint.name!r} is not there"
                         f"{self._xacro_hint(robot)}",
                     )
             if joint.child in children:
                 other = children[joint.child]
-                raise self._error(
-                    element, f"link {joint.child!r} is the child of two joints, {other!r} and {joint.name!r}"
+                raise element.error(
+                    f"link {joint.child!r} is the child of two joints, {other!r} and {joint.name!r}"
                 )
             children[joint.child] = joint.name
             joints[joint.name] = joint
@@ -81,10 +95,9 @@ class _Reader:
     def _root(self, robot: XmlElement, links: dict[str, Link], children: dict[str, str]) -> str:
         roots = [name for name in links if name not in children]
         if not roots:
-            raise self._error(robot, "no root link: every link is the child of a joint, so they form a loop")
+            raise robot.error("no root link: every link is the child of a joint, so they form a loop")
         if len(roots) > 1:
-            raise self._error(
-                robot,
+            raise robot.error(
                 f"two root links, {roots[0]!r} and {roots[1]!r}; join them by a joint"
                 f"{self._xacro_hint(robot)}",
             )
@@ -93,21 +106,20 @@ class _Reader:
     def _joint(self, element: XmlElement) -> Joint:
         name = element.get("name")
         if not name:
-            raise self._error(element, "a joint has no name")
+            raise element.error("a joint has no name")
         kind = element.get("type")
         if kind is None:
-            raise self._error(element, f"joint {name!r} has no type; known are {', '.join(JointType)}")
+            raise element.error(f"joint {name!r} has no type; known are {', '.join(JointType)}")
         try:
             joint_type = JointType(kind)
         except ValueError:
-            raise self._error(
-                element, f"joint {name!r} is of the type {kind!r}; known are {', '.join(JointType)}"
+            raise element.error(
+                f"joint {name!r} is of the type {kind!r}; known are {', '.join(JointType)}"
             ) from None
         ends = [self._end(element, name, role) for role in ("parent", "child")]
         limits = self._limits(element, name)
         if limits is None and joint_type in _NEED_LIMITS:
-            raise self._error(
-                element,
+            raise element.error(
                 f"{kind} joint {name!r} has no limits; write "
                 '<limit lower="..." upper="..." effort="..." velocity="..."/>',
             )
@@ -126,7 +138,7 @@ class _Reader:
         end = element.first(role)
         link = end.get("link") if end is not None else None
         if link is None:
-            raise self._error(element, f'joint {name!r} has no {role} link; write <{role} link="..."/>')
+            raise element.error(f'joint {name!r} has no {role} link; write <{role} link="..."/>')
         return link
 
     def _axis(self, element: XmlElement, name: str, joint_type: JointType) -> Vector:
@@ -136,7 +148,7 @@ class _Reader:
             return 1.0, 0.0, 0.0
         vector = self._numbers.vector(axis, given, f"the axis of joint {name!r}")
         if not math.hypot(*vector):
-            raise self._error(axis, f"the axis of joint {name!r} is zero and so has no direction")
+            raise axis.error(f"the axis of joint {name!r} is zero and so has no direction")
         return vector
 
     def _limits(self, element: XmlElement, name: str) -> Limits | None:
@@ -148,7 +160,7 @@ class _Reader:
         what = f"joint {name!r}"
         for needed in ("effort", "velocity"):
             if limit.get(needed) is None:
-                raise self._error(limit, f"the limit of {what} has no {needed}")
+                raise limit.error(f"the limit of {what} has no {needed}")
         return Limits(
             lower=number(limit, "lower", what, 0.0),
             upper=number(limit, "upper", what, 0.0),
@@ -169,7 +181,7 @@ class _Reader:
             return None
         joint = mimic.get("joint")
         if joint is None:
-            raise self._error(mimic, f'joint {name!r} mimics no joint; write <mimic joint="..."/>')
+            raise mimic.error(f'joint {name!r} mimics no joint; write <mimic joint="..."/>')
         what = f"the mimic of joint {name!r}"
         return Mimic(
             joint,
@@ -181,6 +193,3 @@ class _Reader:
         if any(child.tag.startswith("xacro:") for child in robot.children):
             return '; this is xacro: expand it first, as with command="$(find xacro)/xacro FILE"'
         return ""
-
-    def _error(self, element: XmlElement, text: str) -> RobotModelError:
-        return RobotModelError(f"{self._file}:{element.line}: {text}")

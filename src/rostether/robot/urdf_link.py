@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TypeAlias
 
 from rostether.errors import RobotModelError
+from rostether.mechanisms.xml_tree import XmlElement
 from rostether.robot.robot_model import Inertial, Link, Shape
 from rostether.robot.urdf_numbers import Numbers
-from rostether.robot.xml_tree import XmlElement
 
 Color: TypeAlias = tuple[float, float, float, float]
 

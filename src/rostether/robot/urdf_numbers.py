@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from rostether.errors import RobotModelError
+from rostether.mechanisms.xml_tree import XmlElement
 from rostether.robot.transform import Transform, Vector, quaternion_from_rpy
-from rostether.robot.xml_tree import XmlElement
 
 
 class Numbers:

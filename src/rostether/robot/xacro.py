@@ -14,7 +14,7 @@ from typing import Any
 from rostether.errors import ConfigError, RobotModelError
 from rostether.extras import install_command
 from rostether.mechanisms.text import fold_line
-from rostether.robot.xml_tree import parse_xml
+from rostether.robot.urdf import parse_robot_xml
 
 ASSIGNMENT = ":="
 
@@ -46,7 +46,7 @@ def expand_xacro(file: Path, mappings: Mapping[str, str], *, packages: Mapping[s
     xacro = _xacro(file)
     try:
         # Its DTD, if it had one, would be expanded without bounds.
-        parse_xml(file.read_bytes(), file=str(file))
+        parse_robot_xml(file.read_bytes(), file=str(file))
     except OSError as error:
         raise RobotModelError(f"{file}: {error.strerror}") from error
     with _finding(xacro, packages):

@@ -1,0 +1,27 @@
+"""The text of a launch file as a tree of elements."""
+
+from __future__ import annotations
+
+from rostether.errors import LaunchError
+from rostether.mechanisms.xml_tree import XmlElement, parse_xml
+
+MAX_FILE_BYTES = 1 << 24  # a launch file may hold a URDF or a parameter set inline; no real one nears 16 MB
+
+
+def parse_launch_xml(data: bytes, *, file: str) -> XmlElement:
+    """Return the root of a launch file, which is its <launch>.
+
+    Raises LaunchError with file and line: too large, not XML, a DTD or entity, another root.
+    """
+    if file.endswith(".launch.py"):
+        raise LaunchError("a launch file of ROS 2 in Python; only ROS 1's XML is read here", file=file)
+    root = parse_xml(
+        data,
+        file=file,
+        max_bytes=MAX_FILE_BYTES,
+        what="a launch file",
+        make_error=lambda text, line: LaunchError(text, file=file, line=line),
+    )
+    if root.tag != "launch":
+        raise root.error(f"the outermost element is <{root.tag}>, not <launch>")
+    return root

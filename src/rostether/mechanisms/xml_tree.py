@@ -1,0 +1,116 @@
+"""XML files as a tree that knows its lines. DTDs and entities are refused before they are expanded."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import TypeAlias
+from xml.parsers import expat
+
+# Robots, launch files and package descriptions nest a few levels; the limit keeps a hostile file from
+# growing the stack.
+MAX_DEPTH = 64
+
+MakeError: TypeAlias = Callable[[str, int], Exception]
+"""Takes what is wrong and its line (from 1; 0: the whole file), and returns the error to raise."""
+
+
+@dataclass(frozen=True, slots=True)
+class XmlElement:
+    """One element; `line` counts from 1, and `content` has its texts and children in order."""
+
+    tag: str
+    attributes: dict[str, str]
+    file: str
+    line: int
+    make_error: MakeError = field(repr=False)
+    content: list[str | XmlElement] = field(default_factory=list)
+
+    @property
+    def children(self) -> list[XmlElement]:
+        """The elements directly in it."""
+        return [each for each in self.content if isinstance(each, XmlElement)]
+
+    @property
+    def text(self) -> str:
+        """The text directly in it, without that of its children."""
+        return "".join(each for each in self.content if isinstance(each, str))
+
+    @property
+    def full_text(self) -> str:
+        """The text in it, with that of its children."""
+        return "".join(each if isinstance(each, str) else each.full_text for each in self.content)
+
+    def all(self, tag: str) -> Iterator[XmlElement]:
+        """Yield the children with a tag."""
+        return (child for child in self.children if child.tag == tag)
+
+    def first(self, tag: str) -> XmlElement | None:
+        """Return the first child with a tag."""
+        return next(self.all(tag), None)
+
+    def get(self, name: str) -> str | None:
+        """Return an attribute; None where it is not given."""
+        return self.attributes.get(name)
+
+    def error(self, text: str) -> Exception:
+        """Return an error that points at this element."""
+        return self.make_error(text, self.line)
+
+
+def parse_xml(
+    data: bytes, *, file: str, max_bytes: int, what: str, make_error: MakeError, encoding: str | None = None
+) -> XmlElement:
+    """Return the outermost element of a document.
+
+    Raises what `make_error` returns: larger than `max_bytes` (so it is not `what`, such as "a launch file"),
+    not XML, nested too deep, a DTD or an entity. Without an `encoding`, the document names its own.
+    """
+    if len(data) > max_bytes:
+        raise make_error(f"larger than {max_bytes} bytes, not {what}", 0)
+    return _Builder(file, make_error, encoding).build(data)
+
+
+class _Builder:
+    def __init__(self, file: str, make_error: MakeError, encoding: str | None) -> None:
+        self._file = file
+        self._make_error = make_error
+        self._root: XmlElement | None = None
+        self._open: list[XmlElement] = []
+        self._parser = expat.ParserCreate(encoding)
+        self._parser.StartElementHandler = self._start
+        self._parser.EndElementHandler = self._end
+        self._parser.CharacterDataHandler = self._characters
+        self._parser.StartDoctypeDeclHandler = self._refuse_dtd
+        self._parser.EntityDeclHandler = self._refuse_dtd
+
+    def build(self, data: bytes) -> XmlElement:
+        try:
+            self._parser.Parse(data, True)
+        except expat.ExpatError as error:
+            raise self._make_error(f"not XML: {expat.ErrorString(error.code)}", error.lineno) from None
+        assert self._root is not None
+        return self._root
+
+    def _start(self, tag: str, attributes: dict[str, str]) -> None:
+        element = XmlElement(
+            tag, attributes, self._file, self._parser.CurrentLineNumber, make_error=self._make_error
+        )
+        if len(self._open) >= MAX_DEPTH:
+            raise element.error(f"elements nest deeper than {MAX_DEPTH}")
+        if self._open:
+            self._open[-1].content.append(element)
+        else:
+            self._root = element
+        self._open.append(element)
+
+    def _end(self, _tag: str) -> None:
+        self._open.pop()
+
+    def _characters(self, text: str) -> None:
+        self._open[-1].content.append(text)
+
+    def _refuse_dtd(self, *_: object) -> None:
+        raise self._make_error(
+            "declares a DTD or an entity, which is not allowed; remove it", self._parser.CurrentLineNumber
+        )
