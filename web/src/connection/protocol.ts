@@ -34,7 +34,8 @@ export interface Status {
 }
 export interface GraphUpdate {
   publishedTopics: { name: string; publisherIds: string[] }[];
-  subscribedTopics: { name: string; subscriberIds: string[] }[];
+  /** Our gateway adds the type of a topic that no node publishes, so that the page can publish it. */
+  subscribedTopics: { name: string; subscriberIds: string[]; schemaName?: string; schema?: string }[];
   advertisedServices: { name: string; providerIds: string[] }[];
   removedTopics: string[];
   removedServices: string[];

@@ -32,7 +32,10 @@ export class Robot {
   readonly lostReason = signal("");
   readonly canCommand = signal(false);
   readonly info: Signal<ServerInfo | undefined> = signal(undefined);
-  /** Topics by name. After a lost connection they stay until the new one says what there is. */
+  /**
+   * Topics by name, also those that only have subscribers (`isPublished` is false).
+   * After a lost connection they stay until the new one says what there is.
+   */
   readonly topics: Signal<ReadonlyMap<string, Topic>> = signal(new Map());
   readonly services: Signal<ReadonlyMap<string, Service>> = signal(new Map());
   /** Nodes that publish each topic, subscribe to it, and offer each service. */
@@ -52,6 +55,9 @@ export class Robot {
   readonly parameters: Parameters;
   readonly gateway: Gateway;
 
+  /** Those that a node publishes, by channel; and those that only have subscribers, by name. */
+  private readonly channels = new Map<number, Topic>();
+  private readonly unpublished = new Map<string, Topic>();
   private readonly feeds = new Map<string, Feed>();
   private readonly uses = new Map<string, Use>();
   private readonly bySubscription = new Map<number, Feed>();
@@ -169,6 +175,8 @@ export class Robot {
       this.simulatedTimeNs.value = undefined;
       this.statuses.value = [];
       // The offers of this connection follow in its next messages.
+      this.channels.clear();
+      this.unpublished.clear();
       this.topics.value = new Map();
       this.services.value = new Map();
       this.publishers.value = this.subscribers.value = this.providers.value = NONE;
@@ -177,27 +185,30 @@ export class Robot {
   }
 
   private onChannels(added: Topic[], removedIds: number[]): void {
-    const removed = new Set(removedIds);
-    const topics = new Map(this.topics.value);
-    for (const [name, each] of topics) {
-      if (each.channelId !== undefined && removed.has(each.channelId)) topics.delete(name);
-    }
-    for (const each of added) topics.set(each.name, each);
+    for (const id of removedIds) this.channels.delete(id);
+    for (const each of added) this.channels.set(each.channelId!, each);
+    this.mergeTopics();
+  }
+
+  private mergeTopics(): void {
+    const topics = new Map(this.unpublished);
+    for (const each of this.channels.values()) topics.set(each.name, each);
     batch(() => {
       this.topics.value = topics;
-      for (const feed of this.feeds.values()) {
-        const topic = topics.get(feed.topicName);
-        const before = feed.topic.peek();
-        if (topic === before) continue;
-        feed.topic.value = topic;
-        const use = this.uses.get(feed.topicName);
-        if (!use) continue;
-        // The server ends the subscription with its channel.
-        if (use.subscriptionId !== undefined) this.bySubscription.delete(use.subscriptionId);
-        use.subscriptionId = undefined;
-        if (use.count > 0) this.begin(feed, use);
-      }
+      for (const feed of this.feeds.values()) this.follow(feed, topics.get(feed.topicName));
     });
+  }
+
+  /** Gives a feed its topic of now; one that came back with another channel is subscribed again. */
+  private follow(feed: Feed, topic: Topic | undefined): void {
+    if (topic === feed.topic.peek()) return;
+    feed.topic.value = topic;
+    const use = this.uses.get(feed.topicName);
+    if (!use) return;
+    // The server ends the subscription with its channel.
+    if (use.subscriptionId !== undefined) this.bySubscription.delete(use.subscriptionId);
+    use.subscriptionId = undefined;
+    if (use.count > 0) this.begin(feed, use);
   }
 
   private onServices(added: Service[], removedIds: number[]): void {
@@ -212,12 +223,18 @@ export class Robot {
     const subscribers = without(this.subscribers.value, update.removedTopics);
     const providers = without(this.providers.value, update.removedServices);
     for (const each of update.publishedTopics) publishers.set(each.name, each.publisherIds);
-    for (const each of update.subscribedTopics) subscribers.set(each.name, each.subscriberIds);
+    for (const name of update.removedTopics) this.unpublished.delete(name);
+    for (const { name, subscriberIds, schemaName, schema } of update.subscribedTopics) {
+      subscribers.set(name, subscriberIds);
+      if (schemaName === undefined || schema === undefined) this.unpublished.delete(name);
+      else this.unpublished.set(name, new Topic(name, schemaName, schema, undefined));
+    }
     for (const each of update.advertisedServices) providers.set(each.name, each.providerIds);
     batch(() => {
       this.publishers.value = publishers;
       this.subscribers.value = subscribers;
       this.providers.value = providers;
+      this.mergeTopics();
     });
   }
 

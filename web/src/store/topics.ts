@@ -23,6 +23,11 @@ export class Topic {
     return new Topic(channel.topic, channel.schemaName, channel.schema, channel.id);
   }
 
+  /** Whether a node publishes it, so that it can be subscribed. */
+  get isPublished(): boolean {
+    return this.channelId !== undefined;
+  }
+
   /** The tree of its type; throws DefinitionError. Definitions are parsed only when something reads them. */
   type(): StructNode {
     if (this.parsed === undefined) {

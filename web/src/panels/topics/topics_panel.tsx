@@ -83,7 +83,7 @@ function allRows({ robot }: PanelContext): Row[] {
   return [...names].sort().map((name) => ({
     name,
     typeName: topics.get(name)?.typeName ?? "",
-    isPublished: topics.get(name)?.channelId !== undefined,
+    isPublished: topics.get(name)?.isPublished ?? false,
   }));
 }
 
