@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager, nullcontext
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,6 +12,7 @@ from rostether.recording.bag.reader import BagReader
 from rostether.recording.bag.records import MAGIC
 from rostether.recording.bag.writer import DEFAULT_CHUNK_BYTES, BagWriter
 from rostether.recording.compression import NONE
+from rostether.recording.file_lock import FileLock
 from rostether.recording.recorded import RecordingReader, RecordingWriter
 from rostether.recording.regular_file import require_regular_file
 
@@ -128,6 +130,15 @@ def create_recording(
         unfit=unfit,
     )
     return bag.create(bag.path_of(0))
+
+
+def locked(path: Path) -> AbstractContextManager[object]:
+    """Keep others from writing a recording while this block writes it. Raises RecordingError.
+
+    A ROS 2 bag needs no lock: its folder must be empty when it is begun.
+    """
+    is_file = path.name.removesuffix(_ACTIVE_SUFFIX).endswith((BAG_SUFFIX, MCAP_SUFFIX, DB3_SUFFIX))
+    return FileLock(path) if is_file else nullcontext()
 
 
 def is_mcap(path: Path) -> bool:

@@ -18,6 +18,7 @@ from rostether.graph.ports import Graph, OnMessages, Snapshot, Subscriber
 from rostether.msgdef.interface import ANY_MESSAGE, ANY_TYPE
 from rostether.recording.active_file import end_active
 from rostether.recording.background_writer import BackgroundWriter
+from rostether.recording.file_lock import FileLock
 from rostether.recording.recorded import Connection, RecordingWriter
 
 FLUSH_PERIOD_S = 0.5
@@ -110,6 +111,8 @@ class Recorder:
         self._failure: RecordingError | None = None
         self._path = Path()
         self._writer: RecordingWriter | None = None
+        self._locks: dict[Path, FileLock] = {}
+        self._last_ns = 0
         self._began_s = 0.0
         self._file_count = 0
         self._closings: list[asyncio.Task[None]] = []
@@ -208,6 +211,10 @@ class Recorder:
         if not time_ns or not payloads:
             return
         try:
+            if time_ns < self._last_ns:
+                # A simulation was reset. Readers want chunks that do not hold times before and after it.
+                self._writer.flush()
+            self._last_ns = time_ns
             self._writer.write(self._writer.add_connection(connection), time_ns, payloads)
         except RecordingError as error:
             self._fail(error)
@@ -264,7 +271,13 @@ class Recorder:
         number = len(self.progress.files)
         self._path = self._name(number)
         active = self._path.with_name(self._path.name + ACTIVE_SUFFIX)
-        writer = self._create(active)
+        lock = FileLock(active)
+        try:
+            writer = self._create(active)
+        except BaseException:
+            lock.release()
+            raise
+        self._locks[self._path] = lock
         if self._buffer_bytes is not None:
             writer = BackgroundWriter(writer, buffer_bytes=self._buffer_bytes, tell=self._tell)
         self._writer = writer
@@ -310,6 +323,8 @@ class Recorder:
                 f"{path}{ACTIVE_SUFFIX} cannot become {path.name}: {error.strerror or error}"
             )
             self._ended.set()
+        finally:
+            self._locks.pop(path).release()
 
     def _fail(self, error: RecordingError) -> None:
         self._failure = self._failure or RecordingError(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import shutil
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,7 +14,8 @@ from rostether.errors import RecordingError
 from rostether.recording.active_file import end_active
 from rostether.recording.checking import file_faults
 from rostether.recording.compression import NONE
-from rostether.recording.files import Form, create_recording, form_of, is_mcap, open_recording
+from rostether.recording.file_lock import FileLock
+from rostether.recording.files import Form, create_recording, form_of, is_mcap, locked, open_recording
 from rostether.recording.recorded import RecordingReader
 
 if TYPE_CHECKING:
@@ -68,7 +69,11 @@ def repack(path: Path, output: Path, compression: str, *, keep_original: Path | 
 def _rewrite(
     reader: RecordingReader, path: Path, output: Path, compression: str, keep_original: Path | None
 ) -> int:
-    with _unfinished(path, output) as unfinished:
+    with ExitStack() as stack:
+        # A file that is still being written is left to its writer.
+        for each in sorted(path.glob("*.active")) if path.is_dir() else [path]:
+            stack.enter_context(FileLock(each))
+        unfinished = stack.enter_context(_unfinished(path, output))
         written = copy(reader, unfinished, compression=compression, form=form_of(reader))
         reader.close()  # SQLite brings its log into the file, where there is room
         if keep_original is not None:
@@ -106,17 +111,18 @@ def copy(
     of ROS 2 that are known, where they are not those of the environment.
     Raises RecordingError, and leaves no file then.
     """
-    writer = create_recording(output, compression=compression, form=form, storage=storage, types=types)
-    try:
-        for connection in reader.counts:
-            writer.add_connection(connection)
-        for message in reader.messages():
-            writer.write(writer.add_connection(message.connection), message.time_ns, (message.payload,))
-        writer.close()
-    except BaseException:
-        remove_recording(output)
-        raise
-    return writer.message_count
+    with locked(output):
+        writer = create_recording(output, compression=compression, form=form, storage=storage, types=types)
+        try:
+            for connection in reader.counts:
+                writer.add_connection(connection)
+            for message in reader.messages():
+                writer.write(writer.add_connection(message.connection), message.time_ns, (message.payload,))
+            writer.close()
+        except BaseException:
+            remove_recording(output)
+            raise
+        return writer.message_count
 
 
 def remove_recording(path: Path) -> None:

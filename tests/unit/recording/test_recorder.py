@@ -98,6 +98,25 @@ async def test_a_named_topic_is_recorded_until_cancelled(stage: Stage) -> None:
     assert not (stage.folder / "0.bag.active").exists()
 
 
+async def test_a_second_recorder_of_one_file_is_refused_and_the_first_is_whole(stage: Stage) -> None:
+    publisher = await stage.node.advertise("/a", STRING)
+    first = stage.recorder(TopicChoice(names=("/a",)))
+    task = asyncio.create_task(first.run())
+    await _subscribed(publisher)
+    publisher.publish_raw([text("1")])
+    await _recorded(first, 1)
+    with pytest.raises(RecordingError, match=r"0\.bag\.active is being written by another recorder"):
+        await stage.recorder(TopicChoice(names=("/a",))).run()
+    publisher.publish_raw([text("2")])
+    await _recorded(first, 2)
+    await _end(task)
+    assert stage.payloads() == [text("1"), text("2")]
+    again = asyncio.create_task(stage.recorder(TopicChoice(names=("/a",))).run())
+    await _subscribed(publisher)
+    await _end(again)
+    assert stage.payloads() == []
+
+
 async def test_all_topics_also_later_ones_but_not_the_excluded(stage: Stage) -> None:
     first = await stage.node.advertise("/a", STRING)
     left_out = await stage.node.advertise("/camera/image", STRING)

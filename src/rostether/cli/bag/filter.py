@@ -43,7 +43,7 @@ def bag_filter(source: Path, target: Path, expression: str, shown: str | None) -
     """
     from rostether.expression.compiler import compile_expression
     from rostether.recording.decoding import Decoder
-    from rostether.recording.files import Form, create_recording, form_for, form_of, open_recording
+    from rostether.recording.files import Form, create_recording, form_for, form_of, locked, open_recording
     from rostether.recording.reindexing import refuse_same, remove_recording
 
     refuse_same(source, target)
@@ -72,18 +72,19 @@ def bag_filter(source: Path, target: Path, expression: str, shown: str | None) -
             # Messages are then values of ROS 2, with its names of fields.
             reader.close()
             reader = open_recording(source, is_native=True)
-        writer = create_recording(target, form=form)
-        try:
-            total = 0
-            for message in reader.messages():
-                total += 1
-                if is_wanted(message):
-                    number = writer.add_connection(message.connection)
-                    writer.write(number, message.time_ns, (message.payload,))
-            writer.close()
-        except BaseException:
-            remove_recording(target)
-            raise
+        total = 0
+        with locked(target):
+            writer = create_recording(target, form=form)
+            try:
+                for message in reader.messages():
+                    total += 1
+                    if is_wanted(message):
+                        number = writer.add_connection(message.connection)
+                        writer.write(number, message.time_ns, (message.payload,))
+                writer.close()
+            except BaseException:
+                remove_recording(target)
+                raise
     finally:
         reader.close()
     write_line(f"{target}: {writer.message_count} of {total} messages")

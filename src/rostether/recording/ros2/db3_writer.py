@@ -58,14 +58,15 @@ class Db3Writer:
         self._rows: list[tuple[int, int, bytes]] = []
         self._definitions: set[tuple[str, str]] = set()
         self._is_closed = False
-        # One that is there is written over, as other recordings are.
-        for suffix in ("", "-wal", "-shm", "-journal"):
-            try:
+        # An existing file is written over, as other recordings are, but not replaced: it may be locked.
+        try:
+            path.write_bytes(b"")
+            for suffix in ("-wal", "-shm", "-journal"):
                 path.with_name(path.name + suffix).unlink(missing_ok=True)
-            except OSError as error:
-                raise RecordingError(
-                    f"cannot write {path}: {error.strerror or error}; choose a file in a writable folder"
-                ) from None
+        except OSError as error:
+            raise RecordingError(
+                f"cannot write {path}: {error.strerror or error}; choose a file in a writable folder"
+            ) from None
         try:
             self._database = sqlite3.connect(path, isolation_level=None, timeout=_LOCK_WAIT_S)
             # A killed process loses nothing that was committed; only a machine that loses power may.

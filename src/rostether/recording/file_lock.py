@@ -1,0 +1,76 @@
+"""Keeps two programs from writing one recording at the same time."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from types import TracebackType
+
+from rostether.errors import RecordingError
+
+
+class FileLock:
+    """The right to write a file, from the call until `release`; a file that is missing is created.
+
+    Where files have no locks (Windows, some network file systems), or the file cannot be written, it does
+    nothing. Raises RecordingError when another writer has the file.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._created = not path.exists()
+        self._file = _locked(path)
+
+    def release(self) -> None:
+        """Let others write the file; it is removed if nothing was written to a new one. Idempotent."""
+        file, self._file = self._file, None
+        if file is None:
+            return
+        if self._created and not os.fstat(file).st_size:
+            self.path.unlink(missing_ok=True)
+        os.close(file)
+
+    def __enter__(self) -> FileLock:
+        """Return the lock, which ends with the block."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Release the lock."""
+        self.release()
+
+
+def _locked(path: Path) -> int | None:
+    # Windows renames no file that is open, and recordings are renamed while they are locked.
+    if sys.platform == "win32":
+        return None
+    import fcntl
+
+    while True:
+        try:
+            file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NONBLOCK, 0o666)
+        except OSError:
+            return None  # opening the file to write it reports this
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            os.close(file)
+            raise RecordingError(
+                f"{path} is being written by another recorder; stop that one, or name another file"
+            ) from None
+        except OSError:
+            os.close(file)
+            return None
+        # The writer before may have renamed the file between the two calls.
+        if _is_same(file, path):
+            return file
+        os.close(file)
+
+
+def _is_same(file: int, path: Path) -> bool:
+    try:
+        return os.path.samestat(os.fstat(file), path.stat())
+    except OSError:
+        return False

@@ -1,0 +1,85 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rostether.errors import RecordingError
+from rostether.recording import file_lock
+from rostether.recording.bag.reader import BagReader
+from rostether.recording.file_lock import FileLock
+from rostether.recording.files import create_recording, open_recording
+from rostether.recording.reindexing import copy, reindex
+from unit.recording.bags import START_NS, connection, text, write_bag
+
+
+def test_a_second_writer_is_refused_until_the_first_ends(tmp_path: Path) -> None:
+    path = tmp_path / "a.bag.active"
+    with FileLock(path), pytest.raises(RecordingError, match=r"a\.bag\.active is being written by another"):
+        FileLock(path)
+    FileLock(path).release()
+
+
+def test_a_new_file_without_content_is_removed(tmp_path: Path) -> None:
+    path = tmp_path / "a.bag"
+    FileLock(path).release()
+    assert not path.exists()
+    path.touch()
+    FileLock(path).release()
+    assert path.exists()
+
+
+def test_a_file_that_is_renamed_meanwhile_is_not_taken_for_the_new_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "a.bag.active"
+    path.write_bytes(b"first")
+    is_same = file_lock._is_same
+
+    def is_same_after_renaming(file: int, path: Path) -> bool:
+        monkeypatch.setattr(file_lock, "_is_same", is_same)
+        path.replace(tmp_path / "a.bag")
+        return is_same(file, path)
+
+    monkeypatch.setattr(file_lock, "_is_same", is_same_after_renaming)
+    lock = FileLock(path)
+    path.write_bytes(b"second")
+    lock.release()
+    assert (tmp_path / "a.bag").read_bytes() == b"first"
+    FileLock(tmp_path / "a.bag").release()
+
+
+def test_a_path_that_cannot_be_written_is_left_to_the_writer(tmp_path: Path) -> None:
+    FileLock(tmp_path / "missing" / "a.bag").release()
+    FileLock(tmp_path).release()
+
+
+@pytest.mark.parametrize("suffix", [".bag", ".mcap", ".db3"])
+def test_the_lock_holds_for_every_format_and_its_writer_is_not_hindered(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"a{suffix}.active"
+    path.write_bytes(b"what a killed recorder left")
+    with FileLock(path):
+        writer = create_recording(path)
+        with pytest.raises(RecordingError, match="is being written"):
+            FileLock(path)
+        writer.write(writer.add_connection(connection()), START_NS, [text("one")])
+        writer.close()
+    reader = open_recording(path)
+    assert sum(reader.counts.values()) == 1
+    reader.close()
+
+
+def test_a_recording_that_is_written_is_neither_mended_nor_written_over(tmp_path: Path) -> None:
+    live, source = tmp_path / "live.bag", tmp_path / "source.bag"
+    write_bag(live, closes=False)
+    write_bag(source)
+    before = live.read_bytes()
+    with FileLock(live):
+        with pytest.raises(RecordingError, match="is being written"):
+            reindex(live, live, keep_original=tmp_path / "orig.bag")
+        reader = BagReader(source)
+        with pytest.raises(RecordingError, match="is being written"):
+            copy(reader, live)
+        reader.close()
+    assert live.read_bytes() == before
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["live.bag", "source.bag"]
