@@ -26,6 +26,7 @@ from rostether.recording.bag.writer import BagWriter
 from rostether.recording.files import open_recording
 from rostether.recording.recorded import Connection
 from rostether.serde.store import TypeStore
+from unit.recording.bags import write_reset
 
 STORE = TypeStore(Registry())
 TYPES = (
@@ -57,6 +58,14 @@ with rosbag.Bag(sys.argv[1]) as bag:
         text = {k: v.decode() if isinstance(v, bytes) else v for k, v in header.items()}
         print(json.dumps([topic, datatype, md5sum, t.to_nsec(), hashlib.md5(data).hexdigest(),
             hashlib.md5(text['message_definition'].encode()).hexdigest(), text.get('callerid', '')]))
+"""
+
+# Prints how many messages a bag has, how many until 1004 s, and its times, as Debian's rosbag finds them.
+SEEK = """
+import sys, genpy, rosbag
+with rosbag.Bag(sys.argv[1]) as bag:
+    until = bag.read_messages(end_time=genpy.Time(1004))
+    print(len(list(bag.read_messages())), len(list(until)), bag.get_start_time(), bag.get_end_time())
 """
 
 # Writes a bag as Debian's rosbag does, of the types given as arguments behind file and compression.
@@ -308,3 +317,14 @@ async def test_a_file_that_may_not_grow_ends_the_recording_with_a_line(
     found = _ours(path)
     assert 150 < len(found) < 200
     assert await _theirs(stage, path) == found
+
+
+async def test_rosbag_finds_all_of_a_bag_whose_time_went_back_once_it_is_filtered(
+    stage: Stage, tmp_path: Path
+) -> None:
+    path, mended = tmp_path / "reset.bag", tmp_path / "mended.bag"
+    write_reset(BagWriter(path, chunk_bytes=300))
+    await _run(stage, "bag", "filter", str(path), str(mended), "True")
+    assert await _theirs(stage, mended) == _ours(mended) == _ours(path)
+    peer = await stage.peers.rospy(SEEK, str(mended))
+    assert (await peer.finish()).split() == ["50", "25", "1.0", "1029.0"]

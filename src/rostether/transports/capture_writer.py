@@ -12,7 +12,7 @@ from rostether.errors import ConfigError, TransportError
 from rostether.transports.capture import FIRST_LINK
 from rostether.transports.transport import Receiver, Transport
 
-DEFAULT_LIMIT_BYTES = 100_000_000
+DEFAULT_LIMIT_BYTES = 100 << 20
 """An hour of a full line at 115200 baud, which compresses to what can be sent; and no disk gets full."""
 
 FLUSH_PERIOD_S = 0.2
@@ -99,7 +99,8 @@ class CaptureWriter:
             size += len(line)
             if size > self._limit_bytes:
                 self._write("".join(lines).encode())
-                self._end(f"{self.path} has reached {self._limit_bytes / 1e6:g} MB: nothing more is recorded")
+                limit_mb = self._limit_bytes / (1 << 20)
+                self._end(f"{self.path} has reached {limit_mb:.3g} MB: nothing more is recorded")
                 return
             lines.append(line)
         if lines:

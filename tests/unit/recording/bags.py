@@ -7,7 +7,8 @@ from pathlib import Path
 from rostether.msgdef.interface import MessageType
 from rostether.msgdef.registry import Registry
 from rostether.recording.bag.writer import BagWriter
-from rostether.recording.recorded import Connection
+from rostether.recording.recorded import Connection, RecordingWriter
+from rostether.rostime import NS_PER_S
 
 STRING = Registry().message_type("std_msgs/String")
 IMU = Registry().message_type("sensor_msgs/Imu")
@@ -23,6 +24,14 @@ def connection(
 def text(value: str) -> bytes:
     data = value.encode()
     return len(data).to_bytes(4, "little") + data
+
+
+def write_reset(writer: RecordingWriter) -> None:
+    """Write 30 messages, one a second from 1000 s on, and 20 more from 1 s on, as after a reset."""
+    number = writer.add_connection(connection())
+    for second in (*range(1000, 1030), *range(1, 21)):
+        writer.write(number, second * NS_PER_S, [text(str(second))])
+    writer.close()
 
 
 def write_bag(

@@ -5,6 +5,7 @@ import contextlib
 import random
 import re
 from collections.abc import AsyncIterator, Callable
+from contextlib import closing
 from functools import partial
 from pathlib import Path
 
@@ -16,7 +17,9 @@ from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Publisher
 from rostether.recording.bag.reader import BagReader
 from rostether.recording.bag.writer import BagWriter
-from rostether.recording.recorder import Recorder, RecordLimits, TopicChoice
+from rostether.recording.recorder import Recorder
+from rostether.recording.recording_plan import RecordLimits, TopicChoice
+from rostether.rostime import NS_PER_S, Time
 from unit.recording.bags import STRING, text
 
 
@@ -26,7 +29,7 @@ class Stage:
     def __init__(self, folder: Path, node: MemoryGraph, recorder: MemoryGraph) -> None:
         self.folder = folder
         self.node = node
-        self._graph = recorder
+        self.recording_graph = recorder
         self.lines: list[str] = []
 
     def recorder(
@@ -39,7 +42,7 @@ class Stage:
         buffer_bytes: int | None = None,
     ) -> Recorder:
         return Recorder(
-            self._graph,
+            self.recording_graph,
             choice,
             limits or RecordLimits(),
             create=create,
@@ -115,6 +118,25 @@ async def test_a_second_recorder_of_one_file_is_refused_and_the_first_is_whole(s
     await _subscribed(publisher)
     await _end(again)
     assert stage.payloads() == []
+
+
+async def test_no_chunk_holds_times_before_and_after_a_reset(
+    stage: Stage, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    publisher = await stage.node.advertise("/a", STRING)
+    recorder = stage.recorder(TopicChoice(names=("/a",)))
+    task = asyncio.create_task(recorder.run())
+    await _subscribed(publisher)
+    for count, second in enumerate((100, 101, 5, 6)):
+        monkeypatch.setattr(stage.recording_graph, "now", partial(Time, second, 0))
+        publisher.publish_raw([text(str(second))])
+        await _recorded(recorder, count + 1)
+    await _end(task)
+    with closing(BagReader(stage.folder / "0.bag")) as reader:
+        spans = [(chunk.start_ns // NS_PER_S, chunk.end_ns // NS_PER_S) for chunk in reader._content.chunks]
+    assert len(spans) >= 2
+    assert all(end < 100 or start >= 100 for start, end in spans)
+    assert stage.payloads() == [text("5"), text("6"), text("100"), text("101")]
 
 
 async def test_all_topics_also_later_ones_but_not_the_excluded(stage: Stage) -> None:

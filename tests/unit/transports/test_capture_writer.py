@@ -137,7 +137,7 @@ async def test_the_limit_ends_the_recording_not_the_line(tmp_path: Path) -> None
     desk.writer.flush()
     assert desk.writer.path.stat().st_size <= 2000
     assert len(desk.told) == 1
-    assert "has reached 0.002 MB: nothing more is recorded" in desk.told[0]
+    assert "has reached 0.00191 MB: nothing more is recorded" in desk.told[0]
     recorded = desk.bytes_of[1, True]
     assert recorded
     assert bytes(far.data).startswith(recorded)

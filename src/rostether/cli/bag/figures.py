@@ -6,6 +6,9 @@ from datetime import datetime
 
 from rostether.rostime import NS_PER_S
 
+MEGABYTE = 1024 * 1024
+"""What MB means in all options and sizes of recordings, as with rosbag."""
+
 
 def size_text(size_bytes: float) -> str:
     """Return a size such as `24.4 MB`."""

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from rostether.cli.bag.figures import MEGABYTE, size_text
 from rostether.graph.ports import Level
 
 if TYPE_CHECKING:
@@ -17,8 +18,6 @@ if TYPE_CHECKING:
     from rostether.transports.transport import Transport
 
 Function = TypeVar("Function", bound=Callable[..., Any])
-
-MEGABYTE = 1_000_000
 
 record_limit_option = click.option(
     "--record-limit",
@@ -58,4 +57,4 @@ async def recorded(
         yield writer.tap
     finally:
         writer.close()
-        reporter.line(Level.INFO, f"{path} holds {writer.written_bytes / MEGABYTE:.3g} MB")
+        reporter.line(Level.INFO, f"{path} holds {size_text(writer.written_bytes)}")

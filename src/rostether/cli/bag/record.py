@@ -16,7 +16,7 @@ from rostether.cli.access.completions import complete_topics
 from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.access.ros1_access import read_environment, resolve
-from rostether.cli.bag.figures import size_text
+from rostether.cli.bag.figures import MEGABYTE, size_text
 from rostether.cli.bag.progress import ProgressLine
 from rostether.cli.bag.recording_files import NewFiles, Packing, asked_form, format_option, storage_option
 from rostether.cli.bag.recording_graph import recording_graph
@@ -29,10 +29,10 @@ from rostether.errors import ConfigError
 if TYPE_CHECKING:
     from rostether.graph.ports import Graph
     from rostether.recording.recorded import RecordingWriter
-    from rostether.recording.recorder import Recorder, RecordLimits, TopicChoice
+    from rostether.recording.recorder import Recorder
+    from rostether.recording.recording_plan import RecordLimits, TopicChoice
 
 BEGIN_TOPIC = "/begin_write"
-MEGABYTE = 1024 * 1024
 MAX_BUFFER_MB = 4096
 """What -b 0 is, with which rosbag means no bound at all."""
 
@@ -192,7 +192,7 @@ def bag_record(options: RecordOptions, topics: tuple[str, ...], graph: GraphOpti
     The file is called NAME.active until it is closed. If the command is killed, the file lacks at most the
     last half second; `rostether bag reindex` repairs it.
     """
-    from rostether.recording.recorder import RecordLimits, TopicChoice
+    from rostether.recording.recording_plan import RecordLimits, TopicChoice
 
     if options.split and options.size_mb is None and options.duration_s is None:
         raise click.UsageError("--split needs to know when: add --size or --duration")

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rostether.cli.bag.figures import size_text
+from rostether.cli.bag.figures import MEGABYTE, size_text
 from rostether.cli.shell.option_group import option_group
 from rostether.errors import ConfigError, GraphError, RecordingError
 from rostether.graph.ports import Level
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from rostether.recording.recorder import Recorder
     from rostether.ros2.types.type_support import Ros2Types
 
-MEGABYTE = 1024 * 1024
 JOIN_RETRY_S = 1.0  # as often as a board's node is tried
 
 
@@ -105,7 +104,8 @@ async def bags_recorded(
 async def _record(
     recording: BagRecording, join: JoinGraph, reporter: Reporter, types: Ros2Types | None
 ) -> None:
-    from rostether.recording.recorder import Recorder, RecordLimits, TopicChoice
+    from rostether.recording.recorder import Recorder
+    from rostether.recording.recording_plan import RecordLimits, TopicChoice
 
     try:
         create, name = _files(recording.folder, types)

@@ -169,8 +169,10 @@ def in_ros1_words(graphs: ServedGraphs, msg_paths: Sequence[Path]) -> GatewayGra
 
     store = TypeStore(Registry.from_environment(msg_paths))
     if graphs.ros1 is not None:
-        return ros1_gateway_graph(graphs.join, store, graphs.ros1)
-    return GatewayGraph(graphs.join, store)
+        on = ros1_gateway_graph(graphs.join, store, graphs.ros1)
+    else:
+        on = GatewayGraph(graphs.join, store)
+    return replace(on, msg_paths=msg_paths)
 
 
 @asynccontextmanager
@@ -202,20 +204,13 @@ def gateway_on(
 ) -> FoxgloveGateway:
     """Return a gateway on a node, to be used as a context manager; `site` are files that it also serves."""
     from rostether.gateways.foxglove.gateway import FoxgloveGateway
-    from rostether.msgdef.ros2.definition_files import install_prefixes
-    from rostether.packages.installed import installed_packages
-    from rostether.packages.locate import package_folders
-
-    def find_packages() -> Mapping[str, Path]:
-        # Where a ROS 2 is sourced, robots' meshes are where it was installed.
-        return installed_packages(install_prefixes(os.environ)) | package_folders(os.environ, Path.cwd())
 
     return FoxgloveGateway(
         graph,
         on.store,
         settings,
         find_service_type=on.ask_service_type,
-        find_packages=find_packages,
+        find_packages=partial(_packages, on.msg_paths),
         tell=tell,
         site=site,
     )
@@ -234,3 +229,15 @@ def _filter(parameters: Mapping[str, Any], name: str) -> NameFilter:
 
 async def _no_join(*_: object, **__: object) -> Any:
     raise AssertionError("the node of the role is the gateway's")
+
+
+def _packages(msg_paths: Sequence[Path]) -> Mapping[str, Path]:
+    """Return the folders of all packages by name; those of --msg-path come first."""
+    from rostether.msgdef.ros2.definition_files import install_prefixes
+    from rostether.packages.installed import installed_packages
+    from rostether.packages.locate import package_folders
+    from rostether.packages.search_path import find_packages
+
+    given = find_packages([each.expanduser() for each in msg_paths])
+    # Where a ROS 2 is sourced, robots' meshes are where it was installed.
+    return installed_packages(install_prefixes(os.environ)) | package_folders(os.environ, Path.cwd()) | given

@@ -50,6 +50,8 @@ class GatewayGraph:
     ask_service_type: AskService | None = None
     ask_service_host: AskService | None = None
     is_live: IsLive | None = None
+    # Searched for packages first, before those of the environment.
+    msg_paths: Sequence[Path] = ()
 
 
 @asynccontextmanager

@@ -68,7 +68,8 @@ class Assets:
         folder = self._folder(name)
         if folder is None:
             raise ConfigError(
-                f"there is no package {name[:80]!r} for {uri[:200]}: give its folder with ROS_PACKAGE_PATH"
+                f"there is no package {name[:80]!r} for {uri[:200]}: "
+                "give its folder with --msg-path or ROS_PACKAGE_PATH"
             )
         path = _inside(folder, folder / below)
         if path is None:

@@ -16,6 +16,7 @@ from rostether.recording.bag.records import (
     u32_field,
 )
 from rostether.recording.compression import decompress
+from rostether.recording.time_order import TimeOrder
 from rostether.rostime import NS_PER_S
 
 MAX_FAULTS = 50
@@ -30,14 +31,18 @@ def faults_of(data: Buffer) -> list[str]:
     faults: list[str] = []
     if content.damage:
         return faults  # there is no index to compare with
-    for chunk in content.chunks:
-        faults += (f"the chunk at byte {chunk.data_start}: {each}" for each in _chunk_faults(data, chunk))
+    order = TimeOrder()
+    for chunk in sorted(content.chunks, key=lambda each: each.data_start):
+        found = _chunk_faults(data, chunk, order)
+        faults += (f"the chunk at byte {chunk.data_start}: {each}" for each in found)
         if len(faults) > MAX_FAULTS:
             return [*faults[:MAX_FAULTS], f"and more than these {MAX_FAULTS}"]
+    if order.fault:
+        faults.append(order.fault)
     return faults
 
 
-def _chunk_faults(data: Buffer, chunk: Chunk) -> list[str]:
+def _chunk_faults(data: Buffer, chunk: Chunk, order: TimeOrder) -> list[str]:
     faults: list[str] = []
     counts: dict[int, int] = {}
     first, last = 1 << 64, -1
@@ -47,6 +52,7 @@ def _chunk_faults(data: Buffer, chunk: Chunk) -> list[str]:
         for number, time_ns, _, _ in messages_in(plain):
             counts[number] = counts.get(number, 0) + 1
             first, last = min(first, time_ns), max(last, time_ns)
+            order.add(time_ns)
     except RecordingError as error:
         return [str(error)]
     if counts != {number: count for number, count in chunk.counts.items() if count}:

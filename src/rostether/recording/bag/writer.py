@@ -11,6 +11,7 @@ import sys
 from array import array
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 
 from rostether.errors import RecordingError
@@ -75,6 +76,7 @@ class BagWriter:
         self._index: dict[int, array[int]] = {}
         self._start_ns: int | None = None
         self._end_ns = 0
+        self._is_sorted = True
         try:
             self._file.append(MAGIC + bag_header(0, 0, 0))
         except RecordingError:
@@ -133,6 +135,7 @@ class BagWriter:
                 self._parts.append(head + U32.pack(size) + payload)
                 offset += len(head) + 4 + size
             self._chunk_bytes = offset
+        self._is_sorted = self._is_sorted and time_ns >= self._end_ns
         self._start_ns = time_ns if self._start_ns is None else min(self._start_ns, time_ns)
         self._end_ns = max(self._end_ns, time_ns)
         self.message_count += len(payloads)
@@ -146,6 +149,9 @@ class BagWriter:
         plain = b"".join(self._parts)
         stored = compress(self._compression, plain)
         position = self._file.position
+        if not self._is_sorted:
+            # Debian's rosbag seeks in the index by bisection.
+            self._index = {number: _sorted(entries) for number, entries in self._index.items()}
         counts = tuple((number, len(entries) // 3) for number, entries in self._index.items())
         record = encode_record(
             OP_CHUNK,
@@ -183,6 +189,7 @@ class BagWriter:
         self._index = {}
         self._start_ns = None
         self._end_ns = 0
+        self._is_sorted = True
 
     def _write_index(self) -> None:
         position = self._file.position
@@ -199,7 +206,8 @@ class BagWriter:
                 },
                 b"".join(U32_PAIR.pack(*each) for each in info.counts),
             )
-            for info in self._infos
+            # Debian's rosbag takes the start of the first chunk and the end of the last for those of the bag.
+            for info in sorted(self._infos, key=lambda info: (info.start_ns, info.end_ns))
         )
         self._file.append(b"".join((*(self._records[number] for number in known), *infos)))
         self._file.replace(len(MAGIC), bag_header(position, len(known), len(self._infos)))
@@ -222,6 +230,11 @@ def _index_record(number: int, entries: array[int]) -> bytes:
         },
         entries.tobytes(),
     )
+
+
+def _sorted(entries: array[int]) -> array[int]:
+    triples = sorted(zip(entries[0::3], entries[1::3], entries[2::3], strict=True))
+    return array("I", chain.from_iterable(triples))
 
 
 def _encoded(text: str) -> bytes:

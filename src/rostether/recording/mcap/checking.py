@@ -78,6 +78,8 @@ class _Check:
             raise RecordingError(f"a record ({kind_of(op)}) stands in place of the header")
         decode_header(data, start, position)
         position = self._found.run(position)
+        if self._found.order.fault:
+            self.tell(self._found.order.fault)
         summary, offsets, crc = footer_of(data)
         footer = len(data) - len(MAGIC) - FOOTER_BYTES
         if not summary:

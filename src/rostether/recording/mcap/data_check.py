@@ -31,6 +31,7 @@ from rostether.recording.mcap.records import (
     OP_SCHEMA,
     Chunk,
 )
+from rostether.recording.time_order import TimeOrder
 
 Buffer: TypeAlias = bytes | memoryview
 
@@ -57,6 +58,7 @@ class DataCheck:
         self.defined = McapContent()
         self.counts: dict[int, int] = {}
         self.span: tuple[int, int] | None = None
+        self.order = TimeOrder()
         self.kinds: dict[int, int] = {}
         self.chunks: dict[int, FoundChunk] = {}
         self._packed_bytes = 0
@@ -174,6 +176,7 @@ class DataCheck:
             if number not in self.defined.channels:
                 self._tell(f"a message belongs to channel {number}, which is not defined")
         self.counts[number] += 1
+        self.order.add(time_ns)
         if self.span is None:
             self.span = (time_ns, time_ns)
         elif not self.span[0] <= time_ns <= self.span[1]:

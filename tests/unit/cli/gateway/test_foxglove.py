@@ -10,6 +10,7 @@ from websockets.exceptions import InvalidStatus
 from websockets.typing import Subprotocol
 
 from interop.ros1_peers import Peer, free_port
+from rostether.cli.gateway import foxglove
 from rostether.cli.gateway.foxglove import settings_of_parameters
 from rostether.errors import ConfigError
 from rostether.gateways.foxglove.limits import FoxgloveLimits
@@ -132,3 +133,12 @@ def test_parameters_of_foxglove_bridge() -> None:
 def test_parameters_that_make_no_sense(parameters: dict[str, object], reason: str) -> None:
     with pytest.raises(ConfigError, match=reason):
         settings_of_parameters(parameters)
+
+
+def test_packages_of_msg_path_come_first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for folder in ("given", "environment"):
+        (tmp_path / folder / "arm").mkdir(parents=True)
+        (tmp_path / folder / "arm" / "package.xml").write_text("<package><name>arm</name></package>")
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path / "environment"))
+    assert foxglove._packages(())["arm"] == tmp_path / "environment" / "arm"
+    assert foxglove._packages([tmp_path / "given"])["arm"] == tmp_path / "given" / "arm"

@@ -6,7 +6,10 @@ import pytest
 
 from rostether.recording.bag.checking import faults_of
 from rostether.recording.bag.records import OP_CHUNK, OP_CHUNK_INFO, OP_INDEX, op_of, read_record
-from unit.recording.bags import write_bag
+from rostether.recording.bag.writer import BagWriter
+from rostether.recording.files import open_recording
+from rostether.recording.reindexing import reindex
+from unit.recording.bags import write_bag, write_reset
 
 
 @pytest.fixture
@@ -64,3 +67,18 @@ def test_a_broken_chunk_is_told(tmp_path: Path) -> None:
     data[start + 30] ^= 0xFF
     (fault,) = faults_of(bytes(data))
     assert "compressed by bz2 is broken" in fault
+
+
+@pytest.mark.parametrize("chunk_bytes", [300, 100_000])
+def test_a_time_that_goes_back_is_reported_and_mended(tmp_path: Path, chunk_bytes: int) -> None:
+    path = tmp_path / "a.bag"
+    write_reset(BagWriter(path, chunk_bytes=chunk_bytes))
+    (fault,) = faults_of(path.read_bytes())
+    assert fault.startswith("its time goes back once from 1029.00 s to 1.00 s")
+    assert reindex(path, path).message_count == 50
+    assert faults_of(path.read_bytes()) == []
+    reader = open_recording(path)
+    times = [each.time_ns for each in reader.messages()]
+    reader.close()
+    assert len(times) == 50
+    assert times == sorted(times)

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import errno
 import os
+import struct
 from pathlib import Path
 from typing import Any
 
@@ -9,11 +10,13 @@ import pytest
 
 from rostether.errors import RecordingError
 from rostether.recording.bag.reader import BagReader
+from rostether.recording.bag.records import OP_CHUNK_INFO, OP_INDEX, op_of, read_record, time_field
 from rostether.recording.bag.writer import BagWriter
 from rostether.recording.mcap.reader import McapReader
 from rostether.recording.mcap.writer import McapWriter
 from rostether.recording.recorded import Connection
-from unit.recording.bags import START_NS, STRING, connection, text, write_bag
+from rostether.rostime import NS_PER_S
+from unit.recording.bags import START_NS, STRING, connection, text, write_bag, write_reset
 
 
 def test_batches_of_one_size_and_of_many_read_back(tmp_path: Path) -> None:
@@ -116,3 +119,20 @@ def test_all_that_a_publisher_said_of_itself_stays_whole_through_both_formats(tm
         (told,) = reader.counts
         reader.close()
     assert list(told.fields().items()) == list(said.items())
+
+
+@pytest.mark.parametrize("chunk_bytes", [300, 100_000])
+def test_indexes_are_in_the_order_of_time_whatever_came_first(tmp_path: Path, chunk_bytes: int) -> None:
+    # Debian's rosbag takes the first chunk's start and the last one's end for those of the bag, and bisects.
+    write_reset(BagWriter(tmp_path / "a.bag", chunk_bytes=chunk_bytes))
+    data = (tmp_path / "a.bag").read_bytes()
+    starts, position = [], 13
+    while position < len(data):
+        fields, start, position = read_record(data, position)
+        if op_of(fields) == OP_INDEX:
+            times = [secs for secs, _, _ in struct.iter_unpack("<III", data[start:position])]
+            assert times == sorted(times)
+        elif op_of(fields) == OP_CHUNK_INFO:
+            starts.append(time_field(fields, b"start_time"))
+    assert starts == sorted(starts)
+    assert starts[0] == NS_PER_S

@@ -24,7 +24,7 @@ from rostether.recording.mcap.records import (
     encode_record,
 )
 from rostether.recording.mcap.writer import McapWriter
-from unit.recording.bags import IMU, START_NS, connection, text
+from unit.recording.bags import IMU, START_NS, connection, text, write_reset
 
 
 @pytest.fixture
@@ -171,3 +171,9 @@ def test_no_flipped_byte_of_the_data_is_missed(ours: bytearray) -> None:
 def test_faults_are_not_told_without_end() -> None:
     stray = encode_record(OP_MESSAGE_INDEX, struct.pack("<HI", 1, 0))
     assert len(faults_of(MAGIC + encode_record(0x01, bytes(8)) + stray * 500)) == MAX_FAULTS + 1
+
+
+def test_a_time_that_goes_back_is_reported(tmp_path: Path) -> None:
+    write_reset(McapWriter(tmp_path / "a.mcap", chunk_bytes=300))
+    (fault,) = faults_of((tmp_path / "a.mcap").read_bytes())
+    assert fault.startswith("its time goes back once from 1029.00 s to 1.00 s")

@@ -1,0 +1,36 @@
+"""Finds where the times of a file's messages go back, as when a simulation is reset while it is recorded."""
+
+from __future__ import annotations
+
+from rostether.rostime import NS_PER_S
+
+# Less is no reset: recorders with several threads, and clocks that NTP corrects, go back a little.
+_JUMP_NS = NS_PER_S
+
+
+class TimeOrder:
+    """Gets the times of messages in the order of the file."""
+
+    def __init__(self) -> None:
+        self._last_ns = 0
+        self._count = 0
+        self._first = ""
+
+    def add(self, time_ns: int) -> None:
+        """Take the next message's time."""
+        if time_ns < self._last_ns - _JUMP_NS:
+            self._count += 1
+            if not self._first:
+                self._first = f"from {self._last_ns / NS_PER_S:.2f} s to {time_ns / NS_PER_S:.2f} s"
+        self._last_ns = time_ns
+
+    @property
+    def fault(self) -> str:
+        """What to report, or an empty string."""
+        if not self._count:
+            return ""
+        times = "once" if self._count == 1 else f"{self._count} times, first"
+        return (
+            f"its time goes back {times} {self._first}, as when a simulation is reset; "
+            "`rostether bag filter FILE NEW_FILE True` sorts the messages"
+        )
