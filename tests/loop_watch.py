@@ -1,15 +1,49 @@
-"""Finds searches of folders that hold up an event loop."""
+"""Finds what holds up an event loop: long callbacks, and searches of folders."""
 
 from __future__ import annotations
 
 import asyncio
+import gc
 import threading
+import time
+from asyncio import events
 
 import pytest
 
 from rostether.packages import search_path
 
 CEILING_S = 60.0
+
+
+# "Nothing holds the event loop for 50 ms."
+MAX_HELD_S = 0.05
+
+
+class CallbackWatch:
+    """Measures each callback of the event loop in processor time, so that a busy machine does not matter."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self._longest_s, self._longest = 0.0, ""
+        run = events.Handle._run
+        # The objects of the test run itself would make each garbage collection long.
+        gc.collect()
+        gc.freeze()
+
+        def run_measured(handle: events.Handle) -> None:
+            label = repr(handle)
+            began_s = time.thread_time()
+            run(handle)
+            held_s = time.thread_time() - began_s
+            if held_s > self._longest_s:
+                self._longest_s, self._longest = held_s, label
+
+        monkeypatch.setattr(events.Handle, "_run", run_measured)
+
+    def check(self, what: str) -> None:
+        """Assert that no callback since the last check was long."""
+        longest_s, longest = self._longest_s, self._longest
+        self._longest_s, self._longest = 0.0, ""
+        assert longest_s < MAX_HELD_S, f"{what} held the loop for {longest_s * 1000:.0f} ms in {longest}"
 
 
 class LoopWatch:

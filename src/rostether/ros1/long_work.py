@@ -33,3 +33,9 @@ async def run_in_slices(steps: Iterator[None]) -> None:
         if monotonic() >= due_s:
             await asyncio.sleep(0)
             due_s = monotonic() + SLICE_S
+
+
+def run_at_once(steps: Iterator[None]) -> None:
+    """Exhaust `steps` without a turn for others."""
+    for _ in steps:
+        pass

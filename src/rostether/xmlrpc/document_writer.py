@@ -80,6 +80,11 @@ class DocumentWriter:
         size, count = 0, 0
         while True:
             for item in items:
+                count += 1
+                if size >= STEP_BYTES or count >= STEP_VALUES:
+                    size = count = 0
+                    self._flush()
+                    yield
                 if names is not None:
                     self._parts.append(f"<member><name>{_escape_name(next(names))}</name>")
                 if isinstance(item, (str, bytes, bytearray)) and len(item) > STEP_BYTES:
@@ -103,11 +108,6 @@ class DocumentWriter:
                     )
                 if names is not None:
                     self._parts.append("</member>")
-                count += 1
-                if size >= STEP_BYTES or count >= STEP_VALUES:
-                    size = count = 0
-                    self._flush()
-                    yield
             else:
                 if not outer:
                     return

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import logging
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Awaitable, Callable, Iterator
 from functools import partial
-from typing import Any, NamedTuple, Protocol, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from rostether.errors import GraphError, UnknownNameError
 from rostether.graph.ports import NAME_TAKEN
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
+from rostether.ros1.long_work import run_at_once, run_in_slices
 from rostether.ros1.master.argument_checks import (
     MAX_NAME_LENGTH,
     BadArgumentError,
@@ -28,8 +29,9 @@ from rostether.ros1.master.argument_checks import (
     subgraph,
     topic_type,
 )
+from rostether.ros1.master.notices import NodeCalls, TopicNotices
 from rostether.ros1.master.parameter_tree import ParameterTree, updates, watch_key
-from rostether.ros1.master.registrations import Kind, Registrations
+from rostether.ros1.master.registrations import ANY_TYPE, Kind, Registrations
 from rostether.xmlrpc.values import XmlRpcValue
 
 Answer: TypeAlias = tuple[int, str, Any]
@@ -43,24 +45,8 @@ _caller_api = api_of("caller_api")
 _service_api = api_of("service_api")
 
 
-class NodeCalls(Protocol):
-    """How the master calls nodes: each call is queued for the node's URI, and the caller does not wait."""
-
-    def publisher_update(self, api: str, topic: str, publishers: list[str]) -> None:
-        """Tell a subscriber the URIs of the topic's publishers."""
-
-    def param_update(self, api: str, key: str, value: XmlRpcValue) -> None:
-        """Tell a watcher a parameter's new value."""
-
-    def ping(self, api: str) -> None:
-        """Find out whether a node is there, and keep an eye on it."""
-
-    def shut_down(self, api: str, reason: str) -> None:
-        """Ask a node to shut down, and forget what else was queued for it."""
-
-
 class _Method(NamedTuple):
-    function: Callable[..., Answer]
+    function: Callable[..., Answer | Awaitable[Answer]]
     checks: tuple[Check, ...]
     error_value: XmlRpcValue
 
@@ -68,7 +54,8 @@ class _Method(NamedTuple):
 class MasterApi:
     """The methods of one master over its tables; `on_shutdown` is called when somebody asks it to stop.
 
-    `uri` is what getUri answers: set it once the server listens.
+    `work_later` exhausts the steps of long work in slices. `uri` is what getUri answers: set it once the
+    server listens.
     """
 
     def __init__(
@@ -76,15 +63,17 @@ class MasterApi:
         node_calls: NodeCalls,
         on_shutdown: Callable[[str], None],
         limits: GraphLimits = DEFAULT_GRAPH_LIMITS,
+        work_later: Callable[[Iterator[None]], None] = run_at_once,
     ) -> None:
         self.registrations = Registrations()
         self.parameters = ParameterTree(limits)
         self.uri = ""
         self._node_calls = node_calls
         self._on_shutdown = on_shutdown
+        self._topic_notices = TopicNotices(self.registrations, node_calls, work_later)
 
-    def dispatch(self) -> dict[str, Callable[..., Answer]]:
-        """Return the table of methods, by their XML-RPC names."""
+    def dispatch(self) -> dict[str, Callable[..., Any]]:
+        """Return the table of methods, by their XML-RPC names; those of long work return awaitables."""
         methods = {
             "shutdown": _Method(self._shutdown, (any_value,), 0),
             "getUri": _Method(lambda _caller: (1, "", self.uri), (), ""),
@@ -111,7 +100,7 @@ class MasterApi:
         }
         return {name: partial(self._invoke, method) for name, method in methods.items()}
 
-    def _invoke(self, method: _Method, *args: XmlRpcValue) -> Answer:
+    def _invoke(self, method: _Method, *args: XmlRpcValue) -> Answer | Awaitable[Answer]:
         if not args:
             return -1, "missing required caller_id parameter", method.error_value
         if len(args) != len(method.checks) + 1:
@@ -127,12 +116,12 @@ class MasterApi:
         except BadArgumentError as error:
             return -1, str(error), method.error_value
         except GraphError as error:
-            return -1, f"Error: invalid arguments: {error}", method.error_value
+            return _refusal(error, method.error_value)
 
     def drop_node(self, name: str) -> None:
         """Remove a node that is gone, with all its registrations, and tell its topics' subscribers."""
         if name in self.registrations.nodes:
-            self._tell_subscribers(self.registrations.drop(name).topics)
+            self._topic_notices.send_later(self.registrations.drop(name).topics)
 
     def _shutdown(self, caller_id: str, reason: XmlRpcValue) -> Answer:
         self._on_shutdown(f"shutdown request from {caller_id}: {reason!r:.200}")
@@ -148,15 +137,29 @@ class MasterApi:
             _log.info("%s registered again: the old node at %s is shut down", caller_id, replaced.api)
             reason = f"[{caller_id}] Reason: {NAME_TAKEN}"
             self._node_calls.shut_down(replaced.api, reason)
-            self._tell_subscribers(replaced.topics)
+            self._topic_notices.send_later(replaced.topics)
         if node is None or replaced is not None:
             self._node_calls.ping(caller_api)
 
     # Parameter Server
 
-    def _set_param(self, caller_id: str, key: str, value: XmlRpcValue) -> Answer:
+    def _set_param(self, caller_id: str, key: str, value: XmlRpcValue) -> Answer | Awaitable[Answer]:
         name = resolve(key, caller_id)
-        self.parameters.set(name, value)
+        steps = self.parameters.set_steps(name, value)
+        for _ in steps:
+            return self._set_large_param(steps, name, value, caller_id)
+        return self._has_set_param(name, value, caller_id)
+
+    async def _set_large_param(
+        self, steps: Iterator[None], name: str, value: XmlRpcValue, caller_id: str
+    ) -> Answer:
+        try:
+            await run_in_slices(steps)
+        except GraphError as error:
+            return _refusal(error, 0)
+        return self._has_set_param(name, value, caller_id)
+
+    def _has_set_param(self, name: str, value: XmlRpcValue, caller_id: str) -> Answer:
         self._tell_watchers(name, value, caller_id)
         _log.debug("+PARAM [%s] by %s", name, caller_id)
         return 1, f"parameter {name} set", 0
@@ -237,7 +240,7 @@ class MasterApi:
     def _register_publisher(self, caller_id: str, topic: str, type_name: str, caller_api: str) -> Answer:
         self._register(Kind.PUBLISHER, topic, caller_id, caller_api)
         self.registrations.learn_type(topic, type_name, from_publisher=True)
-        self._tell_subscribers([topic])
+        self._topic_notices.send(topic)
         _log.debug("+PUB [%s] %s %s", topic, caller_id, caller_api)
         subscribers = self.registrations.apis(Kind.SUBSCRIBER, topic)
         return 1, f"Registered [{caller_id}] as publisher of [{topic}]", subscribers
@@ -245,7 +248,7 @@ class MasterApi:
     def _unregister_publisher(self, caller_id: str, topic: str, caller_api: str) -> Answer:
         answer = self._unregister(Kind.PUBLISHER, caller_id, topic, caller_api)
         if answer[2]:
-            self._tell_subscribers([topic])
+            self._topic_notices.send(topic)
         return answer
 
     def _register_subscriber(self, caller_id: str, topic: str, type_name: str, caller_api: str) -> Answer:
@@ -265,12 +268,6 @@ class MasterApi:
         _log.debug("-%s [%s] %s %s", kind.name[:3], topic, caller_id, caller_api)
         return 1, f"Unregistered [{caller_id}] as provider of [{topic}]", 1
 
-    def _tell_subscribers(self, topics: Iterable[str]) -> None:
-        for topic in topics:
-            publishers = self.registrations.apis(Kind.PUBLISHER, topic)
-            for api in self.registrations.apis(Kind.SUBSCRIBER, topic):
-                self._node_calls.publisher_update(api, topic, publishers)
-
     # Graph state
 
     def _lookup_node(self, _caller_id: str, name: str) -> Answer:
@@ -281,7 +278,9 @@ class MasterApi:
         prefix = space if not space or space.endswith("/") else f"{space}/"
         types = self.registrations.topic_types
         topics = self.registrations.keys(Kind.PUBLISHER)
-        return 1, "current topics", [(each, types[each]) for each in topics if each.startswith(prefix)]
+        # None for a topic that is left out, so that long tables are written in slices.
+        found = ((each, types.get(each, ANY_TYPE)) if each.startswith(prefix) else None for each in topics)
+        return 1, "current topics", found
 
     def _get_topic_types(self, _caller_id: str) -> Answer:
         types = self.registrations.topic_types
@@ -290,3 +289,7 @@ class MasterApi:
     def _get_system_state(self, _caller_id: str) -> Answer:
         kinds = (Kind.PUBLISHER, Kind.SUBSCRIBER, Kind.SERVICE)
         return 1, "current system state", [self.registrations.state(kind) for kind in kinds]
+
+
+def _refusal(error: GraphError, value: XmlRpcValue) -> Answer:
+    return -1, f"Error: invalid arguments: {error}", value

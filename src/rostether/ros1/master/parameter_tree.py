@@ -6,19 +6,25 @@ watches a name receives every change at, above and below it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Generator, Iterable, Iterator
 from dataclasses import dataclass
+from typing import Any, NamedTuple, cast
 
 from rostether.errors import GraphError, UnknownNameError
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
-from rostether.xmlrpc.values import MAX_NESTING, XmlRpcValue
+from rostether.ros1.long_work import run_at_once
+from rostether.xmlrpc.document_reader import MAX_VALUES
+from rostether.xmlrpc.values import MAX_NESTING, DateTime, XmlRpcValue
 
 # Answers and notices wrap a value once or twice more; XML-RPC documents end at MAX_NESTING.
 MAX_DEPTH = MAX_NESTING - 10
-# Far more than any node has; the names of one namespace are copied before they are sent.
-MAX_ENTRIES = 262_144
+# What one XML-RPC document carries, so that `getParam /` can be answered, and some more; namespaces count
+# too. Deleting all of them takes some 35 ms.
+MAX_TREE_VALUES = MAX_VALUES + 1024
 # What a value takes in memory beside its text, roughly.
 _BYTES_PER_VALUE = 64
+# What is weighed between two steps, or else one container: about a millisecond's work.
+_STEP_VALUES = 4096
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +35,14 @@ class Update:
     key: str
     value: XmlRpcValue
     is_own_change: bool
+
+
+class _Weight(NamedTuple):
+    byte_count: int
+    values: int
+
+
+_NOTHING = _Weight(0, 0)
 
 
 def watch_key(name: str) -> str:
@@ -47,6 +61,7 @@ class ParameterTree:
         self._limits = limits
         self._root: dict[str, XmlRpcValue] = {}
         self._bytes = _BYTES_PER_VALUE
+        self._values = 1
 
     def get(self, name: str) -> XmlRpcValue:
         """Return a value or a whole namespace; do not change it. Raises UnknownNameError."""
@@ -76,39 +91,57 @@ class ParameterTree:
 
     def set(self, name: str, value: XmlRpcValue) -> None:
         """Set a parameter; values on the way become namespaces. Raises GraphError for what cannot be set."""
+        run_at_once(self.set_steps(name, value))
+
+    def set_steps(self, name: str, value: XmlRpcValue) -> Iterator[None]:
+        """Check a large value in several steps, and set it with the last one; see `set`."""
         parts = _parts(name)
         if not parts and not isinstance(value, dict):
             raise GraphError("cannot set root of parameter tree to non-dictionary")
         if len(parts) > MAX_DEPTH:
             raise GraphError(f"parameters cannot be nested deeper than {MAX_DEPTH} levels: flatten them")
-        added = _weigh(value, MAX_DEPTH - len(parts))
+        added = yield from _weigh_steps(value, MAX_DEPTH - len(parts))
+        replaced = _weigh(self._find(name), MAX_DEPTH) if self.has(name) else _NOTHING
+        self._check_room(name, parts, added, replaced)
+        if isinstance(value, dict) and not parts:
+            self._root = value
+        else:
+            space = self._open_space(parts[:-1])
+            self._bytes += len(parts[-1]) if parts[-1] not in space else 0
+            space[parts[-1]] = value
+        self._bytes += added.byte_count - replaced.byte_count
+        self._values += added.values - replaced.values
+
+    def _check_room(self, name: str, parts: list[str], added: _Weight, replaced: _Weight) -> None:
         largest, most = self._limits.parameter_bytes, self._limits.parameters_bytes
-        if added > largest:
+        if added.byte_count > largest:
             raise GraphError(f"{name} would take more than {largest} bytes: raise --limit parameter-bytes")
-        if self._bytes + added + len(name) + _BYTES_PER_VALUE * len(parts) > most:
+        byte_count = self._bytes + added.byte_count - replaced.byte_count
+        if byte_count + len(name) + _BYTES_PER_VALUE * len(parts) > most:
             raise GraphError(
                 f"the parameters would take more than {most} bytes: delete some, or raise "
                 "--limit parameters-bytes"
             )
-        if isinstance(value, dict) and not parts:
-            self._root, self._bytes = value, added
-            return
+        if self._values + added.values - replaced.values + len(parts) > MAX_TREE_VALUES:
+            raise GraphError(f"a master holds at most {MAX_TREE_VALUES} parameter values: delete some")
+
+    def _open_space(self, parts: list[str]) -> dict[str, XmlRpcValue]:
         space = self._root
-        for part in parts[:-1]:
+        for part in parts:
             below = space.get(part)
             if not isinstance(below, dict):
-                below = {}
-                self._put(space, part, below, _BYTES_PER_VALUE)
+                if part in space:
+                    self._forget_weight(space, part)
+                below = space[part] = {}
+                self._bytes += _BYTES_PER_VALUE + len(part)
+                self._values += 1
             space = below
-        self._put(space, parts[-1], value, added)
+        return space
 
-    def _put(self, space: dict[str, XmlRpcValue], key: str, value: XmlRpcValue, weight: int) -> None:
-        if len(space) >= MAX_ENTRIES and key not in space:
-            raise GraphError(f"a namespace holds at most {MAX_ENTRIES} parameters: use several namespaces")
-        self._bytes += weight + len(key)
-        if key in space:
-            self._bytes -= _weigh(space[key], MAX_DEPTH) + len(key)
-        space[key] = value
+    def _forget_weight(self, space: dict[str, XmlRpcValue], key: str) -> None:
+        weight = _weigh(space[key], MAX_DEPTH)
+        self._bytes -= weight.byte_count + len(key)
+        self._values -= weight.values
 
     def delete(self, name: str) -> None:
         """Delete a parameter or namespace. Raises UnknownNameError, for the root too."""
@@ -116,7 +149,8 @@ class ParameterTree:
         space = self._find("/".join(parts[:-1])) if parts else None
         if not isinstance(space, dict) or parts[-1] not in space:
             raise UnknownNameError(f"parameter {name} is not set")
-        self._bytes -= _weigh(space.pop(parts[-1]), MAX_DEPTH) + len(parts[-1])
+        self._forget_weight(space, parts[-1])
+        del space[parts[-1]]
 
     def search(self, namespace: str, key: str) -> str | None:
         """Return the full name of `key` in the nearest namespace, upward, that has its first part.
@@ -170,24 +204,41 @@ def _items(space: dict[str, XmlRpcValue]) -> Iterator[tuple[str, XmlRpcValue]]:
     return zip(list(space), list(space.values()), strict=True)
 
 
-def _weigh(value: XmlRpcValue, nesting: int) -> int:
-    if value is None:
-        raise GraphError("a parameter cannot be nil: delete it instead")
-    if isinstance(value, (str, bytes)):
-        return _BYTES_PER_VALUE + len(value)
-    if not isinstance(value, (dict, list)):
-        return _BYTES_PER_VALUE
-    if nesting <= 0:
-        raise GraphError(f"parameters cannot be nested deeper than {MAX_DEPTH} levels: flatten them")
-    weight = _BYTES_PER_VALUE * (1 + len(value))
-    if isinstance(value, dict):
-        weight += sum(map(len, value))
-        value = list(value.values())
-    # Without a call for each scalar: this runs on the event loop, for 262,144 values.
-    for item in value:
-        kind = type(item)
-        if kind is str or kind is bytes:
-            weight += len(item)  # type: ignore[arg-type]
-        elif kind is not int and kind is not float and kind is not bool:
-            weight += _weigh(item, nesting - 1) - _BYTES_PER_VALUE
-    return weight
+def _weigh(value: XmlRpcValue, nesting: int) -> _Weight:
+    steps = _weigh_steps(value, nesting)
+    while True:
+        try:
+            next(steps)
+        except StopIteration as end:
+            return cast(_Weight, end.value)
+
+
+def _weigh_steps(value: XmlRpcValue, nesting: int) -> Generator[None, None, _Weight]:
+    """Return what a value takes. Raises GraphError for nil, and for more than `nesting` levels."""
+    # Level by level and without a call for each value: this runs on the event loop, for 262,144 values.
+    values, byte_count, visited = 0, 0, 0
+    level: list[Any] = [[value]]
+    for _ in range(nesting + 1):
+        inner: list[Any] = []
+        for container in level:
+            values += len(container)
+            items = container
+            if type(container) is dict:
+                byte_count += len("".join(container))
+                items = container.values()
+            for item in items:
+                kind = type(item)
+                if kind is str or kind is bytes or kind is DateTime:
+                    byte_count += len(item)
+                elif kind is dict or kind is list:
+                    inner.append(item)
+                elif item is None:
+                    raise GraphError("a parameter cannot be nil: delete it instead")
+            visited += 1 + len(container)
+            if visited >= _STEP_VALUES:
+                visited = 0
+                yield
+        level = inner
+        if not level:
+            return _Weight(byte_count + _BYTES_PER_VALUE * values, values)
+    raise GraphError(f"parameters cannot be nested deeper than {MAX_DEPTH} levels: flatten them")

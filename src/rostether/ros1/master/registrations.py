@@ -16,6 +16,13 @@ from rostether.errors import GraphError
 MAX_REGISTRATIONS = 100_000
 # Each change of a topic sends the list of its publishers to every subscriber. /rosout has one of each node.
 MAX_MEMBERS = 4096
+# /rosout has a publisher in each node.
+MAX_NODES = MAX_MEMBERS
+# When a node goes, all its registrations are removed at once, in some 15 ms.
+MAX_OF_ONE_NODE = 16_384
+# A change of a whole namespace is sent to all that watch a parameter in it, in some 15 ms. A roscpp node that
+# is refused asks for the value each time instead.
+MAX_WATCHES = 4096
 # Types outlive their topics, for tools that ask later; no more of them than there can be topics.
 MAX_TOPIC_TYPES = MAX_REGISTRATIONS
 ANY_TYPE = "*"
@@ -65,6 +72,7 @@ class Registrations:
         self._tables: dict[Kind, dict[str, dict[str, str]]] = {kind: {} for kind in Kind}
         self._service_apis: dict[str, str] = {}
         self._count = 0
+        self._watches = 0
 
     def keys(self, kind: Kind) -> list[str]:
         """Return the topics, services or parameters that somebody is registered for, oldest first."""
@@ -106,12 +114,10 @@ class Registrations:
 
     def register(self, kind: Kind, key: str, name: str, api: str) -> Removal | None:
         """Register a node; return what it replaces when its URI is new. Raises GraphError when full."""
-        if self._count >= MAX_REGISTRATIONS and name not in self.members(kind, key):
-            raise GraphError(f"the master holds {self._count} registrations, its limit: unregister some")
-        if len(self.members(kind, key)) >= MAX_MEMBERS and name not in self.members(kind, key):
-            raise GraphError(f"{key} has {MAX_MEMBERS} nodes registered, the limit: unregister some")
-        replaced = None
         node = self.nodes.get(name)
+        if name not in self.members(kind, key):
+            self._check_room(kind, key, node)
+        replaced = None
         if node is not None and node.api != api:
             replaced = self.drop(name)
             node = None
@@ -119,9 +125,23 @@ class Registrations:
             node = self.nodes[name] = Node(name, api)
         node.keys[kind][key] = None
         members = self._tables[kind].setdefault(key, {})
-        self._count += name not in members
+        if name not in members:
+            self._count += 1
+            self._watches += kind is Kind.PARAM
         members[name] = api
         return replaced
+
+    def _check_room(self, kind: Kind, key: str, node: Node | None) -> None:
+        if node is None and len(self.nodes) >= MAX_NODES:
+            raise GraphError(f"the master holds {MAX_NODES} nodes, its limit: stop some")
+        if self._count >= MAX_REGISTRATIONS:
+            raise GraphError(f"the master holds {self._count} registrations, its limit: unregister some")
+        if len(self.members(kind, key)) >= MAX_MEMBERS:
+            raise GraphError(f"{key} has {MAX_MEMBERS} nodes registered, the limit: unregister some")
+        if kind is Kind.PARAM and self._watches >= MAX_WATCHES:
+            raise GraphError(f"{MAX_WATCHES} parameters are watched, the limit: read them with getParam")
+        if node is not None and sum(map(len, node.keys.values())) >= MAX_OF_ONE_NODE:
+            raise GraphError(f"{node.name} has {MAX_OF_ONE_NODE} registrations, the limit: unregister some")
 
     def register_service(self, service: str, name: str, api: str, service_api: str) -> Removal | None:
         """Register a node as the one provider of a service; see `register`."""
@@ -170,6 +190,7 @@ class Registrations:
         table = self._tables[kind]
         del table[key][node.name]
         self._count -= 1
+        self._watches -= kind is Kind.PARAM
         if not table[key]:
             del table[key]
             if kind is Kind.SERVICE:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import asyncio
 import logging
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from rostether.ros1.admission import EVERYBODY, Admission
 from rostether.ros1.environment import DEFAULT_MASTER_PORT, LOOPBACK
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
+from rostether.ros1.long_work import run_in_slices
 from rostether.ros1.master.master_api import MasterApi
 from rostether.ros1.master.node_calls import PING_INTERVAL_S, NodeCallQueue
 from rostether.ros1.xmlrpc_server import XmlRpcServer
@@ -34,7 +35,7 @@ class MasterServer:
         own_names: Iterable[str] = (),
     ) -> None:
         self._node_calls = NodeCallQueue(self._drop_gone)
-        self.api = MasterApi(self._node_calls, self._stop, limits)
+        self.api = MasterApi(self._node_calls, self._stop, limits, self._work_later)
         self._server = XmlRpcServer(
             self.api.dispatch(),
             hosts=hosts,
@@ -47,6 +48,7 @@ class MasterServer:
         self._stopped = asyncio.Event()
         self._closing: asyncio.Task[None] | None = None
         self._ping_timer: asyncio.TimerHandle | None = None
+        self._long_work: set[asyncio.Task[None]] = set()
 
     @classmethod
     async def start(
@@ -84,6 +86,8 @@ class MasterServer:
         if self._ping_timer is not None:
             self._ping_timer.cancel()
             self._ping_timer = None
+        for task in self._long_work:
+            task.cancel()
         await self._server.close()
         await self._node_calls.close()
         self._stopped.set()
@@ -104,15 +108,24 @@ class MasterServer:
         # Its own task, so that the answer to the request is written first.
         self._closing = asyncio.get_running_loop().create_task(self.close())
 
+    def _work_later(self, steps: Iterator[None]) -> None:
+        task = asyncio.get_running_loop().create_task(run_in_slices(steps))
+        self._long_work.add(task)
+        task.add_done_callback(self._long_work.discard)
+
     def _ping_later(self) -> None:
         self._ping_timer = asyncio.get_running_loop().call_later(PING_INTERVAL_S, self._ping_all)
 
     def _ping_all(self) -> None:
         apis = {node.api for node in self.api.registrations.nodes.values()}
         self._node_calls.retain(apis)
+        self._work_later(self._ping_steps(apis))
+        self._ping_later()
+
+    def _ping_steps(self, apis: Iterable[str]) -> Iterator[None]:
         for api in apis:
             self._node_calls.ping(api)
-        self._ping_later()
+            yield
 
     def _drop_gone(self, api: str) -> None:
         gone = [node.name for node in self.api.registrations.nodes.values() if node.api == api]
