@@ -23,7 +23,7 @@ export class Feed {
   last: Arrival | undefined;
   readonly listeners = new Set<Listener>();
   private readonly versionSignal = signal(0);
-  private decode: { topic: Topic; run: (payload: Uint8Array) => Message } | undefined;
+  private decoder: { topic: Topic; decode: (payload: Uint8Array) => Message } | undefined;
   private decoded: { arrival: Arrival; message: Message | Error } | undefined;
 
   constructor(topicName: string) {
@@ -38,18 +38,25 @@ export class Feed {
   /** The last message decoded, once however many panels ask; an Error when it cannot be. */
   lastMessage(): Message | Error | undefined {
     const arrival = this.last;
-    const topic = this.topic.value;
-    if (!arrival || !topic) return undefined;
-    if (this.decoded?.arrival === arrival) return this.decoded.message;
-    let message: Message | Error;
-    try {
-      if (this.decode?.topic !== topic) this.decode = { topic, run: decoder(topic.type()) };
-      message = this.decode.run(arrival.payload);
-    } catch (error) {
-      message = error as Error;
+    if (!arrival) return undefined;
+    if (this.decoded?.arrival !== arrival) {
+      const message = this.decode(arrival.payload);
+      if (message === undefined) return undefined;
+      this.decoded = { arrival, message };
     }
-    this.decoded = { arrival, message };
-    return message;
+    return this.decoded.message;
+  }
+
+  /** Decodes any message of this topic; undefined while the topic's type is not known. */
+  decode(payload: Uint8Array): Message | Error | undefined {
+    const topic = this.topic.peek();
+    if (!topic) return undefined;
+    try {
+      if (this.decoder?.topic !== topic) this.decoder = { topic, decode: decoder(topic.type()) };
+      return this.decoder.decode(payload);
+    } catch (error) {
+      return error as Error;
+    }
   }
 
   isStale(nowMs = performance.now()): boolean {

@@ -1,0 +1,14 @@
+import { texts } from "../../texts.ts";
+import type { Panel } from "../panel.ts";
+
+export const boardsPanel: Panel = {
+  id: "boards",
+  title: "boards",
+  icon: "boards",
+  onTabBar: true,
+  matches: ({ topics }) =>
+    topics.get("/diagnostics")?.isPublished
+      ? [{ key: "boards", title: texts.panels.boards, settings: {}, order: 0 }]
+      : [],
+  load: () => import("./boards_panel.tsx"),
+};
