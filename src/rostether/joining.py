@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import random
 from collections.abc import AsyncIterator, Iterable, Mapping
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -11,6 +9,7 @@ from typing import Literal, TypeAlias
 
 from rostether.errors import ConfigError
 from rostether.graph.typed_graph import TypedGraph
+from rostether.mechanisms.anonymous import anonymous_name
 from rostether.msgdef.registry import Registry
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.node import join_ros1
@@ -89,8 +88,3 @@ async def _joined_ros2(
             yield TypedGraph(graph, TypeStore(registry))
         finally:
             await graph.close()
-
-
-def anonymous_name(base_name: str) -> str:
-    """Return a node name that no other process and no earlier one of ours has."""
-    return f"{base_name}_{os.getpid()}_{random.getrandbits(32):08x}"

@@ -16,11 +16,11 @@ from rostether.expression.compiler import FUNCTIONS, MATH, compile_expression
 from rostether.launch.scope import Scope
 from rostether.launch.substitution import (
     LaunchContext,
-    anonymous_name,
     argument_value,
     environment_variable,
     folder_of,
     package_folder,
+    scoped_anonymous_name,
 )
 from rostether.launch.values import convert
 
@@ -67,7 +67,7 @@ def evaluate(expression: str, scope: Scope, context: LaunchContext) -> str:
         "env": lambda name: environment_variable(name, context),
         "optenv": optional_variable,
         "find": lambda package: package_folder(package, context),
-        "anon": lambda base_name: anonymous_name(base_name, scope),
+        "anon": lambda base_name: scoped_anonymous_name(base_name, scope),
         "dirname": lambda: folder_of(scope.file),
     }
     _check_names(expression, names, scope)

@@ -8,8 +8,8 @@ from rostether.errors import LaunchError
 from rostether.launch.parameter_tags import ParameterTags
 from rostether.launch.plan import LaunchNode, Output, WorkingFolder
 from rostether.launch.scope import Scope
-from rostether.launch.substitution import new_anonymous_name
 from rostether.launch.tag_reader import TagReader
+from rostether.mechanisms.anonymous import anonymous_name
 from rostether.mechanisms.xml_tree import XmlElement
 from rostether.names.graph_name import PRIVATE, SEPARATOR, canonical, is_legal_name
 
@@ -43,7 +43,7 @@ class NodeTags:
             package=package,
             type=node_type,
             # As with roslaunch, the private parameters of a node without a name lie in its namespace.
-            name=name or new_anonymous_name(node_type),
+            name=name or anonymous_name(node_type),
             namespace=canonical(inside.namespace),
             args=args,
             remaps=tuple(inside.remaps),

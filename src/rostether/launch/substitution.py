@@ -7,11 +7,6 @@ a value may hold a `$(find ...)` itself; they cannot stand inside each other.
 
 from __future__ import annotations
 
-import os
-import random
-import re
-import socket
-import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -19,6 +14,7 @@ from pathlib import Path
 
 from rostether.errors import LaunchError
 from rostether.launch.scope import Scope
+from rostether.mechanisms.anonymous import anonymous_name
 
 COMMANDS = ("find", "env", "optenv", "dirname", "anon", "arg")
 MAX_TEXT_CHARS = 4 << 20
@@ -28,7 +24,6 @@ _MAX_SUBSTITUTIONS = 10_000
 """In one text: each of them copies the text."""
 
 _EVAL_PREFIX = "$(eval "
-_NOT_IN_NAMES = re.compile(r"[.:-]")
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,17 +75,11 @@ def argument_value(name: str, scope: Scope) -> str:
     raise LaunchError(f"argument {name!r} is not declared here; add <arg name={name!r} default=.../> above")
 
 
-def anonymous_name(base_name: str, scope: Scope) -> str:
+def scoped_anonymous_name(base_name: str, scope: Scope) -> str:
     """Return the name that `$(anon base_name)` stands for here, the same each time."""
     if base_name not in scope.anonymous_names:
-        scope.anonymous_names[base_name] = new_anonymous_name(base_name)
+        scope.anonymous_names[base_name] = anonymous_name(base_name)
     return scope.anonymous_names[base_name]
-
-
-def new_anonymous_name(base_name: str) -> str:
-    """Return a unique node name, made as in ROS: from host, process and a random number."""
-    number = random.randint(0, sys.maxsize)  # noqa: S311 - no secret, only unlike others
-    return _NOT_IN_NAMES.sub("_", f"{base_name}_{socket.gethostname()}_{os.getpid()}_{number}")
 
 
 def folder_of(file: str) -> str:
@@ -130,7 +119,7 @@ def _put_in(text: str, found: str, scope: Scope, context: LaunchContext) -> str:
         case "dirname":
             value = folder_of(scope.file)
         case "anon":
-            value = anonymous_name(_only(found, words), scope)
+            value = scoped_anonymous_name(_only(found, words), scope)
         case "arg":
             value = argument_value(_only(found, words), scope)
     if value is None:

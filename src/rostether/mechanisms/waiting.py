@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Awaitable, Callable
 from typing import TypeVar
 
-from rostether.errors import MasterUnreachableError
+from rostether.errors import GraphError, MasterUnreachableError
 from rostether.mechanisms.backoff import Backoff
 
 # Most masters are there at the first or second attempt: a launch starts them beside its nodes.
@@ -19,21 +19,22 @@ ResultT = TypeVar("ResultT")
 
 async def wait_for_master(
     attempt: Callable[[], Awaitable[ResultT]],
-    report: Callable[[MasterUnreachableError], object],
+    report: Callable[[GraphError], object],
     *,
     max_retry_s: float = MAX_RETRY_S,
+    errors: type[GraphError] = MasterUnreachableError,
 ) -> ResultT:
-    """Return what `attempt` returns; while it raises MasterUnreachableError, wait and try again.
+    """Return what `attempt` returns; while it raises `errors`, wait and try again.
 
-    `report` gets the first such error. `max_retry_s` is the longest time between two attempts. Other errors
-    of `attempt` pass.
+    `report` gets the first such error. `max_retry_s` is the longest time between two attempts. Raises the
+    other errors of `attempt`.
     """
     backoff = Backoff(first_s=min(FIRST_RETRY_S, max_retry_s), limit_s=max_retry_s)
     reported = False
     while True:
         try:
             return await attempt()
-        except MasterUnreachableError as error:
+        except errors as error:
             if not reported:
                 reported = True
                 report(error)

@@ -6,8 +6,9 @@ import asyncio
 import os
 from collections.abc import Awaitable, Callable, Sequence
 
-from rostether.bridge.ports.found_port import FoundPort, ServeBoard
+from rostether.bridge.ports.found_port import FoundPort
 from rostether.bridge.ports.machine_ports import THIS_MACHINE, MachinePorts
+from rostether.bridge.ports.open_attempts import ServeLink
 from rostether.bridge.reporter import Reporter
 from rostether.graph.ports import Level
 from rostether.ports.device_book import DeviceBook
@@ -32,7 +33,7 @@ class Discovery:
         *,
         devices: DeviceBook,
         known: KnownBoards,
-        serve: ServeBoard,
+        serve: ServeLink,
         spawn: Callable[[Awaitable[object]], asyncio.Task[None]],
         reporter: Reporter,
         taken: Sequence[str] = (),

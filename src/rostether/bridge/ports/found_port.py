@@ -11,30 +11,26 @@ from __future__ import annotations
 import asyncio
 import os
 import sys
-from collections.abc import Awaitable, Callable
-from typing import Protocol
+from collections.abc import Callable
 
 from rostether.bridge.ports.machine_ports import MachinePorts
+from rostether.bridge.ports.open_attempts import OpenAttempts, ServeLink
 from rostether.bridge.ports.port_probe import TunableTransport, probe_port
 from rostether.bridge.reporter import Reporter, shown_line
 from rostether.errors import RostetherError, SessionError, TransportError
 from rostether.graph.ports import Level
 from rostether.mechanisms.backoff import Backoff
-from rostether.ports.board_identity import BoardIdentity
 from rostether.ports.known_boards import KnownBoards
 from rostether.ports.port_choice import Choice, identify
 from rostether.ports.settings import DeviceSettings
 from rostether.rosserial.baud_probe import BoardFound, NoBoard
-from rostether.transports.address import DEFAULT_BAUD, Address, SerialAddress
+from rostether.transports.address import DEFAULT_BAUD, SerialAddress
 from rostether.transports.serial_port import SerialPort
 from rostether.transports.transport import Transport
 
 FIRST_RETRY_S = 0.25
 MAX_RETRY_S = 5.0
 """A port in use is looked at this seldom at most: each look walks through /proc."""
-
-SETTLE_S = 1.0
-"""udev gives a new port its group, and ModemManager lets go of it, a moment after it appears."""
 
 FIRST_ASK_AGAIN_S = 5.0
 MAX_ASK_AGAIN_S = 60.0
@@ -48,15 +44,6 @@ AFTER_LOSS_S = 0.1
 
 RESETS_AT_CLOSE = sys.platform != "linux"
 """Linux raises DTR at the first opening; left up, later ones reset no board. Elsewhere it must be raised."""
-
-
-class ServeBoard(Protocol):
-    """Serves a board until its link ends."""
-
-    def __call__(
-        self, address: Address, transport: Transport, identity: BoardIdentity
-    ) -> Awaitable[TransportError | None]:
-        """Serve; returns why the link ended. Raises SessionError if it is not to be served again."""
 
 
 class FoundPort:
@@ -73,7 +60,7 @@ class FoundPort:
         *,
         ports: MachinePorts,
         is_present: Callable[[SerialPort], bool],
-        serve: ServeBoard,
+        serve: ServeLink,
         known: KnownBoards,
         reporter: Reporter,
     ) -> None:
@@ -119,9 +106,10 @@ class FoundPort:
 
     async def _open(self) -> TunableTransport | None:
         """Open the port as soon as no other program uses it; None if it has gone."""
-        loop = asyncio.get_running_loop()
-        backoff = Backoff(first_s=FIRST_RETRY_S, limit_s=MAX_RETRY_S)
-        began_s = loop.time()
+        attempts = OpenAttempts(
+            Backoff(first_s=FIRST_RETRY_S, limit_s=MAX_RETRY_S),
+            lambda reason: self._report(Level.WARN, reason),
+        )
         while self._is_present(self.port):
             user = await asyncio.to_thread(self._ports.find_user, self.port.path)
             if user is None:
@@ -131,9 +119,7 @@ class FoundPort:
                     refusal = f"{error} (trying again)"
             else:
                 refusal = f"{self._title} is in use by {user}: left alone until that ends"
-            if loop.time() - began_s >= SETTLE_S:
-                self._report(Level.WARN, refusal)
-            await asyncio.sleep(backoff.next_delay_s())
+            await attempts.wait_after(refusal)
         return None
 
     async def _ask(self, transport: TunableTransport) -> BoardFound | NoBoard:

@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Protocol
 
 from rostether.bridge.identity import identify_peer
+from rostether.bridge.ports.open_attempts import SETTLE_S, OpenAttempts, ServeLink
 from rostether.bridge.reporter import Reporter
 from rostether.errors import NodeEndedError, TransportError
 from rostether.graph.ports import Level
@@ -26,8 +27,6 @@ from rostether.transports.transport import Transport
 PRESENCE_POLL_S = 0.1
 # For the same reason; an attempt that is refused costs 0.3 ms.
 MAX_RETRY_S = 0.4
-# udev gives a new port its group a moment after it appears: only a refusal that lasts is worth a line.
-SETTLE_S = 1.0
 
 
 class OpenLink(Protocol):
@@ -35,15 +34,6 @@ class OpenLink(Protocol):
 
     def __call__(self, address: Address) -> Awaitable[Transport]:
         """Open. Raises TransportError."""
-
-
-class ServeLink(Protocol):
-    """Uses an open link until it ends."""
-
-    def __call__(
-        self, address: Address, transport: Transport, identity: BoardIdentity
-    ) -> Awaitable[TransportError | None]:
-        """Serve; returns why the link ended, None if it was our own wish."""
 
 
 class LinkKeeper:
@@ -88,21 +78,18 @@ class LinkKeeper:
             await asyncio.sleep(PRESENCE_POLL_S)
 
     async def _open(self) -> tuple[Address, BoardIdentity | None, Transport]:
-        loop = asyncio.get_running_loop()
-        backoff = Backoff(limit_s=MAX_RETRY_S)
-        began_s = loop.time()
-        told = ""
+        attempts = OpenAttempts(
+            Backoff(limit_s=MAX_RETRY_S),
+            lambda reason: self._reporter.line(Level.ERROR, f"{reason} (trying again)"),
+            settle_s=SETTLE_S if isinstance(self._address, SerialAddress) else 0.0,
+        )
         while True:
             path = await self._wait_present()
             address, identity = self._identify(path)
             try:
                 transport = await self._open_link(address if path is None else _at(address, path))
             except TransportError as error:
-                lasting = loop.time() - began_s >= SETTLE_S or not isinstance(address, SerialAddress)
-                if lasting and str(error) != told:
-                    told = str(error)
-                    self._reporter.line(Level.ERROR, f"{told} (trying again)")
-                await asyncio.sleep(backoff.next_delay_s())
+                await attempts.wait_after(str(error))
                 continue
             baud = f" at {address.baud} baud" if isinstance(address, SerialAddress) else ""
             self._reporter.line(Level.INFO, f"Connecting to {path or address}{baud}")

@@ -86,7 +86,7 @@ async def joined(
         caller has already read it.
     """
     from rostether.graph.typed_graph import TypedGraph
-    from rostether.joining import anonymous_name
+    from rostether.mechanisms.anonymous import anonymous_name
     from rostether.ros1.node.node import join_ros1
 
     if store is None:

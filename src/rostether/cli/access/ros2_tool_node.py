@@ -13,7 +13,7 @@ from rostether.cli.access.ros2_access import ros2_access
 from rostether.cli.access.ros2_view import GraphView, is_hidden
 from rostether.cli.access.ros_choice import Middleware
 from rostether.cli.shell.output import warn
-from rostether.joining import anonymous_name
+from rostether.mechanisms.anonymous import anonymous_name
 
 if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from rostether.recording.recorder import Recorder
     from rostether.ros2.types.type_support import Ros2Types
 
-JOIN_RETRY_S = 1.0  # as often as a board's node is tried
+MAX_JOIN_RETRY_S = 1.0  # as often as a board's node is tried
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,18 +151,16 @@ def _files(
 
 
 async def _joined(join: JoinGraph, reporter: Reporter) -> Graph:
-    from rostether.joining import anonymous_name
+    from rostether.mechanisms.anonymous import anonymous_name
+    from rostether.mechanisms.waiting import wait_for_master
 
     name = anonymous_name("record")
-    reported = False
-    while True:
-        try:
-            return await join(name)
-        except GraphError as error:
-            if not reported:
-                reporter.line(Level.WARN, f"Recording begins when the graph is there: {error}")
-                reported = True
-            await asyncio.sleep(JOIN_RETRY_S)
+    return await wait_for_master(
+        lambda: join(name),
+        lambda error: reporter.line(Level.WARN, f"Recording begins when the graph is there: {error}"),
+        max_retry_s=MAX_JOIN_RETRY_S,
+        errors=GraphError,
+    )
 
 
 async def _until_left(graph: Graph, recorder: Recorder) -> None:

@@ -41,7 +41,7 @@ async def recording_graph(
     On ROS 2 alone, messages come and go natively, in ROS 2's own fields, if `is_native`; `origins` are types
     of recordings, which need not be known here.
     """
-    from rostether.joining import anonymous_name
+    from rostether.mechanisms.anonymous import anonymous_name
 
     if graph.ros2 is None:
         async with joined(graph, purpose=purpose) as node:

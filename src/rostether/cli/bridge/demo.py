@@ -209,7 +209,7 @@ async def _watch(
     environment: RosEnvironment, store: TypeStore, view: DemoView, board_name: str
 ) -> AsyncIterator[None]:
     """Subscribe like any other node, so that the table shows data from the graph."""
-    from rostether.joining import anonymous_name
+    from rostether.mechanisms.anonymous import anonymous_name
     from rostether.ros1.node.node import join_ros1
 
     graph = await join_ros1(anonymous_name("demo_view"), environment=environment)

@@ -27,7 +27,7 @@ from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError, UnknownTypeError
 from rostether.graph.ports import Level
-from rostether.joining import anonymous_name
+from rostether.mechanisms.anonymous import anonymous_name
 from rostether.msgdef.interface import ANY_TYPE, ServiceType
 from rostether.msgdef.search_waiting import definitions_searched
 from rostether.relay.choice import Choice, Direction, Services, Topics

@@ -13,7 +13,7 @@ from rostether.cli.shell.output import write_line
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
 from rostether.graph.typed_graph import TypedGraph
-from rostether.joining import anonymous_name
+from rostether.mechanisms.anonymous import anonymous_name
 from rostether.names.remap import Arguments, parse_arguments
 
 _CALL_LIMIT_S = 10.0  # a mux answers at once; a person waits no longer

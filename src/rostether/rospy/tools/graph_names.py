@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import os
-import random
 import re
-import socket
 import sys
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -102,12 +100,6 @@ def script_resolve_name(script_name: str, name: str) -> str:
     if is_private(name):
         return ns_join(make_caller_id(script_name), name[1:])
     return name if is_global(name) else get_ros_namespace() + name
-
-
-def anonymous_name(id: str) -> str:  # noqa: A002 - the name is rosgraph's
-    """Return a unique name."""
-    name = f"{id}_{socket.gethostname()}_{os.getpid()}_{random.randint(0, sys.maxsize)}"  # noqa: S311
-    return re.sub(r"[.:-]", "_", name)
 
 
 def scoped_name(caller_id: str, name: str) -> str:

@@ -1,6 +1,7 @@
 """rosgraph.names."""
 
 # ruff: noqa: F401
+from rostether.mechanisms.anonymous import anonymous_name
 from rostether.names.graph_name import is_global, is_private
 from rostether.rospy.tools.graph_names import (
     ANYTYPE,
@@ -8,7 +9,6 @@ from rostether.rospy.tools.graph_names import (
     PRIV_NAME,
     REMAP,
     SEP,
-    anonymous_name,
     canonicalize_name,
     get_ros_namespace,
     is_legal_base_name,

@@ -1,0 +1,51 @@
+"""What a kept link and a found port share: serving an open link, and opening one that refuses at first."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from typing import Protocol
+
+from rostether.errors import TransportError
+from rostether.mechanisms.backoff import Backoff
+from rostether.ports.board_identity import BoardIdentity
+from rostether.transports.address import Address
+from rostether.transports.transport import Transport
+
+# udev gives a new port its group, and ModemManager releases it, a moment after it appears: only a refusal
+# that lasts is worth a line.
+SETTLE_S = 1.0
+
+
+class ServeLink(Protocol):
+    """Uses an open link until it ends."""
+
+    def __call__(
+        self, address: Address, transport: Transport, identity: BoardIdentity
+    ) -> Awaitable[TransportError | None]:
+        """Serve; returns why the link ended, None if we ended it.
+
+        Raises SessionError if it is not to be served again.
+        """
+
+
+class OpenAttempts:
+    """Paces the attempts to open a link, and reports each new reason why they fail.
+
+    `settle_s` is the time from the first attempt during which nothing is reported.
+    """
+
+    def __init__(
+        self, backoff: Backoff, report: Callable[[str], object], *, settle_s: float = SETTLE_S
+    ) -> None:
+        self._backoff = backoff
+        self._report = report
+        self._report_at_s = asyncio.get_running_loop().time() + settle_s
+        self._reported = ""
+
+    async def wait_after(self, reason: str) -> None:
+        """Report why an attempt failed, unless that was the last report, and wait for the next attempt."""
+        if reason != self._reported and asyncio.get_running_loop().time() >= self._report_at_s:
+            self._reported = reason
+            self._report(reason)
+        await asyncio.sleep(self._backoff.next_delay_s())
