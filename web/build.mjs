@@ -42,10 +42,11 @@ function licenses(inputs) {
   const names = inputs.map((path) => /^node_modules\/((?:@[^/]+\/)?[^/]+)/.exec(path)?.[1]).filter(Boolean);
   const parts = [...new Set(names)].sort().map((name) => {
     const folder = join(here, "node_modules", name);
-    const { version } = JSON.parse(readFileSync(join(folder, "package.json"), "utf8"));
-    const file = readdirSync(folder).find((each) => /^licen[cs]e/i.test(each));
-    if (!file) throw new Error(`${name} has no license file`);
-    return `${name} ${version}\n\n${readFileSync(join(folder, file), "utf8").trim()}\n`;
+    const { version, license } = JSON.parse(readFileSync(join(folder, "package.json"), "utf8"));
+    const own = readdirSync(folder).find((each) => /^licen[cs]e/i.test(each));
+    // Some packages only name their license; LICENSES has those texts.
+    const file = own ? join(folder, own) : join(here, `../LICENSES/${license}.txt`);
+    return `${name} ${version}\n\n${readFileSync(file, "utf8").trim()}\n`;
   });
   return parts.join(`\n${"-".repeat(80)}\n\n`);
 }

@@ -164,7 +164,7 @@ class FoxgloveGateway:
                 capabilities=capabilities,
                 # A client that comes back finds everything again: ids are those of this run.
                 session_id=self._session_id,
-                metadata={"ROS_DISTRO": "noetic", **self.settings.metadata},
+                metadata={"ROS_DISTRO": "noetic", "node": self.graph.node_name, **self.settings.metadata},
             )
         )
         # The protocol wants one in each connection; it may be empty.

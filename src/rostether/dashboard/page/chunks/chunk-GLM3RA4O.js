@@ -1,0 +1,1 @@
+var s=["sensor_msgs/CompressedImage","sensor_msgs/Image"];export{s as a};

@@ -1,0 +1,227 @@
+// A form for any message type: a field for each value, made from the definition.
+
+import { texts } from "../texts.ts";
+import type { Field, Node, Primitive, StructNode } from "../wire/schema.ts";
+import { typeName } from "../wire/schema.ts";
+import { parseList, parseNumber } from "./numbers.ts";
+
+/** What the form edits: fields that are missing are zero. */
+export type Draft = Record<string, unknown>;
+
+interface FieldProps {
+  node: Node;
+  value: unknown;
+  label: string;
+  onChange: (value: unknown) => void;
+}
+
+// Deeper than any message; a form of more would not fit a screen.
+const MAX_DEPTH = 8;
+const MAX_ITEMS = 50;
+
+export function MessageForm(props: {
+  type: StructNode;
+  draft: Draft;
+  onChange: (draft: Draft) => void;
+  depth?: number;
+}) {
+  const { type, draft, onChange, depth = 0 } = props;
+  if (depth > MAX_DEPTH) return null;
+  return (
+    <div class="form-fields">
+      {type.fields.map((field) => (
+        <FormRow
+          key={field.name}
+          field={field}
+          value={draft[field.name]}
+          depth={depth}
+          onChange={(value) => onChange({ ...draft, [field.name]: value })}
+        />
+      ))}
+    </div>
+  );
+}
+
+function FormRow(props: { field: Field; value: unknown; depth: number; onChange: (value: unknown) => void }) {
+  const { field, value, depth, onChange } = props;
+  const { node, name } = field;
+  if (node.kind === "struct")
+    return (
+      <fieldset>
+        <legend>
+          {name} <span class="form-type">{node.name}</span>
+        </legend>
+        <MessageForm type={node} draft={(value ?? {}) as Draft} depth={depth + 1} onChange={onChange} />
+      </fieldset>
+    );
+  if (node.kind === "array" && node.element.kind === "struct")
+    return <StructList {...props} element={node.element} length={node.length} />;
+  return (
+    // biome-ignore lint/a11y/noLabelWithoutControl: ValueField is the control.
+    <label class="form-row" title={field.comment || undefined}>
+      <span class="form-name">{name}</span>
+      <ValueField node={node} value={value} label={name} onChange={onChange} />
+      <span class="form-type">{typeName(node)}</span>
+    </label>
+  );
+}
+
+function StructList(props: {
+  field: Field;
+  value: unknown;
+  depth: number;
+  element: StructNode;
+  length: number | undefined;
+  onChange: (value: unknown) => void;
+}) {
+  const { field, element, length, onChange, depth } = props;
+  const given = (Array.isArray(props.value) ? props.value : []) as Draft[];
+  const items =
+    length === undefined
+      ? given
+      : Array.from({ length: Math.min(length, MAX_ITEMS) }, (_, i) => given[i] ?? {});
+  return (
+    <fieldset>
+      <legend>
+        {field.name} <span class="form-type">{`${element.name}[${length ?? ""}]`}</span>
+      </legend>
+      {items.map((item, index) => (
+        <div class="form-item" key={index}>
+          <MessageForm
+            type={element}
+            draft={item}
+            depth={depth + 1}
+            onChange={(draft) => onChange(items.map((each, i) => (i === index ? draft : each)))}
+          />
+          {length === undefined && (
+            <button
+              type="button"
+              class="button"
+              onClick={() => onChange(items.filter((_, i) => i !== index))}
+            >
+              {texts.forms.remove}
+            </button>
+          )}
+        </div>
+      ))}
+      {length === undefined && items.length < MAX_ITEMS && (
+        <button type="button" class="button" onClick={() => onChange([...items, {}])}>
+          {texts.forms.add}
+        </button>
+      )}
+    </fieldset>
+  );
+}
+
+/** The field of one value that is no structure. What cannot be read keeps its text and is marked. */
+export function ValueField({ node, value, label, onChange }: FieldProps) {
+  switch (node.kind) {
+    case "primitive":
+      if (node.type === "bool")
+        return (
+          <input
+            type="checkbox"
+            aria-label={label}
+            checked={value === true}
+            onChange={(event) => onChange(event.currentTarget.checked)}
+          />
+        );
+      return <NumberField type={node.type} value={value} label={label} onChange={onChange} />;
+    case "string":
+      return (
+        <input
+          type="text"
+          aria-label={label}
+          value={typeof value === "string" ? value : ""}
+          onInput={(event) => onChange(event.currentTarget.value)}
+        />
+      );
+    case "time":
+    case "duration":
+      return <StampField value={value} label={label} onChange={onChange} />;
+    case "array":
+      return <ListField node={node} value={value} label={label} onChange={onChange} />;
+    case "struct":
+      return null;
+  }
+}
+
+function NumberField(props: {
+  type: Primitive;
+  value: unknown;
+  label: string;
+  onChange: (value: unknown) => void;
+}) {
+  const { type, value, label, onChange } = props;
+  const read = (input: HTMLInputElement) => {
+    const result = parseNumber(type, input.value);
+    input.setCustomValidity(typeof result === "string" ? result : "");
+    if (typeof result !== "string") onChange(result);
+  };
+  return (
+    <input
+      type="text"
+      inputMode={type.startsWith("u") ? "numeric" : "text"}
+      aria-label={label}
+      placeholder="0"
+      value={value === undefined ? "" : String(value)}
+      onChange={(event) => {
+        read(event.currentTarget);
+        event.currentTarget.reportValidity();
+      }}
+    />
+  );
+}
+
+function StampField({ value, label, onChange }: Omit<FieldProps, "node">) {
+  const { sec = 0, nsec = 0 } = (value ?? {}) as { sec?: number; nsec?: number };
+  const set = (text: string, input: HTMLInputElement) => {
+    const seconds = Number(text.replace(",", "."));
+    input.setCustomValidity(Number.isFinite(seconds) ? "" : texts.forms.seconds);
+    if (!Number.isFinite(seconds)) return;
+    const whole = Math.floor(seconds);
+    onChange({ sec: whole, nsec: Math.round((seconds - whole) * 1e9) });
+  };
+  const now = () => {
+    const ms = Date.now();
+    onChange({ sec: Math.floor(ms / 1000), nsec: (ms % 1000) * 1_000_000 });
+  };
+  return (
+    <span class="form-stamp">
+      <input
+        type="text"
+        inputMode="decimal"
+        aria-label={label}
+        placeholder="0"
+        value={sec === 0 && nsec === 0 ? "" : String(sec + nsec * 1e-9)}
+        onChange={(event) => set(event.currentTarget.value, event.currentTarget)}
+      />
+      <button type="button" class="button" onClick={now}>
+        {texts.forms.now}
+      </button>
+    </span>
+  );
+}
+
+function ListField(props: FieldProps & { node: Node & { kind: "array" } }) {
+  const { node, value, label, onChange } = props;
+  const text = Array.isArray(value)
+    ? value.map((each) => JSON.stringify(String(each)).slice(1, -1)).join(", ")
+    : "";
+  const read = (input: HTMLInputElement) => {
+    const result = parseList(node.element, input.value);
+    input.setCustomValidity(typeof result === "string" ? result : "");
+    if (typeof result !== "string")
+      onChange(result.length === 0 && node.length !== undefined ? undefined : result);
+    input.reportValidity();
+  };
+  return (
+    <input
+      type="text"
+      aria-label={label}
+      placeholder={texts.forms.list}
+      value={text}
+      onChange={(event) => read(event.currentTarget)}
+    />
+  );
+}

@@ -1,0 +1,64 @@
+// Reads what people type into fields.
+
+import { texts } from "../texts.ts";
+import type { Node, Primitive } from "../wire/schema.ts";
+
+const LIMITS: Readonly<Record<string, readonly [bigint, bigint]>> = {
+  int8: [-128n, 127n],
+  uint8: [0n, 255n],
+  int16: [-32768n, 32767n],
+  uint16: [0n, 65535n],
+  int32: [-(2n ** 31n), 2n ** 31n - 1n],
+  uint32: [0n, 2n ** 32n - 1n],
+  int64: [-(2n ** 63n), 2n ** 63n - 1n],
+  uint64: [0n, 2n ** 64n - 1n],
+};
+
+/** The lowest and highest number of an integer type; undefined for floats. */
+export function limitsOf(type: Primitive): readonly [number, number] | undefined {
+  const limits = LIMITS[type];
+  return limits && [Number(limits[0]), Number(limits[1])];
+}
+
+/** Reads one number; a string is the sentence that says why it is none. An empty field is 0. */
+export function parseNumber(type: Primitive, text: string): number | bigint | string {
+  const trimmed = text.trim().replace(",", ".");
+  const limits = LIMITS[type];
+  if (limits === undefined) {
+    const value = { nan: Number.NaN, inf: Number.POSITIVE_INFINITY, "-inf": Number.NEGATIVE_INFINITY }[
+      trimmed.toLowerCase()
+    ];
+    if (value !== undefined) return value;
+    return Number.isFinite(Number(trimmed)) ? Number(trimmed) : texts.forms.number;
+  }
+  if (!/^[+-]?(\d{1,20}|0x[0-9a-fA-F]{1,16})?$/.test(trimmed)) return texts.forms.integer;
+  const whole = BigInt(trimmed === "" ? "0" : trimmed.replace(/^\+/, ""));
+  const [low, high] = limits;
+  if (whole < low || whole > high) return texts.forms.range(String(low), String(high));
+  return type.endsWith("64") ? whole : Number(whole);
+}
+
+/** Reads a list of values that commas separate; a string says what is wrong. */
+export function parseList(element: Node, text: string): unknown[] | string {
+  const parts =
+    text.trim() === ""
+      ? []
+      : text
+          .replace(/^\[|\]$/g, "")
+          .split(",")
+          .map((each) => each.trim());
+  if (element.kind === "string") return parts;
+  if (element.kind !== "primitive") return texts.forms.noList;
+  const values: unknown[] = [];
+  for (const part of parts) {
+    if (element.type === "bool") {
+      if (!/^(true|false|0|1)$/i.test(part)) return texts.forms.bool;
+      values.push(/^(true|1)$/i.test(part));
+      continue;
+    }
+    const value = parseNumber(element.type, part);
+    if (typeof value === "string") return value;
+    values.push(value);
+  }
+  return values;
+}

@@ -1,0 +1,244 @@
+// One control of one topic.
+import { type Signal, useSignal } from "@preact/signals";
+import { useEffect, useMemo } from "preact/hooks";
+import { type Draft, MessageForm } from "../../forms/message_form.tsx";
+import { texts } from "../../texts.ts";
+import type { StructNode } from "../../wire/schema.ts";
+import type { PanelContext } from "../panel.ts";
+import { type ControlKind, controlKind } from "./control_kind.ts";
+import { JointSliders } from "./joint_sliders.tsx";
+import { TopicPublisher } from "./topic_publisher.ts";
+
+type Send = (message: Draft, smoothly?: boolean) => void;
+
+/** Ranges of sliders that the user changed, by topic. */
+export interface ControlSettings {
+  ranges?: Record<string, { min: number; max: number }>;
+}
+
+export function Control({ context, topicName }: { context: PanelContext; topicName: string }) {
+  const { robot } = context;
+  const topic = robot.topics.value.get(topicName);
+  const problem = useSignal("");
+  const publisher = useMemo(() => {
+    if (topic === undefined) return undefined;
+    try {
+      return { type: topic.type(), publisher: new TopicPublisher(robot, topic) };
+    } catch (error) {
+      problem.value = (error as Error).message;
+      return undefined;
+    }
+  }, [topic?.name, topic?.definition]);
+  useEffect(() => () => publisher?.publisher.dispose(), [publisher]);
+  if (publisher === undefined) return problem.value ? <p class="problem">{problem.value}</p> : null;
+  const isReadOnly = !robot.canCommand.value;
+  const send: Send = (message, smoothly) => {
+    try {
+      if (smoothly) publisher.publisher.publishSmoothly(message);
+      else if (!publisher.publisher.publish(message)) throw new Error(texts.controls.notSent);
+      problem.value = "";
+    } catch (error) {
+      problem.value = (error as Error).message;
+    }
+  };
+  return (
+    <div class="control">
+      <div class="control-head">
+        <span class="control-topic">{topicName}</span>
+        <span class="form-type">{publisher.type.name}</span>
+      </div>
+      <fieldset class="control-body" disabled={isReadOnly}>
+        <ControlOf context={context} topicName={topicName} type={publisher.type} send={send} />
+      </fieldset>
+      {problem.value && <p class="problem">{problem.value}</p>}
+    </div>
+  );
+}
+
+function ControlOf(props: { context: PanelContext; topicName: string; type: StructNode; send: Send }) {
+  const { context, topicName, type, send } = props;
+  const kind = controlKind(topicName, type);
+  switch (kind.kind) {
+    case "button":
+      return <PushButton send={send} label={topicName.split("/").at(-1) ?? topicName} />;
+    case "toggle":
+      return <Toggle field={kind.field} label={topicName} send={send} />;
+    case "slider":
+      return <Slider context={context} topicName={topicName} slider={kind} send={send} />;
+    case "text":
+      return <TextLine field={kind.field} send={send} />;
+    case "color":
+      return <ColorPicker send={send} />;
+    case "joints":
+      return <JointSliders context={context} send={(message) => send(message, true)} />;
+    case "drive":
+      return (
+        <button
+          type="button"
+          class="button primary"
+          onClick={() => context.open("drive", { topic: topicName })}
+        >
+          {texts.controls.drive}
+        </button>
+      );
+    case "form":
+      return <AnyForm type={type} send={send} />;
+  }
+}
+
+function PushButton({ send, label }: { send: Send; label: string }) {
+  const count = useSignal(0);
+  return (
+    <button
+      type="button"
+      class="button primary push"
+      onClick={() => {
+        send({});
+        count.value++;
+      }}
+    >
+      {label.replaceAll("_", " ")}
+      {count.value > 0 && <span class="push-count">{texts.controls.sent(count.value)}</span>}
+    </button>
+  );
+}
+
+function Toggle({ field, label, send }: { field: string; label: string; send: Send }) {
+  const isOn = useSignal(false);
+  return (
+    <button
+      type="button"
+      role="switch"
+      class="switch"
+      aria-checked={isOn.value}
+      aria-label={label}
+      onClick={() => {
+        isOn.value = !isOn.value;
+        send({ [field]: isOn.value });
+      }}
+    >
+      <span class="switch-knob" />
+      <span>{isOn.value ? texts.controls.on : texts.controls.off}</span>
+    </button>
+  );
+}
+
+function Slider(props: {
+  context: PanelContext;
+  topicName: string;
+  slider: ControlKind & { kind: "slider" };
+  send: Send;
+}) {
+  const { context, topicName, slider, send } = props;
+  const settings = context.settings as Signal<ControlSettings>;
+  const range = settings.value.ranges?.[topicName] ?? slider;
+  const value = useSignal(Math.min(Math.max(0, range.min), range.max));
+  const set = (next: number, smoothly: boolean) => {
+    if (!Number.isFinite(next)) return;
+    value.value = next;
+    const isWide = slider.type === "int64" || slider.type === "uint64";
+    send({ [slider.field]: isWide ? BigInt(Math.round(next)) : next }, smoothly);
+  };
+  const setLimit = (limit: "min" | "max", text: string) => {
+    const next = { min: range.min, max: range.max, [limit]: Number(text) };
+    if (!(next.min < next.max)) return;
+    settings.value = { ...settings.value, ranges: { ...settings.value.ranges, [topicName]: next } };
+  };
+  const limitField = (limit: "min" | "max") => (
+    <input
+      type="number"
+      class="slider-limit"
+      aria-label={limit === "min" ? texts.controls.least : texts.controls.most}
+      value={range[limit]}
+      onChange={(event) => setLimit(limit, event.currentTarget.value)}
+    />
+  );
+  return (
+    <div class="slider">
+      {limitField("min")}
+      <input
+        type="range"
+        aria-label={topicName}
+        min={range.min}
+        max={range.max}
+        step={slider.step}
+        value={value.value}
+        onInput={(event) => set(event.currentTarget.valueAsNumber, true)}
+      />
+      {limitField("max")}
+      <input
+        type="number"
+        class="slider-value"
+        aria-label={texts.controls.value}
+        step={slider.step}
+        value={value.value}
+        onChange={(event) => set(event.currentTarget.valueAsNumber, false)}
+      />
+    </div>
+  );
+}
+
+function TextLine({ field, send }: { field: string; send: Send }) {
+  const text = useSignal("");
+  return (
+    <form
+      class="text-line"
+      onSubmit={(event) => {
+        event.preventDefault();
+        send({ [field]: text.value });
+      }}
+    >
+      <input
+        type="text"
+        aria-label={field}
+        placeholder={texts.controls.text}
+        value={text.value}
+        onInput={(event) => {
+          text.value = event.currentTarget.value;
+        }}
+      />
+      <button type="submit" class="button primary">
+        {texts.controls.send}
+      </button>
+    </form>
+  );
+}
+
+function ColorPicker({ send }: { send: Send }) {
+  const pick = (hex: string) => {
+    const channel = (at: number) => Number.parseInt(hex.slice(at, at + 2), 16) / 255;
+    send({ r: channel(1), g: channel(3), b: channel(5), a: 1 }, true);
+  };
+  return (
+    <input
+      type="color"
+      class="color"
+      aria-label={texts.controls.color}
+      onInput={(event) => pick(event.currentTarget.value)}
+    />
+  );
+}
+
+function AnyForm({ type, send }: { type: StructNode; send: Send }) {
+  const draft = useSignal<Draft>({});
+  return (
+    <form
+      class="any-form"
+      onSubmit={(event) => {
+        event.preventDefault();
+        send(draft.value);
+      }}
+    >
+      <MessageForm
+        type={type}
+        draft={draft.value}
+        onChange={(next) => {
+          draft.value = next;
+        }}
+      />
+      <button type="submit" class="button primary">
+        {texts.controls.send}
+      </button>
+    </form>
+  );
+}

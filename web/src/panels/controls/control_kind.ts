@@ -1,0 +1,41 @@
+// Which control fits a topic: chosen from its type, and its name where that says more.
+import { limitsOf } from "../../forms/numbers.ts";
+import type { Primitive, StructNode } from "../../wire/schema.ts";
+
+export type ControlKind =
+  | { kind: "button" }
+  | { kind: "toggle"; field: string }
+  | { kind: "slider"; field: string; type: Primitive; min: number; max: number; step: number }
+  | { kind: "text"; field: string }
+  | { kind: "color" }
+  | { kind: "joints" }
+  | { kind: "drive" }
+  | { kind: "form" };
+
+const DRIVE_TYPES = ["geometry_msgs/Twist", "geometry_msgs/TwistStamped", "arduino_control/ArduinoControl"];
+const FLOATS: readonly Primitive[] = ["float32", "float64"];
+
+export function controlKind(topic: string, type: StructNode): ControlKind {
+  if (DRIVE_TYPES.includes(type.name)) return { kind: "drive" };
+  if (type.name === "std_msgs/ColorRGBA") return { kind: "color" };
+  if (type.name === "sensor_msgs/JointState") return { kind: "joints" };
+  const [first, second] = type.fields;
+  if (first === undefined) return { kind: "button" };
+  if (second !== undefined) return { kind: "form" };
+  const { name, node } = first;
+  if (node.kind === "string") return { kind: "text", field: name };
+  if (node.kind !== "primitive") return { kind: "form" };
+  if (node.type === "bool") return { kind: "toggle", field: name };
+  return { kind: "slider", field: name, type: node.type, ...sliderRange(topic, node.type) };
+}
+
+/** Where a slider begins and ends at first; the user can change both. */
+function sliderRange(topic: string, type: Primitive): { min: number; max: number; step: number } {
+  const isFloat = FLOATS.includes(type);
+  // Hobby servos turn by 180 degrees, and Arduino's Servo.write() takes degrees.
+  if (/servo|angle/i.test(topic)) return { min: 0, max: 180, step: isFloat ? 0.5 : 1 };
+  if (isFloat) return { min: -1, max: 1, step: 0.01 };
+  const [low, high] = limitsOf(type) as readonly [number, number];
+  // analogWrite() takes 0 to 255; a slider over all of int32 could not be set.
+  return { min: Math.max(low, 0), max: Math.min(high, 255), step: 1 };
+}

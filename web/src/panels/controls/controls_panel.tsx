@@ -1,0 +1,34 @@
+// Controls for everything that waits for input, made from the definitions.
+import type { Signal } from "@preact/signals";
+import { EmptyState } from "../../shell/parts.tsx";
+import { texts } from "../../texts.ts";
+import type { PanelContext } from "../panel.ts";
+import { preactPanel } from "../preact_panel.tsx";
+import { graphOf } from "../registry.ts";
+import { Control } from "./control.tsx";
+import { controllableTopics } from "./controllable.ts";
+
+interface ControlsSettings {
+  /** A card shows one topic. */
+  topic?: string;
+}
+
+function ControlsPanel({ context }: { context: PanelContext }) {
+  const { topic } = (context.settings as Signal<ControlsSettings>).value;
+  const { robot } = context;
+  if (topic !== undefined) return <Control context={context} topicName={topic} />;
+  const topics = controllableTopics(graphOf(robot), robot.info.value?.metadata?.node);
+  if (topics.length === 0)
+    return <EmptyState icon="controls" title={texts.controls.none} text={texts.controls.noneText} />;
+  return (
+    <div class="controls-grid">
+      {topics.map((each) => (
+        <section class="control-card" key={each}>
+          <Control context={context} topicName={each} />
+        </section>
+      ))}
+    </div>
+  );
+}
+
+export default preactPanel(ControlsPanel);

@@ -1,0 +1,147 @@
+// sensor_msgs/Image to pixels of a canvas. Encodings: sensor_msgs/image_encodings.h.
+export interface RawImage {
+  height: number;
+  width: number;
+  encoding: string;
+  is_bigendian: number;
+  step: number;
+  data: Uint8Array;
+}
+
+/** 40 million pixels are 160 MB on a canvas. */
+const MAX_PIXELS = 40_000_000;
+
+type Fill = (image: RawImage, out: Uint8ClampedArray) => void;
+
+/** Where red, green and blue are in a pixel of so many bytes. */
+function interleaved(bytes: number, red: number, green: number, blue: number): Fill {
+  return ({ width, height, step, data }, out) => {
+    let to = 0;
+    for (let y = 0; y < height; y++) {
+      let from = y * step;
+      for (let x = 0; x < width; x++, from += bytes, to += 4) {
+        out[to] = data[from + red] as number;
+        out[to + 1] = data[from + green] as number;
+        out[to + 2] = data[from + blue] as number;
+        out[to + 3] = 255;
+      }
+    }
+  };
+}
+
+/** Numbers wider than a byte are stretched from the smallest to the largest in the picture. */
+function stretched(bytes: 2 | 4): Fill {
+  return ({ width, height, step, data, is_bigendian: big }, out) => {
+    const view = new DataView(data.buffer, data.byteOffset, data.byteLength);
+    const read = (at: number) =>
+      bytes === 2 ? view.getUint16(at, big === 0) : view.getFloat32(at, big === 0);
+    let [low, high] = [Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY];
+    for (let y = 0; y < height; y++)
+      for (let x = 0; x < width; x++) {
+        const value = read(y * step + x * bytes);
+        if (value < low) low = value;
+        if (value > high && value !== Number.POSITIVE_INFINITY) high = value;
+      }
+    const scale = high > low ? 255 / (high - low) : 0;
+    let to = 0;
+    for (let y = 0; y < height; y++)
+      for (let x = 0; x < width; x++, to += 4) {
+        const grey = (read(y * step + x * bytes) - low) * scale;
+        out[to] = out[to + 1] = out[to + 2] = grey;
+        out[to + 3] = 255;
+      }
+  };
+}
+
+/** Two pixels share their colour: bytes u y v y (uyvy) or y u y v (yuyv). ITU-R BT.601, as OpenCV. */
+function yuv422(firstY: 0 | 1): Fill {
+  const u = 1 - firstY;
+  const v = u + 2;
+  return ({ width, height, step, data }, out) => {
+    let to = 0;
+    for (let y = 0; y < height; y++)
+      for (let x = 0; x < width; x++, to += 4) {
+        const pair = y * step + (x >> 1) * 4;
+        const luma = 1.164 * ((data[pair + firstY + (x & 1) * 2] as number) - 16);
+        const cb = (data[pair + u] as number) - 128;
+        const cr = (data[pair + v] as number) - 128;
+        out[to] = luma + 1.596 * cr;
+        out[to + 1] = luma - 0.813 * cr - 0.391 * cb;
+        out[to + 2] = luma + 2.018 * cb;
+        out[to + 3] = 255;
+      }
+  };
+}
+
+/** Colours of the first four cells, row by row: each pixel takes the nearest cells of the other colours. */
+function bayer(pattern: string): Fill {
+  return ({ width, height, step, data }, out) => {
+    const at = (x: number, y: number) => data[y * step + x] as number;
+    for (let y = 0; y < height; y++)
+      for (let x = 0; x < width; x++) {
+        // The 2 x 2 block that begins here has each colour once, and green twice.
+        const x0 = Math.min(x, width - 2);
+        const y0 = Math.min(y, height - 2);
+        let [r, g, b] = [0, 0, 0];
+        for (const [dx, dy] of [
+          [0, 0],
+          [1, 0],
+          [0, 1],
+          [1, 1],
+        ] as const) {
+          const value = at(x0 + dx, y0 + dy);
+          const color = pattern[((y0 + dy) & 1) * 2 + ((x0 + dx) & 1)];
+          if (color === "r") r = value;
+          else if (color === "b") b = value;
+          else g += value / 2;
+        }
+        out.set([r, g, b, 255], (y * width + x) * 4);
+      }
+  };
+}
+
+const ENCODINGS: Readonly<Record<string, readonly [bytes: number, fill: Fill]>> = {
+  rgb8: [3, interleaved(3, 0, 1, 2)],
+  rgba8: [4, interleaved(4, 0, 1, 2)],
+  bgr8: [3, interleaved(3, 2, 1, 0)],
+  bgra8: [4, interleaved(4, 2, 1, 0)],
+  mono8: [1, interleaved(1, 0, 0, 0)],
+  "8UC1": [1, interleaved(1, 0, 0, 0)],
+  "8UC3": [3, interleaved(3, 2, 1, 0)],
+  mono16: [2, stretched(2)],
+  "16UC1": [2, stretched(2)],
+  "32FC1": [4, stretched(4)],
+  yuv422: [2, yuv422(1)],
+  uyvy: [2, yuv422(1)],
+  yuv422_yuy2: [2, yuv422(0)],
+  yuyv: [2, yuv422(0)],
+  bayer_rggb8: [1, bayer("rggb")],
+  bayer_bggr8: [1, bayer("bggr")],
+  bayer_gbrg8: [1, bayer("gbrg")],
+  bayer_grbg8: [1, bayer("grbg")],
+};
+
+/**
+ * Convert to red, green, blue and alpha.
+ *
+ * @returns width * height * 4 bytes.
+ * @throws Error with a sentence when the picture cannot be shown.
+ */
+export function toRgba(image: RawImage): Uint8ClampedArray<ArrayBuffer> {
+  const { width, height, step, data, encoding } = image;
+  const known = ENCODINGS[encoding];
+  if (known === undefined) throw new Error(`Pictures with the encoding ${encoding} cannot be shown.`);
+  const [bytes, fill] = known;
+  if (width * height > MAX_PIXELS) throw new Error(`A picture of ${width} x ${height} is too large to show.`);
+  if (width < 1 || height < 1) throw new Error("This picture has no pixels.");
+  if (step < width * bytes || step * (height - 1) + width * bytes > data.length)
+    throw new Error(`A ${encoding} picture of ${width} x ${height} needs more than ${data.length} bytes.`);
+  if (encoding.startsWith("bayer") && (width < 2 || height < 2))
+    throw new Error("This picture is too small.");
+  if (encoding.includes("yuv") || encoding === "uyvy" || encoding === "yuyv") {
+    if (width % 2 === 1) throw new Error("A yuv422 picture has an even width.");
+  }
+  const out = new Uint8ClampedArray(width * height * 4);
+  fill(image, out);
+  return out;
+}

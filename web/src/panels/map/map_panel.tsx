@@ -1,0 +1,82 @@
+// Where robots with GPS are: sensor_msgs/NavSatFix on offline tiles or a grid.
+import { effect, useSignal } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
+import { texts } from "../../texts.ts";
+import type { PanelContext } from "../panel.ts";
+import { preactPanel } from "../preact_panel.tsx";
+import { MapView } from "./map_view.ts";
+
+export const FIX_TYPE = "sensor_msgs/NavSatFix";
+/** sensor_msgs/NavSatStatus: STATUS_NO_FIX. */
+const NO_FIX = -1;
+
+interface Fix {
+  status: { status: number };
+  latitude: number;
+  longitude: number;
+}
+
+function MapPanel({ context }: { context: PanelContext }) {
+  const host = useRef<HTMLDivElement>(null);
+  const view = useSignal<MapView | undefined>(undefined);
+  const isFollowing = useSignal(true);
+  const waiting = useSignal<string[]>([]);
+  const tilesUrl = context.robot.info.value?.metadata?.tiles;
+  useEffect(() => {
+    const made = new MapView(host.current as HTMLDivElement, tilesUrl, () => {
+      isFollowing.value = false;
+    });
+    view.value = made;
+    const followed = new Map<string, () => void>();
+    const withoutFix = new Set<string>();
+    const end = effect(() => {
+      for (const topic of context.robot.topics.value.values()) {
+        if (topic.typeName !== FIX_TYPE || topic.channelId === undefined || followed.has(topic.name))
+          continue;
+        const { feed, close } = context.subscribe(topic.name, () => {
+          const message = feed.lastMessage();
+          if (message === undefined || message instanceof Error) return;
+          const fix = message as unknown as Fix;
+          const found = fix.status.status !== NO_FIX && Number.isFinite(fix.latitude + fix.longitude);
+          if (found === withoutFix.has(topic.name)) {
+            if (found) withoutFix.delete(topic.name);
+            else withoutFix.add(topic.name);
+            waiting.value = [...withoutFix];
+          }
+          if (found) made.move(topic.name, fix);
+        });
+        followed.set(topic.name, close);
+      }
+    });
+    return () => {
+      end();
+      for (const close of followed.values()) close();
+      made.dispose();
+    };
+  }, [tilesUrl]);
+  return (
+    <div class="map">
+      <div class="map-picture" ref={host} />
+      <div class="map-tools">
+        <button type="button" class="button" onClick={() => view.value?.fit()}>
+          {texts.map.fit}
+        </button>
+        <button
+          type="button"
+          class="button"
+          aria-pressed={isFollowing.value}
+          onClick={() => {
+            isFollowing.value = !isFollowing.value;
+            if (view.value) view.value.isFollowing = isFollowing.value;
+          }}
+        >
+          {texts.map.follow}
+        </button>
+      </div>
+      {waiting.value.length > 0 && <p class="map-note">{texts.map.noFix(waiting.value.join(", "))}</p>}
+      {tilesUrl === undefined && !context.isCard && <p class="map-hint">{texts.map.noTiles}</p>}
+    </div>
+  );
+}
+
+export default preactPanel(MapPanel);

@@ -1,0 +1,80 @@
+// A map with the robots' places and tracks, on tiles of the robot itself or on a grid.
+import L from "leaflet";
+import { type Place, Track } from "./track.ts";
+
+const COLORS = ["#4c9aff", "#f5a524", "#36b37e", "#e5618a", "#9a6cf5", "#2bb8c4"];
+
+interface Robot {
+  readonly track: Track;
+  readonly line: L.Polyline;
+  readonly dot: L.CircleMarker;
+}
+
+/** Lines of latitude and longitude where there are no tiles. */
+const Grid = L.GridLayer.extend({
+  createTile(this: L.GridLayer): HTMLElement {
+    const tile = document.createElement("div");
+    tile.className = "map-grid-tile";
+    return tile;
+  },
+}) as unknown as new () => L.GridLayer;
+
+export class MapView {
+  private readonly map: L.Map;
+  private readonly robots = new Map<string, Robot>();
+  private readonly resizes: ResizeObserver;
+  isFollowing = true;
+
+  /**
+   * @param tilesUrl the address of tiles with {z}, {x} and {y}; undefined draws a grid.
+   * @param onMoved called when the user moves the map, which ends following.
+   */
+  constructor(host: HTMLElement, tilesUrl: string | undefined, onMoved: () => void) {
+    this.map = L.map(host, { attributionControl: false, zoomControl: true, maxZoom: 22 });
+    this.map.setView([0, 0], 2);
+    L.control.scale({ imperial: false }).addTo(this.map);
+    if (tilesUrl === undefined) new Grid().addTo(this.map);
+    else L.tileLayer(tilesUrl, { maxNativeZoom: 19, maxZoom: 22 }).addTo(this.map);
+    this.map.on("dragstart", () => {
+      this.isFollowing = false;
+      onMoved();
+    });
+    this.resizes = new ResizeObserver(() => this.map.invalidateSize());
+    this.resizes.observe(host);
+  }
+
+  /** A robot is here now. */
+  move(name: string, place: Place): void {
+    const at: L.LatLngTuple = [place.latitude, place.longitude];
+    let robot = this.robots.get(name);
+    if (robot === undefined) {
+      const color = COLORS[this.robots.size % COLORS.length] as string;
+      robot = {
+        track: new Track(),
+        line: L.polyline([], { color, weight: 3, opacity: 0.7 }).addTo(this.map),
+        dot: L.circleMarker(at, { radius: 8, color: "#fff", weight: 2, fillColor: color, fillOpacity: 1 }),
+      };
+      robot.dot.bindTooltip(name, { permanent: true, direction: "right", offset: [10, 0] }).addTo(this.map);
+      this.robots.set(name, robot);
+      if (this.robots.size === 1) this.map.setView(at, 18);
+    }
+    robot.dot.setLatLng(at);
+    if (robot.track.add(place)) robot.line.addLatLng(at);
+    if (this.isFollowing && this.robots.size === 1) this.map.panTo(at, { animate: false });
+  }
+
+  /** Show all robots. */
+  fit(): void {
+    const bounds = L.latLngBounds([]);
+    for (const { line, dot } of this.robots.values()) {
+      bounds.extend(dot.getLatLng());
+      if (line.getLatLngs().length > 0) bounds.extend(line.getBounds());
+    }
+    if (bounds.isValid()) this.map.fitBounds(bounds, { padding: [40, 40], maxZoom: 19 });
+  }
+
+  dispose(): void {
+    this.resizes.disconnect();
+    this.map.remove();
+  }
+}

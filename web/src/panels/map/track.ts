@@ -1,0 +1,35 @@
+// The way a robot came, as places on the earth, thinned so that hours fit.
+export interface Place {
+  readonly latitude: number;
+  readonly longitude: number;
+}
+
+/** Metres between points of the track; a GPS is not more exact. */
+const STEP_M = 0.5;
+const MAX_POINTS = 20_000;
+const EARTH_RADIUS_M = 6_371_000;
+
+/** Metres between two places near each other. */
+export function distanceM(a: Place, b: Place): number {
+  const radians = Math.PI / 180;
+  const north = (b.latitude - a.latitude) * radians;
+  const east = (b.longitude - a.longitude) * radians * Math.cos(a.latitude * radians);
+  return EARTH_RADIUS_M * Math.hypot(north, east);
+}
+
+export class Track {
+  readonly places: Place[] = [];
+
+  /** Returns whether the track grew. */
+  add(place: Place): boolean {
+    const last = this.places.at(-1);
+    if (last !== undefined && distanceM(last, place) < STEP_M) return false;
+    this.places.push(place);
+    // Half of the older points: the shape stays, and the way goes on.
+    if (this.places.length > MAX_POINTS) {
+      const kept = this.places.filter((_, i) => i % 2 === 0 || i > MAX_POINTS * 0.9);
+      this.places.splice(0, this.places.length, ...kept);
+    }
+    return true;
+  }
+}

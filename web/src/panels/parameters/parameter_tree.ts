@@ -1,0 +1,65 @@
+// Parameters as a tree, by the parts of their names.
+import type { Parameter } from "../../connection/protocol.ts";
+
+export interface Branch {
+  readonly name: string;
+  readonly path: string;
+  readonly branches: Branch[];
+  readonly parameters: { name: string; parameter: Parameter }[];
+}
+
+/** Groups `/a/b` and ROS 2's `node.a.b` under their first parts. */
+export function parameterTree(parameters: Iterable<Parameter>, search: string): Branch {
+  const root: Branch = { name: "", path: "", branches: [], parameters: [] };
+  const wanted = search.toLowerCase();
+  const sorted = [...parameters].sort((a, b) => (a.name < b.name ? -1 : 1));
+  for (const parameter of sorted) {
+    if (wanted !== "" && !parameter.name.toLowerCase().includes(wanted)) continue;
+    const parts = parameter.name.split(/[/.]/).filter((part) => part !== "");
+    const name = parts.pop() ?? parameter.name;
+    let branch = root;
+    for (const part of parts) {
+      let next = branch.branches.find((each) => each.name === part);
+      if (next === undefined) {
+        next = { name: part, path: `${branch.path}/${part}`, branches: [], parameters: [] };
+        branch.branches.push(next);
+      }
+      branch = next;
+    }
+    branch.parameters.push({ name, parameter });
+  }
+  return root;
+}
+
+/** The value as a person edits it. */
+export function valueText(value: unknown): string {
+  return typeof value === "string" ? value : JSON.stringify(value);
+}
+
+/**
+ * Reads what a person typed, as the type that the parameter has.
+ *
+ * @throws Error with a sentence when the text does not fit.
+ */
+export function readValue(text: string, before: unknown): unknown {
+  if (typeof before === "string") return text;
+  let value: unknown;
+  try {
+    value = JSON.parse(text.trim());
+  } catch {
+    throw new Error(
+      typeof before === "number" ? "Type a number." : "Type a value as JSON, such as [1, 2] or true.",
+    );
+  }
+  if (before !== undefined && before !== null && kindOf(value) !== kindOf(before))
+    throw new Error(`This parameter is ${kindOf(before)}; ${text.slice(0, 40)} is ${kindOf(value)}.`);
+  return value;
+}
+
+function kindOf(value: unknown): string {
+  if (Array.isArray(value)) return "a list";
+  if (typeof value === "object") return "a group of values";
+  return (
+    { number: "a number", boolean: "true or false", string: "text" }[typeof value as string] ?? "nothing"
+  );
+}

@@ -1,0 +1,132 @@
+// The parameters of the robot: read, search, edit.
+import { type Signal, useSignal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import type { Parameter } from "../../connection/protocol.ts";
+import { EmptyState, IconButton, SearchField } from "../../shell/parts.tsx";
+import { texts } from "../../texts.ts";
+import type { PanelContext } from "../panel.ts";
+import { preactPanel } from "../preact_panel.tsx";
+import { type Branch, parameterTree, readValue, valueText } from "./parameter_tree.ts";
+
+interface ParametersSettings {
+  search?: string;
+}
+
+// A robot description is a parameter of 100 kB; nobody edits it in a field.
+const MAX_EDITED = 2000;
+const REFRESH_MS = 5000;
+
+function ParametersPanel({ context }: { context: PanelContext }) {
+  const settings = context.settings as Signal<ParametersSettings>;
+  const { robot } = context;
+  const failure = useSignal("");
+  const search = settings.value.search ?? "";
+  const isSeen = context.visible.value && robot.canCommand.value;
+  const refresh = () =>
+    robot.parameters
+      .refresh()
+      .then(() => {
+        failure.value = "";
+      })
+      .catch((error: unknown) => {
+        failure.value = (error as Error).message;
+      });
+  useEffect(() => {
+    if (!isSeen) return undefined;
+    void refresh();
+    // Watching covers the parameters that are known; new ones appear by reading again.
+    const timer = setInterval(() => void refresh(), REFRESH_MS);
+    return () => clearInterval(timer);
+  }, [isSeen]);
+  const tree = parameterTree(robot.parameters.values.value.values(), search);
+  const isEmpty = tree.branches.length === 0 && tree.parameters.length === 0;
+  return (
+    <div class="parameters">
+      <div class="toolbar">
+        <SearchField
+          value={search}
+          label={texts.parameters.search}
+          onInput={(text) => {
+            settings.value = { search: text };
+          }}
+        />
+        <IconButton icon="rotate" label={texts.parameters.refresh} onClick={() => void refresh()} />
+      </div>
+      {failure.value && <p class="problem">{failure.value}</p>}
+      {isEmpty ? (
+        <EmptyState icon="parameters" title={texts.parameters.none} text={texts.parameters.noneText} />
+      ) : (
+        <BranchRows branch={tree} context={context} isOpen />
+      )}
+    </div>
+  );
+}
+
+function BranchRows({ branch, context, isOpen }: { branch: Branch; context: PanelContext; isOpen: boolean }) {
+  const rows = (
+    <div class="parameter-rows">
+      {branch.parameters.map(({ name, parameter }) => (
+        <Row key={parameter.name} name={name} parameter={parameter} context={context} />
+      ))}
+      {branch.branches.map((each) => (
+        <BranchRows key={each.path} branch={each} context={context} isOpen={branch.branches.length < 12} />
+      ))}
+    </div>
+  );
+  if (branch.name === "") return rows;
+  return (
+    <details open={isOpen}>
+      <summary>{branch.name}</summary>
+      {rows}
+    </details>
+  );
+}
+
+function Row({ name, parameter, context }: { name: string; parameter: Parameter; context: PanelContext }) {
+  const problem = useSignal("");
+  const { value } = parameter;
+  const set = async (next: unknown) => {
+    try {
+      await context.robot.parameters.set(parameter.name, next, parameter.type);
+      problem.value = "";
+    } catch (error) {
+      problem.value = (error as Error).message;
+    }
+  };
+  const text = valueText(value);
+  const isReadOnly = !context.robot.canCommand.value;
+  return (
+    <div class="parameter">
+      {/* biome-ignore lint/a11y/noLabelWithoutControl: one of the fields below is the control. */}
+      <label class="form-row" title={parameter.name}>
+        <span class="form-name">{name}</span>
+        {typeof value === "boolean" ? (
+          <input
+            type="checkbox"
+            checked={value}
+            disabled={isReadOnly}
+            onChange={(event) => void set(event.currentTarget.checked)}
+          />
+        ) : text.length > MAX_EDITED ? (
+          <span class="parameter-long">{texts.parameters.tooLong(text.length)}</span>
+        ) : (
+          <input
+            type="text"
+            value={text}
+            disabled={isReadOnly}
+            onChange={(event) => {
+              try {
+                void set(readValue(event.currentTarget.value, value));
+              } catch (error) {
+                problem.value = (error as Error).message;
+              }
+            }}
+          />
+        )}
+      </label>
+      {problem.value && <p class="problem">{problem.value}</p>}
+    </div>
+  );
+}
+
+export default preactPanel(ParametersPanel);

@@ -1,0 +1,18 @@
+import { DISPLAY_TYPES } from "../../scene/display_types.ts";
+import type { Panel } from "../panel.ts";
+
+const DRAWN = new Set<string>([...DISPLAY_TYPES, "tf2_msgs/TFMessage", "tf/tfMessage"]);
+
+export const scenePanel: Panel = {
+  id: "scene",
+  title: "scene",
+  icon: "scene",
+  fillsPage: true,
+  isUseful: ({ topics }) =>
+    topics.has("/robot_description") || [...topics.values()].some((each) => DRAWN.has(each.typeName)),
+  matches: ({ topics }) =>
+    [...topics.values()].some((each) => DRAWN.has(each.typeName) && each.channelId !== undefined)
+      ? [{ key: "scene", title: "3D", settings: {}, width: 2, order: 25 }]
+      : [],
+  load: () => import("./scene_panel.tsx"),
+};

@@ -1,0 +1,95 @@
+// The robot of a URDF: its links at their frames, or moved by joint states where nothing publishes them.
+import { Group, LoadingManager, type Object3D } from "three";
+import URDFLoader, { type URDFRobot } from "urdf-loader";
+import { type DisplayContext, disposeTree, type Placed } from "./display.ts";
+import { loadMesh } from "./meshes.ts";
+
+const NO_PICTURE = "data:image/gif;base64,R0lGODlhAQABAIAAAP///wAAACH5BAEAAAAALAAAAAABAAEAAAICRAEAOw==";
+
+export class RobotModel {
+  readonly joints: readonly string[];
+  readonly links: readonly string[];
+  private readonly robot: URDFRobot;
+  private readonly visuals = new Map<string, Group>();
+  /** The whole robot in one piece, for when there is no tf. */
+  readonly whole: Object3D;
+
+  /** @throws Error with a sentence when the description is not a URDF. */
+  constructor(urdf: string, context: DisplayContext) {
+    const manager = new LoadingManager();
+    // Pictures on links are not fetched: the page may load files of the robot through the gateway only.
+    manager.setURLModifier(() => NO_PICTURE);
+    const loader = new URDFLoader(manager);
+    // Addresses stay as the description has them; the gateway finds packages.
+    loader.packages = (name: string) => `package://${name}`;
+    loader.loadMeshCb = (uri, _manager, material, done) => {
+      // Without a material in the URDF, a Collada or OBJ file keeps its own.
+      loadMesh(uri, context.fetchAsset, material.name === "" ? undefined : material)
+        .then((mesh) => {
+          done(mesh);
+          context.invalidate();
+        })
+        .catch((error: unknown) => {
+          context.report((error as Error).message);
+          done(new Group());
+        });
+    };
+    try {
+      this.robot = loader.parse(urdf);
+    } catch (error) {
+      throw new Error(`The robot description is not a readable URDF: ${(error as Error).message}`);
+    }
+    this.links = Object.keys(this.robot.links);
+    if (this.links.length === 0) throw new Error("The robot description has no links.");
+    this.joints = Object.entries(this.robot.joints)
+      .filter(([, joint]) => joint.jointType !== "fixed")
+      .map(([name]) => name);
+    this.whole = new Group();
+    this.whole.add(this.robot);
+    for (const [name, link] of Object.entries(this.robot.links)) {
+      const group = new Group();
+      for (const child of [...link.children])
+        if ((child as { isURDFVisual?: boolean }).isURDFVisual) group.add(child);
+      this.visuals.set(name, group);
+    }
+    this.join();
+  }
+
+  get rootLink(): string {
+    return this.links[0] as string;
+  }
+
+  /** Each link at its own frame, as tf has them. */
+  *placed(): Iterable<Placed> {
+    for (const [frame, object] of this.visuals) yield { frame, stampS: null, object };
+  }
+
+  /** Detach the links, so that the view can place each one. */
+  separate(): void {
+    for (const group of this.visuals.values()) group.removeFromParent();
+  }
+
+  /** Put the links back into one robot that joint states move. */
+  join(): void {
+    for (const [name, group] of this.visuals) {
+      group.matrixAutoUpdate = true;
+      group.position.set(0, 0, 0);
+      group.quaternion.identity();
+      group.visible = true;
+      (this.robot.links[name] as Object3D).add(group);
+    }
+  }
+
+  /** sensor_msgs/JointState. */
+  moveJoints(names: readonly string[], positions: ArrayLike<number>): void {
+    names.forEach((name, i) => {
+      const position = positions[i];
+      if (position !== undefined && name in this.robot.joints) this.robot.setJointValue(name, position);
+    });
+  }
+
+  dispose(): void {
+    for (const group of this.visuals.values()) disposeTree(group);
+    disposeTree(this.whole);
+  }
+}

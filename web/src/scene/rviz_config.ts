@@ -1,0 +1,123 @@
+// Reads what a .rviz file says about the fixed frame and its displays.
+export interface RvizDisplay {
+  /** Such as `rviz/LaserScan` or `rviz_default_plugins/LaserScan`, without the package. */
+  readonly kind: string;
+  readonly enabled: boolean;
+  readonly topic: string;
+}
+export interface RvizConfig {
+  readonly fixedFrame: string;
+  readonly displays: RvizDisplay[];
+}
+
+type Tree = { [key: string]: Tree | Tree[] | string };
+
+/** RViz' own files have some hundred lines. */
+const MAX_LINES = 20_000;
+
+/**
+ * Read a configuration of RViz or RViz2.
+ *
+ * RViz writes one regular form of YAML: two spaces a level, one value a line.
+ *
+ * @throws Error with a sentence when the text has no such form.
+ */
+export function readRvizConfig(text: string): RvizConfig {
+  const lines = text.split(/\r?\n/).filter((line) => line.trim() !== "" && !line.trim().startsWith("#"));
+  if (lines.length > MAX_LINES) throw new Error("This file is too long for an RViz configuration.");
+  const tree = readMap(new Lines(lines), 0);
+  const manager = tree["Visualization Manager"];
+  if (manager === undefined || typeof manager === "string" || Array.isArray(manager))
+    throw new Error("This is not an RViz configuration: it has no Visualization Manager.");
+  const displays: RvizDisplay[] = [];
+  collect(manager.Displays, displays);
+  const options = manager["Global Options"];
+  const fixedFrame = isTree(options) ? (options["Fixed Frame"] ?? "") : "";
+  return { fixedFrame: typeof fixedFrame === "string" ? fixedFrame : "", displays };
+}
+
+function isTree(value: Tree | Tree[] | string | undefined): value is Tree {
+  return typeof value === "object" && !Array.isArray(value);
+}
+
+function collect(value: Tree | Tree[] | string | undefined, displays: RvizDisplay[]): void {
+  if (!Array.isArray(value)) return;
+  for (const each of value) {
+    const kind = typeof each.Class === "string" ? (each.Class.split("/").at(-1) ?? "") : "";
+    if (kind === "Group") collect(each.Displays, displays);
+    // RViz2 nests the topic: Topic: { Value: /scan }.
+    const named = isTree(each.Topic)
+      ? each.Topic.Value
+      : (each.Topic ?? each["Marker Topic"] ?? each["Image Topic"]);
+    displays.push({ kind, enabled: each.Enabled !== "false", topic: typeof named === "string" ? named : "" });
+  }
+}
+
+class Lines {
+  private at = 0;
+  private readonly lines: string[];
+
+  constructor(lines: string[]) {
+    this.lines = lines;
+  }
+
+  peek(): { indent: number; text: string } | undefined {
+    const line = this.lines[this.at];
+    if (line === undefined) return undefined;
+    const text = line.trimStart();
+    return { indent: line.length - text.length, text };
+  }
+
+  next(): void {
+    this.at++;
+  }
+
+  /** Replace the dash of a list's item by space, so that its first key reads as the others. */
+  openItem(): void {
+    const line = this.lines[this.at] as string;
+    this.lines[this.at] = line.replace("-", " ");
+  }
+}
+
+function readMap(lines: Lines, indent: number): Tree {
+  const map: Tree = {};
+  for (let line = lines.peek(); line !== undefined; line = lines.peek()) {
+    if (line.indent !== indent || line.text.startsWith("- ")) break;
+    const colon = line.text.indexOf(":");
+    if (colon < 0) throw new Error(`This is not an RViz configuration: ${line.text.slice(0, 60)}`);
+    const key = line.text.slice(0, colon);
+    const value = line.text.slice(colon + 1).trim();
+    lines.next();
+    map[key] = value === "" ? readBelow(lines, indent) : unquoted(value);
+  }
+  const left = lines.peek();
+  if (left !== undefined && left.indent > indent)
+    throw new Error("This RViz configuration is indented unevenly.");
+  return map;
+}
+
+function readBelow(lines: Lines, indent: number): Tree | Tree[] | string {
+  const line = lines.peek();
+  if (line === undefined) return "";
+  if (line.text.startsWith("- ") && line.indent >= indent) return readList(lines, line.indent);
+  return line.indent > indent ? readMap(lines, line.indent) : "";
+}
+
+function readList(lines: Lines, indent: number): Tree[] {
+  const items: Tree[] = [];
+  for (let line = lines.peek(); line?.indent === indent && line.text.startsWith("- "); line = lines.peek()) {
+    if (!line.text.includes(":")) {
+      items.push({ "": unquoted(line.text.slice(2)) });
+      lines.next();
+      continue;
+    }
+    lines.openItem();
+    items.push(readMap(lines, (lines.peek() as { indent: number }).indent));
+  }
+  return items;
+}
+
+function unquoted(value: string): string {
+  const quote = value[0];
+  return (quote === '"' || quote === "'") && value.at(-1) === quote ? value.slice(1, -1) : value;
+}

@@ -1,0 +1,201 @@
+// The tree of frames with 10 s of history, as tf2's buffer (REP 105, tf2 BufferCore).
+import { compose, IDENTITY, interpolate, invert, type Transform } from "./rigid.ts";
+
+/** tf2 keeps 10 s too. */
+const HISTORY_S = 10;
+/** Broadcasts at 100 Hz fill a history; faster ones keep a shorter one. */
+const MAX_SAMPLES = 1000;
+/** More frames than any robot has; a flood of new names must not fill the memory. */
+const MAX_FRAMES = 4096;
+
+interface Sample {
+  readonly timeS: number;
+  readonly transform: Transform;
+}
+
+export interface Edge {
+  readonly child: string;
+  parent: string;
+  isStatic: boolean;
+  /** Sorted by time; one for a static transform. */
+  samples: Sample[];
+  /** When it arrived, on the page's clock. */
+  receivedMs: number;
+  broadcaster: string;
+}
+
+export interface Found {
+  readonly transform: Transform;
+  /** Time of the data it was made from; Infinity if all transforms are static. */
+  readonly timeS: number;
+}
+
+/** ROS 1 frames may have a leading slash, which tf2 removes too. */
+export function frameName(name: string): string {
+  return name.startsWith("/") ? name.slice(1) : name;
+}
+
+export class TfBuffer {
+  readonly edges = new Map<string, Edge>();
+  /** Grows with each new frame or parent, so that views know when the tree has changed. */
+  treeVersion = 0;
+
+  /** Remember where `child` is in `parent`. */
+  insert(
+    parent: string,
+    child: string,
+    timeS: number,
+    transform: Transform,
+    isStatic: boolean,
+    receivedMs: number,
+    broadcaster = "",
+  ): void {
+    const name = frameName(child);
+    const above = frameName(parent);
+    if (name === "" || above === "" || name === above) return;
+    let edge = this.edges.get(name);
+    if (edge === undefined) {
+      if (this.edges.size >= MAX_FRAMES) return;
+      edge = { child: name, parent: above, isStatic, samples: [], receivedMs, broadcaster };
+      this.edges.set(name, edge);
+      this.treeVersion++;
+    } else if (edge.parent !== above) {
+      edge.parent = above;
+      edge.samples = [];
+      this.treeVersion++;
+    }
+    edge.isStatic = isStatic;
+    edge.receivedMs = receivedMs;
+    edge.broadcaster = broadcaster;
+    if (isStatic) edge.samples = [{ timeS, transform }];
+    else insertSample(edge, { timeS, transform });
+  }
+
+  clear(): void {
+    this.edges.clear();
+    this.treeVersion++;
+  }
+
+  /** Every frame, parents without one of their own included. */
+  frames(): string[] {
+    const names = new Set<string>();
+    for (const edge of this.edges.values()) {
+      names.add(edge.parent);
+      names.add(edge.child);
+    }
+    return [...names].sort();
+  }
+
+  /** The frame above all others of this one's tree. */
+  root(frame: string): string {
+    return this.chain(frameName(frame)).at(-1) ?? frame;
+  }
+
+  /**
+   * Where `source` is in `target`.
+   *
+   * @param atS the time in seconds; null takes the newest that all transforms between the two have.
+   * @returns the transform, or a sentence that says why there is none.
+   */
+  lookup(target: string, source: string, atS: number | null = null): Found | string {
+    const to = frameName(target);
+    const from = frameName(source);
+    if (to === from) return { transform: IDENTITY, timeS: Number.POSITIVE_INFINITY };
+    const up = this.chain(from);
+    const down = this.chain(to);
+    const common = up.find((frame) => down.includes(frame));
+    if (common === undefined) {
+      const missing = [from, to].find((frame) => !this.knows(frame));
+      if (missing !== undefined) return `Nothing publishes the frame ${missing} on /tf.`;
+      return `The frames ${from} and ${to} are not connected by /tf.`;
+    }
+    const rising = up.slice(0, up.indexOf(common));
+    const falling = down.slice(0, down.indexOf(common));
+    const timeS = atS ?? this.newestCommonS([...rising, ...falling]);
+    const inCommon = (frames: string[]): Transform | string => {
+      let transform = IDENTITY;
+      for (const frame of frames) {
+        const edge = this.edges.get(frame) as Edge;
+        const step = sampleAt(edge, timeS);
+        if (typeof step === "string") return step;
+        transform = compose(step, transform);
+      }
+      return transform;
+    };
+    const a = inCommon(rising);
+    if (typeof a === "string") return a;
+    const b = inCommon(falling);
+    if (typeof b === "string") return b;
+    return { transform: compose(invert(b), a), timeS };
+  }
+
+  private knows(frame: string): boolean {
+    if (this.edges.has(frame)) return true;
+    for (const edge of this.edges.values()) if (edge.parent === frame) return true;
+    return false;
+  }
+
+  private newestCommonS(frames: string[]): number {
+    let newestS = Number.POSITIVE_INFINITY;
+    for (const frame of frames) {
+      const edge = this.edges.get(frame) as Edge;
+      if (!edge.isStatic) newestS = Math.min(newestS, edge.samples.at(-1)?.timeS ?? newestS);
+    }
+    return newestS;
+  }
+
+  /** The frame and all above it. A loop of parents ends it. */
+  private chain(frame: string): string[] {
+    const names = [frame];
+    const seen = new Set(names);
+    for (let edge = this.edges.get(frame); edge !== undefined; edge = this.edges.get(edge.parent)) {
+      if (seen.has(edge.parent)) break;
+      seen.add(edge.parent);
+      names.push(edge.parent);
+    }
+    return names;
+  }
+}
+
+function insertSample(edge: Edge, sample: Sample): void {
+  const { samples } = edge;
+  const newest = samples.at(-1);
+  if (newest === undefined || sample.timeS > newest.timeS) {
+    samples.push(sample);
+    const oldestS = sample.timeS - HISTORY_S;
+    let drop = samples.length - MAX_SAMPLES;
+    // Cut in blocks, because moving a whole array for each sample costs more than keeping some.
+    if (drop < 0 && (samples[0] as Sample).timeS < oldestS - 1)
+      drop = samples.findIndex((each) => each.timeS >= oldestS);
+    if (drop > 0) samples.splice(0, Math.max(drop, 64));
+    return;
+  }
+  // The clock went back (a simulation or a bag started again): the old history is of another run.
+  if (sample.timeS < newest.timeS - HISTORY_S) {
+    edge.samples = [sample];
+    return;
+  }
+  const index = samples.findIndex((each) => each.timeS >= sample.timeS);
+  if ((samples[index] as Sample).timeS === sample.timeS) samples[index] = sample;
+  else samples.splice(index, 0, sample);
+}
+
+function sampleAt(edge: Edge, timeS: number): Transform | string {
+  const { samples, child } = edge;
+  const newest = samples.at(-1);
+  if (newest === undefined) return `The frame ${child} has no transform yet.`;
+  if (edge.isStatic || timeS === newest.timeS) return newest.transform;
+  if (timeS > newest.timeS) return `The frame ${child} is ${(timeS - newest.timeS).toFixed(1)} s old.`;
+  const oldest = samples[0] as Sample;
+  if (timeS < oldest.timeS)
+    return `The frame ${child} is known only since ${(oldest.timeS - timeS).toFixed(1)} s later.`;
+  let [low, high] = [0, samples.length - 1];
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if ((samples[middle] as Sample).timeS <= timeS) low = middle;
+    else high = middle;
+  }
+  const a = samples[low] as Sample;
+  const b = samples[high] as Sample;
+  return interpolate(a.transform, b.transform, (timeS - a.timeS) / (b.timeS - a.timeS));
+}

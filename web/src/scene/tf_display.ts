@@ -1,0 +1,62 @@
+// The frames of tf: axes with their names, and a line to each parent.
+import { BufferAttribute, BufferGeometry, Group, LineBasicMaterial, LineSegments } from "three";
+import { type Display, disposeTree, type Placed } from "./display.ts";
+import { axes, label } from "./shapes.ts";
+import type { TfBuffer } from "./tf_buffer.ts";
+
+/** A humanoid has some 100 frames; more labels than this cannot be read. */
+const MAX_SHOWN = 300;
+
+export class TfDisplay implements Display {
+  private readonly tf: TfBuffer;
+  private readonly color: string;
+  private readonly shown = new Map<string, Group>();
+  private readonly parents = new Map<string, LineSegments>();
+  private version = -1;
+  lengthM = 0.15;
+
+  constructor(tf: TfBuffer, color: string) {
+    this.tf = tf;
+    this.color = color;
+  }
+
+  update(): void {}
+
+  *placed(): Iterable<Placed> {
+    if (this.version !== this.tf.treeVersion) this.rebuild();
+    for (const [frame, object] of this.shown) yield { frame, stampS: null, object };
+    for (const [child, object] of this.parents) {
+      const edge = this.tf.edges.get(child);
+      const newest = edge?.samples.at(-1);
+      if (edge === undefined || newest === undefined) continue;
+      const position = object.geometry.getAttribute("position") as BufferAttribute;
+      position.setXYZ(1, ...newest.transform.translation);
+      position.needsUpdate = true;
+      yield { frame: edge.parent, stampS: null, object };
+    }
+  }
+
+  dispose(): void {
+    for (const each of [...this.shown.values(), ...this.parents.values()]) disposeTree(each);
+    this.shown.clear();
+    this.parents.clear();
+  }
+
+  private rebuild(): void {
+    this.version = this.tf.treeVersion;
+    this.dispose();
+    for (const frame of this.tf.frames().slice(0, MAX_SHOWN)) {
+      const group = new Group();
+      const name = label(frame, this.lengthM * 0.4, this.color);
+      name.position.z = this.lengthM * 0.35;
+      group.add(axes(this.lengthM), name);
+      this.shown.set(frame, group);
+      if (!this.tf.edges.has(frame)) continue;
+      const geometry = new BufferGeometry();
+      geometry.setAttribute("position", new BufferAttribute(new Float32Array(6), 3));
+      const line = new LineSegments(geometry, new LineBasicMaterial({ color: "#d6a11d" }));
+      line.frustumCulled = false;
+      this.parents.set(frame, line);
+    }
+  }
+}

@@ -1,0 +1,202 @@
+// The 3D picture: camera, light, ground and everything that displays draw, each at its frame.
+import {
+  AmbientLight,
+  Color,
+  DirectionalLight,
+  GridHelper,
+  Object3D,
+  PerspectiveCamera,
+  Scene,
+  Vector3,
+  WebGLRenderer,
+} from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { type FrameTask, frameTask } from "../store/frames.ts";
+import type { Display, Placed } from "./display.ts";
+import type { Transform } from "./rigid.ts";
+import { frameName, type TfBuffer } from "./tf_buffer.ts";
+
+// 30 pictures a second look fluent and cost half of 60, which a phone's battery notices.
+const MIN_FRAME_MS = 30;
+
+export interface Placement {
+  readonly transform: Transform | undefined;
+  readonly problem: string;
+}
+
+export class SceneView {
+  readonly displays = new Map<string, Display>();
+  /** Sentences about what cannot be drawn as it should, by key of the display. */
+  readonly problems = new Map<string, string>();
+  fixedFrame = "";
+  /** The camera moves with this frame; empty for none. */
+  followedFrame = "";
+
+  private readonly host: HTMLElement;
+  private readonly tf: TfBuffer;
+  private readonly scene = new Scene();
+  private readonly camera = new PerspectiveCamera(50, 1, 0.01, 2000);
+  private readonly renderer = new WebGLRenderer({ antialias: true });
+  private readonly controls: OrbitControls;
+  private readonly frame: FrameTask;
+  private readonly resizes: ResizeObserver;
+  private readonly drawn = new Map<string, Set<Object3D>>();
+  private readonly followedAt = new Vector3();
+  private grid = new GridHelper();
+  private lastDrawMs = 0;
+  private timer: ReturnType<typeof setTimeout> | undefined;
+
+  constructor(host: HTMLElement, tf: TfBuffer) {
+    this.host = host;
+    this.tf = tf;
+    Object3D.DEFAULT_UP.set(0, 0, 1);
+    this.scene.up.set(0, 0, 1);
+    this.camera.up.set(0, 0, 1);
+    host.append(this.renderer.domElement);
+    this.controls = new OrbitControls(this.camera, this.renderer.domElement);
+    this.controls.maxPolarAngle = Math.PI * 0.98;
+    this.controls.addEventListener("change", () => this.markDirty());
+    const sun = new DirectionalLight(0xffffff, 2.2);
+    sun.position.set(3, -4, 8);
+    this.scene.add(sun, new AmbientLight(0xffffff, 1.1));
+    this.frame = frameTask(() => this.drawSoon());
+    this.resizes = new ResizeObserver(() => this.resize());
+    this.resizes.observe(host);
+    this.applyTheme();
+    this.lookFrom(2.5);
+    this.resize();
+  }
+
+  /** Take the colours from the page's style again, after dark and light were switched. */
+  applyTheme(): void {
+    const style = getComputedStyle(this.host);
+    const color = (name: string, fallback: string) =>
+      new Color(style.getPropertyValue(name).trim() || fallback);
+    this.scene.background = color("--scene-background", "#14171c");
+    this.grid.removeFromParent();
+    this.grid.dispose();
+    const lines = color("--scene-grid", "#3a404a");
+    this.grid = new GridHelper(20, 20, lines, lines);
+    this.grid.rotation.x = Math.PI / 2;
+    this.scene.add(this.grid);
+    this.markDirty();
+  }
+
+  /** Stand so far from what the camera looks at that a robot of this size fills the picture. */
+  lookFrom(distanceM: number, direction: "corner" | "top" | "front" | "side" = "corner"): void {
+    const way = {
+      corner: new Vector3(0.75, -0.75, 0.55),
+      top: new Vector3(-0.0001, 0, 1),
+      front: new Vector3(1, 0, 0.1),
+      side: new Vector3(0, -1, 0.1),
+    }[direction];
+    this.controls.target.copy(this.followedAt);
+    this.camera.position.copy(way.normalize().multiplyScalar(distanceM)).add(this.followedAt);
+    this.controls.update();
+    this.markDirty();
+  }
+
+  get distanceM(): number {
+    return this.camera.position.distanceTo(this.controls.target);
+  }
+
+  add(key: string, display: Display): void {
+    this.remove(key);
+    this.displays.set(key, display);
+    this.markDirty();
+  }
+
+  remove(key: string): void {
+    this.displays.get(key)?.dispose();
+    this.displays.delete(key);
+    this.problems.delete(key);
+    for (const object of this.drawn.get(key) ?? []) object.removeFromParent();
+    this.drawn.delete(key);
+    this.markDirty();
+  }
+
+  markDirty(): void {
+    this.frame.markDirty();
+  }
+
+  dispose(): void {
+    for (const key of [...this.displays.keys()]) this.remove(key);
+    clearTimeout(this.timer);
+    this.frame.dispose();
+    this.resizes.disconnect();
+    this.controls.dispose();
+    this.renderer.dispose();
+    // Browsers keep only some 16 contexts alive, and wait for garbage collection otherwise.
+    this.renderer.forceContextLoss();
+    this.renderer.domElement.remove();
+  }
+
+  /** Where a thing is in the fixed frame. What no transform connects is drawn at the origin, and said. */
+  place(frame: string, stampS: number | null): Placement {
+    const from = frameName(frame);
+    if (from === "" || from === frameName(this.fixedFrame)) return { transform: undefined, problem: "" };
+    let found = this.tf.lookup(this.fixedFrame, from, stampS);
+    // A stamp that is newer than the transforms, or older than the history: the newest is the best guess.
+    if (typeof found === "string" && stampS !== null) found = this.tf.lookup(this.fixedFrame, from, null);
+    if (typeof found === "string") return { transform: undefined, problem: `${found} Drawn at the origin.` };
+    return { transform: found.transform, problem: "" };
+  }
+
+  private drawSoon(): void {
+    const waitMs = MIN_FRAME_MS - (performance.now() - this.lastDrawMs);
+    if (waitMs <= 2) this.draw();
+    else this.timer ??= setTimeout(() => this.draw(), waitMs);
+  }
+
+  private draw(): void {
+    clearTimeout(this.timer);
+    this.timer = undefined;
+    this.lastDrawMs = performance.now();
+    for (const [key, display] of this.displays) this.placeDisplay(key, display);
+    this.follow();
+    this.renderer.render(this.scene, this.camera);
+  }
+
+  private placeDisplay(key: string, display: Display): void {
+    const before = this.drawn.get(key) ?? new Set<Object3D>();
+    const now = new Set<Object3D>();
+    let problem = "";
+    for (const each of display.placed()) {
+      const placement = this.place(each.frame, each.stampS);
+      problem ||= placement.problem;
+      applyTransform(each, placement.transform);
+      if (each.object.parent !== this.scene) this.scene.add(each.object);
+      now.add(each.object);
+    }
+    for (const object of before) if (!now.has(object)) object.removeFromParent();
+    this.drawn.set(key, now);
+    if (problem === "") this.problems.delete(key);
+    else this.problems.set(key, problem);
+  }
+
+  private follow(): void {
+    if (this.followedFrame === "") return;
+    const { transform } = this.place(this.followedFrame, null);
+    if (transform === undefined) return;
+    const moved = new Vector3(...transform.translation).sub(this.followedAt);
+    this.followedAt.add(moved);
+    this.camera.position.add(moved);
+    this.controls.target.add(moved);
+    this.camera.lookAt(this.controls.target);
+  }
+
+  private resize(): void {
+    const { clientWidth: width, clientHeight: height } = this.host;
+    if (width === 0 || height === 0) return;
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.draw();
+  }
+}
+
+function applyTransform({ object }: Placed, transform: Transform | undefined): void {
+  object.position.set(...(transform?.translation ?? ([0, 0, 0] as const)));
+  object.quaternion.set(...(transform?.rotation ?? ([0, 0, 0, 1] as const)));
+}
