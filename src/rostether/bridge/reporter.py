@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from collections.abc import Callable
 from typing import Protocol, TypeAlias
 
 from rostether.errors import RostetherError
 from rostether.graph.ports import Level
+from rostether.mechanisms.repeat_limiter import RepeatLimiter
 from rostether.mechanisms.text import escape_line
 
-# A fault that has not shown for this long is over: its next appearance is news again.
-EPISODE_QUIET_S = 10.0
-# Kinds carry names that a peer chose; forgetting the oldest keeps a hostile one from filling memory.
-MAX_KINDS = 256
 # A line on a terminal; a board's own log text may be longer and goes whole to the graph.
 MAX_LINE_CHARS = 500
 
@@ -87,7 +83,7 @@ class Notices:
         self.to_graph: Callable[[Level, str], None] | None = None
         self._reporter = reporter
         self._clock = clock
-        self._episodes: OrderedDict[str, list[float]] = OrderedDict()
+        self._episodes = RepeatLimiter(by_episode=True)
 
     def report(self, level: Level, text: str) -> None:
         """Report a line."""
@@ -101,19 +97,11 @@ class Notices:
 
     def episode(self, kind: str, level: Level, text: LineText, *, count: int = 1) -> None:
         """Report a line when `kind` begins, and nothing more of it until it was quiet for 10 s."""
-        now_s = self._clock()
-        state = self._episodes.get(kind)
-        if state is not None and now_s - state[0] < EPISODE_QUIET_S:
-            state[0] = now_s
-            state[1] += count
+        suppressed = self._episodes.admit(kind, self._clock(), count=count)
+        if suppressed is None:
             return
-        unsaid = int(state[1]) if state is not None else 0
-        self._episodes[kind] = [now_s, 0.0]
-        self._episodes.move_to_end(kind)
-        if len(self._episodes) > MAX_KINDS:
-            self._episodes.popitem(last=False)
-        said = text if isinstance(text, str) else text()
-        self.report(level, f"{said} (and {unsaid} more the last time)" if unsaid else said)
+        line = text if isinstance(text, str) else text()
+        self.report(level, f"{line} (and {suppressed} more the last time)" if suppressed else line)
 
     def defect(self, error: Exception) -> None:
         """Report that a part of a session failed."""
@@ -121,4 +109,4 @@ class Notices:
 
     def end_episode(self, kind: str) -> None:
         """Let the next appearance of `kind` be news."""
-        self._episodes.pop(kind, None)
+        self._episodes.forget(kind)

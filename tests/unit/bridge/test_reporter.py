@@ -5,8 +5,6 @@ import logging
 import pytest
 
 from rostether.bridge.reporter import (
-    EPISODE_QUIET_S,
-    MAX_KINDS,
     MAX_LINE_CHARS,
     LimitedReporter,
     Notices,
@@ -14,6 +12,7 @@ from rostether.bridge.reporter import (
     shown_line,
 )
 from rostether.graph.ports import Level
+from rostether.mechanisms.repeat_limiter import PERIOD_S
 from unit.bridge.doubles import RecordingReporter
 
 
@@ -50,7 +49,7 @@ def test_a_line_names_its_node_and_goes_to_the_graph(notices: Notices, reporter:
 
 def test_an_episode_is_one_line(notices: Notices, reporter: RecordingReporter, clock: Clock) -> None:
     for _ in range(1000):
-        clock.now_s += EPISODE_QUIET_S / 2
+        clock.now_s += PERIOD_S / 2
         notices.episode("misfit", Level.WARN, "damaged")
     assert reporter.texts == ["damaged"]
 
@@ -60,7 +59,7 @@ def test_a_new_episode_tells_what_the_last_one_left_unsaid(
 ) -> None:
     notices.episode("misfit", Level.WARN, "damaged")
     notices.episode("misfit", Level.WARN, "damaged", count=41)
-    clock.now_s = EPISODE_QUIET_S + 1
+    clock.now_s = PERIOD_S + 1
     notices.episode("misfit", Level.WARN, "damaged")
     assert reporter.texts == ["damaged", "damaged (and 41 more the last time)"]
 
@@ -82,13 +81,6 @@ def test_a_text_is_made_only_when_it_is_said(notices: Notices) -> None:
     notices.episode("kind", Level.WARN, make)
     notices.episode("kind", Level.WARN, make)
     assert made == [1]
-
-
-def test_kinds_are_bounded(notices: Notices, reporter: RecordingReporter) -> None:
-    for number in range(MAX_KINDS + 1):
-        notices.episode(f"kind {number}", Level.WARN, "text")
-    notices.episode("kind 0", Level.WARN, "forgotten, so said again")
-    assert reporter.texts[-1] == "forgotten, so said again"
 
 
 @pytest.mark.parametrize(

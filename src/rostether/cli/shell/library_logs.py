@@ -9,6 +9,7 @@ from collections.abc import Callable
 from rostether.cli.shell.failures import TRACEBACK_VARIABLE
 from rostether.cli.shell.output import warn
 from rostether.graph.ports import Level
+from rostether.mechanisms.repeat_limiter import RepeatLimiter
 from rostether.mechanisms.text import fold_line
 
 _LEVELS = {
@@ -20,31 +21,20 @@ _LEVELS = {
 }
 _ROOMS = logging.getLogger("rostether")
 _ASYNCIO = logging.getLogger("asyncio")
-REPEAT_S = 10.0
-"""asyncio logs the same message for each connection that it cannot accept."""
 # The part that identifies a message: asyncio puts the details at the end.
 _KIND_CHARACTERS = 40
-_MAX_KINDS = 64
 
 
 class _Lines(logging.Handler):
     def __init__(self, show: Callable[[Level, str], None]) -> None:
         super().__init__()
         self.show = show
-        self._said_s: dict[str, float] = {}
-
-    def _is_repeated(self, record: logging.LogRecord) -> bool:
-        """Return whether such a line was shown recently: some come thousands of times a second."""
-        kind = str(record.msg)[:_KIND_CHARACTERS]
-        if record.created - self._said_s.get(kind, float("-inf")) < REPEAT_S:
-            return True
-        if len(self._said_s) >= _MAX_KINDS:
-            self._said_s.clear()
-        self._said_s[kind] = record.created
-        return False
+        # asyncio logs the same message for each connection that it cannot accept.
+        self._asyncio_lines = RepeatLimiter()
 
     def emit(self, record: logging.LogRecord) -> None:
-        if record.name == _ASYNCIO.name and self._is_repeated(record):
+        kind = str(record.msg)[:_KIND_CHARACTERS]
+        if record.name == _ASYNCIO.name and self._asyncio_lines.admit(kind, record.created) is None:
             return
         text = fold_line(record.getMessage())
         error = record.exc_info[1] if record.exc_info else None

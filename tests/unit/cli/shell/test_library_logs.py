@@ -7,9 +7,9 @@ from collections.abc import Iterator
 
 import pytest
 
-from rostether.cli.shell import library_logs as module
 from rostether.cli.shell.library_logs import show_library_logs
 from rostether.graph.ports import Level
+from rostether.mechanisms import repeat_limiter
 
 ROOM = logging.getLogger("rostether.ros1")
 ASYNCIO = logging.getLogger("asyncio")
@@ -81,6 +81,6 @@ def test_asyncio_does_not_fill_the_log(monkeypatch: pytest.MonkeyPatch) -> None:
         ROOM.warning("node %s is gone", number)
     assert len([text for text in shown if "accept" in text]) == 1
     assert len(shown) == 1001
-    monkeypatch.setattr(module, "REPEAT_S", 0.0)
+    monkeypatch.setattr(repeat_limiter, "PERIOD_S", 0.0)
     ASYNCIO.error("socket.accept() out of system resource\nsocket: %s", 1000)
     assert shown[-1] == "socket.accept() out of system resource socket: 1000"
