@@ -1,18 +1,42 @@
-"""What makes the sender of a datagram a board: a frame. Its address alone is easily forged."""
+"""What makes the sender of a datagram a board: a frame. Its address is proven by an answer to our question.
+
+A sender with a forged address receives nothing from us, so it does not know when to answer.
+"""
 
 from __future__ import annotations
 
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.frame import MAX_PAYLOAD_BYTES, encode_frame
+from rostether.rosserial.frame_decoder import Frames
 from rostether.rosserial.protocol_detector import ProtocolDetector
 from rostether.transports.peers import PeerEntry
+
+_ANSWERS = frozenset({*ids.ANNOUNCEMENTS, ids.PARAMETER})
 
 
 def holds_frame(data: bytes) -> bool:
     """Tell whether a sound frame of either protocol version is in `data`."""
+    return bool(_frames_in(data))
+
+
+def holds_answer(data: bytes) -> bool:
+    """Tell whether `data` has what boards send only after the host was heard.
+
+    That is an announcement, or the request for a parameter of a board without topics.
+    """
+    return any(frames.topic_id in _ANSWERS for frames in _frames_in(data))
+
+
+def _frames_in(data: bytes) -> list[Frames]:
     detector = ProtocolDetector(max_payload_bytes=MAX_PAYLOAD_BYTES, limits={})
-    detector.feed(data, 0.0)
-    return detector.decoder is not None
+    decoded = detector.feed(data, 0.0)
+    if detector.decoder is None:
+        return []
+    return [each for each in decoded if isinstance(each, Frames)]
 
 
-BOARD_ENTRY = PeerEntry(holds_frame, encode_frame(ids.TOPIC_REQUEST, b""))
+BOARD_ENTRY = PeerEntry(
+    is_frame=holds_frame,
+    question=encode_frame(ids.TOPIC_REQUEST, b""),
+    is_answer=holds_answer,
+)

@@ -30,10 +30,11 @@ SILENT_LIMIT_S = 5.0
 
 @dataclass(frozen=True, slots=True)
 class PeerEntry:
-    """How a sender becomes a peer: by data in which `is_frame` finds a frame. `question` asks for one."""
+    """How a sender becomes a peer: by a frame; `question` asks for one. An answer proves its address."""
 
     is_frame: Callable[[bytes], bool]
     question: bytes
+    is_answer: Callable[[bytes], bool]
 
 
 @dataclass(slots=True)
@@ -54,6 +55,7 @@ class PeerTransport(Generic[PeerKey]):
         self.has_answered = not expires or table.entry is None
         self.allowance_bytes = 0
         self._was_written_to = False
+        self._unproven = bytearray()
         self._table = table
         self._peer = peer
         self._receiver: Receiver | None = None
@@ -125,13 +127,19 @@ class PeerTransport(Generic[PeerKey]):
         """Take what the medium received from this peer."""
         self.heard_at_s = self._table.now_s()
         if not self.has_answered:
-            self.allowance_bytes += len(data)
-            entry = self._table.entry
-            self.has_answered = self._was_written_to and (entry is None or entry.is_frame(data))
+            self._seek_answer(data)
         if self._receiver is not None and not self._paused and not self._held:
             self._receiver.data_received(data)
         elif len(self._held) + len(data) <= _HELD_LIMIT_BYTES:
             self._held += data
+
+    def _seek_answer(self, data: bytes) -> None:
+        self.allowance_bytes += len(data)
+        if not self._was_written_to or (entry := self._table.entry) is None:
+            return
+        self._unproven += data  # an answer may be cut into several datagrams
+        del self._unproven[:-_CANDIDATE_BYTES]
+        self.has_answered = entry.is_answer(bytes(self._unproven))
 
     def pause_writing(self) -> None:
         """Pass on that the medium's write buffer is full."""

@@ -10,7 +10,7 @@ from typing import cast
 
 import pytest
 
-from rostether.bridge.peer_entry import BOARD_ENTRY, holds_frame
+from rostether.bridge.peer_entry import BOARD_ENTRY, holds_answer, holds_frame
 from rostether.bridge.settings import BridgeSettings
 from rostether.bridge.supervisor import Supervisor
 from rostether.graph.memory_network import MemoryNetwork
@@ -110,6 +110,16 @@ def test_what_is_no_frame_of_a_board(data: bytes) -> None:
     assert not holds_frame(data)
 
 
+@pytest.mark.parametrize("name", names())
+def test_what_boards_send_when_they_were_asked_is_an_answer(name: str) -> None:
+    said = b"".join(chunk.data for chunk in load(name).of_device()[:50])
+    assert holds_answer(said)
+
+
+def test_a_time_request_is_no_answer() -> None:
+    assert not holds_answer(TIME_REQUEST * 3)
+
+
 async def test_a_board_that_only_asks_for_the_time_connects(site: Site) -> None:
     async with board(site.place):
         await until(site.has_chatter, "the board's topic")
@@ -134,3 +144,16 @@ async def test_forged_frames_are_answered_with_no_more_and_give_way(site: Site) 
         async with board(site.place):
             await until(site.has_chatter, "the board's topic")
         assert sum(map(received_bytes, forged)) <= 64 * len(TIME_REQUEST)
+
+
+async def test_forged_frames_of_one_address_are_never_answered_with_more(site: Site) -> None:
+    with senders(1, site.place) as (forged,):
+        sent = received = 0
+        for _ in range(2):
+            sent += forged.send(TIME_REQUEST)
+            await asyncio.sleep(0.1)
+        # The bridge repeats its question several times a second.
+        for _ in range(20):
+            await asyncio.sleep(0.1)
+            received += received_bytes(forged)
+        assert 0 < received <= sent

@@ -143,7 +143,7 @@ async def test_a_peer_too_many_is_refused() -> None:
 def entering(max_peers: int = 4) -> Medium:
     """A medium whose senders become peers by data with `F` in it, and are asked by `????`."""
     medium = Medium(max_peers)
-    medium.table.entry = PeerEntry(lambda data: b"F" in data, b"????")
+    medium.table.entry = PeerEntry(lambda data: b"F" in data, b"????", lambda data: b"A" in data)
     return medium
 
 
@@ -159,7 +159,7 @@ async def test_a_sender_is_a_peer_once_it_says_a_frame() -> None:
 
 async def test_a_frame_in_two_datagrams_counts() -> None:
     medium = Medium()
-    medium.table.entry = PeerEntry(lambda data: b"FRAME" in data, b"????")
+    medium.table.entry = PeerEntry(lambda data: b"FRAME" in data, b"????", lambda data: b"ANSWER" in data)
     medium.table.receive("a", b"FR")
     medium.table.receive("a", b"AME")
     assert len(medium.table) == 1
@@ -176,12 +176,35 @@ async def test_who_has_not_answered_is_sent_no_more_than_came() -> None:
     for _ in range(10):
         peer.write(b"12345")
     assert sum(len(data) for _, data in medium.sent) <= 18
-    medium.table.receive("a", b"not one")
-    peer.write(b"y" * 100)
-    assert medium.sent[-1] != ("a", b"y" * 100), "noise is no answer"
-    medium.table.receive("a", b"F")
+    for _ in range(3):
+        medium.table.receive("a", b"F")
+        peer.write(b"y" * 100)
+    assert medium.sent[-1] != ("a", b"y" * 100), "a frame that needs no question is no answer"
+    medium.table.receive("a", b"A")
     peer.write(b"y" * 100)
     assert medium.sent[-1] == ("a", b"y" * 100)
+    medium.table.end_all(None)
+
+
+async def test_an_answer_in_two_datagrams_counts() -> None:
+    medium = Medium()
+    medium.table.entry = PeerEntry(lambda data: b"F" in data, b"????", lambda data: b"ANSWER" in data)
+    medium.table.receive("a", b"F")
+    peer, _ = await medium.arrivals.next_started()
+    peer.write(b"?")
+    medium.table.receive("a", b"ANS")
+    medium.table.receive("a", b"WER")
+    peer.write(b"y" * 100)
+    assert medium.sent[-1] == ("a", b"y" * 100)
+    medium.table.end_all(None)
+
+
+async def test_an_answer_before_the_question_proves_nothing() -> None:
+    medium = entering()
+    medium.table.receive("a", b"FA")
+    peer, _ = await medium.arrivals.next_started()
+    peer.write(b"y" * 100)
+    assert medium.sent == []
     medium.table.end_all(None)
 
 
@@ -205,7 +228,7 @@ async def test_silent_peers_give_way_and_those_that_speak_do_not() -> None:
         medium.table.receive(key, b"F")
     _, forged = await medium.arrivals.next_started()
     medium.now_s = 1.0
-    medium.table.receive("board", b"F")
+    medium.table.receive("board", b"A")
     medium.table.receive("new", b"F")
     assert "its place is needed" in str(await forged.until_lost())
     medium.table.receive("forged 3", b"F")
