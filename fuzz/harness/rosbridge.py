@@ -11,7 +11,6 @@ import json
 import random
 import re
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
 from typing import Any
 
 import cbor2
@@ -20,7 +19,6 @@ from fuzz.grammar import near
 from fuzz.lowering import lowered
 from rostether.gateways.rosbridge import client_services, client_topics, fragments
 from rostether.gateways.rosbridge import gateway_context as surroundings
-from rostether.gateways.rosbridge.admission import Admission
 from rostether.gateways.rosbridge.fragments import split_fragments
 from rostether.gateways.rosbridge.gateway_context import GatewayContext
 from rostether.gateways.rosbridge.message_forms import MessageForms
@@ -32,6 +30,7 @@ from rostether.gateways.rosbridge.session import Session
 from rostether.gateways.rosbridge.settings import RosbridgeSettings
 from rostether.gateways.rosbridge.values import Style
 from rostether.gateways.shared_subscriptions import SharedSubscriptions
+from rostether.gateways.websocket.admission import Token
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph
@@ -169,7 +168,6 @@ class _Connection:
 
     def __init__(self, lines: list[str], network: MemoryNetwork) -> None:
         self.network = network
-        self.transport = self.protocol = self
         self._lines = lines
         self._answered = asyncio.Event()
 
@@ -188,32 +186,13 @@ class _Connection:
         services = [name for name, info in graph.services.items() if "/gateway" in info.providers]
         assert len(services) <= MAX_EACH, "more services are offered than may be"
 
-    @asynccontextmanager
-    async def send_context(self) -> AsyncIterator[None]:
-        """Be there, and never slow."""
-        yield
-
-    async def send(self, frame: str | bytes) -> None:
-        """Hear a message."""
-        if isinstance(frame, str):
-            self.send_text(frame.encode())
-        else:
-            self.send_binary(frame)
-
-    def send_text(self, frame: bytes) -> None:
-        """Hear a message in JSON."""
-        self._hear(json.loads(frame, parse_constant=_refuse))
-
-    def send_binary(self, frame: bytes) -> None:
-        """Hear a message in CBOR."""
-        self._hear(cbor2.loads(frame))
-
-    def data_to_send(self) -> list[bytes]:
-        """Return nothing: all is heard."""
-        return []
-
-    def write(self, data: bytes) -> None:
-        """Take no bytes."""
+    async def send(self, *frames: str | bytes) -> None:
+        """Hear messages in JSON and in CBOR."""
+        for frame in frames:
+            if isinstance(frame, str):
+                self._hear(json.loads(frame, parse_constant=_refuse))
+            else:
+                self._hear(cbor2.loads(frame))
 
     def _hear(self, fields: dict[str, object]) -> None:
         assert isinstance(fields["op"], str)
@@ -221,11 +200,11 @@ class _Connection:
             assert fields["result"] is True
             self._answered.set()
 
-    async def recv(self) -> str:
+    async def receive(self) -> str:
         """Say nothing more."""
         return ""
 
-    async def close(self, code: int = 1000, reason: str = "") -> None:
+    def close(self, code: int = 1000, reason: str = "") -> None:
         """Be hung up on."""
         raise AssertionError(f"hung up on: {code} {reason}")
 
@@ -261,7 +240,7 @@ async def _converse(lines: list[str]) -> None:
         local_services=Rosapi(graph, _STORE, environ={}),
         tell=_tell,
     )
-    session = Session(_Connection(lines, network), around, Admission(_SETTINGS), "a client")  # type: ignore[arg-type]
+    session = Session(_Connection(lines, network), around, Token(), "a client")  # type: ignore[arg-type]
     failures: list[dict[str, Any]] = []
     asyncio.get_running_loop().set_exception_handler(lambda _, context: failures.append(context))
     try:

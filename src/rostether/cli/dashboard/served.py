@@ -76,6 +76,7 @@ async def served_dashboard(
         host,
         port,
         name=socket.gethostname(),
+        label=NODE,
         token=access.token,
         origins=access.origins,
         allow=access.allow,

@@ -128,10 +128,10 @@ def settings_of_parameters(
     from rostether.gateways.foxglove.limits import FoxgloveLimits
     from rostether.gateways.foxglove.settings import (
         CAPABILITIES,
-        DEFAULT_HOST,
         DEFAULT_PORT,
         FoxgloveSettings,
     )
+    from rostether.gateways.websocket.settings import DEFAULT_HOST
 
     certificate, key = certificate_files(parameters, "tls") if flag(parameters, "tls") else ("", "")
     wanted = parameters.get("capabilities")

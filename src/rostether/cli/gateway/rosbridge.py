@@ -146,11 +146,11 @@ async def node_parameters(graph: TypedGraph, words: Sequence[str]) -> dict[str, 
 def read_settings(parameters: Mapping[str, Any], token: str = "") -> RosbridgeSettings:
     """Return what a rosbridge_websocket's parameters ask for. Raises ConfigError naming the parameter."""
     from rostether.gateways.rosbridge.settings import (
-        DEFAULT_HOST,
         DEFAULT_MAX_MESSAGE_BYTES,
         DEFAULT_PORT,
         RosbridgeSettings,
     )
+    from rostether.gateways.websocket.settings import DEFAULT_HOST
 
     if flag(parameters, "authenticate") and not token:
         raise ConfigError(f"~authenticate needs a token: set {TOKEN_VARIABLE} where the node is started")

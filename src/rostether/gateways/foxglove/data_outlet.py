@@ -21,13 +21,15 @@ _DRAIN_BYTES = 64 << 10  # written at once of what waited: enough for one system
 
 
 class DataOutlet:
-    """Open between the handshake and the end; `dropped` is called with the number of newly lost messages."""
+    """`write` sends bytes; `dropped` is called with the number of newly lost messages."""
 
-    def __init__(self, waiting_bytes: int, dropped: Callable[[int], None]) -> None:
-        self.is_open = False
+    def __init__(
+        self, waiting_bytes: int, write: Callable[[bytes], None], dropped: Callable[[int], None]
+    ) -> None:
+        self._is_open = True
+        self._write = write
         self._dropped = dropped
         self._loop = asyncio.get_running_loop()
-        self._transport: asyncio.WriteTransport | None = None
         self._pieces: list[bytes] = []
         self._pieces_bytes = 0
         self._is_flush_due = False
@@ -36,14 +38,9 @@ class DataOutlet:
         self._waiting = WaitingMessages(waiting_bytes)
         self._told_dropped = 0
 
-    def open(self, transport: asyncio.WriteTransport) -> None:
-        """Let messages go to the client."""
-        self._transport = transport
-        self.is_open = True
-
     def end(self) -> None:
         """Write nothing more."""
-        self.is_open = False
+        self._is_open = False
         self._pieces.clear()
         self._pieces_bytes = 0
 
@@ -58,7 +55,7 @@ class DataOutlet:
 
     def send(self, subscription_id: int, time_ns: int, payloads: Sequence[bytes]) -> None:
         """Send messages of a topic, or let them wait."""
-        if not self.is_open:
+        if not self._is_open:
             return
         if self._is_paused or self._waiting:
             self._waiting.add(subscription_id, time_ns, payloads)
@@ -86,18 +83,17 @@ class DataOutlet:
         if not pieces:
             return
         self._pieces, self._pieces_bytes = [], 0
-        if self._transport is None or not self.is_open:
+        if not self._is_open:
             return
         self._flushed_s = self._loop.time()
-        # Not writelines: that of Python 3.12.0 to 3.12.8, 3.13.0 and 3.13.1 never pauses us (CVE-2024-12254).
-        self._transport.write(b"".join(pieces))
+        self._write(b"".join(pieces))
 
     def _flush_due(self) -> None:
         self._is_flush_due = False
         self.flush()
 
     def _drain(self) -> None:
-        while self._waiting and not self._is_paused and self.is_open:
+        while self._waiting and not self._is_paused and self._is_open:
             while self._waiting and self._pieces_bytes < _DRAIN_BYTES:
                 subscription_id, time_ns, payload = self._waiting.pop()
                 self._pieces_bytes += add_data_frames(self._pieces, subscription_id, time_ns, [payload])

@@ -24,13 +24,16 @@ from rostether.gateways.foxglove.assets import Assets, FindPackages
 from rostether.gateways.foxglove.channels import Channels
 from rostether.gateways.foxglove.client import Client
 from rostether.gateways.foxglove.connection_graph import ConnectionGraph
-from rostether.gateways.foxglove.listening import Listening
+from rostether.gateways.foxglove.line import HIGH_WATER_BYTES, Line
 from rostether.gateways.foxglove.parameters import Parameters
 from rostether.gateways.foxglove.server_messages import Channel, OfferedService, StatusLevel
 from rostether.gateways.foxglove.services import FindServiceType, Services
 from rostether.gateways.foxglove.settings import FoxgloveSettings
 from rostether.gateways.foxglove.sim_clock import SimClock
 from rostether.gateways.shared_subscriptions import SharedSubscriptions
+from rostether.gateways.websocket.connection import Connection
+from rostether.gateways.websocket.server import WebSocketServer
+from rostether.gateways.websocket.settings import ConnectionLimits
 from rostether.gateways.websocket.site import Site
 from rostether.graph.ports import Graph, Level
 from rostether.msgdef.search_waiting import definitions_searched
@@ -39,8 +42,8 @@ from rostether.serde.store import TypeStore
 _TIME_CAPABILITY = "time"
 _MAX_SHOWN_STATUSES = 50  # lines that a client that comes later is shown too
 _RETRY_S = 1.0  # for a graph that could not be read
-_EVERYWHERE = ("", "0.0.0.0", "::")  # noqa: S104 - what was typed, to be told by this machine's name
-_HANG_UP_S = 2.0  # for clients to answer a good-bye when the gateway ends
+# Foxglove's own web application, app.foxglove.dev, is what the gateway is for.
+FOXGLOVE_SITE = "foxglove.dev"
 _SERVICE_RESTART = 1012  # the WebSocket's close code that makes clients come back
 
 
@@ -74,7 +77,23 @@ class FoxgloveGateway:
         self.assets = Assets(find_packages or _no_packages, self.limits.asset_bytes)
         self.clock = SimClock(graph, self.shared, self._tell_time, self._restart_clients)
         self._tell = tell or (lambda level, text: None)
-        self._listening = Listening(settings, lambda line: Client(self, line), self._tell_refused, site)
+        self._server = WebSocketServer(
+            settings.label,
+            settings,
+            ConnectionLimits(
+                clients=self.limits.clients,
+                others=self.limits.others,
+                message_bytes=self.limits.message_bytes,
+                unsent_bytes=HIGH_WATER_BYTES,
+                handshake_s=self.limits.handshake_s,
+                ping_period_s=self.limits.ping_period_s,
+            ),
+            self._open_client,
+            self._warn,
+            viewer_site=FOXGLOVE_SITE,
+            subprotocols=told.SUBPROTOCOLS,
+            site=site,
+        )
         self._clients: dict[Client, None] = {}
         self._statuses: dict[str, str] = {}
         self._work: set[asyncio.Task[Any]] = set()
@@ -87,16 +106,12 @@ class FoxgloveGateway:
     @property
     def port(self) -> int:
         """The port that is listened on; zero before the start."""
-        return self._listening.port
+        return self._server.port
 
     @property
     def url(self) -> str:
         """What to type into Foxglove's dialog."""
-        host = self.settings.host
-        if host in _EVERYWHERE:
-            host = socket.gethostname()
-        scheme = "wss" if self.settings.certificate else "ws"
-        return f"{scheme}://{f'[{host}]' if ':' in host else host}:{self.port}"
+        return self._server.url(everywhere=socket.gethostname())
 
     @property
     def client_count(self) -> int:
@@ -106,16 +121,16 @@ class FoxgloveGateway:
     @property
     def connection_count(self) -> int:
         """How many connections are open, also those that are not clients."""
-        return self._listening.door.open_count
+        return self._server.connection_count
 
     async def start(self) -> None:
-        """Listen, and follow the graph. Raises ConfigError when the port is taken."""
+        """Listen, and follow the graph. Raises TransportOpenError, ConfigError."""
         await definitions_searched(self.store.registry)
         await self.clock.start()
         self._following = asyncio.ensure_future(self._follow())
         self._leaving = asyncio.ensure_future(self._end_with_node())
         try:
-            await self._listening.start()
+            await self._server.start()
         except BaseException:
             await self.close()
             raise
@@ -123,12 +138,12 @@ class FoxgloveGateway:
     async def close(self) -> None:
         """Hang up, and leave nothing on the graph."""
         self._is_closing = True
-        self._listening.close()
+        self._server.close()
         for task in (self._following, self._leaving):
             if task is not None:
                 task.cancel()
                 await asyncio.wait([task])
-        await self._listening.hang_up(_HANG_UP_S)
+        await self._server.hang_up()
         while self._work:
             await asyncio.wait(self._work)
         await asyncio.gather(
@@ -186,8 +201,14 @@ class FoxgloveGateway:
 
     # within
 
-    def _tell_refused(self, text: str) -> None:
-        self._tell(Level.WARN, f"foxglove: {text}")
+    def _warn(self, text: str) -> None:
+        self._tell(Level.WARN, f"{self.settings.label}: {text}")
+
+    def _open_client(self, connection: Connection) -> Line:
+        line = Line(connection, self.limits)
+        client = line.user = Client(self, line)
+        client.opened()
+        return line
 
     async def _follow(self) -> None:
         while not self._is_closing:
@@ -201,15 +222,15 @@ class FoxgloveGateway:
                             if client.wants_connection_graph:
                                 client.line.send(message)
             except RostetherError as error:
-                self._tell(Level.WARN, f"foxglove: the graph cannot be read: {error}")
+                self._warn(f"the graph cannot be read: {error}")
             await asyncio.sleep(_RETRY_S)
 
     async def _end_with_node(self) -> None:
         reason = await self.graph.wait_closed()
-        self._tell(Level.WARN, f"foxglove: its node was shut down: {reason}")
+        self._warn(f"its node was shut down: {reason}")
         self._is_closing = True
-        self._listening.close()
-        await self._listening.hang_up(_HANG_UP_S)
+        self._server.close()
+        await self._server.hang_up()
         self._ended.set()
 
     def _broadcast(self, message: str | bytes) -> None:
@@ -237,7 +258,7 @@ class FoxgloveGateway:
     def _warn_clients(self, text: str) -> None:
         if text in self._statuses or len(self._statuses) >= _MAX_SHOWN_STATUSES:
             return
-        self._tell(Level.WARN, f"foxglove: {text}")
+        self._warn(text)
         message = self._statuses[text] = told.status(
             StatusLevel.WARNING, text, f"warning-{len(self._statuses)}"
         )

@@ -12,6 +12,9 @@ class FoxgloveLimits:
     clients: int = 64
     """A class in front of one robot; each may cost `waiting_bytes`."""
 
+    others: int = 32
+    """Connections beside clients: a page asks for some ten files at once, a few pages are loaded together."""
+
     message_bytes: int = 16 << 20
     """Of what a client sends: a large image or map that it publishes."""
 

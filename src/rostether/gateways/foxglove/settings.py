@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 
 from rostether.errors import ConfigError
 from rostether.gateways.foxglove.limits import FoxgloveLimits
+from rostether.gateways.websocket.settings import ServerSettings
 
-DEFAULT_HOST = "localhost"
 DEFAULT_PORT = 8765
 """The default port of Foxglove."""
 
@@ -44,23 +44,17 @@ class NameFilter:
 
 
 @dataclass(frozen=True, slots=True)
-class FoxgloveSettings:
+class FoxgloveSettings(ServerSettings):
     """How a gateway serves.
 
-    `host` is one name or address of ours, `localhost` both loopback addresses. Clients must give `token`
-    where it is not empty; `origins` are more web pages that may connect (`*`: all), `allow` networks.
-    With a certificate and its key, files, connections are encrypted (wss). Clients get `metadata`
-    with the server's name.
+    `name` is the server's in the clients' windows, `metadata` what they get with it; lines of the log begin
+    with `label`. The filters limit what
+    clients reach.
     """
 
-    host: str = DEFAULT_HOST
     port: int = DEFAULT_PORT
     name: str = "rostether"
-    token: str = field(default="", repr=False)
-    origins: tuple[str, ...] = ()
-    allow: tuple[str, ...] = ()
-    certificate: str = ""
-    key: str = ""
+    label: str = "foxglove"
     capabilities: tuple[str, ...] = CAPABILITIES
     metadata: Mapping[str, str] = field(default_factory=dict)
     topics: NameFilter = NameFilter()

@@ -8,12 +8,8 @@ import time
 from itertools import count
 from typing import TYPE_CHECKING, Any
 
-from websockets.asyncio.server import ServerConnection
-from websockets.exceptions import ConnectionClosed
-
 from rostether.errors import RemoteProtocolError, RostetherError
 from rostether.gateways.clean_line import clean_line
-from rostether.gateways.rosbridge.admission import Admission
 from rostether.gateways.rosbridge.client_services import ClientServices
 from rostether.gateways.rosbridge.client_subscription import ClientSubscription, Compression, Wish
 from rostether.gateways.rosbridge.client_topics import ClientTopics
@@ -22,6 +18,7 @@ from rostether.gateways.rosbridge.operations import OPERATIONS
 from rostether.gateways.rosbridge.outbox import Due, Frame, Outbox, TopicQueue
 from rostether.gateways.rosbridge.png_packing import pack_png, unpack_png
 from rostether.gateways.rosbridge.request import Request, read_request
+from rostether.gateways.rosbridge.rosauth import authenticates
 from rostether.gateways.rosbridge.settings import (
     GREETING_LIMIT_S,
     MAX_CONTROL_BYTES,
@@ -31,6 +28,8 @@ from rostether.gateways.rosbridge.settings import (
 )
 from rostether.gateways.rosbridge.status import DEFAULT_LEVEL, StatusLevel, show, status_message
 from rostether.gateways.rosbridge.values import write_json
+from rostether.gateways.websocket.admission import Token
+from rostether.gateways.websocket.message_stream import MessageStream
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Level
 
@@ -56,14 +55,12 @@ CLOSE_POLICY = 1008
 class Session:
     """One connection from its greeting to its end."""
 
-    def __init__(
-        self, connection: ServerConnection, around: GatewayContext, admission: Admission, name: str
-    ) -> None:
+    def __init__(self, connection: MessageStream, around: GatewayContext, token: Token, name: str) -> None:
         self.level = DEFAULT_LEVEL
         self.name = name
         self._connection = connection
         self._around = around
-        self._admission = admission
+        self._token = token
         self._outbox = Outbox(MAX_QUEUED_BYTES, MAX_CONTROL_BYTES)
         self.topics: ClientTopics = ClientTopics(around, self._outbox, lambda text: self._mistake(text, None))
         self.services: ClientServices = ClientServices(around, self._send)
@@ -79,8 +76,6 @@ class Session:
         try:
             if is_known or await self._greeted():
                 await self._receive_all()
-        except ConnectionClosed:
-            pass
         finally:
             sending.cancel()
             await asyncio.wait([sending])
@@ -116,12 +111,15 @@ class Session:
         fields: dict[str, Any] = {}
         with contextlib.suppress(TimeoutError, RemoteProtocolError):
             async with asyncio.timeout(GREETING_LIMIT_S):
-                fields = read_request(await self._connection.recv()).fields
-        if fields.get("op") == "auth" and self._admission.authenticates(fields, time.time()):
+                first = await self._connection.receive()
+                if first is None:
+                    return False
+                fields = read_request(first).fields
+        if fields.get("op") == "auth" and authenticates(self._token, fields, time.time()):
             return True
         reason = "this server wants a token: connect to ?token=TOKEN, or send the op auth first"
         await self._connection.send(status_message(StatusLevel.ERROR, reason))
-        await self._connection.close(CLOSE_POLICY, reason)
+        self._connection.close(CLOSE_POLICY, reason)
         self._around.tell(Level.WARN, f"rosbridge: {self.name} has not given the token; it was hung up on")
         return False
 
@@ -154,8 +152,6 @@ class Session:
             self._mistake(
                 f"{request.op}: the graph did not answer within {OPERATION_LIMIT_S:g} s", request_id
             )
-        except ConnectionClosed:
-            raise
         except Exception as error:  # noqa: BLE001 - whatever a client sends must not end its connection
             self._mistake(f"{type(error).__name__}: {error}", request_id)
 
@@ -181,16 +177,13 @@ class Session:
         return list(split_fragments(frame, size, str(next(self._fragment_ids))))
 
     async def _send_all(self) -> None:
-        with contextlib.suppress(ConnectionClosed):
-            while not self._outbox.is_overflowing:
-                await self._outbox.wait()
-                await self._write(self._next_frames())
-                await asyncio.sleep(0)
-            self._around.tell(
-                Level.WARN, f"rosbridge: {self.name} does not read its answers; it was hung up on"
-            )
-            # Closing in order would wait for what it does not read.
-            self._connection.transport.abort()
+        while not self._outbox.is_overflowing:
+            await self._outbox.wait()
+            await self._connection.send(*self._next_frames())
+            await asyncio.sleep(0)
+        self._around.tell(Level.WARN, f"rosbridge: {self.name} does not read its answers; it was hung up on")
+        # Closing in order would wait for what it does not read.
+        self._connection.abort()
 
     def _next_frames(self) -> list[Frame]:
         """Return what fits into one turn and one write."""
@@ -207,21 +200,10 @@ class Session:
             size += sum(map(len, new))
         return frames
 
-    async def _write(self, frames: list[Frame]) -> None:
-        """Send frames with one call of the system, and wait until the client has taken the most."""
-        connection = self._connection
-        async with connection.send_context():
-            for frame in frames:
-                if isinstance(frame, str):
-                    connection.protocol.send_text(frame.encode())
-                else:
-                    connection.protocol.send_binary(frame)
-            connection.transport.write(b"".join(connection.protocol.data_to_send()))
-
     def _sent(self, sending: asyncio.Task[None]) -> None:
         if not sending.cancelled() and (error := sending.exception()) is not None:
             report_error(f"sending to {self.name}", error)
-            self._connection.transport.abort()
+            self._connection.abort()
 
     def _frames(self, due: Due) -> list[Frame]:
         subscription: ClientSubscription = due.queue.owner

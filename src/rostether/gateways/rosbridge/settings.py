@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
-DEFAULT_HOST = "localhost"
+from rostether.gateways.websocket.settings import ServerSettings
+
 DEFAULT_PORT = 9090
 """Where roslibjs' examples and every page made for rosbridge look for it."""
 
@@ -45,9 +46,12 @@ OPERATION_LIMIT_S = 10.0
 GREETING_LIMIT_S = 10.0
 """Who has not authenticated by then frees the place."""
 
-PING_INTERVAL_S = 20.0
-PING_LIMIT_S = 60.0
-"""A client that does not answer is gone. A slow one answers late: what was sent before stands in line."""
+PING_PERIOD_S = 20.0
+PINGS = 3
+"""A client that answers none of them is gone. A slow one answers late, behind what was sent before."""
+
+UNSENT_BYTES = 32 << 10
+"""What the socket holds for a slow client; the rest waits in queues that drop their oldest messages."""
 
 TURN_S = 0.005
 """How long one client's work may keep others, boards among them, waiting."""
@@ -59,24 +63,16 @@ def matches(name: str, globs: tuple[str, ...] | None) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class RosbridgeSettings:
+class RosbridgeSettings(ServerSettings):
     """How a rosbridge server serves.
 
-    `host` is a name or address of ours, `localhost` both loopback addresses. Clients must give `token` where
-    it is not empty; `origins` are web pages of other hosts that may connect (`*`: all), `allow` networks.
-    Globs limit what clients reach; None is everything.
+    Only `path` is served, unless it is empty. Globs limit what clients reach; None is everything.
     """
 
-    host: str = DEFAULT_HOST
     port: int = DEFAULT_PORT
-    token: str = field(default="", repr=False)
-    origins: tuple[str, ...] = ()
-    allow: tuple[str, ...] = ()
     path: str = ""
     max_message_bytes: int = DEFAULT_MAX_MESSAGE_BYTES
     deflate: bool = False
-    certificate: str = ""
-    key: str = ""
     fragment_bytes: int | None = None
     topics_glob: tuple[str, ...] | None = None
     services_glob: tuple[str, ...] | None = None

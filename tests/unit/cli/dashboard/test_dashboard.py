@@ -53,7 +53,7 @@ async def test_a_port_in_use_is_passed_over_unless_it_was_asked_for() -> None:
                 assert (await fetched(second))[0] != url
             port = url.rpartition(":")[2]
             async with started("dashboard", "-p", port, "--master", master.uri, "__name:=c") as third:
-                await third.wait_for(f"cannot listen on localhost:{port}")
+                await third.wait_for(f"dashboard: port {port} is already in use on localhost")
                 assert await third.process.wait() == 1
     finally:
         await master.close()

@@ -71,7 +71,9 @@ async def test_a_port_that_is_taken_is_told_in_one_line() -> None:
         try:
             async with started("foxglove", f"127.0.0.1:{port}", "--master", master.uri) as alone:
                 assert await alone.process.wait() == 1
-                await alone.wait_for(f"rostether: error: cannot listen on 127.0.0.1:{port} for Foxglove")
+                await alone.wait_for(
+                    f"rostether: error: foxglove: port {port} is already in use on 127.0.0.1"
+                )
         finally:
             await master.close()
 

@@ -99,8 +99,8 @@ async def test_without_a_page_a_plain_request_asks_for_an_upgrade() -> None:
 
 
 async def test_a_client_that_goes_on_sending_keeps_no_place(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rostether.gateways.foxglove.line._FILE_S", 0.1)
-    limits = FoxgloveLimits(clients=1)
+    monkeypatch.setattr("rostether.gateways.websocket.connection._FILE_S", 0.1)
+    limits = FoxgloveLimits(clients=1, others=0)
     async with stage(replace(FREE, limits=limits), site=SITE) as there:
         _, writer = await asyncio.open_connection("127.0.0.1", there.gateway.port)
         writer.write(get("/"))
@@ -112,6 +112,17 @@ async def test_a_client_that_goes_on_sending_keeps_no_place(monkeypatch: pytest.
                     await asyncio.sleep(0.02)
         writer.close()
         assert b" 200 OK" in await asked(there, get("/"))
+
+
+async def test_requests_for_files_take_no_place_of_a_client() -> None:
+    limits = FoxgloveLimits(clients=1, others=2)
+    async with stage(replace(FREE, limits=limits), site=SITE) as there:
+        silent = [await asyncio.open_connection("127.0.0.1", there.gateway.port) for _ in range(2)]
+        await until(lambda: there.gateway.connection_count == 2)
+        async with there.client() as viewer:
+            await viewer.wait("serverInfo")
+        for _, writer in silent:
+            writer.close()
 
 
 async def test_ten_thousand_requests_leave_nothing_behind() -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import hmac
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from http import HTTPStatus
 from typing import Protocol
 from urllib.parse import SplitResult, parse_qs, urlsplit
 
@@ -126,3 +127,51 @@ def is_same_secret(given: str, wanted: str) -> bool:
     return hmac.compare_digest(
         given.encode("utf-8", "surrogatepass"), wanted.encode("utf-8", "surrogatepass")
     )
+
+
+class Admission:
+    """The rules of one server; see `WebSocketServer` for the arguments."""
+
+    def __init__(
+        self,
+        origins: Sequence[str] = (),
+        token: str = "",
+        own_names: OwnNames | None = None,
+        *,
+        viewer_site: str = "",
+        path: str = "",
+        wants_token_first: bool = True,
+    ) -> None:
+        self.token = Token(token)
+        self._pages = PageRule(origins, own_names or OwnNames(), viewer_site)
+        self._path = path.strip("/")
+        self._wants_token_first = wants_token_first
+
+    def has_token(self, path: str, headers: Headers) -> bool:
+        """Tell whether a request carries the token; a server without one has none to carry."""
+        authorization = single_header(headers, "Authorization") or ""
+        return self.token.is_wanted and self.token.is_carried_by(path, authorization)
+
+    def refusal(self, path: str, headers: Headers) -> tuple[HTTPStatus, str] | None:
+        """Return why a WebSocket is refused, None when it is not."""
+        origin, host = single_header(headers, "Origin"), single_header(headers, "Host") or ""
+        has_token = self.has_token(path, headers)
+        if not self._pages.admits(origin, host) and not (has_token and is_of_program(origin)):
+            if origin is None:
+                return HTTPStatus.FORBIDDEN, foreign_host(host)
+            reason = f"pages of {origin:.200} may not connect: allow them with --origin {origin:.200}"
+            return HTTPStatus.FORBIDDEN, reason
+        if self.token.is_wanted and self._wants_token_first and not has_token:
+            reason = "the token is missing or wrong: connect to ws://HOST:PORT/?token=TOKEN"
+            return HTTPStatus.FORBIDDEN, reason
+        if self._path and path.partition("?")[0].strip("/") != self._path:
+            return HTTPStatus.NOT_FOUND, f"nothing is served at {path!r:.200}"
+        return None
+
+    def page_refusal(self, headers: Headers) -> str | None:
+        """Return why a plain request for a file is refused, None when it is not.
+
+        Files are no secret, so they need no token: the page brings it when it connects.
+        """
+        host = single_header(headers, "Host") or ""
+        return None if self._pages.admits_host(host) else foreign_host(host)

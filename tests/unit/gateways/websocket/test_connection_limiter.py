@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import asyncio
 
-from rostether.gateways import connection_limiter as door
-from rostether.gateways.connection_limiter import ConnectionLimiter
+from rostether.gateways.websocket import connection_limiter as door
+from rostether.gateways.websocket.connection_limiter import ConnectionLimiter
 
 
 class Accepted(asyncio.BaseTransport):

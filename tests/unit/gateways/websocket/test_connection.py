@@ -15,9 +15,9 @@ import pytest
 from websockets.asyncio.client import connect
 from websockets.typing import Subprotocol
 
-from rostether.gateways.foxglove import line
 from rostether.gateways.foxglove.limits import FoxgloveLimits
 from rostether.gateways.foxglove.settings import FoxgloveSettings
+from rostether.gateways.websocket import connection as connection_module
 from unit.gateways.foxglove.protocol_client import LIMIT_S, stage, until
 
 Connection: TypeAlias = tuple[asyncio.StreamReader, asyncio.StreamWriter]
@@ -88,7 +88,7 @@ async def test_who_says_nothing_is_hung_up_on() -> None:
 
 
 async def test_who_says_nothing_takes_a_place() -> None:
-    async with stage(FoxgloveSettings(port=0, limits=FoxgloveLimits(clients=1))) as there:
+    async with stage(FoxgloveSettings(port=0, limits=FoxgloveLimits(clients=1, others=0))) as there:
         _, writer = await shaken(there.gateway.port)
         reader, second = await open_connection(there.gateway.port, b"")
         assert await ended(reader) == b""
@@ -145,7 +145,7 @@ async def test_who_does_not_read_answers_is_given_up() -> None:
 
 
 async def test_an_encrypted_connection_ends_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(line, "_CLOSE_S", 3600.0)
+    monkeypatch.setattr(connection_module, "_CLOSE_S", 3600.0)
     certificate, key = _certificate(tmp_path)
     settings = FoxgloveSettings(port=0, certificate=certificate, key=key)
     trust = ssl.create_default_context(cafile=certificate)

@@ -1,0 +1,315 @@
+"""One connection of a WebSocket server: handshake or plain request, messages in and out, pings, and its end.
+
+The WebSocket protocol itself is that of the library websockets, without I/O.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Sequence
+from http import HTTPStatus
+from typing import TYPE_CHECKING, Any, Protocol
+
+from websockets.datastructures import Headers
+from websockets.exceptions import ConnectionClosed
+from websockets.extensions.permessage_deflate import ServerPerMessageDeflateFactory
+from websockets.frames import CloseCode, Frame, Opcode
+from websockets.http11 import Request, Response
+from websockets.protocol import OPEN
+from websockets.server import ServerProtocol
+from websockets.typing import Subprotocol
+
+from rostether.gateways.websocket.connection_limiter import peer_name
+from rostether.gateways.websocket.site import Reply, refusal
+
+if TYPE_CHECKING:
+    from rostether.gateways.websocket.server import WebSocketServer
+
+# For a client to answer that the connection ends; then it is cut.
+_CLOSE_S = 5.0
+
+# A phone on a weak network reads the largest file of the page in this time.
+_FILE_S = 30.0
+
+_ORDERLY = (CloseCode.NORMAL_CLOSURE, CloseCode.GOING_AWAY, CloseCode.NO_STATUS_RCVD)
+
+
+class ConnectionUser(Protocol):
+    """Receives the events of one WebSocket."""
+
+    def received(self, message: str | bytes) -> None:
+        """A whole message came."""
+
+    def paused(self) -> None:
+        """The client reads slowly: what is sent from now on waits in the process."""
+
+    def resumed(self) -> None:
+        """The client has read most of what was sent."""
+
+    def closed(self) -> None:
+        """The connection has ended."""
+
+
+class Connection(asyncio.Protocol):
+    """One connection; it has a user from the end of the handshake."""
+
+    def __init__(self, server: WebSocketServer) -> None:
+        self.path = "/"
+        self.headers = Headers()
+        self.has_room = asyncio.Event()
+        """Whether the client has read most of what was sent; set, too, when the connection has ended."""
+        self.has_room.set()
+        self._server = server
+        self._limits = server.limits
+        self._websocket = ServerProtocol(
+            subprotocols=[Subprotocol(each) for each in server.subprotocols],
+            select_subprotocol=_choose_subprotocol,
+            extensions=[ServerPerMessageDeflateFactory()] if server.deflates else None,
+            max_size=self._limits.message_bytes,
+        )
+        self._loop = asyncio.get_running_loop()
+        self._transport: asyncio.Transport | None = None
+        self._user: ConnectionUser | None = None
+        self._parts: list[bytes] = []
+        self._is_text = False
+        self._is_reading = True
+        self._is_shaken = False
+        self._timer: asyncio.TimerHandle | None = None
+        self._is_ending = False
+        self._unanswered_pings = 0
+        self._unsent_at_ping = 0
+
+    @property
+    def is_open(self) -> bool:
+        """Whether messages can be sent."""
+        return self._is_shaken and self._websocket.state is OPEN
+
+    @property
+    def unsent_bytes(self) -> int:
+        """What the socket has not taken yet."""
+        return self._transport.get_write_buffer_size() if self._transport is not None else 0
+
+    @property
+    def peer(self) -> str:
+        """The client's address for people."""
+        return peer_name(self._transport) if self._transport is not None else "a client"
+
+    @property
+    def fault(self) -> str:
+        """What the client did wrong, if we have ended the connection for it."""
+        sent = self._websocket.close_sent
+        return "" if sent is None or sent.code in _ORDERLY else sent.reason or str(sent.code)
+
+    # asyncio's side
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Wait for the request, if the connection is admitted."""
+        assert isinstance(transport, asyncio.Transport)
+        self._transport = transport
+        transport.set_write_buffer_limits(high=self._limits.unsent_bytes)
+        if self._server.admit(self, transport):
+            self._set_timer(self._limits.handshake_s, self.abort)
+        else:
+            self.abort()
+
+    def data_received(self, data: bytes) -> None:
+        """Handle bytes."""
+        self._websocket.receive_data(data)
+        self._handle_events()
+
+    def eof_received(self) -> bool:
+        """Handle the end of what the client sends."""
+        self._websocket.receive_eof()
+        self._handle_events()
+        return False
+
+    def connection_lost(self, _: Exception | None) -> None:
+        """Report the end to the user."""
+        if self._timer is not None:
+            self._timer.cancel()
+        self._is_shaken = False
+        self.has_room.set()
+        user, self._user = self._user, None
+        if user is not None:
+            user.closed()
+        self._server.forget(self)
+
+    def pause_writing(self) -> None:
+        """Let the user wait."""
+        self.has_room.clear()
+        if self._user is not None:
+            self._user.paused()
+
+    def resume_writing(self) -> None:
+        """Let the user go on."""
+        self.has_room.set()
+        if self._user is not None:
+            self._user.resumed()
+
+    # the user's side
+
+    def pause_reading(self) -> None:
+        """Read no more, so that the client waits."""
+        self._is_reading = False
+        if self._transport is not None and not self._transport.is_closing():
+            self._transport.pause_reading()
+
+    def resume_reading(self) -> None:
+        """Read again."""
+        self._is_reading = True
+        if self._transport is not None and not self._transport.is_closing():
+            self._transport.resume_reading()
+
+    def send(self, *messages: str | bytes) -> None:
+        """Send messages with one write, unless the connection has ended."""
+        if not self.is_open:
+            return
+        try:
+            for message in messages:
+                if isinstance(message, str):
+                    self._websocket.send_text(message.encode("utf-8", "replace"))
+                else:
+                    self._websocket.send_binary(message)
+        except ConnectionClosed:
+            pass
+        self._write_protocol()
+
+    def write(self, frames: bytes) -> None:
+        """Write whole frames that were made by hand."""
+        if self.is_open and self._transport is not None:
+            # Not writelines: in Python 3.12.0 to 3.12.8, 3.13.0 and 3.13.1 it never pauses us
+            # (CVE-2024-12254).
+            self._transport.write(frames)
+
+    def close(self, code: int = CloseCode.GOING_AWAY, reason: str = "") -> None:
+        """End the connection in order, and cut it if the client does not answer."""
+        if not self.is_open:
+            if not self._is_ending:
+                self.abort()
+            return
+        self._websocket.send_close(code, reason)
+        self._write_protocol()
+        self._is_ending = True
+        self._set_timer(_CLOSE_S, self.abort)
+
+    def abort(self) -> None:
+        """Cut the connection."""
+        if self._transport is not None:
+            self._transport.abort()
+
+    # within
+
+    def _handle_events(self) -> None:
+        for event in self._websocket.events_received():
+            if isinstance(event, Request):
+                self._handle_request(event)
+            elif isinstance(event, Frame):
+                self._handle_frame(event)
+        self._write_protocol()
+        if self._websocket.close_expected() and not self._is_ending:
+            # The client gets the reason (RFC 6455, 7.4), then one of us hangs up; more data gains no time.
+            self._is_ending = True
+            self._set_timer(_CLOSE_S, self.abort)
+
+    def _handle_request(self, request: Request) -> None:
+        self.path, self.headers = request.path, request.headers
+        if self._server.site is not None and not _asks_for_websocket(request):
+            self._serve_file(request)
+            return
+        refused = self._server.refusal(self, request)
+        if refused is not None:
+            status, reason = refused
+            self._websocket.send_response(self._websocket.reject(status, reason + "\n"))
+            return
+        response = self._websocket.accept(request)
+        self._websocket.send_response(response)
+        self._write_protocol()
+        if response.status_code == HTTPStatus.SWITCHING_PROTOCOLS:
+            self._set_timer(self._limits.ping_period_s, self._ping)
+            self._is_shaken = True
+            self._user = self._server.open_user(self)
+
+    def _serve_file(self, request: Request) -> None:
+        assert self._server.site is not None
+        # Before websockets 17 only GET comes here, and requests have no method.
+        method = getattr(request, "method", "GET")
+        reason = self._server.page_refusal(self, request)
+        if reason is not None:
+            reply = refusal(HTTPStatus.FORBIDDEN, reason)
+        else:
+            reply = self._server.site.reply(method, request.path, request.headers)
+        self._websocket.send_response(_response(reply))
+        self._is_ending = True
+        self._set_timer(_FILE_S, self.abort)
+
+    def _handle_frame(self, frame: Frame) -> None:
+        self._unanswered_pings = 0
+        if frame.opcode in (Opcode.TEXT, Opcode.BINARY):
+            self._parts = [bytes(frame.data)]
+            self._is_text = frame.opcode is Opcode.TEXT
+        elif frame.opcode is Opcode.CONT:
+            self._parts.append(bytes(frame.data))
+        else:
+            return
+        if not frame.fin or not self.is_open or self._user is None:
+            return
+        data = self._parts[0] if len(self._parts) == 1 else b"".join(self._parts)
+        self._parts = []
+        try:
+            message = data.decode() if self._is_text else data
+        except UnicodeDecodeError as error:
+            self._websocket.fail(CloseCode.INVALID_DATA, f"{error.reason} at position {error.start}")
+            return
+        self._user.received(message)
+
+    def _write_protocol(self) -> None:
+        if self._transport is None:
+            return
+        pieces = self._websocket.data_to_send()
+        if data := b"".join(pieces):
+            self._transport.write(data)
+        if b"" in pieces:
+            # TLS cannot close one half; what was written is sent before.
+            if self._transport.can_write_eof():
+                self._transport.write_eof()
+            else:
+                self._transport.close()
+
+    def _ping(self) -> None:
+        # Who still reads what was sent is there, however long an answer takes behind it; and whom we do not
+        # read cannot answer.
+        is_there = self._is_moving() or not self._is_reading
+        if self._unanswered_pings >= self._limits.pings and not is_there:
+            self.abort()
+            return
+        self._unanswered_pings += 1
+        if self.is_open:
+            self._websocket.send_ping(b"")
+            self._write_protocol()
+            self._set_timer(self._limits.ping_period_s, self._ping)
+
+    def _is_moving(self) -> bool:
+        before, self._unsent_at_ping = self._unsent_at_ping, self.unsent_bytes
+        return self._unsent_at_ping != before
+
+    def _set_timer(self, delay_s: float, act: Callable[[], Any]) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+        self._timer = self._loop.call_later(delay_s, act)
+
+
+def _asks_for_websocket(request: Request) -> bool:
+    return any("websocket" in value.lower() for value in request.headers.get_all("Upgrade"))
+
+
+def _response(reply: Reply) -> Response:
+    headers = Headers(reply.headers)
+    if reply.status is not HTTPStatus.NOT_MODIFIED:
+        headers["Content-Length"] = str(reply.length)
+    headers["Connection"] = "close"
+    return Response(reply.status.value, reply.status.phrase, headers, reply.body)
+
+
+def _choose_subprotocol(protocol: ServerProtocol, offered: Sequence[Subprotocol]) -> Subprotocol | None:
+    # A client that names none is one written by hand for this very protocol.
+    return next((each for each in protocol.available_subprotocols or () if each in offered), None)

@@ -1,0 +1,72 @@
+"""The messages of one connection, for a vocabulary that carries out one after another."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from collections.abc import AsyncIterator
+
+from rostether.gateways.websocket.connection import Connection
+
+# Read ahead of one client; then its socket fills, and it is slowed down.
+MAX_WAITING = 16
+
+
+class MessageStream:
+    """What a connection receives, to be waited for; iterating ends with the connection."""
+
+    def __init__(self, connection: Connection) -> None:
+        self._connection = connection
+        self._messages: deque[str | bytes] = deque()
+        self._is_closed = False
+        self._is_paused = False
+        self._news = asyncio.Event()
+
+    def received(self, message: str | bytes) -> None:
+        """Keep a message."""
+        self._messages.append(message)
+        self._news.set()
+        if len(self._messages) >= MAX_WAITING and not self._is_paused:
+            self._is_paused = True
+            self._connection.pause_reading()
+
+    def paused(self) -> None:
+        """Nothing to do: `send` waits."""
+
+    def resumed(self) -> None:
+        """Nothing to do: `send` goes on."""
+
+    def closed(self) -> None:
+        """End the stream, behind what was received."""
+        self._is_closed = True
+        self._news.set()
+
+    async def receive(self) -> str | bytes | None:
+        """Return the next message, None after the last."""
+        while not self._messages:
+            if self._is_closed:
+                return None
+            self._news.clear()
+            await self._news.wait()
+        message = self._messages.popleft()
+        if self._is_paused and not self._messages:
+            self._is_paused = False
+            self._connection.resume_reading()
+        return message
+
+    async def __aiter__(self) -> AsyncIterator[str | bytes]:
+        while (message := await self.receive()) is not None:
+            yield message
+
+    async def send(self, *messages: str | bytes) -> None:
+        """Send messages with one call of the system, and wait until the client has read most of them."""
+        self._connection.send(*messages)
+        await self._connection.has_room.wait()
+
+    def close(self, code: int, reason: str) -> None:
+        """End the connection with a code of RFC 6455."""
+        self._connection.close(code, reason)
+
+    def abort(self) -> None:
+        """End the connection at once."""
+        self._connection.abort()

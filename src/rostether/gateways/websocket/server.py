@@ -1,0 +1,200 @@
+"""A WebSocket server: where it listens, which connections it admits, and how it ends them."""
+
+from __future__ import annotations
+
+import asyncio
+import errno
+import os
+import socket
+from collections.abc import Callable, Sequence
+from http import HTTPStatus
+
+from websockets.http11 import Request
+
+from rostether.errors import TransportOpenError
+from rostether.gateways.websocket.admission import Admission
+from rostether.gateways.websocket.connection import Connection, ConnectionUser
+from rostether.gateways.websocket.connection_limiter import ConnectionLimiter
+from rostether.gateways.websocket.encryption import server_encryption
+from rostether.gateways.websocket.settings import DEFAULT_HOST, ConnectionLimits, ServerSettings
+from rostether.gateways.websocket.site import Site
+from rostether.transports.own_names import OwnNames
+from rostether.transports.sockets import system_bind_errors
+
+_LOOPBACK_HOSTS = ("127.0.0.1", "::1")
+_EVERYWHERE = ("", "0.0.0.0", "::")  # noqa: S104 - compared, not bound
+
+# For clients to answer that the server ends.
+HANG_UP_S = 2.0
+
+
+class WebSocketServer:
+    """Listens for connections.
+
+    Args:
+        name: What messages for people begin with, such as `foxglove`.
+        settings: Where to listen, and who may connect.
+        limits: What is bounded.
+        open_user: Makes the user of a WebSocket whose handshake is done.
+        report_refused: Gets a line, at a limited rate, when a connection is refused.
+        viewer_site: A web site whose pages may connect, as well as the viewer that this machine serves.
+        path: The only path that is served; empty: all.
+        wants_token_first: Whether a handshake without the token is refused, instead of asked later.
+        subprotocols: The WebSocket subprotocols, the best first.
+        deflates: Whether messages are compressed for clients that can read it.
+        site: Files that are served by plain GET.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        settings: ServerSettings,
+        limits: ConnectionLimits,
+        open_user: Callable[[Connection], ConnectionUser],
+        report_refused: Callable[[str], None],
+        *,
+        viewer_site: str = "",
+        path: str = "",
+        wants_token_first: bool = True,
+        subprotocols: Sequence[str] = (),
+        deflates: bool = False,
+        site: Site | None = None,
+    ) -> None:
+        self.limits = limits
+        self.subprotocols = subprotocols
+        self.deflates = deflates
+        self.site = site
+        self.open_user = open_user
+        own_names = OwnNames((settings.host, os.environ.get("ROS_HOSTNAME", "")))
+        self.admission = Admission(
+            settings.origins,
+            settings.token,
+            own_names,
+            viewer_site=viewer_site,
+            path=path,
+            wants_token_first=wants_token_first,
+        )
+        self._name = name
+        self._settings = settings
+        self._limiter = ConnectionLimiter(settings.allow, limits.clients + limits.others, report_refused)
+        self._servers: list[asyncio.Server] = []
+        self._connections: dict[Connection, asyncio.Transport] = {}
+        self._is_closed = False
+        self._are_gone = asyncio.Event()
+
+    @property
+    def port(self) -> int:
+        """The port that is listened on; zero before the start."""
+        sockets = self._servers[0].sockets if self._servers else ()
+        return int(sockets[0].getsockname()[1]) if sockets else 0
+
+    @property
+    def hosts(self) -> list[str]:
+        """The addresses that are listened on."""
+        return [each.getsockname()[0] for server in self._servers for each in server.sockets]
+
+    @property
+    def connection_count(self) -> int:
+        """How many connections are open, also those that are not WebSockets."""
+        return len(self._connections)
+
+    def url(self, everywhere: str = DEFAULT_HOST) -> str:
+        """Return what clients connect to; `everywhere` stands for all addresses of this machine."""
+        scheme = "wss" if self._settings.certificate else "ws"
+        host = everywhere if self._settings.host in _EVERYWHERE else self._settings.host
+        return f"{scheme}://{f'[{host}]' if ':' in host else host}:{self.port}"
+
+    async def start(self) -> None:
+        """Listen. Raises TransportOpenError when it cannot, ConfigError for a certificate."""
+        host, port = self._settings.host, self._settings.port
+        hosts = _LOOPBACK_HOSTS if host == DEFAULT_HOST else (host or None,)
+        encryption = server_encryption(self._settings.certificate, self._settings.key)
+        loop = asyncio.get_running_loop()
+        for each in hosts:
+            try:
+                async with system_bind_errors(each, port):
+                    server = await loop.create_server(
+                        lambda: Connection(self), each, port, ssl=encryption, backlog=self.limits.clients
+                    )
+            except OSError as error:
+                if self._servers:
+                    # A machine without IPv6.
+                    continue
+                raise self._explain(port, error) from error
+            self._servers.append(server)
+            port = self.port
+
+    def close(self) -> None:
+        """Accept no more connections; existing ones stay."""
+        self._is_closed = True
+        for server in self._servers:
+            server.close()
+
+    async def hang_up(self, timeout_s: float = HANG_UP_S) -> None:
+        """End all connections in order, and cut those that do not answer in time."""
+        for connection in list(self._connections):
+            connection.close()
+        try:
+            async with asyncio.timeout(timeout_s):
+                await self._wait_gone()
+        except TimeoutError:
+            for connection in list(self._connections):
+                connection.abort()
+            await self._wait_gone()
+
+    async def _wait_gone(self) -> None:
+        while self._connections:
+            self._are_gone.clear()
+            await self._are_gone.wait()
+
+    # for connections
+
+    def admit(self, connection: Connection, transport: asyncio.Transport) -> bool:
+        """Tell whether a connection may stay, and count it."""
+        if self._is_closed or not self._limiter.admit(transport):
+            return False
+        self._connections[connection] = transport
+        return True
+
+    def forget(self, connection: Connection) -> None:
+        """Free the place of a connection that has ended."""
+        if self._connections.pop(connection, None) is not None:
+            self._limiter.release()
+        if not self._connections:
+            self._are_gone.set()
+
+    def refusal(self, connection: Connection, request: Request) -> tuple[HTTPStatus, str] | None:
+        """Return why a WebSocket is refused, None when it is not."""
+        refused = self.admission.refusal(request.path, request.headers)
+        if refused is None and sum(each.is_open for each in self._connections) >= self.limits.clients:
+            refused = (
+                HTTPStatus.SERVICE_UNAVAILABLE,
+                f"the limit of clients ({self.limits.clients}) is reached",
+            )
+        if refused is not None:
+            self._report_refused(connection, refused[1])
+        return refused
+
+    def page_refusal(self, connection: Connection, request: Request) -> str | None:
+        """Return why a plain request is refused, None when it is not."""
+        reason = self.admission.page_refusal(request.headers)
+        if reason is not None:
+            self._report_refused(connection, reason)
+        return reason
+
+    def _report_refused(self, connection: Connection, reason: str) -> None:
+        self._limiter.report_refusal(self._connections[connection], reason)
+
+    def _explain(self, port: int, error: OSError) -> TransportOpenError:
+        host = self._settings.host
+        if error.errno == errno.EADDRINUSE:
+            return TransportOpenError(
+                f"{self._name}: port {port} is already in use on {host}; stop the program that listens "
+                "there, or choose another port"
+            )
+        if error.errno == errno.EADDRNOTAVAIL or isinstance(error, socket.gaierror):
+            return TransportOpenError(
+                f"{self._name}: {host} is not an address of this machine; "
+                f"0.0.0.0:{port} listens on all of them"
+            )
+        return TransportOpenError(f"{self._name}: cannot listen on {host}:{port}: {error.strerror}")
