@@ -20,6 +20,7 @@ from rostether.firmware.libraries import SIMULATION_LIBRARIES, Origin
 from rostether.firmware.ros_library import RosLibrary
 from rostether.firmware.sketch import Sketch, open_sketch
 from rostether.firmware.toolchain import AvrToolchain, find_avr_toolchain
+from rostether.packages.locate import package_around
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,7 +119,7 @@ class _Build:
         self._options = options
         self._toolchain = toolchain
         self._cache = BuildCache(cache_folder())
-        self._ros = RosLibrary(self._cache, options.msg_paths)
+        self._ros = RosLibrary(self._cache, _definition_folders(sketch, options))
 
     async def run(self) -> BuiltFirmware:
         started_s = time.monotonic()
@@ -161,7 +162,7 @@ class _Build:
             self._board.fqbn,
             [self._sketch.folder, *self._sketch.inos, *self._sketch.sources],
             list(self._options.libraries),
-            list(self._options.msg_paths),
+            list(_definition_folders(self._sketch, self._options)),
             list(self._options.defines),
             self._options.warnings,
             str(SIMULATION_LIBRARIES),
@@ -189,6 +190,12 @@ class _Build:
             is_from_cache=is_from_cache,
             sources=tuple(map(Path, content["sources"])),
         )
+
+
+def _definition_folders(sketch: Sketch, options: BuildOptions) -> tuple[Path, ...]:
+    """Return where messages are looked for first: --msg-path, then the package that the sketch is in."""
+    package = package_around(sketch.folder.resolve())
+    return options.msg_paths if package is None else (*options.msg_paths, package)
 
 
 def _explain(output: str, sketch: Sketch, skipped: Sequence[str] = ()) -> str:

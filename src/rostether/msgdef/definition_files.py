@@ -56,6 +56,11 @@ class PackageFiles:
         self._loose.append((folder, files))
         self._files = None
 
+    @property
+    def root(self) -> Path | None:
+        """Where the package is, if it is one (not a plain folder) and has definitions."""
+        return self._roots[0] if self._roots and any(map(self.of, Kind)) else None
+
     def of(self, kind: Kind) -> Mapping[str, Path]:
         """Return the files of a kind by type name."""
         if self._files is None:

@@ -25,13 +25,13 @@ from rostether.msgdef.parse_msg import parse_message
 from rostether.msgdef.parse_srv import parse_service
 from rostether.msgdef.spec import MessageSpec, ServiceSpec
 from rostether.msgdef.unknown_type import explain_unknown
-from rostether.packages.locate import package_folders
+from rostether.packages.locate import package_folders, workspace_roots
 from rostether.packages.package_xml import is_package_name
 from rostether.packages.search_path import ros_package_path
 
 MAX_LEARNED_TYPES = 4096  # peers' definitions must not fill memory; a large system has some hundred types
 # Bundled for our examples; who has the robot has its package too, perhaps changed.
-ROBOTS_OWN_PACKAGES = frozenset({"mearm_model", "turtlebot3_msgs"})
+ROBOTS_OWN_PACKAGES = frozenset({"turtlebot3_msgs"})
 MAX_NAME_CHARACTERS = 256  # boards announce names; those in use are below 60
 
 
@@ -43,8 +43,9 @@ class Registry:
     """Finds, parses and caches definitions; nothing is read before it is asked for.
 
     `paths` are folders of packages or of plain definitions (--msg-path), `package_path` those of
-    ROS_PACKAGE_PATH; both win over the bundled definitions, type by type, in the order given. `nearby`, which
-    is asked only for what none of these has, returns the roots of more packages: finding them takes time.
+    ROS_PACKAGE_PATH and the workspace; both win over the bundled definitions, in the order given. A package
+    there replaces the bundled one whole; a plain folder, type by type. `nearby`, which is asked only for what
+    none of these has, returns the roots of more packages: finding them takes time.
     """
 
     def __init__(
@@ -84,7 +85,8 @@ class Registry:
                     f"--msg-path {path}: no such folder; give a folder of packages or of .msg files"
                 )
         variables = os.environ if environ is None else environ
-        return cls(paths, package_path=ros_package_path(variables), nearby=_packages_around)
+        package_path = [*ros_package_path(variables), *_workspace()]
+        return cls(paths, package_path=package_path, nearby=_packages_around)
 
     def is_at_hand(self, look: Callable[[], object]) -> bool:
         """Whether `look`, which asks this registry, has its answer or error without a search of folders.
@@ -131,7 +133,7 @@ class Registry:
             package, short_name = self._split(Kind.SERVICE, name)
             file = self._file(Kind.SERVICE, package, short_name)
             if file is None:
-                raise UnknownTypeError(explain_unknown(self, Kind.SERVICE, package, short_name))
+                raise self._unknown(Kind.SERVICE, package, short_name)
             spec = parse_service(read_definition(file), package=package, name=short_name, file=str(file))
             self._services[name] = spec
         return spec
@@ -211,7 +213,16 @@ class Registry:
                 return spec.request if half == "request" else spec.response
         if name in self._learned:
             return parse_message(self._learned[name], package=package, name=short_name)
-        raise UnknownTypeError(explain_unknown(self, Kind.MESSAGE, package, short_name))
+        raise self._unknown(Kind.MESSAGE, package, short_name)
+
+    def _unknown(self, kind: Kind, package: str, short_name: str) -> UnknownTypeError:
+        root = self._replacement(package)
+        if root is not None and self._bundled and bundled_file(package, kind, short_name) is not None:
+            return UnknownTypeError(
+                f"{root} has no {kind}/{short_name}.{kind}, and replaces the bundled package {package!r}, "
+                "which has it; add the file, or remove the package from the workspace or ROS_PACKAGE_PATH"
+            )
+        return UnknownTypeError(explain_unknown(self, kind, package, short_name))
 
     def _describe(self, spec: MessageSpec) -> MessageType:
         return MessageType(
@@ -237,6 +248,13 @@ class Registry:
             self._found_nearby = find_definitions((), self._nearby()) if self._nearby is not None else {}
         return self._found_nearby
 
+    def _replacement(self, package: str) -> Path | None:
+        """Return where the user's own package of a name is, which hides a bundled one."""
+        files = self._on_path().get(package)
+        if files is None and package in ROBOTS_OWN_PACKAGES:
+            files = self._around().get(package)
+        return files.root if files is not None else None
+
     def _check_may_search(self) -> None:
         if not self._may_search:
             raise _SearchNeeded
@@ -245,18 +263,29 @@ class Registry:
         on_path = self._on_path().get(package)
         if on_path is not None and (file := on_path.of(kind).get(short_name)):
             return file
-        bundled = bundled_file(package, kind, short_name) if self._bundled else None
-        if bundled is not None and package not in ROBOTS_OWN_PACKAGES:
+        if (
+            self._bundled
+            and (bundled := bundled_file(package, kind, short_name))
+            and self._replacement(package) is None
+        ):
             return bundled
         around = self._around().get(package)
-        return (around.of(kind).get(short_name) if around is not None else None) or bundled
+        return around.of(kind).get(short_name) if around is not None else None
 
     def _names(self, kind: Kind, package: str) -> set[str]:
         names: set[str] = set()
         for found in (self._on_path(), self._around()):
             if package in found:
                 names.update(found[package].of(kind))
-        return names | bundled_names(package, kind) if self._bundled else names
+        is_replaced = not self._bundled or self._replacement(package) is not None
+        return names if is_replaced else names | bundled_names(package, kind)
+
+
+def _workspace() -> list[Path]:
+    try:
+        return workspace_roots(Path.cwd())
+    except OSError:
+        return []
 
 
 def _packages_around() -> Iterable[Path]:

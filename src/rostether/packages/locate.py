@@ -53,6 +53,13 @@ def package_roots(environ: Mapping[str, str], cwd: Path) -> list[Path]:
     return list(dict.fromkeys(root for root in roots if root.is_dir()))
 
 
+def workspace_roots(cwd: Path) -> list[Path]:
+    """Return where the packages of the workspace, or of the folder of packages, around a folder are."""
+    workspace = workspace_of(cwd)
+    roots = [cwd / SOURCE_FOLDER] if workspace is None else [workspace / SOURCE_FOLDER]
+    return [root for root in roots if root.is_dir()] + [folder.path for folder in _around(cwd)]
+
+
 def workspace_of(cwd: Path) -> Path | None:
     """Return the catkin workspace around (or at) a folder: the nearest with a `src` that is marked as one.
 

@@ -27,15 +27,6 @@ async def test_servo_control(kind: str) -> None:
             assert pulse_us == pytest.approx(544 + angle * (2400 - 544) / 180, abs=10)
 
 
-async def test_me_arm(kind: str) -> None:
-    async with running("MeArm", kind) as stage:
-        control = await stage.publisher("/servo_control", "mearm_model/ServoAngles")
-        for angles in ((90, 60, 120, 40), (0, 180, 10, 170), (45, 46, 47, 48)):
-            control.publish({f"servo{number}": angle for number, angle in enumerate(angles, 1)})
-            for pin, angle in zip(("D9", "D10", "D11", "D12"), angles, strict=True):
-                await stage.servo_turns(pin, angle)
-
-
 async def test_time_tf(kind: str) -> None:
     async with running("TimeTF", kind) as stage:
         heard = await stage.listen("/tf", TF)

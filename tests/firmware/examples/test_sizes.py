@@ -25,7 +25,6 @@ ESTABLISHED = {
     "Odom": (13642, 1838),
     "ServoControl": (10514, 1411),
     "Ultrasound": (11338, 1461),
-    "MeArm": (10578, 1442),
 }
 # The deepest stack of the established library on the same simulated board: 127 to 138 bytes.
 ESTABLISHED_STACK_BYTES = 127

@@ -11,11 +11,10 @@ from typing import Any
 
 import pytest
 
-from firmware.examples.stage import STORE, a_graph
+from firmware.examples.stage import a_graph
 from firmware.mearm.terminal import EXAMPLE, Terminals, terminals
 from rostether.firmware.build import BuildOptions, build_sketch, find_board
 from rostether.graph.typed_graph import TypedGraph
-from rostether.msgdef.registry import Registry
 from rostether.robot.kinematics import forward_kinematics
 from rostether.robot.tf_buffer import TransformBuffer
 from rostether.robot.tf_messages import from_message
@@ -168,8 +167,3 @@ async def test_named_positions_move_servos_and_model(tmp_path: Path, remapping: 
         assert await terminal.type('rosservice call /set_servo_pose "position_id: 1"') == "success: True"
         await servos_stand(board, (45, 120, 60, 10))
         await hears(graph, "/servo_angles", (45, 120, 60, 10))
-
-
-def test_the_definitions_are_those_of_the_bundle() -> None:
-    ours = Registry([EXAMPLE], bundled=False).message_type("mearm_model/ServoAngles")
-    assert ours.md5sum == STORE.registry.message_type("mearm_model/ServoAngles").md5sum

@@ -263,3 +263,13 @@ async def test_what_is_too_large_is_linked_all_the_same(tmp_path: Path) -> None:
     )
     built = await build(write_sketch(tmp_path, "Big", text))
     assert ElfFile.read(built.elf).flash_bytes > 40000
+
+
+async def test_messages_of_the_package_that_the_sketch_is_in(tmp_path: Path) -> None:
+    package = tmp_path / "arm_model"
+    (package / "msg").mkdir(parents=True)
+    (package / "package.xml").write_text("<package><name>arm_model</name></package>")
+    (package / "msg" / "Angles.msg").write_text("uint8 elbow\n")
+    text = HELLO.replace("std_msgs/Empty", "arm_model/Angles").replace("std_msgs::Empty", "arm_model::Angles")
+    built = await build(write_sketch(package, "Arm", text))
+    assert built.elf.is_file()

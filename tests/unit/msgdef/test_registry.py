@@ -17,7 +17,6 @@ PACKAGES = {
     "actionlib_msgs",
     "diagnostic_msgs",
     "geometry_msgs",
-    "mearm_model",
     "nav_msgs",
     "roscpp",
     "roscpp_tutorials",
@@ -250,25 +249,43 @@ def test_what_cannot_be_learned_changes_nothing(monkeypatch: pytest.MonkeyPatch)
         registry.add_full_text("far/Three", "int8 a")
 
 
+@pytest.mark.parametrize("place", ["ws", "ws/src", "ws/src/std_srvs/launch"])
+def test_a_package_of_the_workspace_replaces_the_bundled_one_whole(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str
+) -> None:
+    package = tmp_path / "ws" / "src" / "std_srvs"
+    write(package / "package.xml", "<package><name>std_srvs</name></package>")
+    write(package / "srv" / "Trigger.srv", "int8 mine\n---\n")
+    write(tmp_path / "ws" / "src" / "other" / "package.xml", "<package><name>std_msgs</name></package>")
+    (package / "launch").mkdir()
+    monkeypatch.chdir(tmp_path / place)
+    registry = Registry.from_environment((), {})
+    assert registry.service("std_srvs/Trigger").request.fields[0].name == "mine"
+    assert registry.services("std_srvs") == ["std_srvs/Trigger"]
+    with pytest.raises(UnknownTypeError, match=r"std_srvs has no srv/SetBool\.srv, and replaces the bundled"):
+        registry.service("std_srvs/SetBool")
+    # A package without definitions replaces none.
+    assert registry.message("std_msgs/String").fields[0].name == "data"
+
+
 def test_packages_around_the_current_folder_are_asked_last(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for package in ("my_msgs", "std_msgs", "mearm_model"):
-        write(tmp_path / "ws" / "src" / package / "package.xml", f"<package><name>{package}</name></package>")
-    write(tmp_path / "ws" / "src" / "my_msgs" / "msg" / "Foo.msg", "int8 near\n")
-    write(tmp_path / "ws" / "src" / "my_msgs" / "srv" / "Bar.srv", "---\n")
-    write(tmp_path / "ws" / "src" / "std_msgs" / "msg" / "String.msg", "int8 not_this\n")
-    write(tmp_path / "ws" / "src" / "mearm_model" / "msg" / "ServoAngles.msg", "int8 mine\n")
+    source = tmp_path / "home" / "ws" / "src"
+    for package in ("my_msgs", "std_msgs"):
+        write(source / package / "package.xml", f"<package><name>{package}</name></package>")
+    write(source / "my_msgs" / "msg" / "Foo.msg", "int8 near\n")
+    write(source / "my_msgs" / "srv" / "Bar.srv", "---\n")
+    write(source / "std_msgs" / "msg" / "String.msg", "int8 not_this\n")
     write(tmp_path / "path" / "my_msgs" / "package.xml", "<package><name>my_msgs</name></package>")
-    monkeypatch.chdir(tmp_path / "ws")
+    # Not in a workspace: what is below the current folder.
+    monkeypatch.chdir(tmp_path / "home")
     registry = Registry.from_environment((), {})
     assert registry.message("std_msgs/String").fields[0].name == "data"
     assert registry.message("my_msgs/Foo").fields[0].name == "near"
     assert registry.messages("my_msgs") == ["my_msgs/Foo"]
     assert registry.services("my_msgs") == ["my_msgs/Bar"]
     assert "my_msgs" in registry.packages()
-    # A robot's own package is the user's, though we bring the one of our example.
-    assert registry.message("mearm_model/ServoAngles").fields[0].name == "mine"
     write(tmp_path / "path" / "my_msgs" / "msg" / "Foo.msg", "int8 on_path\n")
     on_path = Registry.from_environment((), {"ROS_PACKAGE_PATH": str(tmp_path / "path")})
     assert on_path.message("my_msgs/Foo").fields[0].name == "on_path"

@@ -36,7 +36,8 @@ class Ros2Definitions:
 
     `paths` are folders of packages or of plain definitions (--msg-path), of which those that are ROS 2 texts
     count; `prefixes` are install prefixes as AMENT_PREFIX_PATH names them. Both win over the bundled
-    definitions of `distro`, type by type, in the order given; `last_prefixes` are asked after those.
+    definitions of `distro`, in the order given: a package replaces the bundled one whole, a plain folder type
+    by type. `last_prefixes` are asked after those.
     """
 
     def __init__(
@@ -168,9 +169,22 @@ class Ros2Definitions:
             return file
         if file := self._installed.of(package, kind).get(name):
             return file
+        if self._is_replaced(package) and not self._installed.has_only_idl(package, kind, name):
+            return None
         if self._bundled and (file := bundled_names(self.distro, package, kind).get(name)):
             return file
         return self._installed_last.of(package, kind).get(name)
+
+    def _is_replaced(self, package: str) -> bool:
+        """Whether the user's own package hides the bundled one of its name."""
+        if any(self._installed.of(package, kind) for kind in _KINDS):
+            return True
+        files = self._on_path().get(package)
+        return (
+            files is not None
+            and files.root is not None
+            and any(self._is_ros2(file, kind, package) for kind in _KINDS for file in files.of(kind).values())
+        )
 
     def _is_ros2(self, file: Path, kind: Kind, package: str) -> bool:
         """Tell whether a text of the user's folders is ROS 2's: its package says so, or it reads as one."""
@@ -211,7 +225,7 @@ class Ros2Definitions:
         for each in self.packages() if package is None else [package]:
             found = {name for name, file in self._own(each, kind).items() if self._is_ros2(file, kind, each)}
             found.update(self._installed.of(each, kind), self._installed_last.of(each, kind))
-            if self._bundled:
+            if self._bundled and not self._is_replaced(each):
                 found.update(bundled_names(self.distro, each, kind))
             names.update(f"{each}/{kind}/{name}" for name in found)
         return sorted(names)

@@ -203,3 +203,20 @@ def test_nothing_below_goes_without_bounds(tmp_path: Path) -> None:
     ):
         with pytest.raises(DefinitionError, match=says):
             dependencies(definitions.message(f"x/msg/{name}"), definitions.message)
+
+
+def test_a_package_of_the_user_replaces_the_bundled_one_whole(tmp_path: Path) -> None:
+    for kind in ("given", "install/share"):
+        package = tmp_path / kind / "std_srvs"
+        (package / "srv").mkdir(parents=True)
+        (package / "package.xml").write_text(
+            "<package><name>std_srvs</name><buildtool_depend>ament_cmake</buildtool_depend></package>"
+        )
+        (package / "srv" / "Trigger.srv").write_text("int8 mine\n---\n")
+    for definitions in (
+        Ros2Definitions([tmp_path / "given"]),
+        Ros2Definitions(prefixes=[tmp_path / "install"]),
+    ):
+        assert definitions.services("std_srvs") == ["std_srvs/srv/Trigger"]
+        assert not definitions.has("std_srvs/srv/SetBool")
+        assert definitions.has("std_msgs/msg/String")
