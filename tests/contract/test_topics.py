@@ -163,7 +163,6 @@ async def test_a_subscriber_may_leave_out_nodes(join: JoinGraph) -> None:
     inbox = Inbox()
     await node.subscribe("/chat", STRING, inbox.take, skip_nodes=names)
     await node.subscribe("/chat", STRING, witness.take)
-    # They are looked up when a publisher is met.
     names.add("/left_out")
     left_out = await join("/left_out")
     publishers = [await graph.advertise("/chat", STRING) for graph in (node, other, left_out)]
@@ -179,6 +178,20 @@ async def test_a_subscriber_may_leave_out_nodes(join: JoinGraph) -> None:
     await until(say_more)
     await until(lambda: {string("from 0"), string("from 1")} <= set(inbox.payloads))
     assert string("from 2") not in inbox.payloads
+    # At any time, also for a publisher that is connected.
+    names.clear()
+    names.add("/other")
+
+    def says_the_rest() -> bool:
+        say_more()
+        return string("from 2") in inbox.payloads
+
+    await until(says_the_rest)
+    count = inbox.payloads.count(string("from 1"))
+    heard = witness.payloads.count(string("from 1"))
+    publishers[1].publish_raw([string("from 1")])
+    await until(lambda: witness.payloads.count(string("from 1")) > heard)
+    assert inbox.payloads.count(string("from 1")) == count
 
 
 async def test_a_callback_that_fails_ends_nothing(join: JoinGraph, caplog: pytest.LogCaptureFixture) -> None:

@@ -7,7 +7,7 @@ and parameters. A graph that fails does not disturb the others; one that comes l
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Awaitable, Callable, Container, Mapping, Sequence
+from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Callable, Container, Mapping, Sequence
 from typing import TypeAlias, TypeVar
 
 from rostether.errors import (
@@ -26,7 +26,7 @@ from rostether.graph.joint_handles import (
     JointSubscriber,
     JointWatch,
 )
-from rostether.graph.joint_snapshot import follow_changes, merge_snapshots
+from rostether.graph.joint_snapshot import follow_changes, follow_each, merge_snapshots
 from rostether.graph.ports import Graph, Level, OnMessages, ParamValue, ServiceHandler, Snapshot
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.rostime import Time
@@ -42,13 +42,17 @@ class JointGraph:
     """A `graph.ports.Graph` over others, the most important first; all are closed with it.
 
     `joint_nodes` are the names of all nodes in the same graphs: they are heard through the first one.
+    `relays` are the nodes between these graphs: what they publish is heard from its publishers.
     """
 
-    def __init__(self, graphs: Sequence[Graph], joint_nodes: Container[str] = ()) -> None:
+    def __init__(
+        self, graphs: Sequence[Graph], joint_nodes: Container[str] = (), relays: Container[str] = ()
+    ) -> None:
         self._graphs = list(graphs)
         self._first = self._graphs[0]
         self.node_name = self._first.node_name
         self._joint_nodes = joint_nodes
+        self._relays = relays
         self._handles: list[_Handle] = []
         self._joined = asyncio.Event()
         self._closed = asyncio.Event()
@@ -108,6 +112,7 @@ class JointGraph:
             skip_own=skip_own,
             skip_nodes=skip_nodes,
             joint_nodes=self._joint_nodes,
+            relays=self._relays,
         )
         return await self._open(subscriber)
 
@@ -197,6 +202,10 @@ class JointGraph:
     def changes(self) -> AsyncIterator[Snapshot]:
         """Yield a snapshot now and one after each change in any graph."""
         return follow_changes(lambda: self._graphs, self._joined, self._closed)
+
+    def changes_of_each(self) -> AsyncGenerator[list[Snapshot]]:
+        """Yield a snapshot of each graph now and after each change in any of them."""
+        return follow_each(lambda: self._graphs, self._joined, self._closed)
 
     async def close(self, reason: str = "closed") -> None:
         """Leave every graph. Idempotent."""

@@ -74,7 +74,8 @@ class JointPublisher:
 class JointSubscriber:
     """A `graph.ports.Subscriber` in several graphs.
 
-    What nodes that are in several graphs publish comes through the first graph only.
+    What nodes that are in several graphs publish comes through the first graph only, and what relays between
+    the graphs publish through none: it comes from its own publishers.
     """
 
     def __init__(
@@ -89,6 +90,7 @@ class JointSubscriber:
         skip_own: bool,
         skip_nodes: Container[str],
         joint_nodes: Container[str],
+        relays: Container[str],
     ) -> None:
         self.topic = topic
         self.parts: JointParts[Subscriber] = JointParts(topic, self._open)
@@ -100,6 +102,7 @@ class JointSubscriber:
         self._skip_own = skip_own
         self._skip_nodes = skip_nodes
         self._joint_nodes = joint_nodes
+        self._relays = relays
         self._is_paused = False
 
     @property
@@ -124,18 +127,29 @@ class JointSubscriber:
         await self.parts.close()
 
     async def _open(self, graph: Graph) -> Subscriber:
+        is_first = graph is self._first
         subscriber = await graph.subscribe(
             self.topic,
             self._type,
             self._on_messages,
             on_connection=self._on_connection,
             tcp_nodelay=self._tcp_nodelay,
-            skip_own=self._skip_own or graph is not self._first,
-            skip_nodes=self._skip_nodes if graph is self._first else self._joint_nodes,
+            skip_own=self._skip_own or not is_first,
+            skip_nodes=_AnyOf(self._relays, self._skip_nodes if is_first else self._joint_nodes),
         )
         if self._is_paused:
             subscriber.pause()
         return subscriber
+
+
+class _AnyOf:
+    """What is in one of several containers, which may change."""
+
+    def __init__(self, *containers: Container[str]) -> None:
+        self._containers = containers
+
+    def __contains__(self, name: object) -> bool:
+        return any(name in each for each in self._containers)
 
 
 class JointServiceServer:

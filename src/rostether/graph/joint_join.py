@@ -7,12 +7,17 @@ import contextlib
 import logging
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from contextlib import aclosing
 from functools import partial
 
-from rostether.errors import GraphError
+from rostether.errors import GraphError, RostetherError
 from rostether.graph.joint_graph import JointGraph
+from rostether.graph.joint_marks import MARK_TYPE, MarkedNodes, new_joint_mark, replace_names
 from rostether.graph.joint_parts import retry_backoff
-from rostether.graph.ports import Graph, JoinGraph
+from rostether.graph.ports import Graph, JoinGraph, Level
+
+LOOK_INTERVAL_S = 0.25
+"""How often changes of the graphs are looked through at most: many boards that come at once cost one look."""
 
 _log = logging.getLogger("rostether.graph")
 
@@ -22,8 +27,14 @@ class JointJoin:
 
     def __init__(self, joins: Sequence[JoinGraph]) -> None:
         self._joins = tuple(joins)
-        # By name, how many there are: one may come before its predecessor has left.
-        self._joint_nodes: Counter[str] = Counter()
+        self._mark = new_joint_mark()
+        # By name, how many of ours there are: one may come before its predecessor has left.
+        self._own_nodes: Counter[str] = Counter()
+        self._seen = MarkedNodes()
+        self._joint_nodes: set[str] = set()
+        self._relays: set[str] = set()
+        # One of our nodes looks for all of them.
+        self._looking = asyncio.Lock()
 
     async def __call__(
         self, node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
@@ -43,22 +54,48 @@ class JointJoin:
         if serious or not graphs:
             await asyncio.gather(*(graph.close() for graph in graphs))
             raise (serious or wrong)[0]
-        joint = JointGraph(graphs, self._joint_nodes)
+        joint = JointGraph(graphs, self._joint_nodes, self._relays)
         joint.run_until_closed(partial(self._be_listed, joint.node_name))
+        joint.run_until_closed(partial(self._look, joint))
         for position, result in enumerate(results):
             if isinstance(result, GraphError):
                 _log.warning("%s is not in every graph yet: %s", joint.node_name, result)
                 self._join_later(joint, position, node_name, namespace, remappings)
+        try:
+            await joint.advertise(self._mark, MARK_TYPE)
+        except RostetherError as error:
+            _log.warning(
+                "relays do not see that %s is in several graphs, and carry what it publishes twice: %s",
+                joint.node_name,
+                error,
+            )
         return joint
 
     async def _be_listed(self, node_name: str) -> None:
-        self._joint_nodes[node_name] += 1
+        self._own_nodes[node_name] += 1
+        self._update()
         try:
             await asyncio.Event().wait()
         finally:
-            self._joint_nodes[node_name] -= 1
-            if not self._joint_nodes[node_name]:
-                del self._joint_nodes[node_name]
+            self._own_nodes[node_name] -= 1
+            if not self._own_nodes[node_name]:
+                del self._own_nodes[node_name]
+            self._update()
+
+    async def _look(self, joint: JointGraph) -> None:
+        async with self._looking, aclosing(joint.changes_of_each()) as changes:
+            async for snapshots in changes:
+                self._seen = MarkedNodes.find(snapshots)
+                for name in self._seen.relays.keys() - self._relays:
+                    joint.log(
+                        Level.INFO, f"{name} is a relay between the same graphs: its copies are left out"
+                    )
+                self._update()
+                await asyncio.sleep(LOOK_INTERVAL_S)
+
+    def _update(self) -> None:
+        replace_names(self._relays, set(self._seen.relays))
+        replace_names(self._joint_nodes, {*self._own_nodes, *self._seen.joint})
 
     def _join_later(
         self,

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Callable, Iterable, Sequence
+from collections.abc import AsyncGenerator, Callable, Iterable, Sequence
+from contextlib import aclosing
 
 from rostether.errors import GraphError
 from rostether.graph.ports import Graph, ServiceInfo, Snapshot, TopicInfo
@@ -26,8 +27,21 @@ def merge_snapshots(snapshots: Iterable[Snapshot]) -> Snapshot:
 
 async def follow_changes(
     graphs: Callable[[], Sequence[Graph]], joined: asyncio.Event, closed: asyncio.Event
-) -> AsyncIterator[Snapshot]:
-    """Yield a merged snapshot now and after each change, until all graphs have ended or `closed` is set.
+) -> AsyncGenerator[Snapshot]:
+    """Yield a merged snapshot now and after each change, as `follow_each` does."""
+    told: Snapshot | None = None
+    async with aclosing(follow_each(graphs, joined, closed)) as changes:
+        async for snapshots in changes:
+            merged = merge_snapshots(snapshots)
+            if merged != told:
+                told = merged
+                yield merged
+
+
+async def follow_each(
+    graphs: Callable[[], Sequence[Graph]], joined: asyncio.Event, closed: asyncio.Event
+) -> AsyncGenerator[list[Snapshot]]:
+    """Yield a snapshot of each graph now and after each change, until all have ended or `closed` is set.
 
     `joined` is set when there is one more graph.
     """
@@ -54,16 +68,16 @@ async def follow_changes(
             event.clear()
 
     watching = [asyncio.ensure_future(forward(event)) for event in (joined, closed)]
-    told: Snapshot | None = None
+    told: list[Snapshot] = []
     try:
         while True:
             for graph in graphs():
                 if graph not in tasks:
                     tasks[graph] = asyncio.ensure_future(follow(graph))
-            merged = merge_snapshots(latest[graph] for graph in graphs() if graph in latest)
-            if latest and merged != told:
-                told = merged
-                yield merged
+            snapshots = [latest[graph] for graph in graphs() if graph in latest]
+            if snapshots and snapshots != told:
+                told = snapshots
+                yield snapshots
                 continue
             if closed.is_set() or all(task.done() for task in tasks.values()):
                 return

@@ -73,8 +73,7 @@ class MemoryPublisher:
 
     def connect(self, subscriber: MemorySubscriber) -> None:
         """Connect a subscriber if it wants this type; a mismatch is one line in the log."""
-        is_own = subscriber.node_name == self.node_name
-        if (subscriber.skip_own and is_own) or self.node_name in subscriber.skip_nodes:
+        if subscriber.skip_own and subscriber.node_name == self.node_name:
             return
         if not _agree(self.type.md5sum, subscriber.type.md5sum):
             _log.warning(
@@ -213,7 +212,8 @@ class _Link:
             self._queue.clear()
             self._bytes = 0
             self._flow.update()
-            self._subscriber.deliver(payloads)
+            if self._publisher.node_name not in self._subscriber.skip_nodes:
+                self._subscriber.deliver(payloads)
 
 
 def _agree(left: str, right: str) -> bool:

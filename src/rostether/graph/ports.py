@@ -179,7 +179,7 @@ class Graph(Protocol):
         """Subscribe. `ANY_MESSAGE` takes every type; `on_connection` gets each publisher's header fields.
 
         `skip_own` leaves out what this very node publishes on the topic, `skip_nodes` what nodes of these
-        names do; they are looked up whenever a publisher is met.
+        names publish; names may be added and removed at any time.
         """
 
     async def advertise_service(

@@ -3,17 +3,29 @@
 A topic is carried to the other graph as long as somebody besides the relay publishes it, in both directions
 at once where both are chosen: the relay's subscribers leave out what the relay itself publishes, so that
 nothing comes back. A service is offered in the graph that does not have it as long as the other one has it.
+
+Nodes that are in both graphs themselves (`graph.joint_marks`) are left out: boards, which need no relay, and
+other relays, whose messages come from the other graph. Of several relays, one carries a topic or service: the
+first one keeps it. If two begin at once, the older one has it, because the younger one waits a moment.
 """
 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from typing import NamedTuple
 
 from rostether.errors import GraphError, RostetherError
-from rostether.graph.ports import Level, Snapshot
+from rostether.graph.joint_marks import (
+    MARK_TYPE,
+    MarkedNodes,
+    is_mark,
+    new_relay_mark,
+    relay_marks,
+    replace_names,
+)
+from rostether.graph.ports import Level, Publisher, Snapshot
 from rostether.relay.choice import Choice, Direction
 from rostether.relay.service_relay import ServiceRelay
 from rostether.relay.side import Side
@@ -21,6 +33,15 @@ from rostether.relay.topic_relay import TopicRelay
 
 RETRY_S = 2.0
 """How soon what a graph refused is tried again, as long as it is wanted; graphs come back within seconds."""
+
+MEET_S = 2.0
+"""How long relays and boards in both graphs get to see a new relay: ROS 1 shows changes after a second."""
+
+GIVE_WAY_S = 1.5
+"""How long a relay waits for each older one to begin: until the graphs show that it has."""
+
+CHECK_S = 3.0
+"""How often other relays are asked whether they still run: what a killed one offered is missed until then."""
 
 Report = Callable[[Level, str], None]
 
@@ -47,7 +68,13 @@ class Relay:
         self._sides = (first, second)
         self._choice = choice
         self._report = report
+        self._mark = new_relay_mark()
         self._seen: dict[str, Snapshot] = {}
+        self._marked = MarkedNodes()
+        # All that needs no relay; and killed relays, whose endpoints a graph may still list.
+        self._skip_nodes: set[str] = set()
+        self._gone: set[str] = set()
+        self._left_out: dict[str, str] = {}
         self._news = asyncio.Event()
         self._carrying: dict[_Wish, asyncio.Task[None]] = {}
         self._ending: dict[_Wish, asyncio.Task[None]] = {}
@@ -60,18 +87,24 @@ class Relay:
 
     async def run(self) -> None:
         """Carry until cancelled. Raises GraphError when a graph tells the relay's node to leave."""
-        watching = [asyncio.ensure_future(self._follow(side)) for side in self._sides]
-        leaving = [asyncio.ensure_future(self._leave(side)) for side in self._sides]
-        arranging = asyncio.ensure_future(self._arrange_always())
+        marks: list[Publisher] = []
+        tasks: list[asyncio.Future[None]] = []
         try:
+            marks += [await side.graph.advertise(self._mark, MARK_TYPE) for side in self._sides]
+            tasks += [asyncio.ensure_future(self._follow(side)) for side in self._sides]
+            tasks += [asyncio.ensure_future(self._forget_gone(side)) for side in self._sides]
+            leaving = [asyncio.ensure_future(self._leave(side)) for side in self._sides]
+            arranging: asyncio.Future[None] = asyncio.ensure_future(self._arrange_always())
+            tasks += [*leaving, arranging]
             done, _ = await asyncio.wait((*leaving, arranging), return_when=asyncio.FIRST_COMPLETED)
-            for task in done:
-                await task
+            for ended in done:
+                await ended
         finally:
-            tasks = [*watching, *leaving, arranging, *self._carrying.values(), *self._ending.values()]
+            tasks += [*self._carrying.values(), *self._ending.values()]
             for task in tasks:
                 task.cancel()
             await asyncio.gather(*tasks, return_exceptions=True)
+            await asyncio.gather(*(mark.close() for mark in marks), return_exceptions=True)
 
     async def _leave(self, side: Side) -> None:
         reason = await side.graph.wait_closed()
@@ -82,18 +115,57 @@ class Relay:
             try:
                 async for snapshot in side.graph.changes():
                     self._seen[side.name] = snapshot
+                    self._meet()
                     self._news.set()
             except GraphError as error:
                 self._report(Level.WARN, f"{side.name} cannot be seen: {error}; looking again")
             # What is carried goes on: a graph that nobody sees for a moment may work all the same.
             await asyncio.sleep(RETRY_S)
 
+    def _meet(self) -> None:
+        """Find out who else is in both graphs."""
+        own = {side.graph.node_name for side in self._sides}
+        marked = MarkedNodes.find(self._seen.values())
+        self._gone &= {name for snapshot in self._seen.values() for name in snapshot.nodes}
+        relays = {name: mark for name, mark in marked.relays.items() if name not in own | self._gone}
+        for name in sorted(relays.keys() - self._marked.relays.keys()):
+            self._report(Level.INFO, f"the relay {name} is between the same graphs: its copies are left out")
+        for name in sorted(marked.joint - self._marked.joint):
+            self._report(Level.INFO, f"{name} is in both graphs by itself: what it publishes is left out")
+        self._marked = MarkedNodes(relays, marked.joint)
+        replace_names(self._skip_nodes, self._marked.names | self._gone)
+
+    async def _forget_gone(self, side: Side) -> None:
+        """Look for relays that were killed, and have their registrations removed."""
+        if side.forget_if_gone is None:
+            return
+        while True:
+            known = relay_marks(self._seen.get(side.name, Snapshot()))
+            for name in known.keys() - self._gone - {side.graph.node_name}:
+                try:
+                    is_gone = await side.forget_if_gone(name)
+                except RostetherError as error:
+                    self._report(Level.WARN, f"cannot see whether the relay {name} still runs: {error}")
+                    continue
+                if is_gone:
+                    self._gone.add(name)
+                    self._report(Level.INFO, f"the relay {name} has ended without leaving: it is forgotten")
+                    self._meet()
+                    self._news.set()
+            await asyncio.sleep(CHECK_S if known else RETRY_S)
+
     async def _arrange_always(self) -> None:
+        await asyncio.sleep(MEET_S)
         while True:
             await self._news.wait()
             self._news.clear()
             if len(self._seen) == len(self._sides):
-                self._arrange(set(self._wishes()))
+                left_out: dict[str, str] = {}
+                self._arrange(set(self._wishes(left_out)))
+                for text, reason in left_out.items():
+                    if self._left_out.get(text) != reason:
+                        self._report(Level.INFO, f"not relaying {text}: {reason}")
+                self._left_out = left_out
 
     def _arrange(self, wishes: set[_Wish]) -> None:
         for wish in self._carrying.keys() - wishes:
@@ -108,36 +180,64 @@ class Relay:
         del self._ending[wish]
         self._news.set()
 
-    def _wishes(self) -> Iterator[_Wish]:
+    def _wishes(self, left_out: dict[str, str]) -> Iterator[_Wish]:
+        """Yield what is to be carried; `left_out` gets what another relay carries, with the reason."""
         first, second = self._sides
-        yield from self._topics(first, second, Direction.FORTH)
-        yield from self._topics(second, first, Direction.BACK)
-        yield from self._services(first, second)
-        yield from self._services(second, first)
+        for wish, there in (
+            *self._topics(first, second, Direction.FORTH),
+            *self._topics(second, first, Direction.BACK),
+            *self._services(first, second),
+            *self._services(second, first),
+        ):
+            carrier = self._carrier(wish.target.graph.node_name, there)
+            if carrier:
+                left_out[wish.text] = f"the relay {carrier} carries it"
+            else:
+                yield wish
 
-    def _topics(self, source: Side, target: Side, direction: Direction) -> Iterator[_Wish]:
+    def _topics(
+        self, source: Side, target: Side, direction: Direction
+    ) -> Iterator[tuple[_Wish, tuple[str, ...]]]:
+        """Yield the topics of one side to be carried, each with its publishers in the other one."""
+        there = self._seen[target.name].topics
+        own = {source.graph.node_name, *self._skip_nodes}
         for name, topic in self._seen[source.name].topics.items():
-            is_published = set(topic.publishers) - {source.graph.node_name}
-            if is_published and self._choice.carries_topic(name, direction):
-                yield _Wish(False, name, source, target)
+            if is_mark(name) or own.issuperset(topic.publishers):
+                continue
+            if self._choice.carries_topic(name, direction):
+                yield _Wish(False, name, source, target), there[name].publishers if name in there else ()
 
-    def _services(self, source: Side, target: Side) -> Iterator[_Wish]:
+    def _services(self, source: Side, target: Side) -> Iterator[tuple[_Wish, tuple[str, ...]]]:
+        """Yield the services of one side to be offered in the other one, each with its providers there."""
         there = self._seen[target.name].services
+        own = {source.graph.node_name, *self._skip_nodes}
+        relays = {target.graph.node_name, *self._marked.relays, *self._gone}
         for name, service in self._seen[source.name].services.items():
             chosen = self._choice.service(name)
-            if chosen is None or not set(service.providers) - {source.graph.node_name}:
+            if chosen is None or own.issuperset(service.providers):
                 continue
             # Of a service that both graphs have, each keeps its own.
-            if name not in there or not set(there[name].providers) - {target.graph.node_name}:
-                yield _Wish(True, name, source, target, chosen.type)
+            providers = there[name].providers if name in there else ()
+            if relays.issuperset(providers):
+                yield _Wish(True, name, source, target, chosen.type), providers
+
+    def _carrier(self, own_name: str, nodes: Iterable[str]) -> str:
+        """Return the relay among nodes that keeps something from us, an empty string if none does."""
+        relays = self._marked.relays
+        others = sorted((relays[name], name) for name in nodes if name in relays)
+        if not others or (own_name in nodes and self._mark < others[0][0]):
+            return ""
+        return others[0][1]
 
     async def _carry(self, wish: _Wish) -> None:
-        told = ""
+        reported = ""
         while True:
+            # Older relays first: what they begin meanwhile is no wish any more, and ends this.
+            await asyncio.sleep(GIVE_WAY_S * sum(mark < self._mark for mark in self._marked.relays.values()))
             relay = self._relays[wish] = (
                 ServiceRelay(wish.name, wish.source, wish.target, wish.chosen_type)
                 if wish.is_service
-                else TopicRelay(wish.name, wish.source, wish.target)
+                else TopicRelay(wish.name, wish.source, wish.target, self._skip_nodes)
             )
             is_open = False
             try:
@@ -147,8 +247,8 @@ class Relay:
                 self._report(Level.INFO, f"relaying {wish.text} ({relay.type.name})")
                 await asyncio.Event().wait()
             except RostetherError as error:
-                if str(error) != told:
-                    told = str(error)
+                if str(error) != reported:
+                    reported = str(error)
                     self._report(Level.ERROR, f"cannot relay {wish.text}: {error}")
             finally:
                 del self._relays[wish]

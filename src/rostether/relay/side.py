@@ -13,13 +13,21 @@ FindServiceType = Callable[[str, str], Awaitable[ServiceType]]
 """Takes a service and the name of its type, `*` where that is not known. Raises RostetherError."""
 
 
+ForgetNode = Callable[[str], Awaitable[bool]]
+"""Takes a node's name; if it has ended without leaving, removes its registrations and returns True."""
+
+
 @dataclass(frozen=True, slots=True)
 class Side:
-    """A graph with the name that people know it by, and how to learn the type of a service in it."""
+    """A graph with the name that people know it by, and how to learn the type of a service in it.
+
+    `forget_if_gone` is for a graph that keeps the registrations of nodes that were killed: ROS 1.
+    """
 
     name: str
     graph: Graph
     service_type: FindServiceType
+    forget_if_gone: ForgetNode | None = None
 
     async def find_service_type(self, service: str, chosen: str) -> ServiceType:
         """Return a service's type: the chosen one, else what the graph tells. Raises RostetherError."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 
 from rostether.graph.ports import Publisher, Subscriber
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
@@ -14,14 +14,15 @@ PAUSE_S = 0.1
 
 
 class TopicRelay:
-    """Carries a topic until it is closed."""
+    """Carries a topic until it is closed; what `skip_nodes` publish is left out."""
 
-    def __init__(self, topic: str, source: Side, target: Side) -> None:
+    def __init__(self, topic: str, source: Side, target: Side, skip_nodes: Container[str] = ()) -> None:
         self.topic = topic
         self.source = source
         self.target = target
         self.type: MessageType | None = None
         self.message_count = 0
+        self._skip_nodes = skip_nodes
         self._publisher: Publisher | None = None
         self._subscriber: Subscriber | None = None
         self._pausing: asyncio.Task[None] | None = None
@@ -35,7 +36,9 @@ class TopicRelay:
             await publisher.close()
             return
         self._publisher = publisher
-        subscriber = await self.source.graph.subscribe(self.topic, self.type, self._take, skip_own=True)
+        subscriber = await self.source.graph.subscribe(
+            self.topic, self.type, self._take, skip_own=True, skip_nodes=self._skip_nodes
+        )
         if self._is_closed:
             await subscriber.close()
             return
@@ -60,7 +63,7 @@ class TopicRelay:
         met: asyncio.Future[Mapping[str, str]] = asyncio.get_running_loop().create_future()
 
         def meet(fields: Mapping[str, str]) -> None:
-            if not met.done():
+            if not met.done() and fields.get("callerid", "") not in self._skip_nodes:
                 met.set_result(fields)
 
         # Everything but its first words comes again when we subscribe to its type.

@@ -22,6 +22,7 @@ from rostether.errors import (
 from rostether.graph import joint_parts
 from rostether.graph.joint_graph import JointGraph
 from rostether.graph.joint_join import JointJoin
+from rostether.graph.joint_marks import MARK_TYPE, new_relay_mark
 from rostether.graph.memory_graph import MemoryGraph
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Graph, Level, ListsClients, ParamValue, ServiceHandler
@@ -114,7 +115,7 @@ async def test_nodes_that_are_in_the_same_graphs_hear_each_other_once() -> None:
     assert sorted(inbox.payloads) == [string("hello"), string("me too")]
     for graph in (first, second):
         await graph.close()
-    assert not join._joint_nodes
+    assert not join._own_nodes
 
 
 async def test_a_slow_subscriber_of_either_graph_is_felt() -> None:
@@ -411,3 +412,33 @@ async def test_clients_are_listed_where_the_graph_lists_them() -> None:
     await client.close()
     assert [graph.listed for graph in graphs] == [0, 0]
     await joint.close()
+
+
+async def test_what_relays_and_boards_of_other_programs_publish_comes_once() -> None:
+    networks = [MemoryNetwork(), MemoryNetwork()]
+    joins = [JointJoin([network.join for network in networks]) for _ in range(2)]
+    board, other = await joins[0]("/board"), await joins[1]("/other")
+    inbox = Inbox()
+    await board.subscribe("/chat", STRING, inbox.take)
+    relays = [await network.join("/relay") for network in networks]
+    mark = new_relay_mark()
+    for relay in relays:
+        await relay.advertise(mark, MARK_TYPE)
+    await until(lambda: "/relay" in joins[0]._relays and "/other" in joins[0]._joint_nodes)
+    talker = await (await networks[0].join("/talker")).advertise("/chat", STRING)
+    copy = await relays[1].advertise("/chat", STRING)
+    mine = await other.advertise("/chat", STRING)
+    talker.publish_raw([string("hello")])
+    copy.publish_raw([string("hello")])
+    mine.publish_raw([string("me too")])
+    await until(lambda: len(inbox.payloads) >= 2)
+    await asyncio.sleep(0.02)
+    assert sorted(inbox.payloads) == [string("hello"), string("me too")]
+    # Another node of the program looks on when one leaves, and notices that the relay does.
+    third = await joins[0]("/third")
+    await board.close()
+    for relay in relays:
+        await relay.close()
+    await until(lambda: not joins[0]._relays)
+    for graph in (other, third):
+        await graph.close()

@@ -32,6 +32,7 @@ from rostether.msgdef.interface import ANY_TYPE, ServiceType
 from rostether.msgdef.search_waiting import definitions_searched
 from rostether.relay.choice import Choice, Direction, Services, Topics
 from rostether.ros1.environment import RosEnvironment
+from rostether.ros1.node.leftovers import Leftovers
 
 if TYPE_CHECKING:
     from rostether.relay.side import FindServiceType
@@ -163,8 +164,9 @@ async def relay_between(
         try:
             ros2 = await access.join(name)
             try:
+                leftovers = Leftovers(used.environment.master_uri, ros1.node_name)
                 sides = (
-                    Side(_ROS1, ros1, finding_types(access.types, probe)),
+                    Side(_ROS1, ros1, finding_types(access.types, probe), leftovers.forget_if_gone),
                     Side(_ROS2, ros2, finding_types(access.types)),
                 )
                 await Relay(*sides, choice, lambda level, line: reporter.line(level, line)).run()

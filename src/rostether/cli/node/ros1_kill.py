@@ -6,13 +6,14 @@ import sys
 
 import click
 
-from rostether.cli.access.ros1_access import master_client, resolve
+from rostether.cli.access.ros1_access import master_client, no_master, resolve
 from rostether.cli.node.ros1_calls import ask, node_client, node_names, ping, unknown_node
 from rostether.cli.shell.failures import EXIT_FAILED, error_text
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.running import run
-from rostether.errors import GraphError, UnknownNameError
+from rostether.errors import GraphError, MasterUnreachableError, UnknownNameError
 from rostether.ros1.environment import RosEnvironment
+from rostether.ros1.node.leftovers import unregister_node
 
 
 def kill(environment: RosEnvironment, names: tuple[str, ...], *, kill_all: bool) -> None:
@@ -119,15 +120,9 @@ async def _silent(environment: RosEnvironment) -> dict[str, str]:
 
 
 async def _forget(environment: RosEnvironment, nodes: dict[str, str]) -> None:
-    async with master_client(environment) as client:
-        publishers, subscribers, services = await client.system_state()
-        for name, uri in nodes.items():
-            write_line(f"Unregistering {name}")
-            # Registrations belong to a node: the master takes them back in its name.
-            async with master_client(environment, name) as in_its_name:
-                for topic in (topic for topic, names in publishers.items() if name in names):
-                    await in_its_name.unregister_publisher(topic, uri)
-                for topic in (topic for topic, names in subscribers.items() if name in names):
-                    await in_its_name.unregister_subscriber(topic, uri)
-                for service in (service for service, names in services.items() if name in names):
-                    await in_its_name.unregister_service(service, await client.lookup_service(service))
+    for name, uri in nodes.items():
+        write_line(f"Unregistering {name}")
+        try:
+            await unregister_node(environment.master_uri, name, uri)
+        except MasterUnreachableError as error:
+            raise no_master(environment, error) from error

@@ -116,11 +116,12 @@ class Subscription:
     def _accept(self, uri: str, fields: dict[str, str], transport: asyncio.Transport) -> PublisherConnection:
         check_publisher(fields, self.topic, self.type)
         record = ConnectionRecord(transport, peer=uri, topic=self.topic, direction="i")
+        node_name = fields.get("callerid", "")
         take = self._taker(fields)
-        if fields.get("callerid") in self._skip_nodes:
-            take = _leave_out  # who is to be left out stays connected: it would be asked again and again
+        if self._skip_nodes != ():
+            take = self._leaving_out(node_name, take)
         connection = PublisherConnection(
-            transport, record, take, self._limits.message_bytes, node_name=fields.get("callerid", "")
+            transport, record, take, self._limits.message_bytes, node_name=node_name
         )
         if self._is_paused:
             connection.pause()
@@ -148,9 +149,13 @@ class Subscription:
         if not self._is_closed:
             call_contained(self._what, self._on_messages, payloads)
 
+    def _leaving_out(self, node_name: str, take: OnMessages) -> OnMessages:
+        # A publisher that is left out stays connected: it would be asked again and again.
+        def take_wanted(payloads: Sequence[bytes]) -> None:
+            if node_name not in self._skip_nodes:
+                take(payloads)
+
+        return take_wanted
+
     def _tell(self, trouble: str) -> None:
         self._report(Level.WARN, f"cannot subscribe to {self.topic}: {trouble}")
-
-
-def _leave_out(_: Sequence[bytes]) -> None:
-    """Drop messages that this node does not want."""

@@ -64,8 +64,8 @@ class RclpySubscriber:
         self._wish: Wish | None = None
         self._subscription: Any = None
         self._mailbox = Mailbox(lambda: own.thread.call_in_loop(self._deliver))
-        # Publishers whose connection was told, and whether each is this node's own.
-        self._known: dict[bytes, bool] = {}
+        # Publishers whose connection was reported, with the names of their nodes.
+        self._known: dict[bytes, str] = {}
         # Those of them whose node has no name yet.
         self._unnamed: set[bytes] = set()
         # When each publisher's latest message was sent; and what a new subscription may see again.
@@ -231,7 +231,8 @@ class RclpySubscriber:
             return True
         if gid not in self._known or gid in self._unnamed:
             self.look()
-        return not self._known.get(gid, False)
+        node_name = self._known.get(gid, "")
+        return node_name not in self._skip_nodes and not (self._skip_own and node_name == self._own.name)
 
     def _meet(self, publishers: Sequence[Any]) -> None:
         assert self._support is not None
@@ -252,8 +253,7 @@ class RclpySubscriber:
                 self._unnamed.discard(gid)
             else:
                 self._unnamed.add(gid)
-            is_own = self._skip_own and node_name == self._own.name
-            self._known[gid] = is_own or node_name in self._skip_nodes
+            self._known[gid] = node_name
             if is_new and self._on_connection is not None:
                 message_type = self._support.ros1_type
                 fields = {

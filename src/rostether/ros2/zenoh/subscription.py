@@ -65,7 +65,8 @@ class Subscription:
         self._node = node
         self._own_gids = own_gids
         self._skip_nodes = skip_nodes
-        self._skipped_gids: set[bytes] = set()
+        # Whose sample it is: looked up only where nodes are left out.
+        self._node_names: dict[bytes, str] = {}
         self._what = f"on_messages of {topic}"
         self._is_closed = False
         self._reported = False
@@ -80,7 +81,7 @@ class Subscription:
         else:
             self._mismatches = Mismatches(topic, support, taker.report)
             self._key = data_key(domain_id, topic, dds_name(support.name), support.type_hash)
-        self._queue: Handover[tuple[str, bytes]] = Handover(self._take, limit=DEFAULT_QUEUE_BYTES)
+        self._queue: Handover[tuple[str, bytes, bytes]] = Handover(self._take, limit=DEFAULT_QUEUE_BYTES)
         # Publishers that are not latched keep no history, so that asking for it costs nothing then.
         self._subscriber = ext.declare_advanced_subscriber(
             node.session.zenoh,
@@ -130,21 +131,27 @@ class Subscription:
         # In a thread of zenoh's, or in ours while we publish.
         stay_known()
         data = sample.payload.to_bytes()
-        self._queue.put(("", data), len(data))
+        self._queue.put(("", b"", data), len(data))
 
     def _put_of_any(self, sample: zenoh.Sample) -> None:
         stay_known()
+        gid = b""
         if not self._takes_all and sample.attachment is not None:
             attachment = parse_attachment(sample.attachment.to_bytes())
-            if attachment is not None and self._is_skipped(attachment.gid):
-                return
+            if attachment is not None:
+                gid = attachment.gid
+                if self._own_gids is not None and gid in self._own_gids():
+                    return
         data = sample.payload.to_bytes()
-        self._queue.put(("" if self._support else str(sample.key_expr), data), len(data))
+        self._queue.put(("" if self._support else str(sample.key_expr), gid, data), len(data))
 
-    def _take(self, samples: Sequence[tuple[str, bytes]]) -> None:
+    def _take(self, samples: Sequence[tuple[str, bytes, bytes]]) -> None:
         payloads: list[bytes] = []
         support = self._support
-        for key, cdr in samples:
+        for key, gid, cdr in samples:
+            # In the loop, which knows the tokens that came before the sample.
+            if gid in self._node_names and self._node_names[gid] in self._skip_nodes:
+                continue
             if key:
                 support = self._of_key(key)
             if support is None:
@@ -160,12 +167,10 @@ class Subscription:
     def _takes_all(self) -> bool:
         return self._own_gids is None and self._skip_nodes == ()
 
-    def _is_skipped(self, gid: bytes) -> bool:
-        return gid in self._skipped_gids or (self._own_gids is not None and gid in self._own_gids())
-
     def _look(self) -> None:
         ends = self._node.session.graph.endpoints(Kind.PUBLISHER, self.topic)
-        self._skipped_gids = {gid_of(end.format()) for end in ends if end.node_name in self._skip_nodes}
+        if self._skip_nodes != ():
+            self._node_names = {gid_of(end.format()): end.node_name for end in ends}
         if self._mismatches is not None:
             self._mismatches.report(ends)
         found = {end for end in ends if self._of_token(end) is not None}

@@ -1,0 +1,74 @@
+"""Registrations of nodes that ended without leaving: a ROS 1 master keeps them until they are removed."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from rostether.errors import ConfigError, GraphError, UnknownNameError
+from rostether.ros1.node.master_client import MasterClient
+from rostether.ros1.xmlrpc_client import XmlRpcClient
+
+ANSWER_TIMEOUT_S = 3.0
+"""A node that runs answers within milliseconds; a loaded computer within a second or two."""
+
+PATIENT_FAILURES = 3
+"""Failures in a row after which a machine that does not answer at all counts as gone; Wi-Fi may pause."""
+
+
+class Leftovers:
+    """Finds and removes them, in the name of `caller_id`."""
+
+    def __init__(self, master_uri: str, caller_id: str) -> None:
+        self._master_uri = master_uri
+        self._caller_id = caller_id
+        self._failures: Counter[str] = Counter()
+
+    async def forget_if_gone(self, name: str) -> bool:
+        """Remove a node's registrations if it has ended; tells whether it has. Raises GraphError."""
+        master = MasterClient(self._master_uri, self._caller_id)
+        try:
+            uri = await master.lookup_node(name)
+        except UnknownNameError:
+            return False
+        finally:
+            await master.close()
+        if not await self._is_gone(uri):
+            return False
+        await unregister_node(self._master_uri, name, uri)
+        return True
+
+    async def _is_gone(self, uri: str) -> bool:
+        try:
+            client = XmlRpcClient(uri, timeout_s=ANSWER_TIMEOUT_S)
+        except ConfigError:
+            return True
+        try:
+            await client.call_status("getPid", self._caller_id)
+        except GraphError as error:
+            # A port that refuses has no server any more; another program there may answer with nonsense.
+            if isinstance(error.__cause__, ConnectionRefusedError):
+                self._failures.pop(uri, None)
+                return True
+            self._failures[uri] += 1
+            return self._failures[uri] >= PATIENT_FAILURES
+        else:
+            self._failures.pop(uri, None)
+            return False
+        finally:
+            await client.close()
+
+
+async def unregister_node(master_uri: str, name: str, uri: str) -> None:
+    """Remove all registrations that a node has under an URI. Raises GraphError."""
+    # Registrations belong to a node: the master takes them back in its name.
+    master = MasterClient(master_uri, name)
+    try:
+        publishers, subscribers, services = await master.system_state()
+        for topic in (topic for topic, names in publishers.items() if name in names):
+            await master.unregister_publisher(topic, uri)
+        for topic in (topic for topic, names in subscribers.items() if name in names):
+            await master.unregister_subscriber(topic, uri)
+        for service in (service for service, names in services.items() if name in names):
+            await master.unregister_service(service, await master.lookup_service(service))
+    finally:
+        await master.close()

@@ -1,0 +1,259 @@
+"""Relays beside each other and beside boards in both graphs, all as processes: everything arrives once."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import signal
+from collections import Counter
+from collections.abc import AsyncIterator
+from contextlib import AsyncExitStack
+
+import pytest_asyncio
+
+from contract.graphs import SET_BOOL, STRING, TRUE, Inbox, acquainted, agreeing, answer, string, until
+from contract.zenoh_graphs import open_session
+from interop.command_line import started
+from interop.ros1_peers import Peer, free_port
+from rostether.device.device import Device
+from rostether.errors import RostetherError
+from rostether.graph.ports import Graph, Publisher
+from rostether.ros1.environment import RosEnvironment
+from rostether.ros1.master.server import MasterServer
+from rostether.ros1.node.node import join_ros1
+
+# Set RELAY_TEST_S=60 for the long run.
+FLOW_S = float(os.environ.get("RELAY_TEST_S", "2"))
+PERIOD_S = 0.01
+
+
+class World:
+    """A ROS 1 master, a zenoh router, a node in each graph, and the processes that join both."""
+
+    def __init__(self, stack: AsyncExitStack, master_uri: str, router_port: int, graphs: list[Graph]) -> None:
+        self.graphs = graphs
+        self._stack = stack
+        self._graph_options = (
+            *("--master", master_uri, "--ros2", "zenoh", "--zenoh-router", "never"),
+            *("--zenoh-connect", f"tcp/127.0.0.1:{router_port}"),
+        )
+
+    async def start(self, *arguments: str) -> Peer:
+        """Start a command on both graphs."""
+        # The master is one that no other test has: nobody's variables are to name another graph.
+        environment = {"ROS_DOMAIN_ID": "0", "ROS_DISTRO": "jazzy"}
+        peer = await started(*arguments, *self._graph_options, environment=environment)
+        self._stack.push_async_callback(peer.stop, signal.SIGKILL)
+        return peer
+
+    async def relay(self, *arguments: str) -> Peer:
+        """Start a relay, and wait until it is in both graphs."""
+        peer = await self.start("relay", *arguments)
+        await peer.wait_for("Joining ROS 2")
+        await self.until_nodes("relay", at_least=1)
+        return peer
+
+    async def until_nodes(self, part: str, *, at_least: int) -> None:
+        """Wait until so many nodes whose names have a part are in both graphs."""
+        for graph in self.graphs:
+            while sum(part in name for name in (await graph.snapshot()).nodes) < at_least:
+                await asyncio.sleep(0.02)
+
+
+@pytest_asyncio.fixture
+async def world() -> AsyncIterator[World]:
+    async with AsyncExitStack() as stack:
+        master = await MasterServer.start(port=0)
+        stack.push_async_callback(master.close)
+        port = free_port()
+        router = await open_session(port, is_router=True)
+        stack.push_async_callback(router.close)
+        session = await open_session(port, is_router=False)
+        stack.push_async_callback(session.close)
+        graphs: list[Graph] = [
+            await join_ros1("/peer", environment=RosEnvironment.read({}).with_master(master.uri)),
+            await session.join("/peer"),
+        ]
+        for graph in graphs:
+            stack.push_async_callback(graph.close)
+        await acquainted(graphs[1])
+        yield World(stack, master.uri, port, graphs)
+
+
+class Flow:
+    """Numbered messages on a topic of one graph or both, and what each graph's own subscriber hears."""
+
+    def __init__(self, world: World, topic: str) -> None:
+        self.inboxes = [Inbox() for _ in world.graphs]
+        self._world = world
+        self._topic = topic
+        self._talkers: list[Publisher] = []
+
+    async def open(self, *talking: int) -> None:
+        """Subscribe in both graphs, and advertise in some."""
+        graphs = self._world.graphs
+        for graph, inbox in zip(graphs, self.inboxes, strict=True):
+            await graph.subscribe(self._topic, STRING, inbox.take)
+        self._talkers = [await graphs[number].advertise(self._topic, STRING) for number in talking]
+
+    async def arrives(self, *others: Inbox) -> None:
+        """Send until both graphs and the others hear every talker, then begin to count."""
+        seen: set[bytes] = set()
+        while True:
+            for number, talker in enumerate(self._talkers):
+                talker.publish_raw([string(f"start {number}")])
+            await asyncio.sleep(0.05)
+            for inbox in (*self.inboxes, *others):
+                seen = set(inbox.payloads)
+                if not all(string(f"start {number}") in seen for number in range(len(self._talkers))):
+                    break
+            else:
+                break
+        # What is under way arrives, and what two do at once while they start has ended.
+        await asyncio.sleep(3)
+        for inbox in (*self.inboxes, *others):
+            inbox.payloads.clear()
+
+    async def run(self) -> list[bytes]:
+        """Send at 100 Hz from every talker; returns what was sent."""
+        sent = []
+        loop = asyncio.get_running_loop()
+        begin_s = loop.time()
+        for turn in range(int(FLOW_S / PERIOD_S)):
+            for number, talker in enumerate(self._talkers):
+                sent.append(string(f"{number}: {turn}"))
+                talker.publish_raw(sent[-1:])
+            await asyncio.sleep(max(0.0, begin_s + (turn + 1) * PERIOD_S - loop.time()))
+        return sent
+
+
+async def hears_each_once(inbox: Inbox, sent: list[bytes]) -> None:
+    """Wait for everything that was sent, and a little for what should not come."""
+    await until(lambda: len(inbox.payloads) >= len(sent))
+    await asyncio.sleep(0.5)
+    counts = Counter(inbox.payloads)
+    twice = {text: count for text, count in counts.items() if count > 1}
+    assert not twice, f"{len(twice)} of {len(sent)} messages came more than once"
+    assert counts.keys() == set(sent)
+    print(f"sent {len(sent)}, heard {len(inbox.payloads)}")
+
+
+async def test_two_relays_carry_a_topic_once(world: World) -> None:
+    flow = Flow(world, "/chatter")
+    await flow.open(0, 1)
+    relays = [await world.relay("/*"), await world.relay("/*")]
+    await world.until_nodes("relay", at_least=2)
+    await flow.arrives()
+    sent = await flow.run()
+    for inbox in flow.inboxes:
+        await hears_each_once(inbox, sent)
+    lines = [line for relay in relays for line in relay.lines if "/chatter" in line]
+    for direction in ("from ROS 1 to ROS 2", "from ROS 2 to ROS 1"):
+        assert sum("relaying /chatter" in line and direction in line for line in lines) >= 1, lines
+
+
+async def test_two_relays_offer_a_service_once_and_leave_with_its_server(world: World) -> None:
+    ros1, ros2 = world.graphs
+    calls = 0
+
+    async def refuse(_: bytes) -> bytes:
+        nonlocal calls
+        calls += 1
+        raise RostetherError("not today")
+
+    server = await ros2.advertise_service("/pull", SET_BOOL, refuse)
+    mine = await ros1.advertise_service("/push", SET_BOOL, agreeing)
+    for _ in range(2):
+        await world.relay("--service", "/pull", "--service", "/push=std_srvs/SetBool")
+    await world.until_nodes("relay", at_least=2)
+    for graph, service in ((ros1, "/pull"), (ros2, "/push")):
+        while service not in (await graph.snapshot()).services:
+            await asyncio.sleep(0.02)
+    await asyncio.sleep(3)
+    assert len((await ros2.snapshot()).services["/push"].providers) == 1
+    assert (await ros2.snapshot()).services["/pull"].providers == ("/peer",)
+    assert (await ros1.snapshot()).services["/push"].providers == ("/peer",)
+    assert await ros2.call_service("/push", SET_BOOL, TRUE, timeout_s=60) == answer("as you say")
+    try:
+        await ros1.call_service("/pull", SET_BOOL, TRUE, timeout_s=60)
+    except RostetherError as error:
+        assert str(error).count("responded with an error") <= 2, str(error)
+    assert calls == 1
+    # Neither relay takes the other one for a server.
+    await server.close()
+    await mine.close()
+    for graph in world.graphs:
+        while {"/pull", "/push"} & (await graph.snapshot()).services.keys():
+            await asyncio.sleep(0.02)
+
+
+async def test_a_relay_beside_a_board_in_both_graphs(world: World) -> None:
+    port = free_port()
+    await world.start("serve", "--ros1", "--no-mdns", f"tcp://127.0.0.1:{port}?name=board")
+    relay = await world.relay("/*")
+    flow = Flow(world, "/command")
+    await flow.open(0, 1)
+    heard = [Inbox() for _ in world.graphs]
+    for graph, inbox in zip(world.graphs, heard, strict=True):
+        await graph.subscribe("/sensor", STRING, inbox.take)
+    commands = Inbox()
+    async with Device(f"tcp://127.0.0.1:{port}") as device:
+        device.subscriber("command", "std_msgs/String", lambda message: commands.take([string(message.data)]))
+        sensor = device.publisher("sensor", "std_msgs/String")
+        await world.until_nodes("board", at_least=1)
+        await flow.arrives(commands)
+        while not all(inbox.payloads for inbox in heard):
+            sensor.publish(data="start")
+            await asyncio.sleep(0.05)
+        await asyncio.sleep(0.5)
+        for inbox in heard:
+            inbox.payloads.clear()
+        running = asyncio.ensure_future(flow.run())
+        count = int(FLOW_S / PERIOD_S)
+        for number in range(count):
+            sensor.publish(data=f"{number}")
+            await asyncio.sleep(PERIOD_S)
+        sent = await running
+        for inbox in (*flow.inboxes, commands):
+            await hears_each_once(inbox, sent)
+        for inbox in heard:
+            await hears_each_once(inbox, [string(f"{number}") for number in range(count)])
+    await relay.wait_for("board")
+
+
+async def test_a_killed_relay_is_followed(world: World) -> None:
+    ros1, ros2 = world.graphs
+    await ros2.advertise_service("/pull", SET_BOOL, agreeing)
+    await ros1.advertise_service("/push", SET_BOOL, agreeing)
+    flow = Flow(world, "/chatter")
+    await flow.open(0, 1)
+    relay = await world.relay("/*", "--service", "/pull", "--service", "/push")
+
+    async def serve_across() -> None:
+        for graph, service in ((ros1, "/pull"), (ros2, "/push")):
+            async with asyncio.timeout(60):
+                while True:
+                    try:
+                        assert await graph.call_service(service, SET_BOOL, TRUE, timeout_s=5) == answer(
+                            "as you say"
+                        )
+                        break
+                    except RostetherError:
+                        await asyncio.sleep(0.1)
+
+    await serve_across()
+    relay.process.kill()
+    await relay.finish()
+    # Once for a relay that comes later, once for one that has waited.
+    successor = await world.relay("/*", "--service", "/pull", "--service", "/push")
+    await serve_across()
+    waiting = await world.relay("/*", "--service", "/pull", "--service", "/push")
+    await world.until_nodes("relay", at_least=2)
+    await waiting.wait_for("carries it")
+    successor.process.kill()
+    await successor.finish()
+    await serve_across()
+    await flow.arrives()
+    sent = await flow.run()
+    for inbox in flow.inboxes:
+        await hears_each_once(inbox, sent)
