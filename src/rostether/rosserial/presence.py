@@ -38,6 +38,9 @@ NEXT_PROBE_S = 0.4
 EARLY_S = 2.0
 """A configured board asks for the time every 2.5 s; half a second for the jitter of networks."""
 
+LATE_S = 0.2
+"""A timer that is handled this late means that this process stood still: it measured wrong intervals."""
+
 OVERDUE_S = 3.0
 """A healthy board may be silent for 3 s: it asks for the time every 2.5 s, and sketches sleep."""
 
@@ -116,6 +119,8 @@ class Presence:
         self._time_request_s = float("-inf")
         self._alarms = 0
         self._quarantine_until_s = float("-inf")
+        self._due_s = float("inf")
+        self._stalled_s = float("-inf")
 
     @property
     def is_certain(self) -> bool:
@@ -124,6 +129,7 @@ class Presence:
 
     def frame_received(self, now_s: float) -> None:
         """Take any valid frame."""
+        self._note_stall(now_s)
         self.heard_s = now_s
 
     def message(self, now_s: float) -> None:
@@ -147,7 +153,9 @@ class Presence:
     def time_request(self, now_s: float, *, is_excused: bool = False) -> Verdict | None:
         """Take a time request; `is_excused`: it may answer an earlier topic request."""
         self.heard_s = now_s
-        is_early = now_s - self._time_request_s < EARLY_S and not is_excused
+        # After a standstill of this process, a request that waited looks late and the next one early.
+        is_measured = now_s - self._stalled_s >= EARLY_S
+        is_early = now_s - self._time_request_s < EARLY_S and is_measured and not is_excused
         self._time_request_s = now_s
         if now_s < self._quarantine_until_s:
             self.sign(now_s)
@@ -164,11 +172,14 @@ class Presence:
             return None
         silent_s = self.heard_s + SILENT_AFTER_S
         if not probes or self.state is State.MISSED:
-            return silent_s
-        return min(silent_s, self.heard_s + OVERDUE_S, self._changed_s + _PATIENCE_S[self.state])
+            self._due_s = silent_s
+        else:
+            self._due_s = min(silent_s, self.heard_s + OVERDUE_S, self._changed_s + _PATIENCE_S[self.state])
+        return self._due_s
 
     def handle_timer(self, now_s: float, *, probes: bool) -> Verdict | None:
         """Do what is due."""
+        self._note_stall(now_s)
         if self.state is State.ABSENT:
             return None
         if now_s >= self.heard_s + SILENT_AFTER_S:
@@ -180,6 +191,11 @@ class Presence:
         if now_s >= self._changed_s + _PATIENCE_S[self.state]:
             return self._step(Input.QUIET, now_s)
         return None
+
+    def _note_stall(self, now_s: float) -> None:
+        if now_s > self._due_s + LATE_S:
+            self._stalled_s = now_s
+        self._due_s = float("inf")
 
     def _step(self, what: Input, now_s: float) -> Verdict | None:
         self.state, verdict = TRANSITIONS.get((self.state, what), (self.state, None))

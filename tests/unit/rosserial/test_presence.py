@@ -5,6 +5,7 @@ import pytest
 from rostether.rosserial import presence as module
 from rostether.rosserial.presence import (
     EARLY_S,
+    LATE_S,
     NEXT_PROBE_S,
     OVERDUE_S,
     PROBE_AFTER_S,
@@ -147,3 +148,35 @@ def test_a_device_that_answers_every_probe_is_believed_ever_more_rarely() -> Non
             presence.answered(now_s)
     assert len(resets) < 20
     assert resets[-1] - resets[-2] > 50
+
+
+def test_a_stall_of_this_process_is_not_a_reset_of_the_board() -> None:
+    presence = present()
+    presence.time_request(2.5)
+    verdicts = []
+    resumed_s = 5.0 + 0.7
+    assert (due_s := presence.get_timer(probes=True)) is not None
+    assert resumed_s > due_s + LATE_S
+    for now_s in (resumed_s, 7.5):
+        presence.frame_received(now_s)
+        verdicts.append(presence.time_request(now_s))
+        if (due_s := presence.get_timer(probes=True)) is not None:
+            verdicts.append(presence.handle_timer(due_s, probes=True))
+    assert Verdict.RESET not in verdicts
+
+
+def test_a_reset_after_a_stall_is_found() -> None:
+    presence = present()
+    presence.time_request(2.5)
+    now_s, verdicts = 6.0, [Verdict.PROBE]
+    while Verdict.RESET not in verdicts and now_s < 12.0:
+        # A board that was reset answers each probe.
+        presence.frame_received(now_s)
+        if (verdict := presence.time_request(now_s)) is not None:
+            verdicts.append(verdict)
+        due_s = presence.get_timer(probes=True)
+        assert due_s is not None
+        presence.handle_timer(due_s, probes=True)
+        now_s = due_s + 0.05
+    assert Verdict.RESET in verdicts
+    assert now_s < 6.0 + EARLY_S + 2 * NEXT_PROBE_S
