@@ -19,7 +19,7 @@ StatusTriplet: TypeAlias = tuple[int, str, XmlRpcValue]
 # A healthy master or node answers within milliseconds; a loaded board's computer within a second or two.
 DEFAULT_TIMEOUT_S = 10.0
 # More calls than this to one server at a time are rare; connections above it are closed after their call.
-MAX_IDLE_CONNECTIONS = 4
+MAX_IDLE_CONNECTIONS = 16
 
 
 class XmlRpcClient:

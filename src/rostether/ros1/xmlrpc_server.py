@@ -16,7 +16,7 @@ from rostether.ros1.long_work import SLICE_S
 from rostether.ros1.xmlrpc_connection import ServerConnection
 from rostether.ros1.xmlrpc_methods import Dispatch, MethodTable
 from rostether.transports.own_names import OwnNames
-from rostether.transports.sockets import system_bind_errors
+from rostether.transports.sockets import lengthen_backlog, system_bind_errors
 
 # A client that reuses its connection does so within seconds; roscpp drops its own after 30 s.
 IDLE_TIMEOUT_S = 90.0
@@ -97,6 +97,7 @@ class XmlRpcServer:
         for host in self._hosts:
             async with system_bind_errors(host, port):
                 server = await loop.create_server(self._accept, host, port, backlog=128)
+            lengthen_backlog(server)
             self._servers.append(server)
             port = server.sockets[0].getsockname()[1]
         self.port = port

@@ -24,6 +24,10 @@ _UNACKNOWLEDGED_LIMIT_MS = 11_000
 # kernel keeps enough unsent to fill the line until we are woken.
 _UNSENT_BYTES = 16 * 1024
 
+# Connects that the kernel holds while the event loop is busy: after a restart, all boards and nodes connect
+# at once. One that finds no place is repeated a second later. It costs memory only while they wait.
+_BACKLOG = 1024
+
 # By name, because every system lacks one or the other; macOS calls TCP_KEEPIDLE TCP_KEEPALIVE.
 _STREAM_OPTIONS = (
     (socket.IPPROTO_TCP, "TCP_NODELAY", 1),
@@ -44,6 +48,16 @@ def tune_stream(sock: socket.socket) -> None:
         if option is not None:
             with contextlib.suppress(OSError):
                 sock.setsockopt(level, option, value)
+
+
+def lengthen_backlog(server: asyncio.Server) -> None:
+    """Let many connect at once. The `backlog` given to asyncio is how many it accepts in one turn."""
+    for listener in server.sockets:
+        with (
+            contextlib.suppress(OSError),
+            socket.fromfd(listener.fileno(), listener.family, listener.type) as sock,
+        ):
+            sock.listen(_BACKLOG)
 
 
 @contextlib.asynccontextmanager

@@ -19,6 +19,7 @@ from rostether.transports.refusals import RefusalLog
 from rostether.transports.sockets import (
     explain_bind_error,
     explain_connect_error,
+    lengthen_backlog,
     system_bind_errors,
     tune_stream,
 )
@@ -32,8 +33,8 @@ MAX_CONNECTIONS_PER_HOST = 128
 # Connections that have not proven their key yet, of one address and of all; the oldest gives way to the next.
 MAX_UNPROVEN_PER_HOST = 16
 MAX_UNPROVEN = 128
-# Connects that the kernel holds while we are busy: all boards of a machine come at once after a restart.
-_BACKLOG = 64
+# Accepted in one turn of the event loop.
+_ACCEPTED_AT_ONCE = 64
 # A board on Wi-Fi answers within a second or is not there.
 CONNECT_LIMIT_S = 5.0
 # Linux has it; elsewhere acknowledgements are late only now and then.
@@ -155,10 +156,11 @@ class TcpListener:
         try:
             async with system_bind_errors(address.host, address.port):
                 listener._server = await loop.create_server(
-                    listener._make_protocol, address.host, address.port, backlog=_BACKLOG
+                    listener._make_protocol, address.host, address.port, backlog=_ACCEPTED_AT_ONCE
                 )
         except OSError as error:
             raise explain_bind_error("tcp", address.host, address.port, error) from error
+        lengthen_backlog(listener._server)
         host, port = listener._server.sockets[0].getsockname()[:2]
         listener._address = str(replace(address, host=host, port=port))
         listener._refusals = RefusalLog(listener._address, loop.time)

@@ -69,6 +69,16 @@ async def test_carry_bytes_both_ways() -> None:
         assert board.peer == f"tcp 127.0.0.1:{port_of(listener)}"
 
 
+async def test_three_hundred_boards_connect_at_once_while_the_loop_is_busy() -> None:
+    async with listening(300, 300) as (listener, _):
+        place = "127.0.0.1", port_of(listener)
+        # The loop does not run between these.
+        boards = [socket.create_connection(place, timeout=0.9) for _ in range(300)]
+        await until(lambda: listener.connection_count == 300)
+        for board in boards:
+            board.close()
+
+
 async def test_keep_what_came_before_start() -> None:
     async with listening() as (listener, arrivals), connected_to(listener) as (board, _):
         board.write(b"early")

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import asyncio
-from typing import Any
+from typing import Any, ClassVar
+from weakref import WeakKeyDictionary
 
 from rostether.errors import GraphError, MasterUnreachableError, UnknownNameError
-from rostether.ros1.xmlrpc_client import MAX_IDLE_CONNECTIONS, StatusTriplet, XmlRpcClient
+from rostether.ros1.environment import parse_rpc_uri
+from rostether.ros1.xmlrpc_client import DEFAULT_TIMEOUT_S, MAX_IDLE_CONNECTIONS, StatusTriplet, XmlRpcClient
 from rostether.xmlrpc.http_message import MAX_BODY_BYTES
 from rostether.xmlrpc.values import XmlRpcValue
 
@@ -14,22 +16,17 @@ from rostether.xmlrpc.values import XmlRpcValue
 class MasterClient:
     """Calls to the master in the name of node `caller_id`.
 
+    The nodes of one event loop share their connections to a master: a thousand nodes that have their own, or
+    call all at once, exceed what a master accepts.
     All of them raise MasterUnreachableError when it does not answer, GraphError when it refuses.
     """
 
     def __init__(self, uri: str, caller_id: str, *, max_body_bytes: int = MAX_BODY_BYTES) -> None:
+        parse_rpc_uri(uri)
         self.uri = uri
         self.caller_id = caller_id
-        # A burst, such as a board announcing fifty topics, goes over the connections that are kept:
-        # opening one for each call takes three times as long.
-        self._turns = asyncio.Semaphore(MAX_IDLE_CONNECTIONS)
-        self._client = XmlRpcClient(
-            uri,
-            peer="the ROS master",
-            unreachable=MasterUnreachableError,
-            max_body_bytes=max_body_bytes,
-            if_other="; see what listens there, and name the master with --master or ROS_MASTER_URI",
-        )
+        self._max_body_bytes = max_body_bytes
+        self._connections: _Connections | None = None
 
     async def register_publisher(self, topic: str, type_name: str, node_uri: str) -> list[str]:
         """Register us; returns the URIs of the topic's subscribers."""
@@ -121,8 +118,10 @@ class MasterClient:
         return pid if isinstance(pid, int) else 0
 
     async def close(self) -> None:
-        """Close idle connections."""
-        await self._client.close()
+        """Close idle connections, unless other nodes use them. Idempotent; a later call opens new ones."""
+        if self._connections is not None:
+            connections, self._connections = self._connections, None
+            await connections.release()
 
     async def _call(self, method: str, *args: object) -> XmlRpcValue:
         code, text, value = await self._call_status(method, *args)
@@ -137,8 +136,62 @@ class MasterClient:
         return value
 
     async def _call_status(self, method: str, *args: object) -> StatusTriplet:
-        async with self._turns:
-            return await self._client.call_status(method, self.caller_id, *args)
+        if self._connections is None:
+            self._connections = _Connections.acquire(self.uri, self._max_body_bytes)
+        return await self._connections.call_status(method, self.caller_id, *args)
+
+
+class _Connections:
+    """Connections of one event loop's nodes to one master; the last `release` closes them."""
+
+    _open: ClassVar[WeakKeyDictionary[asyncio.AbstractEventLoop, dict[tuple[str, int], _Connections]]] = (
+        WeakKeyDictionary()
+    )
+
+    def __init__(self, uri: str, max_body_bytes: int) -> None:
+        self._key = uri, max_body_bytes
+        self._users = 0
+        # A burst, such as a board announcing fifty topics, goes over the connections that are kept:
+        # opening one for each call takes three times as long.
+        self._turns = asyncio.Semaphore(MAX_IDLE_CONNECTIONS)
+        self._client = XmlRpcClient(
+            uri,
+            peer="the ROS master",
+            unreachable=MasterUnreachableError,
+            max_body_bytes=max_body_bytes,
+            if_other="; see what listens there, and name the master with --master or ROS_MASTER_URI",
+        )
+
+    @classmethod
+    def acquire(cls, uri: str, max_body_bytes: int) -> _Connections:
+        """Return those to `uri`, new ones if there are none. Raises ConfigError for an invalid URI."""
+        of_loop = cls._open.setdefault(asyncio.get_running_loop(), {})
+        key = uri, max_body_bytes
+        if key not in of_loop:
+            of_loop[key] = cls(uri, max_body_bytes)
+        of_loop[key]._users += 1
+        return of_loop[key]
+
+    async def release(self) -> None:
+        """Close them if nobody else uses them."""
+        self._users -= 1
+        if not self._users:
+            del self._open[asyncio.get_running_loop()][self._key]
+            await self._client.close()
+
+    async def call_status(self, method: str, *args: object) -> StatusTriplet:
+        """Call a method. Raises as XmlRpcClient does, MasterUnreachableError also when none becomes free."""
+        try:
+            async with asyncio.timeout(DEFAULT_TIMEOUT_S):
+                await self._turns.acquire()
+        except TimeoutError:
+            raise MasterUnreachableError(
+                f"the ROS master at {self._key[0]} does not answer: see whether it hangs"
+            ) from None
+        try:
+            return await self._client.call_status(method, *args)
+        finally:
+            self._turns.release()
 
 
 def _strings(value: XmlRpcValue) -> list[str]:
