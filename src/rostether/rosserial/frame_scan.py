@@ -40,6 +40,7 @@ MAX_KNOWN_HEADERS = 1024
 """A few dozen topics times the lengths of their strings; when it is full, all headers are forgotten."""
 
 _SYNC = bytes((SYNC,))
+_VERSION = DiscardReason.VERSION
 _JOINABLE = (DiscardReason.NOISE, DiscardReason.VERSION)
 
 
@@ -79,6 +80,13 @@ class Scan:
     needed_bytes: int = 0
     tail_frames: int = 0
     vain_looks: int = 0
+
+    def add(self, topic_id: int, payloads: list[bytes]) -> None:
+        """Add the first frames of a topic, or frames of a reserved id."""
+        if topic_id < FIRST_USER_ID:
+            self.controls.append((topic_id, payloads))
+        else:
+            self.groups[topic_id] = payloads
 
 
 class FrameScanner:
@@ -126,28 +134,20 @@ class FrameScanner:
         groups = result.groups
         known_headers = self._known
         header_bytes = self._header_bytes
-        tail_frames = 0
-        view = memoryview(buffer)
         total = len(buffer)
-        most_looks = total if max_vain_looks is None else max_vain_looks
-        looks = 0
-        position = 0
-        waste = _Waste()
+        view = memoryview(buffer)
+        waste = _Waste(buffer, self._start, max_vain_looks)
         sums: RunningSums | None = None
-        summed_in_vain = 0
         unfinished: tuple[int, int] | None = None
+        tail_frames = 0
+        position = 0
         header = buffer[:header_bytes]
         while header:
             known = known_headers.get(header)
             if known is None:
                 verdict = self._judge(header)
                 if isinstance(verdict, DiscardReason):
-                    waste.begin(position, verdict)
-                    wanted = self._start if verdict is DiscardReason.VERSION else _SYNC
-                    looks += 1
-                    if looks > most_looks:
-                        position, most_looks = waste.skip(position, total), total
-                    position = _find(buffer, wanted, position + 1)
+                    position = waste.next_start(position, verdict)
                     header = buffer[position : position + header_bytes]
                     continue
                 known = verdict
@@ -157,62 +157,45 @@ class FrameScanner:
                 unfinished = unfinished or (position, stride)
                 if patience is Patience.WAIT:
                     break
-                waste.begin(position, DiscardReason.UNFINISHED)
-                looks += 1
-                if looks > most_looks:
-                    position, most_looks = waste.skip(position, total), total
-                position = _find(buffer, _SYNC, position + 1)
+                position = waste.next_start(position, DiscardReason.UNFINISHED)
                 header = buffer[position : position + header_bytes]
                 continue
             following = buffer[end : end + header_bytes]
             if sums is not None:
-                sound = sums.one_plus_sum(position + header_bytes, end) & 0xFF == target
-                good = [buffer[position + header_bytes : end - 1]] if sound else []
+                is_sound = sums.one_plus_sum(position + header_bytes, end) & 0xFF == target
+                good = [buffer[position + header_bytes : end - 1]] if is_sound else []
             elif following == header:
-                good = []
-                run = view[position : total - (total - position) % stride]
-                for head, payload, check in _run_layout(header_bytes, stride).iter_unpack(run):
-                    if head != header or (summer(payload) + check) & 0xFF != target:
-                        break
-                    good.append(payload)
+                good = _cut_run(view[position : total - (total - position) % stride], header, known)
                 end = position + len(good) * stride
                 following = buffer[end : end + header_bytes]
             else:
                 payload = buffer[position + header_bytes : end - 1]
                 good = [payload] if (summer(payload) + buffer[end - 1]) & 0xFF == target else []
-            if good:
-                if waste.is_open:
-                    waste.end(position)
-                    tail_frames = 0
-                tail_frames += len(good)
-                unfinished = None
-                if topic_id < FIRST_USER_ID:
-                    result.controls.append((topic_id, good))
-                elif topic_id in groups:
-                    groups[topic_id] += good
-                else:
-                    groups[topic_id] = good
-                position = end
-                header = following
+            if not good:
+                looks = 1 + stride // LOOK_SUMS_BYTES
+                position = waste.next_start(position, DiscardReason.PAYLOAD_CHECKSUM, looks)
+                header = buffer[position : position + header_bytes]
+                sums = sums or waste.sums_after(stride)
                 continue
-            waste.begin(position, DiscardReason.PAYLOAD_CHECKSUM)
-            looks += 1 + stride // LOOK_SUMS_BYTES
-            if looks > most_looks:
-                position, most_looks = waste.skip(position, total), total
-            summed_in_vain += stride
-            if summed_in_vain > 2 * total and sums is None:
-                sums = RunningSums(buffer)
-                looks += total // LOOK_RUNNING_SUMS_BYTES
-            position = _find(buffer, _SYNC, position + 1)
-            header = buffer[position : position + header_bytes]
-        waste.end(total)
+            if waste.is_open:
+                waste.end(position)
+                tail_frames = 0
+            tail_frames += len(good)
+            unfinished = None
+            group = groups.get(topic_id)
+            if group is not None:
+                group += good
+            else:
+                result.add(topic_id, good)
+            position = end
+            header = following
         result.rest = total
         result.tail_frames = tail_frames
-        result.vain_looks = looks
         if unfinished is not None and patience is not Patience.NONE:
             result.rest, result.needed_bytes = unfinished
-            waste.discard_after(result.rest)
-        result.discarded = waste.pieces(buffer)
+        if waste.looks:
+            result.vain_looks = waste.looks
+            result.discarded = waste.pieces(result.rest)
         return result
 
     def _judge(self, header: bytes) -> _Known | DiscardReason:
@@ -258,59 +241,100 @@ def _run_layout(header_bytes: int, stride: int) -> Struct:
     return Struct(f"{header_bytes}s{stride - header_bytes - 1}sB")
 
 
-class _Waste:
-    """Stretches between frames, as [start, end, reason]."""
+def _cut_run(run: memoryview, header: bytes, known: _Known) -> list[bytes]:
+    """Return the payloads of the sound frames, all with the same header, that a buffer begins with."""
+    _, stride, summer, target = known
+    good: list[bytes] = []
+    for head, payload, check in _run_layout(len(header), stride).iter_unpack(run):
+        if head != header or (summer(payload) + check) & 0xFF != target:
+            break
+        good.append(payload)
+    return good
 
-    def __init__(self) -> None:
+
+class _Waste:
+    """The stretches between the frames of a buffer, as [start, end, reason], and what the search costs.
+
+    After more than `max_looks` (None: any number) places where no frame begins, only the end of the buffer
+    is searched.
+    """
+
+    __slots__ = (
+        "_buffer",
+        "_count",
+        "_frame_start",
+        "_max_looks",
+        "_reason",
+        "_start",
+        "_stretches",
+        "_summed_in_vain",
+        "_total",
+        "is_open",
+        "looks",
+    )
+
+    def __init__(self, buffer: bytes, start: bytes, max_looks: int | None) -> None:
         self.is_open = False
+        self.looks = 0
+        self._buffer = buffer
+        self._total = len(buffer)
+        self._frame_start = start
+        self._max_looks = self._total if max_looks is None else max_looks
+        self._summed_in_vain = 0
         self._stretches: list[tuple[int, int, DiscardReason]] = []
         self._start = 0
         self._reason = DiscardReason.NOISE
         self._count = 0
 
-    def begin(self, position: int, reason: DiscardReason) -> None:
-        """Begin a stretch here, ending the one before, unless they belong together."""
-        if self.is_open:
-            if self._count >= MAX_STRETCHES or (reason is self._reason and reason in _JOINABLE):
-                return
-            self._close(position)
-        self.is_open = True
-        self._start = position
-        self._reason = reason
+    def next_start(self, position: int, reason: DiscardReason, looks: int = 1) -> int:
+        """Begin a stretch where a check failed, and return where a frame may begin next."""
+        if not self.is_open:
+            self.is_open = True
+            self._start = position
+            self._reason = reason
+        elif self._count < MAX_STRETCHES and (reason is not self._reason or reason not in _JOINABLE):
+            self._stretches.append((self._start, position, self._reason))
+            self._count += 1
+            self._start = position
+            self._reason = reason
+        self.looks += looks
+        if self.looks > self._max_looks:
+            position = self._skip(position)
+        wanted = self._frame_start if reason is _VERSION else _SYNC
+        found = self._buffer.find(wanted, position + 1)
+        return found if found >= 0 else self._last_start(position + 1, wanted)
 
-    def skip(self, position: int, total: int) -> int:
-        """Take all but the end of a buffer into this stretch, and return where the end begins."""
-        self._count = MAX_STRETCHES
-        return max(position, total - max(MIN_TAIL_BYTES, min(total // TAIL_SHARE, MAX_TAIL_BYTES)))
+    def sums_after(self, stride: int) -> RunningSums | None:
+        """Count the bytes of a false frame that were summed; return cheaper sums once those are too many."""
+        self._summed_in_vain += stride
+        if self._summed_in_vain <= 2 * self._total:
+            return None
+        self.looks += self._total // LOOK_RUNNING_SUMS_BYTES
+        return RunningSums(self._buffer)
 
     def end(self, position: int) -> None:
-        """A frame begins here, or nothing more."""
-        if self.is_open:
-            self._close(position)
-        self._count = 0
-
-    def discard_after(self, position: int) -> None:
-        """Forget what lies behind a position after all."""
-        while self._stretches and self._stretches[-1][0] >= position:
-            self._stretches.pop()
-        if self._stretches and self._stretches[-1][1] > position:
-            start, _, reason = self._stretches.pop()
-            self._stretches.append((start, position, reason))
-
-    def pieces(self, buffer: bytes) -> list[FrameDiscarded]:
-        """Return the stretches with their bytes."""
-        return [FrameDiscarded(reason, buffer[start:end]) for start, end, reason in self._stretches]
-
-    def _close(self, position: int) -> None:
+        """End the stretch that is open: a frame begins here."""
         self._stretches.append((self._start, position, self._reason))
         self.is_open = False
-        self._count += 1
+        self._count = 0
 
+    def pieces(self, rest: int) -> list[FrameDiscarded]:
+        """Return the stretches with their bytes, as far as they are before the unfinished rest."""
+        if self.is_open:
+            self.end(self._total)
+        return [
+            FrameDiscarded(reason, self._buffer[start : min(end, rest)])
+            for start, end, reason in self._stretches
+            if start < rest
+        ]
 
-def _find(buffer: bytes, wanted: bytes, position: int) -> int:
-    """Return where the wanted bytes, or at the very end the first of them, come next; else the end."""
-    found = buffer.find(wanted, position)
-    if found >= 0:
-        return found
-    total = len(buffer)
-    return total - 1 if position < total and buffer[-1] == wanted[0] else total
+    def _skip(self, position: int) -> int:
+        """Let this stretch have all but the end of the buffer, and return where that end begins."""
+        self._count = MAX_STRETCHES
+        self._max_looks = self._total
+        tail_bytes = max(MIN_TAIL_BYTES, min(self._total // TAIL_SHARE, MAX_TAIL_BYTES))
+        return max(position, self._total - tail_bytes)
+
+    def _last_start(self, position: int, wanted: bytes) -> int:
+        """Return the end of the buffer, or its last byte if a frame may begin there."""
+        return self._total - 1 if position < self._total and self._buffer[-1] == wanted[0] else self._total
