@@ -127,10 +127,10 @@ export class ImuDisplay extends HeaderDisplay<Imu> {
 
   constructor(context: DisplayContext) {
     super(context);
-    const box = new BoxGeometry(0.6, 0.4, 0.06);
+    const box = new BoxGeometry(0.3, 0.2, 0.03);
     const board = new Mesh(box, new MeshLambertMaterial({ color: "#1f7a5c" }));
     const edges = new LineSegments(new EdgesGeometry(box), new LineBasicMaterial({ color: "#9fd8c3" }));
-    this.body.add(board, edges, axes(0.5));
+    this.body.add(board, edges, axes(0.25));
     this.body.add(this.acceleration);
     this.group.add(this.body);
   }
@@ -145,7 +145,7 @@ export class ImuDisplay extends HeaderDisplay<Imu> {
     this.acceleration.visible = size > 0.05 && Number.isFinite(size);
     if (!this.acceleration.visible) return;
     this.acceleration.quaternion.setFromUnitVectors(new Vector3(1, 0, 0), vector.normalize());
-    this.acceleration.scale.setScalar(Math.min(size / 9.81, 4) * 0.6);
+    this.acceleration.scale.setScalar(Math.min(size / 9.81, 4) * 0.3);
   }
 }
 

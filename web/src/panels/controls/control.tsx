@@ -44,7 +44,8 @@ export function Control({ context, topicName }: { context: PanelContext; topicNa
   return (
     <div class="control">
       <div class="control-head">
-        <span class="control-topic">{topicName}</span>
+        {/* A card has the topic as its title. */}
+        {!context.isCard && <span class="control-topic">{topicName}</span>}
         <span class="form-type">{publisher.type.name}</span>
       </div>
       <fieldset class="control-body" disabled={isReadOnly}>
@@ -155,7 +156,6 @@ function Slider(props: {
   );
   return (
     <div class="slider">
-      {limitField("min")}
       <input
         type="range"
         aria-label={topicName}
@@ -165,7 +165,7 @@ function Slider(props: {
         value={value.value}
         onInput={(event) => set(event.currentTarget.valueAsNumber, true)}
       />
-      {limitField("max")}
+      {limitField("min")}
       <input
         type="number"
         class="slider-value"
@@ -174,6 +174,7 @@ function Slider(props: {
         value={value.value}
         onChange={(event) => set(event.currentTarget.valueAsNumber, false)}
       />
+      {limitField("max")}
     </div>
   );
 }

@@ -1,0 +1,109 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { parseList, parseNumber } from "../src/forms/numbers.ts";
+import { controlKind } from "../src/panels/controls/control_kind.ts";
+import { controllableTopics } from "../src/panels/controls/controllable.ts";
+import { parameterTree, readValue } from "../src/panels/parameters/parameter_tree.ts";
+import { isPlumbing } from "../src/panels/services/plumbing.ts";
+import { Topic } from "../src/store/topics.ts";
+import { parseDefinition } from "../src/wire/definition.ts";
+
+test("numbers are read as their type", () => {
+  assert.equal(parseNumber("uint8", "255"), 255);
+  assert.equal(parseNumber("int32", " -7 "), -7);
+  assert.equal(parseNumber("uint16", "0x10"), 16);
+  assert.equal(parseNumber("int64", "9007199254740993"), 9007199254740993n);
+  assert.equal(parseNumber("float32", "1,5"), 1.5);
+  assert.ok(Number.isNaN(parseNumber("float64", "nan")));
+  assert.equal(parseNumber("float64", ""), 0);
+  for (const [type, text] of [
+    ["uint8", "256"],
+    ["uint8", "-1"],
+    ["int8", "1.5"],
+    ["float64", "x"],
+  ] as const)
+    assert.equal(typeof parseNumber(type, text), "string", `${type} ${text}`);
+});
+
+test("lists are read by their elements", () => {
+  const bytes = { kind: "primitive", type: "uint8" } as const;
+  assert.deepEqual(parseList(bytes, "[1, 2,3]"), [1, 2, 3]);
+  assert.deepEqual(parseList(bytes, ""), []);
+  assert.equal(typeof parseList(bytes, "1,300"), "string");
+  assert.deepEqual(parseList({ kind: "primitive", type: "bool" }, "true, 0"), [true, false]);
+  assert.deepEqual(parseList({ kind: "string" }, "a, b"), ["a", "b"]);
+});
+
+test("each type has the control that fits", () => {
+  const kind = (topic: string, name: string, definition: string) =>
+    controlKind(topic, parseDefinition(name, definition));
+  assert.equal(kind("/toggle_led", "std_msgs/Empty", "").kind, "button");
+  assert.equal(kind("/led", "std_msgs/Bool", "bool data").kind, "toggle");
+  assert.deepEqual(kind("/servo", "std_msgs/UInt16", "uint16 data"), {
+    kind: "slider",
+    field: "data",
+    type: "uint16",
+    min: 0,
+    max: 180,
+    step: 1,
+  });
+  assert.equal(kind("/text", "std_msgs/String", "string data").kind, "text");
+  assert.equal(kind("/c", "std_msgs/ColorRGBA", "float32 r\nfloat32 g\nfloat32 b\nfloat32 a").kind, "color");
+  assert.equal(kind("/x", "a/B", "float32 a\nfloat32 b").kind, "form");
+  const speed = kind("/speed", "std_msgs/Int8", "int8 data");
+  assert.ok(speed.kind === "slider" && speed.max === 127);
+});
+
+test("what nobody publishes can be controlled", () => {
+  const topic = (name: string) => [name, new Topic(name, "std_msgs/Bool", "bool data", undefined)] as const;
+  const graph = {
+    topics: new Map([topic("/led"), topic("/busy"), topic("/rosout"), topic("/seen"), topic("/mine")]),
+    subscribers: new Map([
+      ["/led", ["/board"]],
+      ["/busy", ["/board"]],
+      ["/rosout", ["/tool"]],
+      ["/seen", ["/gateway"]],
+      ["/mine", ["/board"]],
+      ["/unknown", ["/board"]],
+    ]),
+    publishers: new Map([
+      ["/busy", ["/driver"]],
+      ["/mine", ["/gateway"]],
+    ]),
+    services: new Map(),
+    ownNode: "/gateway",
+  };
+  assert.deepEqual(controllableTopics(graph, "/gateway"), ["/led", "/mine"]);
+});
+
+test("parameters form a tree and keep their type", () => {
+  const tree = parameterTree(
+    [
+      { name: "/a/x", value: 1 },
+      { name: "/a/b/y", value: 2 },
+      { name: "node.gain", value: 3 },
+    ],
+    "",
+  );
+  assert.deepEqual(
+    tree.branches.map((each) => each.name),
+    ["a", "node"],
+  );
+  assert.equal(tree.branches[0]!.branches[0]!.parameters[0]!.name, "y");
+  assert.equal(readValue("2.5", 1), 2.5);
+  assert.equal(readValue("text", "before"), "text");
+  assert.deepEqual(readValue("[1, 2]", [0]), [1, 2]);
+  for (const [text, before] of [
+    ["x", 1],
+    ["true", 1],
+    ["{", {}],
+    ["3", [1]],
+  ] as const)
+    assert.throws(() => readValue(text, before), { name: "Error" });
+});
+
+test("services of every node are plumbing", () => {
+  assert.ok(isPlumbing({ name: "/n/get_loggers", type: "roscpp/GetLoggers" }));
+  assert.ok(isPlumbing({ name: "/n/describe_parameters", type: "rcl_interfaces/DescribeParameters" }));
+  assert.ok(!isPlumbing({ name: "/set_led", type: "std_srvs/SetBool" }));
+});

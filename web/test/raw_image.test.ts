@@ -1,0 +1,66 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { type RawImage, toRgba } from "../src/panels/images/raw_image.ts";
+
+function image(
+  encoding: string,
+  width: number,
+  height: number,
+  data: number[],
+  step = data.length / height,
+): RawImage {
+  return { encoding, width, height, step, data: Uint8Array.from(data), is_bigendian: 0 };
+}
+
+test("colors in each order of bytes", () => {
+  assert.deepEqual([...toRgba(image("rgb8", 1, 1, [1, 2, 3]))], [1, 2, 3, 255]);
+  assert.deepEqual([...toRgba(image("bgr8", 1, 1, [1, 2, 3]))], [3, 2, 1, 255]);
+  assert.deepEqual([...toRgba(image("bgra8", 1, 1, [1, 2, 3, 9]))], [3, 2, 1, 255]);
+  assert.deepEqual([...toRgba(image("mono8", 2, 1, [7, 8]))], [7, 7, 7, 255, 8, 8, 8, 255]);
+});
+
+test("rows may be padded", () => {
+  assert.deepEqual([...toRgba(image("mono8", 1, 2, [5, 0, 6, 0]))], [5, 5, 5, 255, 6, 6, 6, 255]);
+});
+
+test("wide numbers are stretched", () => {
+  const pixels = toRgba(image("mono16", 3, 1, [0, 0, 0, 8, 0, 16]));
+  assert.deepEqual([pixels[0], pixels[4], pixels[8]], [0, 128, 255]);
+  const big = { ...image("mono16", 2, 1, [0, 1, 1, 0]), is_bigendian: 1 };
+  assert.deepEqual([toRgba(big)[0], toRgba(big)[4]], [0, 255]);
+});
+
+test("yuv422 in both orders", () => {
+  const white = toRgba(image("yuv422", 2, 1, [128, 235, 128, 235]));
+  assert.deepEqual([...white], [255, 255, 255, 255, 255, 255, 255, 255]);
+  assert.deepEqual([...toRgba(image("yuv422_yuy2", 2, 1, [235, 128, 235, 128]))], [...white]);
+  const red = toRgba(image("uyvy", 2, 1, [90, 81, 240, 81]));
+  assert.ok(red[0]! > 240 && red[1]! < 15 && red[2]! < 15, `${red}`);
+});
+
+test("bayer patterns give the color of their cells", () => {
+  for (const [pattern, cells] of Object.entries({
+    rggb: [200, 100, 100, 50],
+    bggr: [50, 100, 100, 200],
+    gbrg: [100, 50, 200, 100],
+    grbg: [100, 200, 50, 100],
+  })) {
+    const rows = [cells[0]!, cells[1]!, cells[0]!, cells[1]!, cells[2]!, cells[3]!, cells[2]!, cells[3]!];
+    const pixels = toRgba(image(`bayer_${pattern}8`, 4, 2, rows));
+    assert.deepEqual([...pixels.subarray(0, 4)], [200, 100, 50, 255], pattern);
+    assert.deepEqual([...pixels.subarray(-4)], [200, 100, 50, 255], pattern);
+  }
+});
+
+test("what cannot be shown is refused in a sentence", () => {
+  const refused: RawImage[] = [
+    image("h264", 1, 1, [1]),
+    image("rgb8", 2, 2, [1, 2, 3]),
+    image("rgb8", 0, 0, [], 0),
+    image("mono8", 100_000, 100_000, [], 100_000),
+    image("yuv422", 3, 1, [1, 2, 3, 4, 5, 6]),
+    image("bayer_rggb8", 1, 1, [1]),
+  ];
+  for (const each of refused)
+    assert.throws(() => toRgba(each), { name: "Error", message: /picture|encoding/ });
+});
