@@ -24,7 +24,7 @@ from rostether.cli.access.served_graphs import ServedGraphs
 from rostether.cli.dashboard.served import Dashboard, DashboardSettings, served_dashboard
 from rostether.cli.gateway.gateways import Tell
 from rostether.cli.gateway.node import read_gateway_words
-from rostether.cli.gateway.options import DEFAULT_PLACE, GatewayOptions, access_options
+from rostether.cli.gateway.options import DEFAULT_PLACE, GatewayOptions, viewer_access_options
 from rostether.cli.gateway.serving import serve_gateway
 from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.verbs import Verb
@@ -73,7 +73,7 @@ _dashboard_options = option_group(
 )
 @_dashboard_options
 @click.argument("words", nargs=-1, metavar="[NAME:=OTHER]...")
-@access_options
+@viewer_access_options
 @graph_options(master=SERVED_MASTER, allow=SERVED_ALLOW, serving=True)
 @msg_path_option
 def dashboard(

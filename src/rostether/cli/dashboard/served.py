@@ -23,8 +23,10 @@ from rostether.ros1.environment import LOOPBACK
 
 if TYPE_CHECKING:
     from rostether.gateways.foxglove.gateway import FoxgloveGateway
+    from rostether.graph.ports import Graph
 
 NODE = "dashboard"
+TELEOP_NODE = "web_teleop"
 
 # A second and third dashboard keep addresses that people can remember.
 _NEXT_PORTS = 20
@@ -78,17 +80,26 @@ async def served_dashboard(
         name=socket.gethostname(),
         label=NODE,
         token=access.token,
+        view_token=access.view_token,
         origins=access.origins,
         allow=access.allow,
         metadata={"rostether_version": version("rostether")},
     )
     on = in_ros1_words(graphs, msg_paths)
     graph = await joined_as(on, settings.node, settings.node.name_for(NODE, port, DEFAULT_PORT), tell)
+
+    async def join_teleop() -> Graph:
+        name = NodeWords().name_for(TELEOP_NODE, port, DEFAULT_PORT)
+        return await joined_as(on, NodeWords(namespace=settings.node.namespace), name, tell)
+
     try:
-        async with gateway_on(graph, on, served, tell, site) as gateway:
+        async with gateway_on(graph, on, served, tell, site, join_teleop) as gateway:
             url = page_url(host, gateway.port, access.token)
             if settings.has_page:
                 tell(Level.INFO, f"Dashboard: {url}")
+                if access.view_token:
+                    view_url = page_url(host, gateway.port, access.view_token)
+                    tell(Level.INFO, f"Dashboard, to look only: {view_url}")
             else:
                 tell(Level.INFO, f"dashboard: the gateway without the page is at {gateway.url}")
             tell_reach("dashboard", host, gateway.port, access.token, settings.wider, tell)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import AsyncIterator, Mapping, Sequence
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from dataclasses import replace
 from functools import partial
@@ -23,7 +23,7 @@ from rostether.cli.access.options import msg_path_option
 from rostether.cli.access.served_graphs import ServedGraphs
 from rostether.cli.gateway.gateways import GatewayGraph, Tell, joined_as, ros1_gateway_graph, tell_reach
 from rostether.cli.gateway.node import NodeWords, read_gateway_words
-from rostether.cli.gateway.options import access_options, read_place
+from rostether.cli.gateway.options import access_options, read_place, viewer_access_options
 from rostether.cli.gateway.parameters import certificate_files, flag, private_parameters, whole_number
 from rostether.cli.gateway.serving import serve_gateway
 from rostether.cli.role.node import NODE_SETTINGS, node_environment, run_role
@@ -54,7 +54,7 @@ FOXGLOVE_NODE = "foxglove_bridge"
     """,
 )
 @click.argument("words", nargs=-1, metavar="[[HOST:]PORT] [NAME:=OTHER]...")
-@access_options
+@viewer_access_options
 @graph_options(master=SERVED_MASTER, allow=SERVED_ALLOW, serving=True)
 @msg_path_option
 def foxglove(
@@ -118,7 +118,14 @@ def read_settings(place: str, options: GatewayOptions) -> FoxgloveSettings:
     from rostether.gateways.foxglove.settings import DEFAULT_PORT, FoxgloveSettings
 
     host, port = read_place(place, DEFAULT_PORT)
-    return FoxgloveSettings(host, port, token=options.token, origins=options.origins, allow=options.allow)
+    return FoxgloveSettings(
+        host,
+        port,
+        token=options.token,
+        view_token=options.view_token,
+        origins=options.origins,
+        allow=options.allow,
+    )
 
 
 def settings_of_parameters(
@@ -200,9 +207,17 @@ async def _gateway_on(
 
 
 def gateway_on(
-    graph: Graph, on: GatewayGraph, settings: FoxgloveSettings, tell: Tell, site: Site | None = None
+    graph: Graph,
+    on: GatewayGraph,
+    settings: FoxgloveSettings,
+    tell: Tell,
+    site: Site | None = None,
+    join_teleop: Callable[[], Awaitable[Graph]] | None = None,
 ) -> FoxgloveGateway:
-    """Return a gateway on a node, to be used as a context manager; `site` are files that it also serves."""
+    """Return a gateway on a node, to be used as a context manager.
+
+    `site` are files that it also serves; `join_teleop` makes the node of clients that drive.
+    """
     from rostether.gateways.foxglove.gateway import FoxgloveGateway
 
     return FoxgloveGateway(
@@ -213,6 +228,7 @@ def gateway_on(
         find_packages=partial(_packages, on.msg_paths),
         tell=tell,
         site=site,
+        join_teleop=join_teleop,
     )
 
 

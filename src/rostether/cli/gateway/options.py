@@ -15,6 +15,7 @@ ROSBRIDGE_OPTION = "--rosbridge"
 FOXGLOVE_OPTION = "--foxglove"
 DEFAULT_PLACE = "localhost"
 TOKEN_VARIABLE = "ROSTETHER_TOKEN"  # noqa: S105 - the name of a variable
+VIEW_TOKEN_VARIABLE = "ROSTETHER_VIEW_TOKEN"  # noqa: S105 - the name of a variable
 
 _PLACE = re.compile(r"(?:[\w.-]+:|\[[\da-fA-F:.]+\]:)?\d{1,5}")
 _MAX_PORT = 65535
@@ -34,6 +35,7 @@ class GatewayOptions:
     allow: tuple[str, ...] = ()
     wider: str = "--rosbridge 0.0.0.0:{port}"
     foxglove: str | None = None
+    view_token: str = ""
 
 
 def is_place(word: str) -> bool:
@@ -70,6 +72,16 @@ _ACCESS_OPTIONS = (
         "*: all; may be repeated.",
     ),
 )
+_VIEW_OPTIONS = (
+    click.option(
+        "--view-token",
+        default="",
+        metavar="TOKEN",
+        envvar=VIEW_TOKEN_VARIABLE,
+        help="A second token, for clients that may look but not publish, call or set; or set "
+        f"{VIEW_TOKEN_VARIABLE}.",
+    ),
+)
 _PLACE_OPTIONS = (
     click.option(
         ROSBRIDGE_OPTION,
@@ -96,6 +108,7 @@ def _checked(
     origins: tuple[str, ...] = (),
     rosbridge: str | None = None,
     foxglove: str | None = None,
+    view_token: str = "",
 ) -> GatewayOptions:
     for origin in origins:
         if not _ORIGIN.fullmatch(origin):
@@ -103,10 +116,18 @@ def _checked(
                 f"--origin: {origin!r} is not the start of a page's address; write it as "
                 "https://panel.example or http://192.168.1.7:8000"
             )
-    return GatewayOptions(rosbridge=rosbridge, token=token, origins=origins, foxglove=foxglove)
+    if view_token and not token:
+        raise ConfigError("--view-token needs --token: without one, every client may do everything")
+    if view_token and view_token == token:
+        raise ConfigError("--view-token and --token must differ")
+    return GatewayOptions(
+        rosbridge=rosbridge, token=token, origins=origins, foxglove=foxglove, view_token=view_token
+    )
 
 
 # Adds --token and --origin; the verb gets a GatewayOptions as `gateways`.
 access_options = option_group("gateways", _checked, _ACCESS_OPTIONS)
+# Adds --view-token as well, for gateways that know clients who only view.
+viewer_access_options = option_group("gateways", _checked, (*_ACCESS_OPTIONS, *_VIEW_OPTIONS))
 # Adds an option for each gateway as well.
-gateway_options = option_group("gateways", _checked, (*_PLACE_OPTIONS, *_ACCESS_OPTIONS))
+gateway_options = option_group("gateways", _checked, (*_PLACE_OPTIONS, *_ACCESS_OPTIONS, *_VIEW_OPTIONS))

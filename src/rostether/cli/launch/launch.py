@@ -13,7 +13,7 @@ import click
 
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.dashboard.options import dashboard_option
-from rostether.cli.gateway.options import GatewayOptions, access_options
+from rostether.cli.gateway.options import GatewayOptions, viewer_access_options
 from rostether.cli.shell.input_files import STDIN, read_bytes
 from rostether.cli.shell.option_group import ignored_options, option_group
 from rostether.cli.shell.output import warn, write_line
@@ -145,7 +145,7 @@ _launch_options = option_group(
     shell_complete=_complete,
 )
 @dashboard_option
-@access_options
+@viewer_access_options
 @_roslaunch_options
 @graph_options(ros=False)
 def launch(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from rostether.errors import InvalidNameError, RemoteProtocolError
@@ -12,8 +12,10 @@ from rostether.gateways.foxglove import server_messages as told
 from rostether.gateways.foxglove.client_parameters import ClientParameters
 from rostether.gateways.foxglove.client_topics import ClientTopic, drained
 from rostether.gateways.foxglove.client_work import ClientWork
+from rostether.gateways.foxglove.driven_topic import DrivenTopic
 from rostether.gateways.foxglove.server_messages import Channel, StatusLevel
 from rostether.gateways.foxglove.subscription import Subscription
+from rostether.gateways.websocket.admission import Rights
 
 if TYPE_CHECKING:
     from rostether.gateways.foxglove.gateway import FoxgloveGateway
@@ -25,6 +27,10 @@ MAX_MISTAKES_TOLD = 100
 
 _SLOW_STATUS = "slow-client"
 _SLOW_PERIOD_S = 5.0  # how often a client is told what it lost
+
+# What a client that may only view is refused.
+_ACTIONS = (asked.Advertise, asked.MessageData, asked.ServiceRequest, asked.SetParameters)
+_VIEW_ONLY = "this connection may only view: open the page with the full token to publish, call and set"
 
 _CAPABILITY_OF: dict[type, str] = {
     asked.Advertise: "clientPublish",
@@ -40,13 +46,14 @@ _CAPABILITY_OF: dict[type, str] = {
 class Client:
     """One connection; `line` carries what is said."""
 
-    def __init__(self, gateway: FoxgloveGateway, line: Line) -> None:
+    def __init__(self, gateway: FoxgloveGateway, line: Line, rights: Rights = Rights.FULL) -> None:
         self.line = line
+        self.rights = rights
         self.wants_connection_graph = False
         self._gateway = gateway
         self._subscriptions: dict[int, Subscription] = {}
         self._by_channel: dict[int, Subscription] = {}
-        self._topics: dict[int, ClientTopic] = {}
+        self._topics: dict[int, ClientTopic | DrivenTopic] = {}
         self._work = ClientWork()
         self._parameters = ClientParameters(gateway, self._work, line.send, self.mistake)
         self._fetching = asyncio.Semaphore(1)
@@ -87,6 +94,9 @@ class Client:
         capability = _CAPABILITY_OF.get(type(request))
         if capability is not None and capability not in self._gateway.settings.capabilities:
             self.mistake(f"this gateway does not offer {capability}")
+            return
+        if self.rights is Rights.VIEW and isinstance(request, _ACTIONS):
+            self._refuse(request)
             return
         self._handlers[type(request)](request)
 
@@ -166,8 +176,17 @@ class Client:
             elif not self._may_publish(channel.topic):
                 self.mistake(f"this gateway does not let clients publish {channel.topic[:200]}")
             else:
-                topic = self._topics[channel.id] = ClientTopic(channel, self.mistake)
+                topic = self._topics[channel.id] = self._topic(channel)
                 topic.open(self._gateway.graph, self._gateway.store)
+
+    def _topic(self, channel: asked.ClientChannel) -> ClientTopic | DrivenTopic:
+        teleop = self._gateway.teleop
+        if channel.driver is None or teleop is None:
+            return ClientTopic(channel, self.mistake)
+        return DrivenTopic(channel, self.line.peer, teleop, self._report_drive, self.mistake)
+
+    def _report_drive(self, state: Mapping[str, Any]) -> None:
+        self.line.send(told.drive(state))
 
     def _may_publish(self, topic: str) -> bool:
         try:
@@ -242,6 +261,12 @@ class Client:
         )
 
     # within
+
+    def _refuse(self, request: object) -> None:
+        if isinstance(request, asked.ServiceRequest):
+            self.line.send(told.service_failure(request.service_id, request.call_id, _VIEW_ONLY))
+        else:
+            self.mistake(_VIEW_ONLY)
 
     def _tell_dropped(self) -> None:
         self._slow_timer = None

@@ -43,13 +43,17 @@ class Unsubscribe:
 
 @dataclass(frozen=True, slots=True)
 class ClientChannel:
-    """A topic that a client publishes, under an id that it chose."""
+    """A topic that a client publishes, under an id that it chose.
+
+    With a `driver`, a name for people, it is driven under a lease.
+    """
 
     id: int
     topic: str
     encoding: str
     schema_name: str
     schema: str
+    driver: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -261,6 +265,7 @@ def _client_channel(fields: _Fields) -> ClientChannel:
         fields.text("encoding"),
         fields.text("schemaName"),
         fields.schema(),
+        fields.optional_text("driver"),
     )
 
 

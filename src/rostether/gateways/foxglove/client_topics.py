@@ -70,8 +70,8 @@ class ClientTopic:
     async def _open(self, graph: Graph, store: TypeStore) -> None:
         try:
             type_name = short_type(self.channel.schema_name)
-            store = _knowing(store, type_name, self.channel.schema)
-            self._encode = _encoder(self.channel, store, type_name)
+            store = knowing(store, type_name, self.channel.schema)
+            self._encode = encoder(self.channel, store, type_name)
             message_type = store.registry.message_type(type_name)
             publisher = await graph.advertise(self.channel.topic, message_type)
         except RostetherError as error:
@@ -119,7 +119,7 @@ async def _met(graph: Graph, publisher: Publisher) -> None:
         return
 
 
-def _knowing(store: TypeStore, type_name: str, definition: str) -> TypeStore:
+def knowing(store: TypeStore, type_name: str, definition: str) -> TypeStore:
     """Return types that have the client's one: ours, else as the client defines it."""
     try:
         store.registry.message(type_name)
@@ -132,7 +132,8 @@ def _knowing(store: TypeStore, type_name: str, definition: str) -> TypeStore:
     return store
 
 
-def _encoder(channel: ClientChannel, store: TypeStore, type_name: str) -> Callable[[bytes], bytes]:
+def encoder(channel: ClientChannel, store: TypeStore, type_name: str) -> Callable[[bytes], bytes]:
+    """Return what checks and converts a client's messages. Raises ConfigError, UnknownTypeError."""
     codec = store.codec(type_name)
     if channel.encoding == JSON_ENCODING:
         return lambda payload: codec.encode(decode_json(codec, payload))

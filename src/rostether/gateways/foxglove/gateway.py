@@ -13,7 +13,7 @@ from __future__ import annotations
 import asyncio
 import socket
 import time
-from collections.abc import Callable, Coroutine, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Coroutine, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -31,6 +31,8 @@ from rostether.gateways.foxglove.services import FindServiceType, Services
 from rostether.gateways.foxglove.settings import FoxgloveSettings
 from rostether.gateways.foxglove.sim_clock import SimClock
 from rostether.gateways.shared_subscriptions import SharedSubscriptions
+from rostether.gateways.teleop.teleop import Teleop
+from rostether.gateways.websocket.admission import Rights
 from rostether.gateways.websocket.connection import Connection
 from rostether.gateways.websocket.server import WebSocketServer
 from rostether.gateways.websocket.settings import ConnectionLimits
@@ -40,6 +42,8 @@ from rostether.msgdef.search_waiting import definitions_searched
 from rostether.serde.store import TypeStore
 
 _TIME_CAPABILITY = "time"
+# Clients that may only view still read parameters.
+_CAPABILITIES_TO_ACT = ("clientPublish", "services")
 _MAX_SHOWN_STATUSES = 50  # lines that a client that comes later is shown too
 _RETRY_S = 1.0  # for a graph that could not be read
 # Foxglove's own web application, app.foxglove.dev, is what the gateway is for.
@@ -60,6 +64,7 @@ class FoxgloveGateway:
         find_packages: FindPackages | None = None,
         tell: Callable[[Level, str], None] | None = None,
         site: Site | None = None,
+        join_teleop: Callable[[], Awaitable[Graph]] | None = None,
     ) -> None:
         self.graph = graph
         self.store = store
@@ -76,6 +81,7 @@ class FoxgloveGateway:
         self.connections = ConnectionGraph(self.channels.known)
         self.assets = Assets(find_packages or _no_packages, self.limits.asset_bytes)
         self.clock = SimClock(graph, self.shared, self._tell_time, self._restart_clients)
+        self.teleop = Teleop(join_teleop) if join_teleop is not None else None
         self._tell = tell or (lambda level, text: None)
         self._server = WebSocketServer(
             settings.label,
@@ -146,6 +152,8 @@ class FoxgloveGateway:
         await self._server.hang_up()
         while self._work:
             await asyncio.wait(self._work)
+        if self.teleop is not None:
+            await self.teleop.close()
         await asyncio.gather(
             self.channels.close(), self.services.close(), self.parameters.close(), self.clock.close()
         )
@@ -169,7 +177,12 @@ class FoxgloveGateway:
     def greet(self, client: Client) -> None:
         """Tell a new client everything."""
         self._clients[client] = None
-        capabilities = list(self.settings.capabilities)
+        capabilities = [
+            each
+            for each in self.settings.capabilities
+            if client.rights is Rights.FULL or each not in _CAPABILITIES_TO_ACT
+        ]
+        features = ["drive"] if self.teleop is not None and client.rights is Rights.FULL else []
         if self.clock.is_simulated:
             capabilities.append(_TIME_CAPABILITY)
         send = client.line.send
@@ -179,7 +192,13 @@ class FoxgloveGateway:
                 capabilities=capabilities,
                 # A client that comes back finds everything again: ids are those of this run.
                 session_id=self._session_id,
-                metadata={"ROS_DISTRO": "noetic", "node": self.graph.node_name, **self.settings.metadata},
+                metadata={
+                    "ROS_DISTRO": "noetic",
+                    "node": self.graph.node_name,
+                    "rights": client.rights.value,
+                    "features": ",".join(features),
+                    **self.settings.metadata,
+                },
             )
         )
         # The protocol wants one in each connection; it may be empty.
@@ -206,7 +225,8 @@ class FoxgloveGateway:
 
     def _open_client(self, connection: Connection) -> Line:
         line = Line(connection, self.limits)
-        client = line.user = Client(self, line)
+        rights = self._server.admission.rights(connection.path, connection.headers)
+        client = line.user = Client(self, line, rights)
         client.opened()
         return line
 

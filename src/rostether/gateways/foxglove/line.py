@@ -66,6 +66,11 @@ class Line:
 
     # the client's side
 
+    @property
+    def peer(self) -> str:
+        """The client's address for people."""
+        return self._connection.peer
+
     def pause_reading(self) -> None:
         """Read no more, so that the client waits."""
         self._connection.pause_reading()

@@ -141,6 +141,11 @@ def connection_graph_update(changes: Mapping[str, Any]) -> str:
     return _json({"op": "connectionGraphUpdate", **changes})
 
 
+def drive(state: Mapping[str, Any]) -> str:
+    """Return who drives a client's command topic, see `driven_topic.py`; an op of ours."""
+    return _json(state)
+
+
 def service_failure(service_id: int, call_id: int, text: str) -> str:
     """Return why a call failed."""
     return _json(

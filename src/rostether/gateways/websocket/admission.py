@@ -9,6 +9,7 @@ from __future__ import annotations
 import hmac
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from enum import Enum
 from http import HTTPStatus
 from typing import Protocol
 from urllib.parse import SplitResult, parse_qs, urlsplit
@@ -122,11 +123,23 @@ def foreign_host(host: str) -> str:
     return f"{host!r:.200} is no name of this machine: use its address, set ROS_HOSTNAME, or use a --token"
 
 
+def _is_carried(token: Token, path: str, headers: Headers) -> bool:
+    authorization = single_header(headers, "Authorization") or ""
+    return token.is_wanted and token.is_carried_by(path, authorization)
+
+
 def is_same_secret(given: str, wanted: str) -> bool:
     """Tell whether two texts are equal, in a time that does not depend on where they differ."""
     return hmac.compare_digest(
         given.encode("utf-8", "surrogatepass"), wanted.encode("utf-8", "surrogatepass")
     )
+
+
+class Rights(Enum):
+    """What an admitted client may do."""
+
+    FULL = "full"
+    VIEW = "view"
 
 
 class Admission:
@@ -138,24 +151,32 @@ class Admission:
         token: str = "",
         own_names: OwnNames | None = None,
         *,
+        view_token: str = "",
         viewer_site: str = "",
         path: str = "",
         wants_token_first: bool = True,
     ) -> None:
         self.token = Token(token)
+        self._view_token = Token(view_token)
         self._pages = PageRule(origins, own_names or OwnNames(), viewer_site)
         self._path = path.strip("/")
         self._wants_token_first = wants_token_first
 
     def has_token(self, path: str, headers: Headers) -> bool:
         """Tell whether a request carries the token; a server without one has none to carry."""
-        authorization = single_header(headers, "Authorization") or ""
-        return self.token.is_wanted and self.token.is_carried_by(path, authorization)
+        return _is_carried(self.token, path, headers)
+
+    def rights(self, path: str, headers: Headers) -> Rights:
+        """Return what the client of a request may do, if it is not refused."""
+        return Rights.FULL if not self.token.is_wanted or self.has_token(path, headers) else Rights.VIEW
+
+    def _has_view_token(self, path: str, headers: Headers) -> bool:
+        return self.token.is_wanted and _is_carried(self._view_token, path, headers)
 
     def refusal(self, path: str, headers: Headers) -> tuple[HTTPStatus, str] | None:
         """Return why a WebSocket is refused, None when it is not."""
         origin, host = single_header(headers, "Origin"), single_header(headers, "Host") or ""
-        has_token = self.has_token(path, headers)
+        has_token = self.has_token(path, headers) or self._has_view_token(path, headers)
         if not self._pages.admits(origin, host) and not (has_token and is_of_program(origin)):
             if origin is None:
                 return HTTPStatus.FORBIDDEN, foreign_host(host)

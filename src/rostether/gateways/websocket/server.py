@@ -70,6 +70,7 @@ class WebSocketServer:
             settings.origins,
             settings.token,
             own_names,
+            view_token=settings.view_token,
             viewer_site=viewer_site,
             path=path,
             wants_token_first=wants_token_first,

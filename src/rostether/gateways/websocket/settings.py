@@ -21,7 +21,7 @@ class ConnectionLimits:
     """Of one message of a client."""
 
     unsent_bytes: int
-    """Held by the socket for a client that reads slowly, before its user is told to wait."""
+    """Held by the socket for a client that reads slowly, before its user has to wait."""
 
     handshake_s: float = 10.0
     """Until a connection must have sent its request."""
@@ -37,8 +37,9 @@ class ServerSettings:
     """How a server is reached.
 
     `host` is one name or address of ours, `localhost` both loopback addresses. Clients must give `token`
-    where it is not empty; `origins` are more web pages that may connect (`*`: all), `allow` networks.
-    With a certificate and its key, files, connections are encrypted (wss).
+    where it is not empty; those who give `view_token` instead may only view. `origins` are more web pages
+    that may connect (`*`: all), `allow` networks. With a certificate and its key, files, connections are
+    encrypted (wss).
     """
 
     host: str = DEFAULT_HOST
@@ -48,3 +49,4 @@ class ServerSettings:
     allow: tuple[str, ...] = ()
     certificate: str = ""
     key: str = ""
+    view_token: str = field(default="", repr=False)

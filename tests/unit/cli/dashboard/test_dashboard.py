@@ -7,6 +7,8 @@ import urllib.request
 from pathlib import Path
 
 import pytest
+from websockets.asyncio.client import connect
+from websockets.typing import Subprotocol
 
 from interop.ros1_peers import Peer, free_port
 from rostether.cli.dashboard import dashboard
@@ -14,6 +16,7 @@ from rostether.cli.dashboard.served import page_url
 from rostether.ros1.master.server import MasterServer
 from unit.cli.gateway.test_foxglove import offers
 from unit.cli.serving_process import started
+from unit.gateways.foxglove.protocol_client import ProtocolClient
 
 LAUNCH = "<launch><param name='speed' value='3'/></launch>"
 
@@ -65,6 +68,35 @@ async def test_with_a_token_the_address_carries_it() -> None:
         async with started("dashboard", "-p", "0", "--token", "a b", "--master", master.uri) as alone:
             await fetched(alone)
             assert re.search(r"Dashboard: http://127\.0\.0\.1:\d+/#token=a%20b", alone.text)
+    finally:
+        await master.close()
+
+
+async def test_pages_may_look_or_drive_by_their_token() -> None:
+    master = await MasterServer.start(host="127.0.0.1", port=0)
+    tokens = ("--token", "full", "--view-token", "look")
+    try:
+        async with started("dashboard", "-p", "0", *tokens, "--master", master.uri) as alone:
+            url, _ = await fetched(alone)
+            await alone.wait_for("Dashboard, to look only: http://127.0.0.1:")
+            rights = {}
+            for token in ("full", "look"):
+                uri = f"{url.replace('http:', 'ws:')}/?token={token}"
+                client = ProtocolClient(
+                    await connect(uri, subprotocols=[Subprotocol("foxglove.sdk.v1")], proxy=None)
+                )
+                rights[token] = (await client.wait("serverInfo"))["metadata"]
+                if token == "full":
+                    channel = {"id": 1, "topic": "/cmd_vel", "encoding": "ros1"}
+                    channel |= {"schemaName": "geometry_msgs/Twist", "driver": "page"}
+                    await client.say("advertise", channels=[channel])
+                    await client.wait("drive")
+                    assert "/web_teleop" in master.api.registrations.nodes
+                await client.close()
+            assert {each: (rights[each]["rights"], rights[each]["features"]) for each in rights} == {
+                "full": ("full", "drive"),
+                "look": ("view", ""),
+            }
     finally:
         await master.close()
 

@@ -55,3 +55,18 @@ def test_what_is_no_place(text: str) -> None:
 @pytest.mark.parametrize("origin", ["panel.example", "https:panel.example", "https://panel.example/page"])
 def test_what_is_no_origin(command: str, origin: str, shell: Shell) -> None:
     assert "write it as https://panel.example or" in shell.failure(command, "--origin", origin)
+
+
+@pytest.mark.parametrize(
+    ("typed", "reason"),
+    [
+        (("--view-token", "a"), "--view-token needs --token"),
+        (("--view-token", "a", "--token", "a"), "must differ"),
+    ],
+)
+def test_a_view_token_that_protects_nothing_is_refused(
+    typed: tuple[str, ...], reason: str, shell: Shell
+) -> None:
+    for command in ("dashboard", "foxglove", "serve"):
+        said = shell.failure(command, *typed)
+        assert reason in said

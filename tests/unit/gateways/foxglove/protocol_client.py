@@ -128,9 +128,11 @@ class Stage:
 
 
 @asynccontextmanager
-async def stage(settings: FoxgloveSettings | None = None, **options: Any) -> AsyncIterator[Stage]:
+async def stage(
+    settings: FoxgloveSettings | None = None, network: MemoryNetwork | None = None, **options: Any
+) -> AsyncIterator[Stage]:
     """Run a gateway on a free port."""
-    network, store, told = MemoryNetwork(), TypeStore(Registry()), list[str]()
+    network, store, told = network or MemoryNetwork(), TypeStore(Registry()), list[str]()
     graph, robot = await network.join("/foxglove"), await network.join("/robot")
     try:
         async with FoxgloveGateway(

@@ -502,3 +502,52 @@ async def test_nothing_is_left_when_a_gateway_closes() -> None:
             assert await client.wait_closed() == 1001
         assert publisher.subscriber_count == 0
         assert "/cmd" not in (await there.robot.snapshot()).topics
+
+
+async def test_a_client_with_the_view_token_looks_and_does_nothing_else() -> None:
+    async with stage(FoxgloveSettings(port=0, token="full", view_token="look")) as there:
+        service = there.store.registry.service_type("std_srvs/Empty")
+        called: list[bytes] = []
+
+        async def handle(request: bytes) -> bytes:
+            called.append(request)
+            return b""
+
+        await there.robot.advertise_service("/home", service, handle)
+        await there.robot.set_param("/speed", 1.5)
+        async with there.client(path="/?token=full") as driver, there.client(path="/?token=look") as viewer:
+            for client, rights in ((driver, "full"), (viewer, "view")):
+                info = client.of("serverInfo")[0]
+                assert info["metadata"]["rights"] == rights
+                assert ("clientPublish" in info["capabilities"]) is (rights == "full")
+                assert ("services" in info["capabilities"]) is (rights == "full")
+            offered = await driver.service("/home")
+            channel = {"id": 1, "topic": "/cmd", "encoding": "ros1", "schemaName": "std_msgs/Empty"}
+            await viewer.say("advertise", channels=[channel | {"driver": "page"}])
+            await viewer.say("advertise", channels=[channel])
+            await viewer.publish(1, b"")
+            await viewer.say("setParameters", parameters=[{"name": "/speed", "value": 9.0}], id="s")
+            await until(lambda: len(viewer.of("status")) == 4)
+            assert all("this connection may only view" in each["message"] for each in viewer.of("status"))
+            await viewer.call(offered["id"], b"")
+            failure = await viewer.wait("serviceCallFailure")
+            assert "this connection may only view" in failure["message"]
+            await viewer.say("getParameters", parameterNames=["/speed"], id="g")
+            values = await viewer.wait("parameterValues")
+            assert values["parameters"][0]["value"] == 1.5
+            assert not viewer.of("advertiseServices")
+            assert called == []
+            assert "/cmd" not in there.network.snapshot().topics
+            assert await there.robot.get_param("/speed") == 1.5
+
+
+@pytest.mark.parametrize("path", ["/", "/?token=", "/?token=lookx", "/?token=full&token=look"])
+async def test_the_view_token_is_asked_for_like_the_full_one(path: str) -> None:
+    async with stage(FoxgloveSettings(port=0, token="full", view_token="look")) as there:
+        if path.endswith("=full&token=look"):
+            async with there.client(path=path) as client:
+                assert client.of("serverInfo")[0]["metadata"]["rights"] == "full"
+            return
+        with pytest.raises(InvalidHandshake):
+            async with there.client(path=path):
+                pass

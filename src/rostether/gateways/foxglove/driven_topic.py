@@ -1,0 +1,99 @@
+"""A command topic that a client drives under the lease of `teleop/`: its channel names a driver."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from typing import Any
+
+from rostether.errors import InvalidNameError, RostetherError
+from rostether.gateways.foxglove.client_messages import ClientChannel
+from rostether.gateways.foxglove.client_topics import encoder, knowing
+from rostether.gateways.rosbridge.type_names import short_type
+from rostether.gateways.teleop.teleop import CommandTopic, Teleop
+from rostether.graph.ports import Graph, Publisher
+from rostether.serde.store import TypeStore
+
+_MAX_NAME_CHARACTERS = 60
+
+
+class DrivenTopic:
+    """One channel of one client; it is also the driver. `report` sends the state of the lease."""
+
+    def __init__(
+        self,
+        channel: ClientChannel,
+        peer: str,
+        teleop: Teleop,
+        report: Callable[[dict[str, Any]], None],
+        tell: Callable[[str], None],
+    ) -> None:
+        self.channel = channel
+        self.name = f"{_printable(channel.driver or '')} ({peer})"
+        self._teleop = teleop
+        self._report = report
+        self._tell = tell
+        self._topic = ""
+        self._commands: CommandTopic | None = None
+        self._encode: Callable[[bytes], bytes] | None = None
+        self._opening: asyncio.Task[None] | None = None
+        self._reported: tuple[str, str] | None = None
+        self._told: set[str] = set()
+
+    def open(self, graph: Graph, store: TypeStore) -> None:
+        """Prepare the topic; errors are reported to the client."""
+        self._opening = asyncio.ensure_future(self._open(graph, store))
+
+    def publish(self, payload: bytes) -> Publisher | None:
+        """Publish a command, unless somebody else drives. A command that comes too early is dropped."""
+        if self._commands is None or self._encode is None:
+            return None
+        try:
+            may_drive = self._commands.command(self, self._encode(payload))
+        except RostetherError as error:
+            self._tell_once(f"a command on {self.channel.topic[:200]} is not published: {error}")
+            return None
+        if not may_drive:
+            self.lease_changed(self._commands.holder)
+        return None
+
+    def lease_changed(self, holder: str) -> None:
+        """Report who drives now."""
+        state = "free" if not holder else "driving" if holder == self.name else "taken"
+        if self._reported != (state, holder):
+            self._reported = (state, holder)
+            self._report({"op": "drive", "channelId": self.channel.id, "state": state, "driver": holder})
+
+    async def close(self) -> None:
+        """Leave the topic; the robot stops if this client was moving it."""
+        commands, self._commands = self._commands, None
+        if commands is not None:
+            commands.leave(self)
+        if self._opening is not None:
+            await asyncio.wait([self._opening])
+        if self._topic:
+            await self._teleop.leave(self, self._topic)
+
+    async def _open(self, graph: Graph, store: TypeStore) -> None:
+        try:
+            type_name = short_type(self.channel.schema_name)
+            store = knowing(store, type_name, self.channel.schema)
+            encode = encoder(self.channel, store, type_name)
+            topic = graph.resolve(self.channel.topic)
+            message_type = store.registry.message_type(type_name)
+            commands = await self._teleop.enter(self, topic, message_type, store.codec(type_name))
+        except (RostetherError, InvalidNameError) as error:
+            self._tell_once(f"{self.channel.topic[:200]} cannot be driven: {error}")
+            return
+        self._topic, self._commands, self._encode = topic, commands, encode
+        self.lease_changed(commands.holder)
+
+    def _tell_once(self, text: str) -> None:
+        if text not in self._told and len(self._told) < 20:
+            self._told.add(text)
+            self._tell(text)
+
+
+def _printable(name: str) -> str:
+    text = "".join(each if each.isprintable() else " " for each in name[:_MAX_NAME_CHARACTERS])
+    return " ".join(text.split()) or "a page"

@@ -1,0 +1,123 @@
+"""Messages that drive a robot: their stop, and their limits of speed and acceleration; without I/O."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import Any
+
+from rostether.errors import SerializationError
+from rostether.serde.values import Message
+
+LINEAR, ANGULAR, SPEED = "linear", "angular", "speed"
+
+
+@dataclass(frozen=True, slots=True)
+class DriveLimits:
+    """Limits of what is published; each is also a parameter of the node.
+
+    `linear` is in m/s, `angular` in rad/s, `speed` in the unit of the command, the others in that unit each
+    second. The defaults are a walking pace.
+    """
+
+    max_linear: float = 1.0
+    max_angular: float = 2.0
+    max_speed: float = 1.0
+    max_linear_acceleration: float = 2.0
+    max_angular_acceleration: float = 6.0
+    max_speed_acceleration: float = 2.0
+
+    @classmethod
+    def of(cls, values: Mapping[str, object]) -> DriveLimits:
+        """Read parameters; those that are missing or no positive number keep their default."""
+        known = {
+            each.name: float(value)
+            for each in fields(cls)
+            if isinstance(value := values.get(each.name), int | float)
+            and not isinstance(value, bool)
+            and value >= 0
+        }
+        return cls(**known)
+
+    def most(self, kind: str) -> tuple[float, float]:
+        """Return the limits of a kind of value: the value itself, and its change each second."""
+        return getattr(self, f"max_{kind}"), getattr(self, f"max_{kind}_acceleration")
+
+
+# The values of each type that move the robot. The values of one vector are limited together, so that it
+# keeps its direction.
+_XYZ = ("x", "y", "z")
+_VECTORS: Mapping[str, Sequence[tuple[str, tuple[str, ...]]]] = {
+    "geometry_msgs/Twist": [(kind, tuple(f"{kind}.{axis}" for axis in _XYZ)) for kind in (LINEAR, ANGULAR)],
+    "geometry_msgs/TwistStamped": [
+        (kind, tuple(f"twist.{kind}.{axis}" for axis in _XYZ)) for kind in (LINEAR, ANGULAR)
+    ],
+    "arduino_control/ArduinoControl": [(SPEED, ("speed",))],
+}
+DRIVE_TYPES = tuple(_VECTORS)
+
+# After a pause, the first command may change the speed as much as one that comes at the slowest rate.
+_MAX_STEP_S = 0.1
+
+
+class DriveCommands:
+    """Limits the commands of one topic, one after another."""
+
+    def __init__(self, type_name: str, limits: DriveLimits) -> None:
+        self.limits = limits
+        self._vectors = _VECTORS[type_name]
+        self._published = [[0.0] * len(paths) for _, paths in self._vectors]
+        self._published_s = -math.inf
+
+    def limit(self, message: Message, now_s: float) -> bool:
+        """Limit a message in place; returns whether it is a stop. Raises SerializationError.
+
+        Only what speeds the robot up is limited: a slower command and a stop hold at once.
+        """
+        wanted = [[_read(message, path) for path in paths] for _, paths in self._vectors]
+        if not all(math.isfinite(value) for vector in wanted for value in vector):
+            raise SerializationError("a command must hold numbers, not NaN or infinity")
+        step_s = min(max(now_s - self._published_s, 0.0), _MAX_STEP_S)
+        for index, (kind, paths) in enumerate(self._vectors):
+            most, acceleration = self.limits.most(kind)
+            length = math.hypot(*wanted[index])
+            scale = most / length if length > most else 1.0
+            before = self._published[index]
+            after = [
+                _approach(old, value * scale, acceleration * step_s)
+                for old, value in zip(before, wanted[index], strict=True)
+            ]
+            self._published[index] = after
+            for path, value in zip(paths, after, strict=True):
+                _write(message, path, value)
+        self._published_s = now_s
+        return all(value == 0 for vector in self._published for value in vector)
+
+    def stop(self, message: Message) -> None:
+        """Make a message a stop, in place."""
+        for index, (_, paths) in enumerate(self._vectors):
+            self._published[index] = [0.0] * len(paths)
+            for path in paths:
+                _write(message, path, 0.0)
+
+
+def _approach(old: float, wanted: float, step: float) -> float:
+    # Towards zero at once, then at most a step away from it.
+    start = old if old * wanted > 0 else 0.0
+    if abs(wanted) <= abs(start) + step:
+        return wanted
+    return math.copysign(abs(start) + step, wanted)
+
+
+def _read(message: Any, path: str) -> float:
+    for name in path.split("."):
+        message = getattr(message, name)
+    return float(message)
+
+
+def _write(message: Any, path: str, value: float) -> None:
+    *parents, last = path.split(".")
+    for name in parents:
+        message = getattr(message, name)
+    setattr(message, last, value)

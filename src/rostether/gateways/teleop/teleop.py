@@ -1,0 +1,189 @@
+"""Drives robots for web clients: the node `web_teleop` publishes their commands, limited, under a lease."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable, Hashable
+from contextlib import suppress
+from dataclasses import fields
+from typing import Protocol
+
+from rostether.errors import ConfigError, RostetherError
+from rostether.gateways.teleop.command_lease import CommandLease
+from rostether.gateways.teleop.drive_commands import DRIVE_TYPES, DriveCommands, DriveLimits
+from rostether.graph.callbacks import report_error
+from rostether.graph.ports import Graph, Publisher
+from rostether.msgdef.interface import MessageType
+from rostether.serde.codec import Codec
+from rostether.serde.values import Message
+
+# Command topics of all clients together; a robot has one or two.
+MAX_TOPICS = 32
+
+
+class Driver(Hashable, Protocol):
+    """A client that wants to drive; `name` is for people."""
+
+    name: str
+
+    def lease_changed(self, holder: str) -> None:
+        """Report who drives now; empty: no client."""
+
+
+class CommandTopic:
+    """One topic that clients drive; made by `Teleop`."""
+
+    def __init__(self, publisher: Publisher, codec: Codec, commands: DriveCommands) -> None:
+        self.users: set[Driver] = set()
+        self.commands = commands
+        self._publisher = publisher
+        self._codec = codec
+        self._lease = CommandLease()
+        self._holder: Driver | None = None
+        self._last: Message | None = None
+        self._loop = asyncio.get_running_loop()
+        self._timer: asyncio.TimerHandle | None = None
+
+    @property
+    def holder(self) -> str:
+        """The name of who drives now; empty: no client."""
+        return self._holder.name if self._holder is not None else ""
+
+    def command(self, driver: Driver, payload: bytes) -> bool:
+        """Publish a command; returns whether the driver may drive. Raises RostetherError."""
+        message = self._codec.decode(payload)
+        if self._holder is not None and self._holder is not driver:
+            return False
+        now_s = self._loop.time()
+        is_stop = self.commands.limit(message, now_s)
+        self._lease.command(driver, now_s, is_stop=is_stop)
+        self._last = message
+        self._publisher.publish_raw([self._codec.encode(message)])
+        self._hold(driver)
+        self._schedule()
+        return True
+
+    def leave(self, driver: Driver) -> None:
+        """Forget a driver, and stop the robot if it was moving it."""
+        self.users.discard(driver)
+        if self._lease.release(driver):
+            self._stop()
+        self._settle()
+
+    async def close(self) -> None:
+        """Stop, and unadvertise."""
+        if self._timer is not None:
+            self._timer.cancel()
+        if self._holder is not None:
+            self.leave(self._holder)
+        await self._publisher.close()
+
+    def _expire(self) -> None:
+        self._timer = None
+        if self._lease.expire(self._loop.time()):
+            self._stop()
+        self._settle()
+
+    def _settle(self) -> None:
+        if self._lease.driver is None:
+            self._hold(None)
+        self._schedule()
+
+    def _hold(self, driver: Driver | None) -> None:
+        if driver is self._holder:
+            return
+        self._holder = driver
+        for user in list(self.users):
+            user.lease_changed(self.holder)
+
+    def _stop(self) -> None:
+        if self._last is None:
+            return
+        self.commands.stop(self._last)
+        try:
+            self._publisher.publish_raw([self._codec.encode(self._last)])
+        except RostetherError as error:
+            report_error(f"the stop on {self._publisher.topic}", error)
+
+    def _schedule(self) -> None:
+        due_s = self._lease.due_s
+        if self._timer is not None:
+            if due_s is not None and self._timer.when() <= due_s:
+                # It looks again when it rings: cheaper than a new timer for each command.
+                return
+            self._timer.cancel()
+            self._timer = None
+        if due_s is not None:
+            self._timer = self._loop.call_at(due_s, self._expire)
+
+
+class Teleop:
+    """The command topics of one gateway; `join` makes their node when the first is driven."""
+
+    def __init__(self, join: Callable[[], Awaitable[Graph]]) -> None:
+        self._join = join
+        self._graph: Graph | None = None
+        self._topics: dict[str, CommandTopic] = {}
+        self._turn = asyncio.Lock()
+
+    async def enter(
+        self, driver: Driver, topic: str, message_type: MessageType, codec: Codec
+    ) -> CommandTopic:
+        """Return a topic for a driver, who must leave it. Raises RostetherError."""
+        if message_type.name not in DRIVE_TYPES:
+            raise ConfigError(f"only {', '.join(DRIVE_TYPES)} can be driven, not {message_type.name[:80]}")
+        async with self._turn:
+            found = self._topics.get(topic)
+            if found is None:
+                if len(self._topics) >= MAX_TOPICS:
+                    raise ConfigError(f"at most {MAX_TOPICS} topics can be driven at once")
+                graph = await self._joined()
+                publisher = await graph.advertise(topic, message_type)
+                commands = DriveCommands(message_type.name, await _read_limits(graph))
+                found = self._topics[topic] = CommandTopic(publisher, codec, commands)
+            else:
+                assert self._graph is not None
+                found.commands.limits = await _read_limits(self._graph)
+            found.users.add(driver)
+            return found
+
+    async def leave(self, driver: Driver, topic: str) -> None:
+        """End what a driver had of a topic; the topic ends with its last driver."""
+        async with self._turn:
+            found = self._topics.get(topic)
+            if found is None:
+                return
+            found.leave(driver)
+            if not found.users:
+                del self._topics[topic]
+                await found.close()
+
+    async def close(self) -> None:
+        """Stop everything, and leave the graph."""
+        async with self._turn:
+            for topic in self._topics.values():
+                with suppress(RostetherError):
+                    await topic.close()
+            self._topics.clear()
+            if self._graph is not None:
+                graph, self._graph = self._graph, None
+                await graph.close()
+
+    async def _joined(self) -> Graph:
+        if self._graph is None:
+            graph = await self._join()
+            # As parameters, so that everybody sees them and can change them.
+            with suppress(RostetherError):
+                for each in fields(DriveLimits):
+                    if not await graph.has_param(f"~{each.name}"):
+                        await graph.set_param(f"~{each.name}", getattr(DriveLimits(), each.name))
+            self._graph = graph
+        return self._graph
+
+
+async def _read_limits(graph: Graph) -> DriveLimits:
+    values: dict[str, object] = {}
+    for each in fields(DriveLimits):
+        with suppress(RostetherError):
+            values[each.name] = await graph.get_param(f"~{each.name}")
+    return DriveLimits.of(values)

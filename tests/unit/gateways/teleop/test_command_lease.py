@@ -1,0 +1,64 @@
+from __future__ import annotations
+
+import pytest
+
+from rostether.gateways.teleop.command_lease import HOLD_S, KEEP_S, CommandLease
+
+
+@pytest.fixture
+def lease() -> CommandLease:
+    return CommandLease()
+
+
+def test_nothing_is_due_before_the_first_command(lease: CommandLease) -> None:
+    assert lease.due_s is None
+    assert not lease.expire(100.0)
+
+
+def test_a_command_that_is_not_repeated_becomes_one_stop(lease: CommandLease) -> None:
+    assert lease.command("anna", 10.0, is_stop=False)
+    assert lease.due_s == 10.0 + KEEP_S
+    assert not lease.expire(10.0 + KEEP_S - 0.001)
+    assert lease.expire(10.0 + KEEP_S)
+    assert not lease.expire(10.0 + KEEP_S + 0.1)
+    assert lease.driver == "anna"
+
+
+def test_a_command_that_is_repeated_goes_on(lease: CommandLease) -> None:
+    for step in range(20):
+        assert lease.command("anna", step * 0.05, is_stop=False)
+        assert not lease.expire(step * 0.05 + 0.04)
+
+
+def test_a_driver_that_stopped_by_itself_gets_no_second_stop(lease: CommandLease) -> None:
+    lease.command("anna", 10.0, is_stop=False)
+    lease.command("anna", 10.05, is_stop=True)
+    assert not lease.expire(10.05 + KEEP_S)
+    assert not lease.release("anna")
+
+
+def test_one_drives_at_a_time_until_the_first_was_silent(lease: CommandLease) -> None:
+    lease.command("anna", 10.0, is_stop=False)
+    assert not lease.command("ben", 10.05, is_stop=False)
+    assert lease.expire(10.0 + KEEP_S)
+    assert not lease.command("ben", 10.5, is_stop=False)
+    assert lease.due_s == 10.0 + HOLD_S
+    lease.expire(10.0 + HOLD_S)
+    assert lease.driver is None
+    assert lease.command("ben", 11.1, is_stop=False)
+    assert not lease.command("anna", 11.2, is_stop=False)
+
+
+def test_a_driver_that_leaves_stops_the_robot_and_frees_it(lease: CommandLease) -> None:
+    lease.command("anna", 10.0, is_stop=False)
+    assert not lease.release("ben")
+    assert lease.release("anna")
+    assert not lease.release("anna")
+    assert lease.due_s is None
+    assert lease.command("ben", 10.01, is_stop=False)
+
+
+def test_a_late_look_does_both(lease: CommandLease) -> None:
+    lease.command("anna", 10.0, is_stop=False)
+    assert lease.expire(20.0)
+    assert lease.driver is None
