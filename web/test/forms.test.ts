@@ -3,6 +3,7 @@ import { test } from "node:test";
 import { parseList, parseNumber } from "../src/forms/numbers.ts";
 import { controlKind } from "../src/panels/controls/control_kind.ts";
 import { controllableTopics } from "../src/panels/controls/controllable.ts";
+import { commandOf, DEFAULT_LIMITS, withDeadZone } from "../src/panels/drive/commands.ts";
 import { parameterTree, readValue } from "../src/panels/parameters/parameter_tree.ts";
 import { isPlumbing } from "../src/panels/services/plumbing.ts";
 import { Topic } from "../src/store/topics.ts";
@@ -106,4 +107,33 @@ test("services of every node are plumbing", () => {
   assert.ok(isPlumbing({ name: "/n/get_loggers", type: "roscpp/GetLoggers" }));
   assert.ok(isPlumbing({ name: "/n/describe_parameters", type: "rcl_interfaces/DescribeParameters" }));
   assert.ok(!isPlumbing({ name: "/set_led", type: "std_srvs/SetBool" }));
+});
+
+test("a stick becomes the command of the type", () => {
+  const twist = parseDefinition(
+    "geometry_msgs/Twist",
+    "Vector3 linear\nVector3 angular\n" +
+      "================================================================================\n" +
+      "MSG: geometry_msgs/Vector3\nfloat64 x\nfloat64 y\nfloat64 z",
+  );
+  assert.deepEqual(commandOf(twist, { x: 0, y: 1 }, DEFAULT_LIMITS), {
+    linear: { x: 0.3 },
+    angular: { z: 0 },
+  });
+  assert.deepEqual(commandOf(twist, { x: 1, y: 0 }, DEFAULT_LIMITS), {
+    linear: { x: 0 },
+    angular: { z: -1 },
+  });
+  const control = parseDefinition("arduino_control/ArduinoControl", "float64 dir\nfloat64 speed");
+  const full = { linear: 1, angular: 1 };
+  assert.deepEqual(commandOf(control, { x: 1, y: 0 }, full), { dir: 90, speed: 1 });
+  assert.deepEqual(commandOf(control, { x: 0, y: -1 }, full), { dir: 180, speed: 1 });
+  assert.deepEqual(commandOf(control, { x: 0.05, y: 0.05 }, full), { dir: 0, speed: 0 });
+});
+
+test("the dead zone begins at 0 and ends at 1", () => {
+  assert.deepEqual(withDeadZone({ x: 0.1, y: 0 }), { x: 0, y: 0 });
+  assert.ok(Math.abs(withDeadZone({ x: 0.55, y: 0 }).x - 0.5) < 1e-9);
+  const { x, y } = withDeadZone({ x: 5, y: 5 });
+  assert.ok(Math.abs(Math.hypot(x, y) - 1) < 1e-9);
 });

@@ -2,7 +2,9 @@
 import { gatewayUrl } from "./address.ts";
 import {
   type Channel,
+  type ClientChannel,
   type GraphUpdate,
+  type Lease,
   messageData,
   type Parameter,
   type ServerBinary,
@@ -48,7 +50,8 @@ export class Gateway {
   private readonly calls = new Map<number, Waiting<Uint8Array>>();
   private readonly parameterRequests = new Map<string, Waiting<Parameter[]>>();
   private readonly assets = new Map<number, Waiting<Uint8Array>>();
-  private readonly advertised = new Map<number, { topic: string; schemaName: string; schema: string }>();
+  private readonly advertised = new Map<number, ClientChannel>();
+  private readonly leases = new Map<number, (lease: Lease) => void>();
   private readonly watched = new Set<string>();
   private nextId = 1;
 
@@ -102,7 +105,25 @@ export class Gateway {
     return id;
   }
 
+  /**
+   * Advertises a command topic under a lease of the gateway: one client drives at a time, and a command that is not
+   * repeated within 125 ms is followed by a zero. `driver` is the name that the others see.
+   */
+  advertiseDriven(
+    channel: Omit<ClientChannel, "driver">,
+    driver: string,
+    onLease: (lease: Lease) => void,
+  ): number {
+    const id = this.nextId++;
+    const driven = { ...channel, driver };
+    this.advertised.set(id, driven);
+    this.leases.set(id, onLease);
+    this.sendAdvertise(id, driven);
+    return id;
+  }
+
   unadvertise(id: number): void {
+    this.leases.delete(id);
     if (this.advertised.delete(id)) this.command.send({ op: "unadvertise", channelIds: [id] });
   }
 
@@ -155,7 +176,7 @@ export class Gateway {
     this.command.close();
   }
 
-  private sendAdvertise(id: number, channel: { topic: string; schemaName: string; schema: string }): void {
+  private sendAdvertise(id: number, channel: ClientChannel): void {
     const described = { id, encoding: "ros1", schemaEncoding: "ros1msg", ...channel };
     this.command.send({ op: "advertise", channels: [described] });
   }
@@ -209,6 +230,9 @@ export class Gateway {
         for (const [name, each] of this.commandServices) {
           if (message.serviceIds.includes(each.id)) this.commandServices.delete(name);
         }
+        break;
+      case "drive":
+        this.leases.get(message.channelId)?.({ state: message.state, driver: message.driver });
         break;
       case "serviceCallFailure":
         this.calls.get(message.callId)?.reject(new GatewayError(message.message));

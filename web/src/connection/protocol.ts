@@ -46,6 +46,19 @@ export interface ServerInfo {
   sessionId: string;
   metadata?: Record<string, string>;
 }
+/** Who drives a command topic: nobody, this page, or another client (an extension of our gateway). */
+export interface Lease {
+  state: "free" | "driving" | "taken";
+  /** The name of who drives; empty when nobody does. */
+  driver: string;
+}
+/** A topic that the page publishes. */
+export interface ClientChannel {
+  topic: string;
+  schemaName: string;
+  schema: string;
+  driver?: string;
+}
 export type ServerText =
   | ({ op: "serverInfo" } & ServerInfo)
   | ({ op: "status" } & Status)
@@ -56,6 +69,7 @@ export type ServerText =
   | { op: "unadvertiseServices"; serviceIds: number[] }
   | { op: "parameterValues"; parameters: Parameter[]; id?: string }
   | ({ op: "connectionGraphUpdate" } & GraphUpdate)
+  | ({ op: "drive"; channelId: number } & Lease)
   | { op: "serviceCallFailure"; serviceId: number; callId: number; message: string };
 
 export type ServerBinary =

@@ -4,6 +4,7 @@ import { boardsPanel } from "./boards/boards.ts";
 import { consolePanel } from "./console/console.ts";
 import { controlsPanel } from "./controls/controls.ts";
 import { diagnosticsPanel } from "./diagnostics/diagnostics.ts";
+import { drivePanel } from "./drive/drive.ts";
 import { framesPanel } from "./frames/frames.ts";
 import { graphPanel } from "./graph/graph.ts";
 import { imagesPanel } from "./images/images.ts";
@@ -17,6 +18,7 @@ import { topicsPanel } from "./topics/topics.ts";
 export const panels: readonly Panel[] = [
   boardsPanel,
   controlsPanel,
+  drivePanel,
   imagesPanel,
   scenePanel,
   mapPanel,

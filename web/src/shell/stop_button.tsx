@@ -1,6 +1,17 @@
-// The place of the stop button in the header: always visible, on every page.
+// The stop button in the header: on every page, as soon as there is something to drive.
+import { useComputed } from "@preact/signals";
+import { drivableTopics, stopAll } from "../panels/drive/drivers.ts";
 import type { Robot } from "../store/robot.ts";
+import { texts } from "../texts.ts";
+import { Icon } from "./icons.tsx";
 
-export function StopButton(_: { robot: Robot }) {
-  return null;
+export function StopButton({ robot }: { robot: Robot }) {
+  const canDrive = useComputed(() => drivableTopics(robot).length > 0).value;
+  if (!canDrive) return null;
+  return (
+    <button type="button" class="stop" onPointerDown={() => stopAll(robot)} onClick={() => stopAll(robot)}>
+      <Icon name="stop" />
+      <span>{texts.drive.stop}</span>
+    </button>
+  );
 }

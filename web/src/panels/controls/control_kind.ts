@@ -1,6 +1,7 @@
 // Which control fits a topic: chosen from its type, and its name where that says more.
 import { limitsOf } from "../../forms/numbers.ts";
 import type { Primitive, StructNode } from "../../wire/schema.ts";
+import { DRIVE_TYPES } from "../drive/commands.ts";
 
 export type ControlKind =
   | { kind: "button" }
@@ -12,7 +13,6 @@ export type ControlKind =
   | { kind: "drive" }
   | { kind: "form" };
 
-const DRIVE_TYPES = ["geometry_msgs/Twist", "geometry_msgs/TwistStamped", "arduino_control/ArduinoControl"];
 const FLOATS: readonly Primitive[] = ["float32", "float64"];
 
 export function controlKind(topic: string, type: StructNode): ControlKind {

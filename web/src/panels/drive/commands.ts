@@ -1,0 +1,52 @@
+// A stick's position as a command of each type that robots are driven with.
+import type { StructNode } from "../../wire/schema.ts";
+
+/** The stick: x to the right and y forward, within a circle of 1. */
+export interface Stick {
+  readonly x: number;
+  readonly y: number;
+}
+export interface Limits {
+  /** Metres a second; for directions and speeds a share of the full speed. */
+  readonly linear: number;
+  /** Radians a second. */
+  readonly angular: number;
+}
+
+export const CENTER: Stick = { x: 0, y: 0 };
+export const DEFAULT_LIMITS: Limits = { linear: 0.3, angular: 1 };
+/** The dead zone of reference joysticks; a thumb that rests must not move a robot. */
+const DEAD_ZONE = 0.1;
+const DEGREES = 180 / Math.PI;
+
+export const DRIVE_TYPES: readonly string[] = [
+  "geometry_msgs/Twist",
+  "geometry_msgs/TwistStamped",
+  "arduino_control/ArduinoControl",
+];
+
+/** The position with a dead zone of 0.1, rescaled so that it begins at 0, and at most 1 long. */
+export function withDeadZone({ x, y }: Stick): Stick {
+  const length = Math.hypot(x, y);
+  if (!(length > DEAD_ZONE)) return CENTER;
+  const scaled = (Math.min(length, 1) - DEAD_ZONE) / (1 - DEAD_ZONE);
+  return { x: (x / length) * scaled, y: (y / length) * scaled };
+}
+
+/** The command of a type of DRIVE_TYPES. REP 103: x forward, a positive turn is to the left. */
+export function commandOf(type: StructNode, stick: Stick, limits: Limits): Record<string, unknown> {
+  const { x, y } = withDeadZone(stick);
+  if (type.name === "arduino_control/ArduinoControl") {
+    const isCenter = x === 0 && y === 0;
+    // Degrees to the right of forward, and the share of the full speed.
+    return {
+      dir: isCenter ? 0 : Math.atan2(x, y) * DEGREES,
+      speed: Math.hypot(x, y) * Math.min(limits.linear, 1),
+    };
+  }
+  const twist = { linear: { x: y * limits.linear }, angular: { z: -x * limits.angular || 0 } };
+  if (type.name === "geometry_msgs/Twist") return twist;
+  const ms = Date.now();
+  const stamp = { sec: Math.floor(ms / 1000), nsec: (ms % 1000) * 1_000_000 };
+  return { header: { stamp, frame_id: "base_link" }, twist };
+}

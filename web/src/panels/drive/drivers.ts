@@ -1,0 +1,49 @@
+// The drivers of the page, one a topic, and the stop for all of them.
+import type { Robot } from "../../store/robot.ts";
+import { DEFAULT_LIMITS, DRIVE_TYPES } from "./commands.ts";
+import { Driver } from "./driver.ts";
+
+const drivers = new Map<string, { driver: Driver; definition: string }>();
+
+/** The command topics that something listens to. */
+export function drivableTopics(robot: Robot): string[] {
+  const names: string[] = [];
+  for (const topic of robot.topics.value.values()) {
+    if (DRIVE_TYPES.includes(topic.typeName) && (robot.subscribers.value.get(topic.name)?.length ?? 0) > 0)
+      names.push(topic.name);
+  }
+  return names.sort();
+}
+
+/** The driver of a topic; the same for all who ask. Undefined when the topic is gone or its type is not readable. */
+export function driverOf(robot: Robot, topicName: string): Driver | undefined {
+  const topic = robot.topics.peek().get(topicName);
+  const known = drivers.get(topicName);
+  if (topic === undefined || known?.definition === topic.definition) return known?.driver;
+  known?.driver.dispose();
+  drivers.delete(topicName);
+  try {
+    const driver = new Driver(robot, topic, known?.driver.limits ?? DEFAULT_LIMITS);
+    drivers.set(topicName, { driver, definition: topic.definition });
+    return driver;
+  } catch {
+    return undefined;
+  }
+}
+
+/** Stop everything that this page can drive. */
+export function stopAll(robot: Robot): void {
+  for (const topic of drivableTopics(robot)) driverOf(robot, topic)?.stop();
+}
+
+/** A page that is hidden or left lets go. */
+export function releaseWhenHidden(): void {
+  const release = () => {
+    for (const { driver } of drivers.values()) driver.release();
+  };
+  addEventListener("pagehide", release);
+  addEventListener("blur", release);
+  document.addEventListener("visibilitychange", () => {
+    if (document.hidden) release();
+  });
+}
