@@ -3,7 +3,7 @@
     free -- command --> driving -- no command for KEEP_S --> stopped -- no command for HOLD_S --> free
                            ^------------- command ---------------'
 
-A driver that leaves frees the lease at once.
+A driver that leaves frees the lease at once. Every client may stop the robot; it holds the lease then.
 """
 
 from __future__ import annotations
@@ -37,7 +37,9 @@ class CommandLease:
         if self.driver is None:
             self.driver = driver
         elif self.driver != driver:
-            return False
+            if not is_stop:
+                return False
+            self.driver = driver
         self._commanded_s = now_s
         self._is_moving = not is_stop
         return True

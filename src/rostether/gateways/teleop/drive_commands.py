@@ -70,6 +70,10 @@ class DriveCommands:
         self._published = [[0.0] * len(paths) for _, paths in self._vectors]
         self._published_s = -math.inf
 
+    def is_stop(self, message: Message) -> bool:
+        """Tell whether a message moves nothing."""
+        return all(_read(message, path) == 0 for _, paths in self._vectors for path in paths)
+
     def limit(self, message: Message, now_s: float) -> bool:
         """Limit a message in place; returns whether it is a stop. Raises SerializationError.
 

@@ -52,7 +52,7 @@ class CommandTopic:
     def command(self, driver: Driver, payload: bytes) -> bool:
         """Publish a command; returns whether the driver may drive. Raises RostetherError."""
         message = self._codec.decode(payload)
-        if self._holder is not None and self._holder is not driver:
+        if self._holder is not None and self._holder is not driver and not self.commands.is_stop(message):
             return False
         now_s = self._loop.time()
         is_stop = self.commands.limit(message, now_s)

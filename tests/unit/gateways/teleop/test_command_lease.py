@@ -49,6 +49,14 @@ def test_one_drives_at_a_time_until_the_first_was_silent(lease: CommandLease) ->
     assert not lease.command("anna", 11.2, is_stop=False)
 
 
+def test_a_stop_of_another_client_holds(lease: CommandLease) -> None:
+    assert lease.command("a", 0.0, is_stop=False)
+    assert lease.command("b", 0.01, is_stop=True)
+    assert lease.driver == "b"
+    assert not lease.command("a", 0.02, is_stop=False)
+    assert not lease.expire(0.2)
+
+
 def test_a_driver_that_leaves_stops_the_robot_and_frees_it(lease: CommandLease) -> None:
     lease.command("anna", 10.0, is_stop=False)
     assert not lease.release("ben")

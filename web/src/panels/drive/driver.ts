@@ -22,6 +22,7 @@ export class Driver {
   private readonly encode: (message: unknown) => Uint8Array;
   private readonly id: number;
   private timer: ReturnType<typeof setInterval> | undefined;
+  private isBlocked = false;
   private releasedMs: number | undefined;
 
   /** Throws DefinitionError when the type is not known. */
@@ -32,6 +33,11 @@ export class Driver {
     this.limits = limits;
     const channel = { topic: topic.name, schemaName: topic.typeName, schema: topic.definition };
     this.id = robot.gateway.advertiseDriven(channel, nameOfDevice(), (lease) => {
+      // Another client drives or has stopped the robot: a stick that is still held must not start it again.
+      if (lease.state === "taken" && this.timer !== undefined) {
+        this.isBlocked = true;
+        this.end();
+      }
       this.lease.value = lease;
     });
   }
@@ -48,6 +54,7 @@ export class Driver {
 
   /** Drive with this stick position until `release`. */
   hold(stick: Stick): void {
+    if (this.isBlocked) return;
     this.releasedMs = undefined;
     this.stick.value = stick;
     if (this.timer === undefined) {
@@ -58,6 +65,7 @@ export class Driver {
 
   /** Let go: the robot stops. */
   release(): void {
+    this.isBlocked = false;
     this.stick.value = CENTER;
     if (this.timer === undefined) return;
     this.releasedMs ??= performance.now();
@@ -66,6 +74,7 @@ export class Driver {
 
   /** Stop now, also when nothing was held. */
   stop(): void {
+    this.isBlocked = false;
     this.hold(CENTER);
     this.release();
   }
@@ -79,10 +88,15 @@ export class Driver {
   private repeat(): void {
     this.publish(this.releasedMs === undefined ? this.stick.value : CENTER);
     if (this.releasedMs !== undefined && performance.now() - this.releasedMs > ZEROS_MS) {
-      clearInterval(this.timer);
-      this.timer = undefined;
-      this.releasedMs = undefined;
+      this.end();
     }
+  }
+
+  private end(): void {
+    clearInterval(this.timer);
+    this.timer = undefined;
+    this.releasedMs = undefined;
+    this.stick.value = CENTER;
   }
 
   private publish(stick: Stick): void {
