@@ -22,11 +22,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Ros2Access:
-    """A session on a ROS 2 graph: its node factory, its types, and a line for users."""
+    """A session on a ROS 2 graph: its node factory, its types, and a line for users.
+
+    Over zenoh, `listens_on` and `connects_to` are endpoints of the session.
+    """
 
     join: JoinGraph
     types: Ros2Types
     line: str
+    listens_on: tuple[str, ...] = ()
+    connects_to: tuple[str, ...] = ()
 
 
 @asynccontextmanager
@@ -102,7 +107,8 @@ async def _over_zenoh(
         return await session.join(node_name, namespace=namespace, remappings=remappings, parameters=initial)
 
     try:
-        yield Ros2Access(join, types, _zenoh_line(session, environment))
+        line = _zenoh_line(session, environment)
+        yield Ros2Access(join, types, line, session.listens_on, session.connects_to)
     finally:
         await session.close()
 

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.access.options import msg_path_option
+from rostether.cli.access.ros_choice import ANY_MIDDLEWARE, ROS2_OPTION, MiddlewareName, is_middleware
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
+from rostether.cli.shell.optional_value import OptionalValueOption
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -30,6 +32,7 @@ if TYPE_CHECKING:
     rostether doctor tcp://0.0.0.0:11411          a board on the network that should connect to us
     rostether doctor sim:blink.ino                a sketch on a simulated board
     rostether doctor /dev/ttyACM0 --json
+    rostether doctor --ros2                       the ROS 2 graph and the zenoh routers instead of a board
     """,
 )
 @click.argument("port", required=False, metavar="[PORT]")
@@ -39,15 +42,37 @@ if TYPE_CHECKING:
     help="Watch a connected board for this many seconds (8); 60 or more show restart loops and clock "
     "drift better.",
 )
+@click.option(
+    ROS2_OPTION,
+    "ros2",
+    cls=OptionalValueOption,
+    alone=ANY_MIDDLEWARE,
+    is_value=is_middleware,
+    type=MiddlewareName(),
+    metavar="[zenoh|rclpy]",
+    help="Check whether the ROS 2 graph can be reached, instead of a board: routers, certificates, nodes.",
+)
 @msg_path_option
 @json_option
-def doctor(port: str | None, seconds: float | None, msg_paths: tuple[Path, ...], as_json: bool) -> int:
+def doctor(
+    port: str | None, seconds: float | None, ros2: str | None, msg_paths: tuple[Path, ...], as_json: bool
+) -> int:
     """Diagnose why a board does not connect, and show what to do next.
 
     PORT is a serial port or any other link address (default: the boards on USB). No other program may use the
     port at the same time. The exit code is 0 if the board is healthy, 1 if there is a problem.
     """
+    if ros2 is not None:
+        if port is not None or seconds is not None:
+            raise click.UsageError("with --ros2, doctor examines no board: leave out PORT and --seconds")
+        return run(_ros2_doctor(ros2, as_json))
     return run(_doctor(port, seconds, msg_paths, as_json))
+
+
+async def _ros2_doctor(ros2: str, as_json: bool) -> int:
+    from rostether.cli.bridge.ros2_doctor import examine_ros2
+
+    return EXIT_DONE if await examine_ros2(ros2, as_json=as_json) else EXIT_FAILED
 
 
 async def _doctor(port: str | None, seconds: float | None, msg_paths: Sequence[Path], as_json: bool) -> int:

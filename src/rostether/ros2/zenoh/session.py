@@ -8,7 +8,7 @@ import logging
 import time
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import zenoh
 
@@ -31,6 +31,8 @@ from rostether.ros2.zenoh.configuration import (
 from rostether.ros2.zenoh.foreign_threads import stay_known
 from rostether.ros2.zenoh.graph_cache import GraphCache
 from rostether.ros2.zenoh.handover import Handover
+from rostether.ros2.zenoh.reachability import endpoints_of, find_faults, tls_of
+from rostether.ros2.zenoh.refusals import report_refusals
 from rostether.ros2.zenoh.tokens import Token, all_tokens
 
 if TYPE_CHECKING:
@@ -67,6 +69,8 @@ class ZenohSession:
         self.graph = GraphCache()
         self.session_id = str(session.zid())
         self.is_router = False
+        self.listens_on: tuple[str, ...] = ()
+        self.connects_to: tuple[str, ...] = ()
         # No thread before the first publication meets a full link.
         self.put_threads = ThreadPoolExecutor(MAX_PUT_THREADS, "zenoh put")
         # Of their own: the loop must not wait for a caller that hangs, nor a topic.
@@ -90,7 +94,7 @@ class ZenohSession:
         reach = reach or Reach()
         if await _takes_routers_place(environment, reach):
             try:
-                session = await _open(router_configuration(environment, reach))
+                session = await _open(configuration := router_configuration(environment, reach))
             except MasterUnreachableError:
                 # Another process was quicker to take the place.
                 if reach.router is RouterChoice.ALWAYS or not await is_router_there():
@@ -98,9 +102,10 @@ class ZenohSession:
             else:
                 opened = cls(session, environment, types)
                 opened.is_router = True
-                return await opened._start(reach.connect)
-        opened = cls(await _open(peer_configuration(environment, reach)), environment, types)
-        return await opened._start(reach.connect)
+                return await opened._start(configuration)
+        configuration = peer_configuration(environment, reach)
+        opened = cls(await _open(configuration), environment, types)
+        return await opened._start(configuration)
 
     async def join(
         self,
@@ -177,12 +182,16 @@ class ZenohSession:
         self.put_threads.shutdown()
         self.call_threads.shutdown(cancel_futures=True)
 
-    async def _start(self, named: Sequence[str]) -> ZenohSession:
+    async def _start(self, configuration: zenoh.Config) -> ZenohSession:
+        self.listens_on = endpoints_of(configuration, "listen")
+        # The usual place is known to be empty where nothing else runs.
+        named = [each for each in endpoints_of(configuration, "connect") if each != ROUTER_ENDPOINT]
+        self.connects_to = tuple(named)
         if not self.is_router:
             await self._wait_for_link()
         if named:
             # Beside the start: a machine that is off is given up only after a second.
-            self._asking = asyncio.ensure_future(self._tell_of_silence(named))
+            self._asking = asyncio.ensure_future(self._report_unreachable(named, tls_of(configuration)))
         key = all_tokens(self.domain_id)
         self._watch = self._liveliness.declare_subscriber(
             key, zenoh.handlers.Callback(self._take_token, indirect=False), history=True
@@ -205,21 +214,16 @@ class ZenohSession:
         info = self.zenoh.info
         return bool(info.routers_zid() or info.peers_zid())
 
-    async def _tell_of_silence(self, named: Sequence[str]) -> None:
-        """Say once which of the endpoints that the user named do not answer."""
-        answers = await asyncio.gather(*map(is_router_there, named))
-        silent = [endpoint for endpoint, is_there in zip(named, answers, strict=True) if not is_there]
+    async def _report_unreachable(self, named: Sequence[str], tls: Mapping[str, Any]) -> None:
+        """Report once which of the endpoints that the user named cannot be reached, and why."""
+        faults = await find_faults(named, tls)
         if self.is_router:
             await self._wait_for_link()
-        if not silent and not self._is_linked():
+        if not faults and not self._is_linked():
             # Of other protocols than TCP only a connection tells.
-            silent = list(named)
-        if silent:
-            _log.warning(
-                "no zenoh router answers at %s yet; it is tried until it does: is it running, and can it be "
-                "reached from here?",
-                " or ".join(silent),
-            )
+            faults = dict.fromkeys(named, "is it running, and can it be reached from here?")
+        for endpoint, fault in faults.items():
+            _log.warning("no zenoh router answers at %s yet, it is tried until it does: %s", endpoint, fault)
 
     def _take_token(self, sample: zenoh.Sample) -> None:
         stay_known()
@@ -254,6 +258,8 @@ async def _takes_routers_place(environment: Ros2Environment, reach: Reach) -> bo
 
 
 async def _open(configuration: zenoh.Config) -> zenoh.Session:
+    if any(each.startswith(("tls/", "quic/")) for each in endpoints_of(configuration, "listen")):
+        report_refusals()
     try:
         # Opening blocks until the first connections stand or are given up.
         return await asyncio.to_thread(zenoh.open, configuration)

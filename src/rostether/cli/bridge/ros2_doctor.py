@@ -1,0 +1,86 @@
+"""`rostether doctor --ros2`: reports whether the ROS 2 graph can be reached, and why not."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from typing import NamedTuple
+
+from rostether.cli.access.graph_options import ZenohReach
+from rostether.cli.access.ros2_access import ros2_access
+from rostether.cli.access.ros_choice import Middleware, chosen_middleware
+from rostether.cli.shell.output import write_json, write_line
+from rostether.errors import RostetherError
+from rostether.mechanisms.anonymous import anonymous_name
+from rostether.ros2.environment import Ros2Environment
+
+
+class _Finding(NamedTuple):
+    is_well: bool
+    what: str
+    text: str
+
+
+async def examine_ros2(ros2: str, *, as_json: bool) -> bool:
+    """Print what is found; returns whether all is well. Raises ConfigError."""
+    middleware = chosen_middleware(ros2=ros2) or Middleware.ZENOH
+    is_well = True
+    async for finding in _examine(middleware):
+        is_well = is_well and finding.is_well
+        if as_json:
+            write_json({"ok": finding.is_well, "what": finding.what, "text": finding.text})
+        else:
+            write_line(f"{'ok' if finding.is_well else 'PROBLEM'}: {finding.what}: {finding.text}")
+    return is_well
+
+
+async def _examine(middleware: Middleware) -> AsyncIterator[_Finding]:
+    if middleware is Middleware.ZENOH:
+        async for finding in _routers(Ros2Environment.read()):
+            yield finding
+    try:
+        async with ros2_access(middleware, reach=ZenohReach(router="never")) as access:
+            graph = await access.join(anonymous_name("_doctor"))
+            try:
+                nodes = set((await graph.snapshot()).nodes) - {graph.node_name}
+            finally:
+                await graph.close()
+    except RostetherError as error:
+        yield _Finding(False, "graph", str(error))
+    else:
+        yield _Finding(True, "graph", f"{len(nodes)} nodes found. {access.line}")
+
+
+async def _routers(environment: Ros2Environment) -> AsyncIterator[_Finding]:
+    """Try the router of this machine, and every endpoint that the configuration files name."""
+    # As in every tool, zenoh may be missing; `ros2_access` reports that.
+    try:
+        from rostether.ros2.zenoh.configuration import (
+            ROUTER_ENDPOINT,
+            Reach,
+            names_its_own_place,
+            peer_configuration,
+            router_configuration,
+        )
+        from rostether.ros2.zenoh.reachability import endpoints_of, find_fault, tls_of
+    except ModuleNotFoundError:
+        return
+    if not names_its_own_place(environment):
+        fault = await find_fault(ROUTER_ENDPOINT, {})
+        advice = f"{fault} Start one with `rostether core --ros2 zenoh`, or use ROS 2's own"
+        yield _Finding(
+            not fault, f"router of this machine, {ROUTER_ENDPOINT}", advice if fault else "answers"
+        )
+    for path, configure in (
+        (environment.zenoh_router_config, router_configuration),
+        (environment.zenoh_session_config, peer_configuration),
+    ):
+        if path is None:
+            continue
+        configuration = configure(environment, Reach())
+        tls = tls_of(configuration)
+        for endpoint in endpoints_of(configuration, "connect"):
+            fault = await find_fault(endpoint, tls)
+            yield _Finding(not fault, f"{endpoint} in {path}", fault or "answers")
+        listening = endpoints_of(configuration, "listen")
+        if listening:
+            yield _Finding(True, f"{path}", f"listens at {', '.join(listening)}")

@@ -1,0 +1,81 @@
+"""Connections that our TLS listeners refuse: zenoh reports them only in its own log, on the standard output.
+
+A pipe takes the place of the standard output to read the log. Everything else that is written there is passed
+on. If RUST_LOG is set, the user reads zenoh's log, and nothing is changed.
+"""
+
+from __future__ import annotations
+
+import io
+import logging
+import os
+import re
+import sys
+import threading
+import time
+
+import zenoh
+
+REPEAT_S = 60.0
+"""A machine that is refused tries again every few seconds."""
+
+MAX_KINDS = 32
+"""Different refusals that are remembered; whoever connects does not fill the memory."""
+
+_LINE = re.compile(rb"WARN .*zenoh_link_(?:tls|quic)\S*: (?P<reason>.*)$")
+_COLOR = re.compile(rb"\x1b\[[0-9;]*m")
+_MEANINGS = {
+    "UnknownIssuer": "its certificate is not from our authority",
+    "sent no certificates": "it has no certificate",
+    "UnknownCA": "it does not know the authority of our certificate",
+    "Expired": "its certificate has expired",
+    "BadCertificate": "it does not take our certificate",
+}
+_log = logging.getLogger("rostether.ros2")
+_started = threading.Lock()
+
+
+def report_refusals() -> None:
+    """Log a line for each kind of refusal from now on. Once in a process."""
+    if os.environ.get("RUST_LOG") or not _started.acquire(blocking=False):
+        return
+    sys.stdout.flush()
+    output = os.dup(1)
+    read, write = os.pipe()
+    os.dup2(write, 1)
+    os.close(write)
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        # Our own lines need not go through the pipe.
+        sys.stdout = os.fdopen(
+            os.dup(output), "w", encoding=sys.stdout.encoding, errors=sys.stdout.errors, buffering=1
+        )
+    threading.Thread(target=_read, args=(read, output), name="zenoh log", daemon=True).start()
+    zenoh.init_log_from_env_or("zenoh_link_tls=warn,zenoh_link_quic=warn,zenoh_link_commons=off")
+
+
+def explain(line: bytes) -> str:
+    """Return what a line of zenoh's log says of a refusal, empty if it is no such line."""
+    found = _LINE.search(_COLOR.sub(b"", line.rstrip()))
+    if found is None:
+        return ""
+    reason = found["reason"].decode("utf-8", "replace").partition(" Hint:")[0].rstrip(".")
+    meaning = next((text for word, text in _MEANINGS.items() if word in reason), "")
+    return (
+        f"refused a TLS connection: {meaning} ({reason})"
+        if meaning
+        else f"refused a TLS connection: {reason}"
+    )
+
+
+def _read(source: int, output: int) -> None:
+    said_s: dict[str, float] = {}
+    with open(source, "rb") as lines:
+        for line in lines:
+            text = explain(line)
+            if not text:
+                os.write(output, line)
+            elif time.monotonic() - said_s.get(text, float("-inf")) >= REPEAT_S:
+                if len(said_s) >= MAX_KINDS:
+                    said_s.clear()
+                said_s[text] = time.monotonic()
+                _log.warning("%s", text)

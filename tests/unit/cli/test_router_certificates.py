@@ -1,0 +1,145 @@
+"""Zenoh routers with TLS configured by files: what cannot be reached or is refused is said on both sides."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import signal
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from interop.command_line import started
+from interop.ros1_peers import free_port
+
+pytestmark = pytest.mark.skipif(shutil.which("openssl") is None, reason="no openssl (apt install openssl)")
+
+KEY = ("-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes")
+OURS: dict[str, object] = {"root_ca_certificate": "ours.pem"}
+
+
+def run(folder: Path, *arguments: str) -> None:
+    subprocess.run(["openssl", *arguments], cwd=folder, check=True, capture_output=True)
+
+
+def certify(folder: Path, name: str, authority: str) -> None:
+    run(folder, "req", *KEY, "-subj", f"/CN={name}", "-keyout", f"{name}.key", "-out", f"{name}.csr")
+    (folder / "ext").write_text("subjectAltName=DNS:localhost")
+    signed = ("-CA", f"{authority}.pem", "-CAkey", f"{authority}.key", "-CAcreateserial")
+    run(
+        folder,
+        *("x509", "-req", "-days", "1", "-in", f"{name}.csr", *signed, "-extfile", "ext"),
+        *("-out", f"{name}.pem"),
+    )
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("certificates")
+    for authority in ("ours", "others"):
+        subject = ("-subj", f"/CN={authority}")
+        run(
+            folder,
+            *("req", "-x509", *KEY, "-days", "1", *subject),
+            *("-keyout", f"{authority}.key", "-out", f"{authority}.pem"),
+        )
+    for name, authority in (("robot", "ours"), ("laptop", "ours"), ("stranger", "others")):
+        certify(folder, name, authority)
+    return folder
+
+
+def configured(folder: Path, name: str, tls: dict[str, object], **endpoints: list[str]) -> dict[str, str]:
+    """Write a router's configuration; returns the variable that names it."""
+    files = {
+        key: str(folder / str(value)) if str(value).endswith((".pem", ".key")) else value
+        for key, value in tls.items()
+    }
+    path = folder / f"{name}.json5"
+    path.write_text(
+        json.dumps(
+            {
+                "mode": "router",
+                "listen": {"endpoints": endpoints["listen"]},
+                "connect": {"endpoints": endpoints.get("connect", []), "exit_on_failure": False},
+                "scouting": {"multicast": {"enabled": False}},
+                "timestamping": {"enabled": True},
+                "transport": {"link": {"tls": files}},
+            }
+        )
+    )
+    # The tests of this folder keep sessions away from other routers by an override.
+    return {"ZENOH_ROUTER_CONFIG_URI": str(path), "ZENOH_CONFIG_OVERRIDE": ""}
+
+
+def ours(name: str) -> dict[str, object]:
+    return {
+        **OURS,
+        "enable_mtls": True,
+        "connect_certificate": f"{name}.pem",
+        "connect_private_key": f"{name}.key",
+    }
+
+
+@pytest.mark.parametrize(
+    ("tls", "here", "there"),
+    [
+        (ours("laptop"), "", ""),
+        (ours("stranger"), "it refuses our certificate", "its certificate is not from our authority"),
+        (OURS, "it asks for a certificate", "it has no certificate"),
+        (
+            {"root_ca_certificate": "others.pem"},
+            "others.pem is not its authority",
+            "it does not know the authority",
+        ),
+        ({}, "no authority is given", "it does not know the authority"),
+    ],
+)
+async def test_both_sides_say_why(folder: Path, tls: dict[str, object], here: str, there: str) -> None:
+    port, tcp_port = free_port(), free_port()
+    robot = {
+        **OURS,
+        "enable_mtls": True,
+        "listen_certificate": "robot.pem",
+        "listen_private_key": "robot.key",
+    }
+    listening = [f"tcp/localhost:{tcp_port}", f"tls/0.0.0.0:{port}"]
+    router = await started(
+        "core", "--ros2", "zenoh", environment=configured(folder, "robot", robot, listen=listening)
+    )
+    places = {"listen": [f"tcp/localhost:{free_port()}"], "connect": [f"tls/localhost:{port}"]}
+    variables = configured(folder, "other", tls, **places)
+    try:
+        await router.wait_for(f"Other machines can reach it at tls/0.0.0.0:{port}")
+        assert "Only this machine" not in router.text
+        await router.wait_for("Press Ctrl-C")
+        doctor = await started("doctor", "--ros2", "zenoh", environment=variables)
+        text = await doctor.finish()
+        if not here:
+            assert f"ok: tls/localhost:{port} in {folder}/other.json5: answers" in text
+            return
+        assert f"PROBLEM: tls/localhost:{port} in {folder}/other.json5: " in text
+        assert here in text
+        assert doctor.process.returncode == 1
+        other = await started("core", "--ros2", "zenoh", environment=variables)
+        try:
+            await other.wait_for(f"no zenoh router answers at tls/localhost:{port} yet")
+            await other.wait_for(here)
+            await router.wait_for(f"refused a TLS connection: {there}")
+            assert "ThreadId" not in router.text
+        finally:
+            await other.stop(signal.SIGTERM)
+    finally:
+        await router.stop(signal.SIGTERM)
+
+
+async def test_an_endpoint_that_does_not_answer(folder: Path) -> None:
+    port = free_port()
+    places = {"listen": [f"tcp/localhost:{free_port()}"], "connect": [f"tls/localhost:{port}"]}
+    other = await started("core", "--ros2", "zenoh", environment=configured(folder, "dead", OURS, **places))
+    try:
+        await other.wait_for(f"no zenoh router answers at tls/localhost:{port} yet")
+        await other.wait_for("Connection refused")
+        await other.wait_for("Only this machine can reach it")
+    finally:
+        await other.stop(signal.SIGTERM)
