@@ -137,7 +137,7 @@ def _translated(read: Callable[[], T]) -> T:
         raise YamlError(f"not YAML: {' '.join(str(error).split())}") from None
 
 
-def _check_size(text: str, loader: Any) -> None:
+def _check_size(text: str, loader: Any) -> None:  # noqa: C901, PLR0912 - one branch for each kind of event and limit
     if len(text) > MAX_TEXT_CHARS:
         raise YamlError(f"too large as YAML: it has more than {MAX_TEXT_CHARS >> 20} MiB; split it")
     if len(text) <= _HARMLESS_CHARS and "*" not in text:

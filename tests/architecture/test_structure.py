@@ -10,15 +10,29 @@ import pytest
 
 PACKAGE = Path(__file__).parents[2] / "src" / "rostether"
 MODULES = sorted(PACKAGE.rglob("*.py"))
-LONG_FILE_LINES = 320
-# Each holds one concept; a reviewer has seen that splitting it would not help a reader.
+LONG_FILE_LINES = 300
+# Each holds one concept, and a reviewer found that splitting it would not help a reader.
 REVIEWED_LONG_FILES = {
     "bridge/session.py",
     "bridge/supervisor.py",
+    "cli/bag/play.py",
     "cli/bag/record.py",
     "cli/launch/launch.py",
+    "cli/param/ros2_params.py",
+    "firmware/elf.py",
+    "firmware/footprint.py",
+    "gateways/websocket/connection.py",
+    "recording/mcap/content.py",
+    "rospy/bag/bag.py",
+    "rospy/tf/buffer.py",
+    "rosserial/device_link.py",
+    "rosserial/frame_scan.py",
     "rosserial/host_link.py",
+    "rosserial/negotiation.py",
+    "serde/decoder_source.py",
     "transports/address.py",
+    "transports/peers.py",
+    "transports/tcp.py",
 }
 NAMES_THAT_SAY_NOTHING = {"util", "utils", "helper", "helpers", "manager", "common", "misc", "base"}
 # `core` is the verb that every ROS user knows, and modules are called as rospy's programs import them.
@@ -43,7 +57,7 @@ def test_only_reviewed_files_are_long() -> None:
         for module in MODULES
         if len(module.read_text().splitlines()) > LONG_FILE_LINES
     }
-    assert long <= REVIEWED_LONG_FILES
+    assert long <= REVIEWED_LONG_FILES, "split it, or let a reviewer agree and add it to the list"
 
 
 def test_names_say_what_is_inside() -> None:

@@ -78,7 +78,7 @@ class Supervisor:
     /diagnostics. `devices` has what is set for single boards. `tap` may put a recorder around each link.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913 - each is an independent setting
         self,
         join: JoinGraph,
         store: TypeStore,

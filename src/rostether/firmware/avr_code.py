@@ -57,7 +57,7 @@ _OTHER_LONG = Instruction(Op.OTHER, 4)
 _SKIP = Instruction(Op.SKIP)
 
 
-def decode(code: bytes, address: int) -> Instruction:
+def decode(code: bytes, address: int) -> Instruction:  # noqa: C901, PLR0911, PLR0912 - one branch for each form of instruction
     """Return the instruction at a byte address; beyond the end of the code everything is OTHER."""
     word = int.from_bytes(code[address : address + 2], "little")
     op = _FIXED.get(word)

@@ -90,7 +90,7 @@ def walk(code: Code, entry: int) -> Walk:
     return found
 
 
-def _step(
+def _step(  # noqa: C901, PLR0911, PLR0912 - one branch for each kind of instruction
     code: Code,
     entry: int,
     address: int,

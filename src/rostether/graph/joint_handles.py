@@ -78,7 +78,7 @@ class JointSubscriber:
     the graphs publish through none: it comes from its own publishers.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913 - the settings of Graph.subscribe
         self,
         topic: str,
         message_type: MessageType,

@@ -38,7 +38,7 @@ async def follow_changes(
                 yield merged
 
 
-async def follow_each(
+async def follow_each(  # noqa: C901 - its two inner functions share its variables
     graphs: Callable[[], Sequence[Graph]], joined: asyncio.Event, closed: asyncio.Event
 ) -> AsyncGenerator[list[Snapshot]]:
     """Yield a snapshot of each graph now and after each change, until all have ended or `closed` is set.

@@ -38,7 +38,7 @@ class XmlRpcServer:
     `system.listMethods` are there.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913 - each is an independent setting
         self,
         dispatch: Dispatch,
         *,

@@ -123,7 +123,7 @@ class FrameScanner:
             return None
         return known.topic_id, payload
 
-    def scan(
+    def scan(  # noqa: C901, PLR0912, PLR0915 - the hot loop: a call costs as much as a small frame
         self, buffer: bytes, patience: Patience = Patience.WAIT, max_vain_looks: int | None = None
     ) -> Scan:
         """Cut a buffer that begins where a frame may begin.

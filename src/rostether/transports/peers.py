@@ -181,7 +181,7 @@ class PeerTransport(Generic[PeerKey]):
 class PeerTable(Generic[PeerKey]):
     """The peers of one medium: bounded in number, and those that fell silent expire."""
 
-    def __init__(
+    def __init__(  # noqa: PLR0913 - each is an independent setting
         self,
         medium: str,
         on_transport: Callable[[Transport], None],

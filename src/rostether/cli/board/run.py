@@ -97,7 +97,7 @@ class _Start:
 )
 @msg_path_option
 @json_option
-def board_run(
+def board_run(  # noqa: PLR0913 - one for each option of the command
     program: Path,
     board: str,
     link: Path | None,

@@ -75,7 +75,7 @@ def shortage_lines(connections: int | None, links: Sequence[Address]) -> list[st
 
 
 @asynccontextmanager
-async def bridge(
+async def bridge(  # noqa: PLR0913 - each is an independent setting
     join: JoinGraph,
     addresses: Sequence[Address],
     reporter: Reporter,

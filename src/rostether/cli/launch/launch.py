@@ -148,7 +148,7 @@ _launch_options = option_group(
 @viewer_access_options
 @_roslaunch_options
 @graph_options(ros=False)
-def launch(
+def launch(  # noqa: C901, PLR0912, PLR0915 - one branch for each thing that it can list
     options: LaunchOptions,
     words: tuple[str, ...],
     dashboard: str | None,
@@ -317,7 +317,7 @@ def _warn(plan: LaunchPlan, sources: LaunchSources) -> None:
         warn(f"warning: {name}:= has no value and is left out, as with roslaunch")
 
 
-async def _launch(
+async def _launch(  # noqa: PLR0913 - each is an independent setting
     plan: LaunchPlan,
     environment: RosEnvironment,
     environ: Mapping[str, str],

@@ -40,7 +40,7 @@ from rostether.packages.create import NewPackage, create_package
 @click.option("-m", "--maintainer", "maintainers", multiple=True, help="A maintainer; may be repeated.")
 @click.option("--rosdistro", help="Accepted for compatibility; has no effect.")
 @json_option
-def create(
+def create(  # noqa: PLR0913 - one for each option of the command
     name: str,
     dependencies: tuple[str, ...],
     meta: bool,

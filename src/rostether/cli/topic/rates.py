@@ -63,7 +63,7 @@ _nodelay_option = click.option("--tcpnodelay", is_flag=True, help="Accepted; alw
 @msg_path_option
 @graph_options(allow=TOOL_ALLOW)
 @daemon_habits
-def hz(
+def hz(  # noqa: PLR0913 - one for each option of the command
     topics: tuple[str, ...],
     window: int | None,
     expression: str | None,

@@ -37,7 +37,7 @@ class LocalServices(Protocol):
 class GatewayContext:
     """The graph and everything that clients share; made by `RosbridgeServer`."""
 
-    def __init__(
+    def __init__(  # noqa: PLR0913 - each is an independent setting
         self,
         graph: Graph,
         store: TypeStore,

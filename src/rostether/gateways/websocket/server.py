@@ -45,7 +45,7 @@ class WebSocketServer:
         site: Files that are served by plain GET.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913 - each is an independent setting
         self,
         name: str,
         settings: ServerSettings,

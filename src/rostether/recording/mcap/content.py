@@ -183,7 +183,7 @@ def _stored(chunk: Chunk, channels: frozenset[int] | None) -> StoredChunk:
     )
 
 
-def search(data: Buffer, damage: str) -> McapContent:
+def search(data: Buffer, damage: str) -> McapContent:  # noqa: C901, PLR0912 - one branch for each kind of record
     """Walk over the file, up to the last record that is whole.
 
     Raises RecordingError where its chunks would unpack to more than any recorder writes.

@@ -25,7 +25,7 @@ class Subscription:
     each new one gets the latched message.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913 - the settings of Graph.subscribe
         self,
         topic: str,
         message_type: MessageType,

@@ -37,7 +37,7 @@ _LEVEL_NAMES = {
 }
 
 
-def init_node(
+def init_node(  # noqa: PLR0913 - as rospy.init_node
     name: str,
     argv: list[str] | None = None,
     anonymous: bool = False,

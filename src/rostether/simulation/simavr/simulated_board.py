@@ -54,7 +54,7 @@ class SimulatedBoard:
         process.on_event = self._take
 
     @classmethod
-    async def start(
+    async def start(  # noqa: PLR0913 - each is an independent setting of a board
         cls,
         program: Path,
         *,
