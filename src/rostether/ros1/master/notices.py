@@ -46,7 +46,7 @@ class TopicNotices:
             self._node_calls.publisher_update(api, topic, publishers)
 
     def send_later(self, topics: Iterable[str]) -> None:
-        """Tell the subscribers of many topics in slices: each hears who publishes by then."""
+        """Tell the subscribers of many topics in slices: each receives the publishers of that moment."""
         is_working = bool(self._changed)
         self._changed.update(
             dict.fromkeys(topic for topic in topics if self._registrations.members(Kind.SUBSCRIBER, topic))
