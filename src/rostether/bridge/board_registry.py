@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 from rostether.bridge.board_node import BoardNode
 from rostether.bridge.identity import numbered
-from rostether.bridge.process_memory import give_back_memory
 from rostether.bridge.reporter import reason_of
 from rostether.bridge.session import Session
 from rostether.errors import SessionError
@@ -19,8 +18,6 @@ NODE_CLOSE_LIMIT_S = 0.8
 # A healthy board speaks every 2.5 s. A connection that was silent for longer, while the same host connects
 # anew, belongs to a board that was switched off without a word.
 HALF_OPEN_S = 3.0
-# Boards that leave one after the other are followed by one release of memory.
-RELEASE_AFTER_S = 2.0
 # A board that hangs up and connects again at once is the same one: news of both may come in one turn.
 FAREWELL_S = 0.02
 
@@ -45,15 +42,17 @@ class Board:
 
 
 class BoardRegistry:
-    """The boards of one supervisor."""
+    """The boards of one supervisor; `on_left` is called when a board's node has left the graph."""
 
-    def __init__(self, grace_s: float, clock: Callable[[], float]) -> None:
+    def __init__(
+        self, grace_s: float, clock: Callable[[], float], on_left: Callable[[], None] = lambda: None
+    ) -> None:
         self._grace_s = grace_s
         self._clock = clock
         self._boards: dict[str, Board] = {}
         self._dismissed: set[str] = set()
-        self._releasing: asyncio.TimerHandle | None = None
-        self._is_closed = False
+        self._on_left = on_left
+        self._closing: set[asyncio.Task[None]] = set()
 
     def __iter__(self) -> Iterator[Board]:
         """Yield the boards that have a node now, connected or not."""
@@ -123,14 +122,13 @@ class BoardRegistry:
 
     async def close(self) -> None:
         """Take every board out of the graph, in less than a second."""
-        self._is_closed = True
-        if self._releasing is not None:
-            self._releasing.cancel()
         for board in list(self._boards.values()):
             self._leave(board)
         leaving = [board.leaving for board in self._boards.values() if board.leaving is not None]
         if leaving:
             await asyncio.wait(leaving)
+        for closing in self._closing:
+            closing.cancel()
 
     def _part(self, board: Board) -> None:
         if board.is_kept and board.node is not None:
@@ -152,21 +150,19 @@ class BoardRegistry:
             board.leaving = asyncio.get_running_loop().create_task(self._close_node(board, board.node))
 
     async def _close_node(self, board: Board, node: BoardNode) -> None:
+        closing = asyncio.get_running_loop().create_task(self._close_and_report(node))
+        self._closing.add(closing)
+        closing.add_done_callback(self._has_closed)
+        await asyncio.wait([closing], timeout=NODE_CLOSE_LIMIT_S)
+        # Its name is free again also while it goes on leaving.
+        self._boards.pop(board.name, None)
+
+    async def _close_and_report(self, node: BoardNode) -> None:
         try:
-            async with asyncio.timeout(NODE_CLOSE_LIMIT_S):
-                await node.close()
-        except TimeoutError:
-            pass
-        except Exception as error:  # noqa: BLE001 - its name is free again all the same
+            await node.close()
+        except Exception as error:  # noqa: BLE001 - whatever a graph raises, the other boards go on
             node.notices.report(Level.WARN, f"the node may still be listed: {reason_of(error)}")
-        finally:
-            self._boards.pop(board.name, None)
-            self._release_soon()
 
-    def _release_soon(self) -> None:
-        if self._releasing is None and not self._is_closed:
-            self._releasing = asyncio.get_running_loop().call_later(RELEASE_AFTER_S, self._release)
-
-    def _release(self) -> None:
-        self._releasing = None
-        give_back_memory()
+    def _has_closed(self, closing: asyncio.Task[None]) -> None:
+        self._closing.discard(closing)
+        self._on_left()

@@ -12,6 +12,8 @@ import gc
 FEW_BOARDS = 30
 # Boards that connect one after the other are followed by one freeze.
 FREEZE_AFTER_S = 0.5
+# Boards that leave one after the other are followed by one release of memory.
+RELEASE_AFTER_S = 2.0
 # As in Python's own rule for full collections: garbage may become a quarter of what is in use.
 GARBAGE_PART = 4
 
@@ -23,6 +25,8 @@ class BoardObjects:
         self._boards = 0
         self._left = 0
         self._timer: asyncio.TimerHandle | None = None
+        self._release_timer: asyncio.TimerHandle | None = None
+        self._is_closed = False
 
     def connected(self) -> None:
         """Take note of a board that has connected."""
@@ -35,10 +39,18 @@ class BoardObjects:
         self._left += 1
         self._freeze_soon()
 
+    def node_left(self) -> None:
+        """Take note of a board's node that left the graph, mostly some time after the board."""
+        self._left += 1
+        if self._release_timer is None and not self._is_closed:
+            self._release_timer = asyncio.get_running_loop().call_later(RELEASE_AFTER_S, self._release)
+
     def close(self) -> None:
         """Leave all objects to the collector again."""
-        if self._timer is not None:
-            self._timer.cancel()
+        self._is_closed = True
+        for timer in (self._timer, self._release_timer):
+            if timer is not None:
+                timer.cancel()
         gc.unfreeze()
 
     @property
@@ -52,10 +64,22 @@ class BoardObjects:
     def _freeze(self) -> None:
         self._timer = None
         if self._has_garbage:
-            self._left = 0
-            gc.unfreeze()
-            gc.collect()
-        gc.freeze()
+            self._collect()
+        if self._boards > FEW_BOARDS:
+            gc.freeze()
+
+    def _release(self) -> None:
+        self._release_timer = None
+        if self._boards <= FEW_BOARDS or self._has_garbage:
+            self._collect()
+        if self._boards > FEW_BOARDS:
+            gc.freeze()
+        give_back_memory()
+
+    def _collect(self) -> None:
+        self._left = 0
+        gc.unfreeze()
+        gc.collect()
 
 
 def give_back_memory() -> None:

@@ -108,8 +108,8 @@ class Supervisor:
         self._clock = asyncio.get_running_loop().time
         # Anybody can connect, and connect again.
         self._door = LimitedReporter(self._reporter, self._clock)
-        self._boards = BoardRegistry(settings.grace_s, self._clock)
         self._objects = BoardObjects()
+        self._boards = BoardRegistry(settings.grace_s, self._clock, self._objects.node_left)
         self._health = HealthRound(
             lambda: self._boards, store, self._reporter, self._clock, publishes=diagnostics
         )

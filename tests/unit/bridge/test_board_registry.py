@@ -56,17 +56,27 @@ async def test_a_lost_board_keeps_its_node_for_the_grace_period() -> None:
     assert node.is_closed
 
 
-async def test_boards_that_leave_give_their_memory_back_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    released: list[int] = []
-    monkeypatch.setattr("rostether.bridge.board_registry.give_back_memory", lambda: released.append(1))
-    monkeypatch.setattr("rostether.bridge.board_registry.RELEASE_AFTER_S", 0.05)
-    boards = BoardRegistry(0.0, lambda: 0.0)
+async def test_each_node_that_has_left_is_reported() -> None:
+    left: list[int] = []
+    boards = BoardRegistry(0.0, lambda: 0.0, lambda: left.append(1))
     for name in ("/arm", "/leg", "/eye"):
         board, _ = await served(boards, name)
         boards.lose(board, board.session)
-    await until(lambda: released, "the release")
+    await until(lambda: len(left) == 3, "the nodes to leave")
     assert not list(boards)
-    assert released == [1]
+    await boards.close()
+
+
+async def test_a_node_that_takes_long_to_leave_leaves_completely(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rostether.bridge.board_registry.NODE_CLOSE_LIMIT_S", 0.0)
+    boards = BoardRegistry(0.0, lambda: 0.0)
+    board, node = await served(boards, "/arm")
+    node.may_leave.clear()
+    boards.lose(board, board.session)
+    await until(lambda: "/arm" not in boards._boards, "the name to be free")
+    assert not node.is_closed
+    node.may_leave.set()
+    await until(lambda: node.is_closed, "the node to leave")
     await boards.close()
 
 

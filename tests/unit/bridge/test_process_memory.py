@@ -96,6 +96,33 @@ async def test_a_supervisor_counts_its_boards() -> None:
     assert gc.get_freeze_count() == 0
 
 
+@pytest.mark.usefixtures("_soon")
+async def test_what_nodes_leave_behind_is_collected_and_given_back_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    released: list[int] = []
+    monkeypatch.setattr(process_memory, "RELEASE_AFTER_S", 0.0)
+    monkeypatch.setattr(process_memory, "give_back_memory", lambda: released.append(1))
+    objects = BoardObjects()
+    circles = [_Circle() for _ in range(2 * FEW_BOARDS)]
+    alive = [weakref.ref(circle) for circle in circles]
+    for _ in circles:
+        objects.connected()
+    await _turns()
+    # The boards go first, their nodes after the grace period.
+    for _ in circles:
+        objects.disconnected()
+    await _turns()
+    circles.clear()
+    for _ in alive:
+        objects.node_left()
+    await until(lambda: released, "the release")
+    assert not any(each() is not None for each in alive)
+    assert gc.get_freeze_count() == 0
+    assert released == [1]
+    objects.close()
+
+
 def test_memory_is_given_back() -> None:
     give_back_memory()
 
