@@ -1,8 +1,9 @@
 // The frame around the panels: header, navigation, the panel of the address.
 import { computed, useSignal } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
+import { graphOf } from "../panels/graph_of.ts";
 import type { Panel } from "../panels/panel.ts";
-import { graphOf, panels } from "../panels/registry.ts";
+import { panels } from "../panels/registry.ts";
 import type { Robot } from "../store/robot.ts";
 import { texts } from "../texts.ts";
 import { Header } from "./header.tsx";

@@ -12,6 +12,14 @@ export function formatNumber(value: number, digits = 4): string {
     .replace(/\.$/, "");
 }
 
+/** A number that changes all the time: with as many digits at each size, so that it does not jump. */
+export function formatFixed(value: number): string {
+  const size = Math.abs(value);
+  if (Number.isInteger(value) || !Number.isFinite(value) || size >= 1e6) return formatNumber(value);
+  if (size > 0 && size < 5e-4) return value.toExponential(1);
+  return value.toFixed(size >= 1000 ? 1 : size >= 100 ? 2 : 3);
+}
+
 export function formatRate(hertz: number): string {
   if (hertz <= 0) return "–";
   return `${hertz >= 100 ? hertz.toFixed(0) : hertz >= 10 ? hertz.toFixed(1) : hertz.toFixed(2)} Hz`;

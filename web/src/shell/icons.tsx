@@ -45,6 +45,7 @@ const PATHS = {
   chevron: "M9 6l6 6-6 6",
   back: "M15 6l-6 6 6 6",
   eye: "M2 12s4-7 10-7 10 7 10 7-4 7-10 7-10-7-10-7zM12 15a3 3 0 100-6 3 3 0 000 6z",
+  axis: "M5 4v16M5 4L3 6.5M5 4l2 2.5M11 8h9M11 13h6M11 18h8",
   trash: "M4 7h16M9 7V4h6v3M6 7l1 13h10l1-13",
 } as const;
 

@@ -1,9 +1,10 @@
 // The first screen: a card for each thing that the graph has, with no configuration.
 import { computed, signal } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
+import { graphOf } from "../panels/graph_of.ts";
 import { mountPanel } from "../panels/host.ts";
 import type { Panel, Suggestion } from "../panels/panel.ts";
-import { graphOf, panels } from "../panels/registry.ts";
+import { panels } from "../panels/registry.ts";
 import type { Robot } from "../store/robot.ts";
 import { texts } from "../texts.ts";
 import { Icon } from "./icons.tsx";

@@ -16,6 +16,8 @@ export class PathError extends Error {}
 export interface PathReader {
   /** Whether the path names many numbers (`[:]`). */
   isArray: boolean;
+  /** Whether the number is a bool. */
+  isFlag: boolean;
   /** The comment of the field in the definition. */
   comment: string;
   /** Returns the number, NaN where the message is too short or has no such element. */
@@ -111,6 +113,7 @@ export function pathReader(type: StructNode, path: string): PathReader {
   const value = numberOf(node, path);
   return {
     isArray: false,
+    isFlag: node.kind === "primitive" && node.type === "bool",
     comment,
     read: guarded(moves, value),
     readAll: (payload) => [guarded(moves, value)(payload)],
@@ -174,7 +177,13 @@ function arrayReader(
       return [];
     }
   };
-  return { isArray: true, comment, readAll, read: (payload) => Number(readAll(payload)[0] ?? Number.NaN) };
+  return {
+    isArray: true,
+    isFlag: false,
+    comment,
+    readAll,
+    read: (payload) => Number(readAll(payload)[0] ?? Number.NaN),
+  };
 }
 
 /** Returns the numeric paths of a type, at most `most`; arrays of numbers as `name[:]`. */

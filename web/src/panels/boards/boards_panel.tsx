@@ -1,5 +1,5 @@
 // All boards that report on /diagnostics.
-import { formatBandwidth } from "../../shell/format.ts";
+import { formatBandwidth, formatDuration } from "../../shell/format.ts";
 import { Badge, EmptyState } from "../../shell/parts.tsx";
 import { Sparkline } from "../../shell/sparkline.tsx";
 import { texts } from "../../texts.ts";
@@ -75,9 +75,22 @@ function BoardRow({ board, nowMs }: { board: Board; nowMs: number }) {
         <Sparkline values={board.history["received [bytes/s]"]} length={HISTORY_LENGTH} />
       </div>
       <LineLoad board={board} />
+      <p class="muted boards-row-summary">{summary(board)}</p>
       <Findings findings={findings} level={level} />
     </div>
   );
+}
+
+/** How long it is connected, and what it lost. */
+function summary({ status }: Board): string {
+  const connected = numberOf(status.values, "connected [s]");
+  const dropped = status.endpoints.reduce((sum, each) => sum + each.dropped, 0);
+  const parts = [
+    texts.boards.topics(status.endpoints.length),
+    texts.boards.lost(dropped, numberOf(status.values, "checksum errors") ?? 0),
+  ];
+  if (connected !== undefined) parts.push(texts.boards.connectedFor(formatDuration(connected)));
+  return parts.join(" · ");
 }
 
 export default preactPanel(BoardsPanel);

@@ -2,9 +2,9 @@
 import type { Signal } from "@preact/signals";
 import { EmptyState } from "../../shell/parts.tsx";
 import { texts } from "../../texts.ts";
+import { graphOf } from "../graph_of.ts";
 import type { PanelContext } from "../panel.ts";
 import { preactPanel } from "../preact_panel.tsx";
-import { graphOf } from "../registry.ts";
 import { Control } from "./control.tsx";
 import { controllableTopics } from "./controllable.ts";
 

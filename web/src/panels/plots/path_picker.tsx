@@ -1,0 +1,68 @@
+// The list of all numbers on the graph, to choose from.
+import { useComputed, useSignal } from "@preact/signals";
+import { Icon } from "../../shell/icons.tsx";
+import { EmptyState, IconButton, SearchField } from "../../shell/parts.tsx";
+import { texts } from "../../texts.ts";
+import { numericPaths } from "../../wire/path.ts";
+import type { PanelContext } from "../panel.ts";
+
+// More than anybody reads; the search finds the others.
+const MAX_SHOWN = 300;
+
+interface Props {
+  context: PanelContext;
+  chosen: readonly string[];
+  onToggle: (id: string) => void;
+  onClose: () => void;
+}
+
+export function PathPicker({ context, chosen, onToggle, onClose }: Props) {
+  const search = useSignal("");
+  const ids = useComputed(() => {
+    const found: string[] = [];
+    const topics = [...context.robot.topics.value.values()].filter((each) => each.isPublished);
+    topics.sort((a, b) => (a.name < b.name ? -1 : 1));
+    for (const topic of topics) {
+      try {
+        for (const path of numericPaths(topic.type())) found.push(`${topic.name}.${path}`);
+      } catch {
+        // The Topics panel shows why it cannot be read.
+      }
+    }
+    return found;
+  }).value;
+  const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
+  const shown = ids.filter((id) => words.every((word) => id.toLowerCase().includes(word)));
+  return (
+    <aside class="plots-picker" aria-label={texts.plots.add}>
+      <div class="plots-picker-head">
+        <SearchField
+          value={search.value}
+          label={texts.plots.search}
+          onInput={(text) => {
+            search.value = text;
+          }}
+        />
+        <IconButton icon="close" label={texts.topics.close} onClick={onClose} />
+      </div>
+      <div class="plots-picker-list">
+        {shown.length === 0 && <EmptyState icon="plots" title={texts.plots.noNumbers} />}
+        {shown.slice(0, MAX_SHOWN).map((id) => (
+          <button
+            key={id}
+            type="button"
+            class="plots-path"
+            aria-pressed={chosen.includes(id)}
+            onClick={() => onToggle(id)}
+          >
+            <span>
+              <span class="muted">{id.slice(0, id.indexOf("."))}</span>
+              {id.slice(id.indexOf("."))}
+            </span>
+            {chosen.includes(id) && <Icon name="check" size={18} />}
+          </button>
+        ))}
+      </div>
+    </aside>
+  );
+}

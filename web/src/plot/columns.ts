@@ -1,0 +1,87 @@
+// Thins series to what a screen shows: the least and the greatest value of each pixel column.
+import type { SeriesBuffer } from "./series_buffer.ts";
+
+/** `undefined` is joined by a line, `null` breaks it. */
+export type Cell = number | null | undefined;
+
+/** The columns' grid in time; its steps do not move while the window does, so that lines do not shimmer. */
+export interface Grid {
+  fromS: number;
+  toS: number;
+  firstColumn: number;
+  stepS: number;
+  columns: number;
+}
+
+export function gridOf(fromS: number, toS: number, pixels: number): Grid {
+  const stepS = (toS - fromS) / Math.max(1, pixels);
+  const firstColumn = Math.floor(fromS / stepS);
+  return { fromS, toS, firstColumn, stepS, columns: Math.floor(toS / stepS) - firstColumn + 1 };
+}
+
+/** The times of a grid's cells: the left edge, then two for each column. */
+export function gridTimes(grid: Grid): number[] {
+  const times = [grid.fromS];
+  for (let column = 0; column < grid.columns; column++) {
+    const start = (grid.firstColumn + column) * grid.stepS;
+    times.push(Math.max(grid.fromS, start + 0.25 * grid.stepS), start + 0.75 * grid.stepS);
+  }
+  return times;
+}
+
+/** The cells of a series on a grid. `isStepped`: between two values it has the earlier one. */
+export function cellsOf(buffer: SeriesBuffer, grid: Grid, isStepped: boolean): Cell[] {
+  const cells: Cell[] = new Array(1 + 2 * grid.columns).fill(undefined);
+  const first = buffer.indexAt(grid.fromS);
+  const end = buffer.length;
+  if (first > 0 && first < end) cells[0] = edgeValue(buffer, first, grid.fromS, isStepped);
+  else if (first > 0 && isStepped) cells[0] = finite(buffer.value(end - 1));
+  const columnOf = (index: number) => Math.floor(buffer.time(index) / grid.stepS) - grid.firstColumn;
+  let index = first;
+  while (index < end) {
+    const column = columnOf(index);
+    if (column >= grid.columns) break;
+    let low = Number.POSITIVE_INFINITY;
+    let high = Number.NEGATIVE_INFINITY;
+    let isLowFirst = true;
+    let breaks = false;
+    let last = Number.NaN;
+    for (; index < end && columnOf(index) === column; index++) {
+      const value = buffer.value(index);
+      last = value;
+      if (Number.isNaN(value)) {
+        breaks = true;
+        continue;
+      }
+      if (value < low) {
+        low = value;
+        isLowFirst = false;
+      }
+      if (value > high) {
+        high = value;
+        isLowFirst = true;
+      }
+    }
+    const at = 1 + 2 * Math.max(0, column);
+    if (low <= high) {
+      cells[at] = isLowFirst ? low : high;
+      cells[at + 1] = isLowFirst ? high : low;
+      if (isStepped && !Number.isNaN(last)) cells[at + 1] = last;
+    }
+    if (breaks) cells[Number.isNaN(last) || low > high ? at + 1 : at] = null;
+  }
+  return cells;
+}
+
+function edgeValue(buffer: SeriesBuffer, next: number, atS: number, isStepped: boolean): Cell {
+  const before = buffer.value(next - 1);
+  const after = buffer.value(next);
+  if (isStepped || Number.isNaN(before) || Number.isNaN(after)) return finite(before);
+  const span = buffer.time(next) - buffer.time(next - 1);
+  const share = span > 0 ? (atS - buffer.time(next - 1)) / span : 1;
+  return before + (after - before) * share;
+}
+
+function finite(value: number): Cell {
+  return Number.isNaN(value) ? null : value;
+}

@@ -1,0 +1,23 @@
+// The robot's clock now, from the times of its messages: the right edge of plots that run.
+
+// More than any delay on a line: then one of the two clocks was set.
+const SET_S = 2;
+// The estimate follows a drifting clock slowly; delays only ever make messages late.
+const FORGET = 0.0005;
+
+export class RobotClock {
+  private offsetS = Number.NaN;
+
+  /** Notes a message's time on the robot and when it came here. */
+  note(timeS: number, receivedMs: number): void {
+    const offset = timeS - receivedMs / 1000;
+    if (!(Math.abs(offset - this.offsetS) < SET_S)) this.offsetS = offset;
+    else if (offset > this.offsetS) this.offsetS = offset;
+    else this.offsetS += (offset - this.offsetS) * FORGET;
+  }
+
+  /** The robot's time in seconds since 1970; this machine's while no message came. */
+  nowS(): number {
+    return Number.isNaN(this.offsetS) ? Date.now() / 1000 : performance.now() / 1000 + this.offsetS;
+  }
+}

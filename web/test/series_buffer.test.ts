@@ -1,0 +1,78 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { cellsOf, gridOf, gridTimes } from "../src/plot/columns.ts";
+import { KEPT_S, SeriesBuffer } from "../src/plot/series_buffer.ts";
+
+function filled(count: number, periodS: number, startS = 1000): SeriesBuffer {
+  const buffer = new SeriesBuffer();
+  for (let index = 0; index < count; index++) buffer.push(startS + index * periodS, index);
+  return buffer;
+}
+
+test("five minutes are kept, and not more", () => {
+  const buffer = filled(100_000, 0.02);
+  assert.equal(buffer.length, KEPT_S / 0.02 + 1);
+  assert.equal(buffer.lastValue, 99_999);
+  assert.ok(buffer.lastTime - buffer.time(0) <= KEPT_S);
+});
+
+test("memory is bounded whatever the rate", () => {
+  const buffer = filled(1_100_000, 1e-5);
+  assert.equal(buffer.length, 1 << 19);
+  assert.equal(buffer.lastValue, 1_099_999);
+});
+
+test("a pause of a regular series is a gap", () => {
+  const buffer = filled(100, 0.05);
+  buffer.push(1000 + 99 * 0.05 + 3, 7);
+  assert.ok(Number.isNaN(buffer.value(100)));
+  assert.equal(buffer.value(101), 7);
+});
+
+test("a slow series has no gaps, unless it was interrupted", () => {
+  const buffer = filled(5, 10);
+  buffer.push(1000 + 90, 7);
+  assert.equal(buffer.length, 6);
+  buffer.interrupt();
+  buffer.push(1000 + 150, 8);
+  assert.ok(Number.isNaN(buffer.value(6)));
+});
+
+test("a clock that was set back begins again", () => {
+  const buffer = filled(10, 1);
+  buffer.push(500, 1);
+  assert.equal(buffer.length, 1);
+});
+
+test("columns keep the least and the greatest value", () => {
+  const buffer = new SeriesBuffer();
+  for (let index = 0; index < 10_000; index++)
+    buffer.push(index / 100, index === 5000 ? 50 : Math.sin(index));
+  const grid = gridOf(0, 100, 200);
+  const cells = cellsOf(buffer, grid, false);
+  assert.equal(gridTimes(grid).length, cells.length);
+  assert.equal(Math.max(...cells.map((each) => each ?? 0)), 50);
+});
+
+test("a gap breaks the line", () => {
+  const buffer = filled(100, 0.05, 0);
+  buffer.push(30, 1);
+  const cells = cellsOf(buffer, gridOf(0, 40, 400), false);
+  assert.equal(cells.filter((each) => each === null).length, 1);
+});
+
+test("a window between two values shows the line between them", () => {
+  const buffer = filled(3, 10, 0);
+  assert.equal(cellsOf(buffer, gridOf(2, 18, 100), false)[0], 0.2);
+  assert.equal(cellsOf(buffer, gridOf(2, 18, 100), true)[0], 0);
+});
+
+test("grids of windows that move share their columns", () => {
+  const first = new Set(
+    gridTimes(gridOf(1000, 1030, 300))
+      .slice(2, -2)
+      .map((each) => each.toFixed(6)),
+  );
+  const moved = gridTimes(gridOf(1000.33, 1030.33, 300)).slice(3, 100);
+  assert.ok(moved.every((each) => first.has(each.toFixed(6))));
+});
