@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from rostether.gateways.websocket.site import Site
@@ -9,6 +10,6 @@ from rostether.gateways.websocket.site import Site
 PAGE = Path(__file__).parent / "page"
 
 
-def load_page() -> Site:
-    """Return the page; takes a while, since it reads and compresses all files. Raises ConfigError."""
-    return Site.of_folder(PAGE)
+def load_page(more: Mapping[str, bytes] | None = None) -> Site:
+    """Return the page, with more files beside it; reads and compresses all of them. Raises ConfigError."""
+    return Site.of_folder(PAGE, more)

@@ -18,6 +18,11 @@ def known_boards_path(environ: Mapping[str, str] | None = None) -> Path:
     return _folder(environ, "XDG_STATE_HOME", ".local/state", "LOCALAPPDATA") / "boards.json"
 
 
+def certificates_folder(environ: Mapping[str, str] | None = None) -> Path:
+    """Return `~/.local/state/rostether/tls` (XDG_STATE_HOME; on Windows below LOCALAPPDATA)."""
+    return _folder(environ, "XDG_STATE_HOME", ".local/state", "LOCALAPPDATA") / "tls"
+
+
 def _folder(environ: Mapping[str, str] | None, variable: str, below_home: str, on_windows: str) -> Path:
     environ = os.environ if environ is None else environ
     given = environ.get(variable, "")

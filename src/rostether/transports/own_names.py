@@ -6,6 +6,7 @@ to the page's own server, but their `Host` is still the page's name. A request t
 
 from __future__ import annotations
 
+import contextlib
 import ipaddress
 import socket
 from collections.abc import Iterable
@@ -44,6 +45,28 @@ def is_address(host: str) -> bool:
     except ValueError:
         return False
     return True
+
+
+def outward_address(family: socket.AddressFamily = socket.AF_INET) -> str | None:
+    """Return the address by which other machines reach this one, None where it has no network."""
+    target = "2001:db8::1" if family == socket.AF_INET6 else "192.0.2.1"
+    try:
+        with socket.socket(family, socket.SOCK_DGRAM) as probe:
+            # Sends nothing: it only asks the system which way it would go.
+            probe.connect((target, 9))
+            return str(probe.getsockname()[0])
+    except OSError:
+        return None
+
+
+def own_addresses() -> set[ipaddress.IPv4Address | ipaddress.IPv6Address]:
+    """Return the addresses of this machine that its routes and its name give; may ask a resolver."""
+    found = ["127.0.0.1", "::1"]
+    found += [each for each in (outward_address(), outward_address(socket.AF_INET6)) if each]
+    # The name of this machine may have no address.
+    with contextlib.suppress(OSError):
+        found += [str(entry[4][0]) for entry in socket.getaddrinfo(socket.gethostname(), None)]
+    return {ipaddress.ip_address(each.partition("%")[0]) for each in found}
 
 
 def _plain(name: str) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import errno
 import socket
+import sys
 from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
@@ -14,15 +15,21 @@ from typing import TYPE_CHECKING
 from urllib.parse import quote
 
 from rostether.cli.access.served_graphs import ServedGraphs
+from rostether.cli.dashboard.qr_code import qr_code
+from rostether.cli.gateway.encryption import Encryption, read_encryption
 from rostether.cli.gateway.foxglove import gateway_on, in_ros1_words
 from rostether.cli.gateway.gateways import Tell, joined_as, tell_reach
 from rostether.cli.gateway.node import NodeWords
 from rostether.cli.gateway.options import DEFAULT_PLACE, GatewayOptions, read_place
+from rostether.cli.shell.output import write_line
+from rostether.dashboard.authority_page import PAGE_FILE, authority_files
 from rostether.graph.ports import Level
-from rostether.ros1.environment import LOOPBACK
+from rostether.ros1.environment import LOOPBACK, is_loopback
+from rostether.transports.own_names import outward_address
 
 if TYPE_CHECKING:
     from rostether.gateways.foxglove.gateway import FoxgloveGateway
+    from rostether.gateways.websocket.site import Site
     from rostether.graph.ports import Graph
 
 NODE = "dashboard"
@@ -65,15 +72,15 @@ async def served_dashboard(
     settings: DashboardSettings, graphs: ServedGraphs, msg_paths: Sequence[Path], tell: Tell
 ) -> AsyncIterator[Dashboard]:
     """Serve the dashboard until the end of the block. Raises ConfigError, GraphError."""
-    from rostether.dashboard.page_files import load_page
     from rostether.gateways.foxglove.settings import DEFAULT_PORT, FoxgloveSettings
 
     host, port = read_place(settings.place, 0)
     if settings.place == host or settings.place.strip("[]") == host:
         # No port was typed.
         port = await asyncio.to_thread(_free_port, host, DEFAULT_PORT)
-    site = await asyncio.to_thread(load_page) if settings.has_page else None
     access = settings.access
+    encryption = await asyncio.to_thread(read_encryption, access.tls, host)
+    site = await asyncio.to_thread(_load_site, encryption) if settings.has_page else None
     served = FoxgloveSettings(
         host,
         port,
@@ -83,6 +90,8 @@ async def served_dashboard(
         view_token=access.view_token,
         origins=access.origins,
         allow=access.allow,
+        certificate=encryption.certificate,
+        key=encryption.key,
         metadata={"rostether_version": version("rostether")},
     )
     on = in_ros1_words(graphs, msg_paths)
@@ -94,12 +103,17 @@ async def served_dashboard(
 
     try:
         async with gateway_on(graph, on, served, tell, site, join_teleop) as gateway:
-            url = page_url(host, gateway.port, access.token)
+            url = page_url(host, gateway.port, access.token, is_encrypted=bool(access.tls))
             if settings.has_page:
                 tell(Level.INFO, f"Dashboard: {url}")
                 if access.view_token:
-                    view_url = page_url(host, gateway.port, access.view_token)
+                    view_url = page_url(host, gateway.port, access.view_token, is_encrypted=bool(access.tls))
                     tell(Level.INFO, f"Dashboard, to look only: {view_url}")
+                if encryption.authority is not None:
+                    page = f"{url.partition('#')[0].rstrip('/')}/{PAGE_FILE}"
+                    tell(Level.INFO, f"Browsers warn until a device trusts this machine; see {page}")
+                if not is_loopback(host) and sys.stdout.isatty():
+                    write_line(qr_code(url))
             else:
                 tell(Level.INFO, f"dashboard: the gateway without the page is at {gateway.url}")
             tell_reach("dashboard", host, gateway.port, access.token, settings.wider, tell)
@@ -120,14 +134,24 @@ async def dashboard_beside(
         yield dashboard
 
 
-def page_url(host: str, port: int, token: str = "") -> str:
+def page_url(host: str, port: int, token: str = "", *, is_encrypted: bool = False) -> str:
     """Return the address to open in a browser; the token is in the part that browsers keep to themselves."""
     if host == DEFAULT_PLACE:
         host = LOOPBACK
     elif host in _EVERYWHERE:
-        host = socket.gethostname()
+        # Phones know this machine by its address rather than by its name.
+        host = outward_address() or socket.gethostname()
     fragment = f"#token={quote(token, safe='')}" if token else ""
-    return f"http://{f'[{host}]' if ':' in host else host}:{port}/{fragment}".removesuffix("/")
+    scheme = "https" if is_encrypted else "http"
+    return f"{scheme}://{f'[{host}]' if ':' in host else host}:{port}/{fragment}".removesuffix("/")
+
+
+def _load_site(encryption: Encryption) -> Site:
+    from rostether.dashboard.page_files import load_page
+
+    if encryption.authority is None:
+        return load_page()
+    return load_page(authority_files(encryption.authority, socket.gethostname()))
 
 
 def _free_port(host: str, wanted: int) -> int:

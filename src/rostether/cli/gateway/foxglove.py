@@ -21,6 +21,7 @@ from rostether.cli.access.graph_options import (
 )
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.access.served_graphs import ServedGraphs
+from rostether.cli.gateway.encryption import read_encryption
 from rostether.cli.gateway.gateways import GatewayGraph, Tell, joined_as, ros1_gateway_graph, tell_reach
 from rostether.cli.gateway.node import NodeWords, read_gateway_words
 from rostether.cli.gateway.options import access_options, read_place, viewer_access_options
@@ -118,6 +119,7 @@ def read_settings(place: str, options: GatewayOptions) -> FoxgloveSettings:
     from rostether.gateways.foxglove.settings import DEFAULT_PORT, FoxgloveSettings
 
     host, port = read_place(place, DEFAULT_PORT)
+    encryption = read_encryption(options.tls, host)
     return FoxgloveSettings(
         host,
         port,
@@ -125,6 +127,8 @@ def read_settings(place: str, options: GatewayOptions) -> FoxgloveSettings:
         view_token=options.view_token,
         origins=options.origins,
         allow=options.allow,
+        certificate=encryption.certificate,
+        key=encryption.key,
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ from rostether.cli.access.graph_options import GraphOptions, ZenohReach
 from rostether.cli.access.ros1_access import master_client
 from rostether.cli.access.ros2_access import ros2_access
 from rostether.cli.access.served_graphs import ServedGraphs
+from rostether.cli.gateway.encryption import read_encryption
 from rostether.cli.gateway.node import IsLive, NodeWords, asking_ros1, check_free
 from rostether.cli.gateway.options import DEFAULT_PLACE, GatewayOptions, read_place
 from rostether.cli.service.ros1_probe import look_up, probe_type
@@ -113,7 +115,16 @@ async def rosbridge_gateway(
 
     words = words or NodeWords()
     host, port = read_place(options.rosbridge or DEFAULT_PLACE, DEFAULT_PORT)
-    settings = RosbridgeSettings(host, port, options.token, options.origins, options.allow)
+    encryption = await asyncio.to_thread(read_encryption, options.tls, host)
+    settings = RosbridgeSettings(
+        host,
+        port,
+        options.token,
+        options.origins,
+        options.allow,
+        certificate=encryption.certificate,
+        key=encryption.key,
+    )
     graph = await joined_as(on, words, words.name_for(ROSBRIDGE_NODE, port, DEFAULT_PORT), tell)
     try:
         async with rosbridge_server(graph, on, settings, tell, options.wider) as server:

@@ -36,6 +36,7 @@ class GatewayOptions:
     wider: str = "--rosbridge 0.0.0.0:{port}"
     foxglove: str | None = None
     view_token: str = ""
+    tls: str = ""
 
 
 def is_place(word: str) -> bool:
@@ -55,6 +56,12 @@ def read_place(text: str, default_port: int) -> tuple[str, int]:
     return host.strip("[]"), int(port)
 
 
+_TLS_OPTION = click.option(
+    "--tls",
+    default="",
+    metavar="auto|FILE",
+    help="Encrypt: auto with a certificate of this machine's own, or with a PEM file of certificate and key.",
+)
 _ACCESS_OPTIONS = (
     click.option(
         "--token",
@@ -71,6 +78,7 @@ _ACCESS_OPTIONS = (
         help="Accept web pages of this origin, e.g. https://panel.example; null: pages opened from a file; "
         "*: all; may be repeated.",
     ),
+    _TLS_OPTION,
 )
 _VIEW_OPTIONS = (
     click.option(
@@ -109,6 +117,7 @@ def _checked(
     rosbridge: str | None = None,
     foxglove: str | None = None,
     view_token: str = "",
+    tls: str = "",
 ) -> GatewayOptions:
     for origin in origins:
         if not _ORIGIN.fullmatch(origin):
@@ -121,7 +130,7 @@ def _checked(
     if view_token and view_token == token:
         raise ConfigError("--view-token and --token must differ")
     return GatewayOptions(
-        rosbridge=rosbridge, token=token, origins=origins, foxglove=foxglove, view_token=view_token
+        rosbridge=rosbridge, token=token, origins=origins, foxglove=foxglove, view_token=view_token, tls=tls
     )
 
 

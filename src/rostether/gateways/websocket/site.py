@@ -46,6 +46,7 @@ _TYPES = {
     ".map": "application/json",
     ".svg": "image/svg+xml",
     ".webmanifest": "application/manifest+json",
+    ".crt": "application/x-x509-ca-cert",
     ".wasm": "application/wasm",
     ".woff2": "font/woff2",
 }
@@ -99,8 +100,8 @@ class Site:
             self._files["/"] = index
 
     @classmethod
-    def of_folder(cls, folder: Path) -> Site:
-        """Read all files of a folder; takes a while. Raises ConfigError."""
+    def of_folder(cls, folder: Path, more: Mapping[str, bytes] | None = None) -> Site:
+        """Read all files of a folder, and add more; takes a while. Raises ConfigError."""
         try:
             files = dict(_read_files(folder))
         except OSError as error:
@@ -109,7 +110,7 @@ class Site:
             raise ConfigError(
                 f"the page in {folder} is incomplete: {INDEX} is missing; install rostether again"
             )
-        return cls(files)
+        return cls(files | dict(more or {}))
 
     def reply(self, method: str, path: str, headers: RequestHeaders) -> Reply:
         """Return the response to a request that asks for no WebSocket."""

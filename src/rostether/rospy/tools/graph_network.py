@@ -7,6 +7,8 @@ import socket
 import sys
 from urllib.parse import urlsplit
 
+from rostether.transports.own_names import outward_address
+
 
 def get_address_override() -> str | None:
     """Return what `__hostname:=`, `__ip:=`, ROS_HOSTNAME or ROS_IP say, None where nothing is said."""
@@ -29,13 +31,7 @@ def get_local_address() -> str:
     """Return this machine's address, that of loopback where it has no other."""
     if override := get_address_override():
         return override
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        try:
-            # Sends nothing: it only asks the system which way it would go.
-            probe.connect(("192.0.2.1", 9))
-            return str(probe.getsockname()[0])
-        except OSError:
-            return "127.0.0.1"
+    return outward_address() or "127.0.0.1"
 
 
 def parse_http_host_and_port(url: str) -> tuple[str, int]:

@@ -3,6 +3,7 @@ from __future__ import annotations
 import asyncio
 import re
 import socket
+import ssl
 import urllib.request
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from interop.ros1_peers import Peer, free_port
 from rostether.cli.dashboard import dashboard
 from rostether.cli.dashboard.served import page_url
 from rostether.ros1.master.server import MasterServer
+from rostether.transports.own_names import outward_address
 from unit.cli.gateway.test_foxglove import offers
 from unit.cli.serving_process import started
 from unit.gateways.foxglove.protocol_client import ProtocolClient
@@ -101,6 +103,31 @@ async def test_pages_may_look_or_drive_by_their_token() -> None:
         await master.close()
 
 
+async def test_it_encrypts_with_a_certificate_of_its_own(tmp_path: Path) -> None:
+    master = await MasterServer.start(host="127.0.0.1", port=0)
+    arguments = ("dashboard", "-p", "0", "--tls", "auto", "--master", master.uri)
+    try:
+        async with started(*arguments, XDG_STATE_HOME=str(tmp_path)) as alone:
+            await alone.wait_for("Browsers warn until a device trusts this machine; see https://127.0.0.1:")
+            match = re.search(r"Dashboard: https(://127\.0\.0\.1:\d+)", alone.text)
+            assert match is not None
+            trust = ssl.create_default_context(cafile=str(tmp_path / "rostether" / "tls" / "authority.pem"))
+
+            def read(path: str) -> bytes:
+                with urllib.request.urlopen(f"https{match[1]}{path}", timeout=60, context=trust) as reply:
+                    return bytes(reply.read())
+
+            assert (await asyncio.to_thread(read, "/")).startswith(b"<!doctype html>")
+            assert b"authority.crt" in await asyncio.to_thread(read, "/certificate.html")
+            assert (await asyncio.to_thread(read, "/authority.crt")).startswith(b"-----BEGIN CERT")
+            uri = f"wss{match[1]}"
+            viewer = await connect(uri, ssl=trust, subprotocols=[Subprotocol("foxglove.sdk.v1")], proxy=None)
+            assert "serverInfo" in str(await viewer.recv())
+            await viewer.close()
+    finally:
+        await master.close()
+
+
 async def test_the_gateway_alone() -> None:
     master = await MasterServer.start(host="127.0.0.1", port=0)
     try:
@@ -151,7 +178,7 @@ async def test_the_demo_without_it() -> None:
         ("localhost", "", "http://127.0.0.1:8765"),
         ("127.0.0.1", "", "http://127.0.0.1:8765"),
         ("::1", "", "http://[::1]:8765"),
-        ("0.0.0.0", "", f"http://{socket.gethostname()}:8765"),
+        ("0.0.0.0", "", f"http://{outward_address() or socket.gethostname()}:8765"),
         ("robot.local", "x&y#", "http://robot.local:8765/#token=x%26y%23"),
     ],
 )

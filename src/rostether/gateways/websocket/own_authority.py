@@ -1,0 +1,235 @@
+"""Certificates for a robot's own web pages, signed by an authority that this machine makes for itself.
+
+A device that installs the authority's certificate trusts the page of this machine, and no other site: the
+authority may only sign for this machine's names and for addresses of local networks.
+"""
+
+from __future__ import annotations
+
+import datetime
+import ipaddress
+import os
+import socket
+from collections.abc import Iterable
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeAlias
+
+from rostether.errors import ConfigError
+from rostether.extras import install_command
+from rostether.transports.own_names import own_addresses
+
+if TYPE_CHECKING:
+    from cryptography import x509
+    from cryptography.hazmat.primitives.asymmetric.ec import EllipticCurvePrivateKey
+
+_Address: TypeAlias = ipaddress.IPv4Address | ipaddress.IPv6Address
+
+_AUTHORITY_DAYS = 3650
+# Browsers refuse certificates of servers that are valid for more than 398 days.
+_SERVER_DAYS = 390
+_RENEW_DAYS = 30
+_LOCAL_NETWORKS = (
+    "10.0.0.0/8",
+    "100.64.0.0/10",
+    "127.0.0.0/8",
+    "169.254.0.0/16",
+    "172.16.0.0/12",
+    "192.168.0.0/16",
+    "::1/128",
+    "fc00::/7",
+    "fe80::/10",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class OwnCertificate:
+    """Files of a server's certificate with its key, and of the authority's certificate for other devices."""
+
+    certificate: Path
+    key: Path
+    authority: Path
+
+
+def own_certificate(folder: Path, names: Iterable[str] = ()) -> OwnCertificate:
+    """Return this machine's certificate in a folder; makes it, or renews it, as needed.
+
+    Args:
+        folder: Holds the authority as well; only this user can read the keys.
+        names: Names and addresses by which the page is opened, beside those that are found.
+
+    Raises ConfigError naming what to install, or the file that cannot be written.
+    """
+    if find_spec("cryptography") is None:
+        raise ConfigError(f"--tls auto needs another package; run: {install_command('tls')}")
+    wanted_names, addresses = _identities(names)
+    made = OwnCertificate(folder / "server.pem", folder / "server.key", folder / "authority.pem")
+    try:
+        folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+        authority, key = _authority(folder, wanted_names)
+        if not _is_good(made, authority, wanted_names, addresses):
+            _make_server(made, authority, key, wanted_names, addresses)
+    except OSError as error:
+        raise ConfigError(f"the certificate cannot be kept in {folder}: {error.strerror}") from None
+    except ValueError as error:
+        raise ConfigError(
+            f"a certificate in {folder} cannot be read: {error}; delete that folder to make a new one"
+        ) from None
+    return made
+
+
+def _identities(names: Iterable[str]) -> tuple[set[str], set[_Address]]:
+    label = socket.gethostname().partition(".")[0].lower() or "robot"
+    hosts, addresses = {"localhost", label, f"{label}.local"}, own_addresses()
+    for name in names:
+        try:
+            addresses.add(ipaddress.ip_address(name))
+        except ValueError:
+            if name:
+                hosts.add(name.lower())
+    # The authority signs for no other networks, see above.
+    local = [ipaddress.ip_network(each) for each in _LOCAL_NETWORKS]
+    return hosts, {each for each in addresses if any(each in network for network in local)}
+
+
+def _authority(folder: Path, names: set[str]) -> tuple[x509.Certificate, EllipticCurvePrivateKey]:
+    from cryptography import x509
+    from cryptography.hazmat.primitives import hashes
+    from cryptography.hazmat.primitives.asymmetric import ec
+    from cryptography.hazmat.primitives.serialization import load_pem_private_key
+    from cryptography.x509.oid import NameOID
+
+    certificate_file, key_file = folder / "authority.pem", folder / "authority.key"
+    if certificate_file.exists() and key_file.exists():
+        certificate = x509.load_pem_x509_certificate(certificate_file.read_bytes())
+        key = load_pem_private_key(key_file.read_bytes(), None)
+        if not isinstance(key, ec.EllipticCurvePrivateKey):
+            raise ValueError("its key is of another kind")
+        is_valid = certificate.not_valid_after_utc > _now() + datetime.timedelta(days=_SERVER_DAYS)
+        if is_valid and names <= _permitted_names(certificate):
+            return certificate, key
+    key = ec.generate_private_key(ec.SECP256R1())
+    name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, f"rostether on {socket.gethostname()}"[:64])])
+    permitted: list[x509.GeneralName] = [x509.DNSName(each) for each in sorted(names)]
+    permitted += [x509.IPAddress(ipaddress.ip_network(each)) for each in _LOCAL_NETWORKS]
+    certificate = (
+        x509.CertificateBuilder()
+        .subject_name(name)
+        .issuer_name(name)
+        .public_key(key.public_key())
+        .serial_number(x509.random_serial_number())
+        .not_valid_before(_now() - datetime.timedelta(days=1))
+        .not_valid_after(_now() + datetime.timedelta(days=_AUTHORITY_DAYS))
+        .add_extension(x509.BasicConstraints(ca=True, path_length=0), critical=True)
+        .add_extension(_key_usage(signs_certificates=True), critical=True)
+        .add_extension(x509.NameConstraints(permitted, None), critical=True)
+        .add_extension(x509.SubjectKeyIdentifier.from_public_key(key.public_key()), critical=False)
+        .sign(key, hashes.SHA256())
+    )
+    _write_key(key_file, key)
+    _write(certificate_file, certificate)
+    return certificate, key
+
+
+def _make_server(
+    made: OwnCertificate,
+    authority: x509.Certificate,
+    authority_key: EllipticCurvePrivateKey,
+    names: set[str],
+    addresses: set[_Address],
+) -> None:
+    from cryptography import x509
+    from cryptography.hazmat.primitives import hashes
+    from cryptography.hazmat.primitives.asymmetric import ec
+    from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
+
+    key = ec.generate_private_key(ec.SECP256R1())
+    identities: list[x509.GeneralName] = [x509.DNSName(each) for each in sorted(names)]
+    identities += [x509.IPAddress(each) for each in sorted(addresses, key=str)]
+    certificate = (
+        x509.CertificateBuilder()
+        .subject_name(x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, "rostether")]))
+        .issuer_name(authority.subject)
+        .public_key(key.public_key())
+        .serial_number(x509.random_serial_number())
+        .not_valid_before(_now() - datetime.timedelta(days=1))
+        .not_valid_after(_now() + datetime.timedelta(days=_SERVER_DAYS))
+        .add_extension(x509.BasicConstraints(ca=False, path_length=None), critical=True)
+        .add_extension(_key_usage(signs_certificates=False), critical=True)
+        .add_extension(x509.ExtendedKeyUsage([ExtendedKeyUsageOID.SERVER_AUTH]), critical=False)
+        .add_extension(x509.SubjectAlternativeName(identities), critical=False)
+        .add_extension(
+            x509.AuthorityKeyIdentifier.from_issuer_public_key(authority_key.public_key()), critical=False
+        )
+        .sign(authority_key, hashes.SHA256())
+    )
+    _write_key(made.key, key)
+    _write(made.certificate, certificate)
+
+
+def _is_good(
+    made: OwnCertificate, authority: x509.Certificate, names: set[str], addresses: set[_Address]
+) -> bool:
+    from cryptography import x509
+    from cryptography.exceptions import InvalidSignature
+
+    if not made.certificate.exists() or not made.key.exists():
+        return False
+    certificate = x509.load_pem_x509_certificate(made.certificate.read_bytes())
+    try:
+        certificate.verify_directly_issued_by(authority)
+    except (InvalidSignature, ValueError):
+        return False
+    held = certificate.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
+    return (
+        certificate.not_valid_after_utc > _now() + datetime.timedelta(days=_RENEW_DAYS)
+        and names <= set(held.get_values_for_type(x509.DNSName))
+        and addresses <= set(held.get_values_for_type(x509.IPAddress))
+    )
+
+
+def _permitted_names(certificate: x509.Certificate) -> set[str]:
+    from cryptography import x509
+
+    try:
+        constraints = certificate.extensions.get_extension_for_class(x509.NameConstraints).value
+    except x509.ExtensionNotFound:
+        return set()
+    return {each.value for each in constraints.permitted_subtrees or () if isinstance(each, x509.DNSName)}
+
+
+def _key_usage(*, signs_certificates: bool) -> x509.KeyUsage:
+    from cryptography import x509
+
+    return x509.KeyUsage(
+        digital_signature=not signs_certificates,
+        key_cert_sign=signs_certificates,
+        crl_sign=signs_certificates,
+        content_commitment=False,
+        key_encipherment=False,
+        data_encipherment=False,
+        key_agreement=False,
+        encipher_only=False,
+        decipher_only=False,
+    )
+
+
+def _write_key(file: Path, key: EllipticCurvePrivateKey) -> None:
+    from cryptography.hazmat.primitives.serialization import Encoding, NoEncryption, PrivateFormat
+
+    text = key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption())
+    file.unlink(missing_ok=True)
+    # Other users must not read it, not even for a moment.
+    with os.fdopen(os.open(file, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as opened:
+        opened.write(text)
+
+
+def _write(file: Path, certificate: x509.Certificate) -> None:
+    from cryptography.hazmat.primitives.serialization import Encoding
+
+    file.write_bytes(certificate.public_bytes(Encoding.PEM))
+
+
+def _now() -> datetime.datetime:
+    return datetime.datetime.now(datetime.UTC)

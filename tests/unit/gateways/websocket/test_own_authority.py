@@ -1,0 +1,112 @@
+from __future__ import annotations
+
+import asyncio
+import datetime
+import ipaddress
+import socket
+import ssl
+import stat
+from pathlib import Path
+
+import pytest
+from cryptography import x509
+
+from rostether.errors import ConfigError
+from rostether.gateways.websocket import own_authority
+from rostether.gateways.websocket.encryption import server_encryption
+from rostether.gateways.websocket.own_authority import OwnCertificate, own_certificate
+
+
+async def greeted(made: OwnCertificate, name: str) -> None:
+    """Connect by TLS as a device that trusts the authority, under a name."""
+    server = await asyncio.start_server(
+        lambda _, writer: writer.close(),
+        "127.0.0.1",
+        0,
+        ssl=server_encryption(str(made.certificate), str(made.key)),
+    )
+    trust = ssl.create_default_context(cafile=str(made.authority))
+    try:
+        port = server.sockets[0].getsockname()[1]
+        reader, writer = await asyncio.open_connection("127.0.0.1", port, ssl=trust, server_hostname=name)
+        await reader.read()
+        writer.close()
+        await writer.wait_closed()
+    finally:
+        server.close()
+        await server.wait_closed()
+
+
+async def test_a_device_that_trusts_the_authority_trusts_the_server(tmp_path: Path) -> None:
+    made = own_certificate(tmp_path / "tls", ["Robot.lan", "192.168.7.1", ""])
+    label = socket.gethostname().partition(".")[0].lower()
+    for name in ("localhost", "127.0.0.1", label, f"{label}.local", "robot.lan", "192.168.7.1"):
+        await greeted(made, name)
+    with pytest.raises(ssl.SSLCertVerificationError):
+        await greeted(made, "bank.example")
+
+
+def test_other_users_cannot_read_the_keys(tmp_path: Path) -> None:
+    made = own_certificate(tmp_path / "tls")
+    for key in (made.key, tmp_path / "tls" / "authority.key"):
+        assert stat.S_IMODE(key.stat().st_mode) == 0o600
+    assert stat.S_IMODE((tmp_path / "tls").stat().st_mode) == 0o700
+
+
+def test_the_authority_signs_for_this_machine_and_local_networks_alone(tmp_path: Path) -> None:
+    made = own_certificate(tmp_path, ["203.0.113.9"])
+    authority = x509.load_pem_x509_certificate(made.authority.read_bytes())
+    constraints = authority.extensions.get_extension_for_class(x509.NameConstraints)
+    assert constraints.critical
+    permitted = constraints.value.permitted_subtrees or []
+    networks = [each.value for each in permitted if isinstance(each, x509.IPAddress)]
+    assert networks
+    assert all(each.is_private or each == ipaddress.ip_network("100.64.0.0/10") for each in networks)
+    server = x509.load_pem_x509_certificate(made.certificate.read_bytes())
+    names = server.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
+    assert ipaddress.ip_address("203.0.113.9") not in names.get_values_for_type(x509.IPAddress)
+
+
+def test_it_stays_until_something_changes(tmp_path: Path) -> None:
+    def contents() -> tuple[bytes, bytes]:
+        made = own_certificate(tmp_path, names)
+        return made.authority.read_bytes(), made.certificate.read_bytes()
+
+    names = ["localhost"]
+    first = contents()
+    assert contents() == first
+    names.append("192.168.7.1")
+    second = contents()
+    assert second[0] == first[0]
+    assert second[1] != first[1]
+    # A name that the authority may not sign for yet needs another authority.
+    names.append("robot.lan")
+    third = contents()
+    assert third[0] != second[0]
+    assert third[1] != second[1]
+
+
+def test_it_is_renewed_before_it_ends(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    first = own_certificate(tmp_path).certificate.read_bytes()
+    later = datetime.datetime.now(datetime.UTC) + datetime.timedelta(days=365)
+    monkeypatch.setattr(own_authority, "_now", lambda: later)
+    assert own_certificate(tmp_path).certificate.read_bytes() != first
+
+
+def test_files_that_are_broken_are_named(tmp_path: Path) -> None:
+    made = own_certificate(tmp_path)
+    made.authority.write_text("nonsense")
+    with pytest.raises(ConfigError, match="delete that folder to make a new one"):
+        own_certificate(tmp_path)
+
+
+def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(ConfigError, match="the certificate cannot be kept in"):
+        own_certificate(tmp_path / "file" / "tls")
+
+
+def test_the_missing_package_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(own_authority, "find_spec", lambda _: None)
+    with pytest.raises(ConfigError, match=r"'rostether\[tls\]'"):
+        own_certificate(tmp_path)
