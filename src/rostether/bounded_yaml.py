@@ -77,7 +77,7 @@ def safe_loader() -> Any:
                 return construct(self, node)
             except _WRONG_VALUES:
                 raise YamlError(
-                    f"not YAML: {text!r} is no {kind}; put it in quotes", node.start_mark
+                    f"not YAML: {text!r} is not a valid {kind}; put it in quotes", node.start_mark
                 ) from None
 
         return construct_checked

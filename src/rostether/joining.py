@@ -43,7 +43,7 @@ async def join(
     """
     if ros2 is not None:
         if master is not None or allow:
-            raise ConfigError("master= and allow= are of ROS 1: leave them out with ros2=")
+            raise ConfigError("master= and allow= work only with ROS 1; leave them out with ros2=")
         async with _joined_ros2(ros2, node_name, namespace, remappings, msg_paths, environ) as typed:
             yield typed
         return

@@ -51,7 +51,7 @@ def _radians(loader: yaml.SafeLoader, node: yaml.ScalarNode) -> float:
     expression = text[4:-1] if text.startswith("rad(") else text
     value = compile_expression(expression, frozenset(("pi",)), source=text)({"pi": math.pi})
     if not isinstance(value, int | float):
-        raise ConfigError(f"{text!r} is no angle; write rad(pi/2)")
+        raise ConfigError(f"{text!r} is not an angle; write rad(pi/2)")
     return float(value)
 
 
@@ -61,7 +61,7 @@ def _degrees(loader: yaml.SafeLoader, node: yaml.ScalarNode) -> float:
     try:
         return math.radians(float(number))
     except ValueError:
-        raise ConfigError(f"{text!r} is no angle; write deg(90)") from None
+        raise ConfigError(f"{text!r} is not an angle; write deg(90)") from None
 
 
 for _tag, _construct, _prefix in (("!radians", _radians, "rad"), ("!degrees", _degrees, "deg")):
@@ -104,11 +104,11 @@ def leaves(name: str, value: Any, nesting: int = 0) -> Iterator[tuple[str, Param
         raise ConfigError(f"parameters nested deeper than {MAX_NESTING} levels: flatten them")
     for key, each in value.items():
         if not isinstance(key, str):
-            raise ConfigError(f"{name}: the key {key!r} is no text; put it in quotes to use it as a name")
-        if is_private(key):
             raise ConfigError(
-                f"{name}: the key {key!r} belongs to a node; write that node's name instead of ~"
+                f"{name}: the key {key!r} is not a string; put it in quotes to use it as a name"
             )
+        if is_private(key):
+            raise ConfigError(f"{name}: the key {key!r} is private; write the node's name instead of ~")
         yield from leaves(join(name, key), each, nesting + 1)
 
 
@@ -128,7 +128,9 @@ def _checked(name: str, value: Any, nesting: int) -> ParamValue:
     if isinstance(value, bool | int | float | str | bytes):
         return value
     if value is None:
-        raise ConfigError(f"parameter {name}: YAML reads it as null, which no parameter is; leave it out")
+        raise ConfigError(
+            f"parameter {name}: YAML reads it as null, which a parameter cannot be; leave it out"
+        )
     raise ConfigError(f"parameter {name}: YAML reads {value} as a {type(value).__name__}; put it in quotes")
 
 

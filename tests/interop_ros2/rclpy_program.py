@@ -157,7 +157,7 @@ class Peer:
     def parameters(self, node: str, method: str, arguments: list[Any]) -> Any:
         client = AsyncParameterClient(self.node, node)
         if not client.wait_for_services(PATIENCE_S):
-            raise TimeoutError(f"{node} does not offer its parameters")
+            raise TimeoutError(f"{node} does not give access to its parameters")
         if method == "set_parameters":
             arguments = [Parameter(name, value=value) for name, value in arguments]
         future = getattr(client, method)(arguments)

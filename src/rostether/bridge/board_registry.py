@@ -94,7 +94,7 @@ class BoardRegistry:
             number += 1
 
     def lose(self, board: Board, session: Session | None, *, is_stranger: bool = False) -> None:
-        """The board's connection ended: keep its node for the grace period, or for good if it is kept.
+        """The board's connection ended: keep its node for the grace period, or permanently if it is kept.
 
         That of a stranger, who has proven to be no board, leaves at once.
         """

@@ -122,7 +122,7 @@ class ParameterRelay:
                 self._link.answer_parameter()
             except LocalProtocolError:
                 outcome = (
-                    "not even an empty answer fits; enlarge the input buffer of the sketch's NodeHandle_"
+                    "even an empty answer does not fit; enlarge the input buffer of the sketch's NodeHandle_"
                 )
             self._report(name, f"{reason}; {outcome}")
 
@@ -157,15 +157,15 @@ class ParameterRelay:
         if answer is None:
             self._report(
                 name,
-                "a board understands a 32-bit integer, a float, a string, a bool or a list of one of them, "
-                f"this is {_describe(value)}",
+                "a board can read a 32-bit integer, a float, a string, a bool or a list of one of these, "
+                "but this is {_describe(value)}",
             )
             return Answer()
         return answer
 
     def _report(self, name: str, reason: str) -> None:
         self._notices.episode(
-            f"parameter {name[:80]}", Level.WARN, f"parameter {name}, which the board asked for: {reason}"
+            f"parameter {name[:80]}", Level.WARN, f"parameter {name}, requested by the board: {reason}"
         )
 
 
@@ -177,5 +177,5 @@ def _describe(value: ParamValue) -> str:
     if isinstance(value, dict):
         return "a mapping"
     if isinstance(value, list):
-        return "a list of something else or of several kinds"
-    return "a number beyond that" if isinstance(value, int | float) else "binary data"
+        return "a list of other or mixed types"
+    return "a number outside these ranges" if isinstance(value, int | float) else "binary data"

@@ -49,7 +49,7 @@ class LimitedReporter:
         now_s = self._clock()
         if now_s - self._began_s >= self._period_s:
             if self._unsaid:
-                self._reporter.line(Level.WARN, f"{self._unsaid} lines like the next one were left out")
+                self._reporter.line(Level.WARN, f"{self._unsaid} lines like the next one were omitted")
             self._began_s, self._said, self._unsaid = now_s, 0, 0
         if self._said < self._count:
             self._said += 1
@@ -105,7 +105,7 @@ class Notices:
 
     def defect(self, error: Exception) -> None:
         """Report that a part of a session failed."""
-        self.episode("defect", Level.ERROR, f"a part of the session failed: {reason_of(error)}")
+        self.episode("defect", Level.ERROR, f"part of the session failed: {reason_of(error)}")
 
     def end_episode(self, kind: str) -> None:
         """Let the next appearance of `kind` be news."""

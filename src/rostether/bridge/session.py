@@ -275,7 +275,7 @@ class Session:
         self._notices.episode(
             "unknown id",
             Level.WARN,
-            f"messages on topic id {event.topic_id}, which was not announced: asking the board again",
+            f"messages on topic id {event.topic_id}, which was not announced; requesting the topics again",
             count=event.count,
         )
 
@@ -284,8 +284,8 @@ class Session:
         self._notices.episode(
             f"flood of {what}",
             Level.WARN,
-            f"the board sends more {what} than it can have reason to, and the rest is left out; let loop() "
-            "in the sketch wait between them",
+            f"the board sends too many {what}; the rest is ignored; let loop() in the sketch wait between "
+            f"them",
             count=event.count,
         )
 
@@ -293,7 +293,7 @@ class Session:
         self._was_reset = True
         self.node.health.clock.forget()
         self.node.endpoints.fail_calls("reset")
-        self._notices.episode("reset", Level.INFO, "the board was reset: asking for its topics")
+        self._notices.episode("reset", Level.INFO, "the board was reset; requesting its topics")
 
     def _tell(self, _event: object) -> None:
         """Say at once what is wrong, without waiting for the next look."""
@@ -304,7 +304,7 @@ class Session:
         self._notices.episode(
             f"overflow {lane.topic}",
             Level.WARN,
-            f"{lane.topic} brings more than the board takes: its oldest messages are lost",
+            f"{lane.topic} is faster than the board can receive; dropping its oldest messages",
             count=count,
         )
 
@@ -312,7 +312,7 @@ class Session:
         self._notices.episode(
             "defect",
             Level.ERROR,
-            f"the session broke down ({type(error).__name__}: {error}) and starts again; please report it",
+            f"the session failed ({type(error).__name__}: {error}) and starts again; please report it",
         )
         self.transport.close()
 

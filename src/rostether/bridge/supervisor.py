@@ -237,7 +237,7 @@ class Supervisor:
             node.health.disconnected(error)
             if board.leaving is not None:
                 ended = SessionError if board.is_dismissed else NodeEndedError
-                raise ended(f"node {board.name} was shut down from outside")
+                raise ended(f"node {board.name} was shut down by another node")
             return error
         finally:
             if timer is not None:
@@ -311,7 +311,7 @@ class Supervisor:
         except RostetherError as error:
             self._door.line(Level.ERROR, str(error))
         except Exception as error:  # noqa: BLE001 - one link's failure stays with that link
-            self._door.line(Level.ERROR, f"a link broke down: {reason_of(error)}")
+            self._door.line(Level.ERROR, f"a link failed: {reason_of(error)}")
 
 
 def _end_if_speechless(session: Session) -> None:

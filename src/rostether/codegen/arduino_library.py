@@ -67,7 +67,7 @@ def write_library(
     directory = directory.expanduser()
     if directory.name == LIBRARY_NAME and is_ros_library(directory):
         raise CodegenError(
-            f"{directory} is a library itself; give the folder that holds it: {directory.parent}"
+            f"{directory} is a library itself; give the folder that contains it: {directory.parent}"
         )
     rendered = render_library(registry, for_sketch=for_sketch, packages=packages, search=search)
     target = directory / LIBRARY_NAME

@@ -58,11 +58,11 @@ def _check_replaceable(target: Path) -> bool:
         return False
     if not is_ros_library(target):
         raise CodegenError(
-            f"{target} is no generated library and stays as it is; remove it or give another folder"
+            f"{target} is not a generated library and is not changed; remove it or give another folder"
         )
     if (target / ".git").exists():
         raise CodegenError(
-            f"{target} is a git repository and stays as it is; remove it or give another folder"
+            f"{target} is a git repository and is not changed; remove it or give another folder"
         )
     return True
 

@@ -34,7 +34,7 @@ def generate_headers(index: TypeIndex, names: Iterable[str], *, own_paths: Itera
     for name in sorted(names):
         failed = failures.setdefault(name.partition("/")[0], [])
         if index.is_message(name) and index.is_service(name):
-            failed.append(f"the service {name}: there is a message of this name as well; rename one")
+            failed.append(f"the service {name}: a message has the same name; rename one")
         try:
             _check_place(index, name, own)
             text = _text(index, name, own)
@@ -64,14 +64,14 @@ def _text(index: TypeIndex, name: str, own: set[str]) -> str:
 def _check_place(index: TypeIndex, name: str, own: set[str]) -> None:
     package = name.partition("/")[0]
     if package == LIBRARY_NAMESPACE:
-        raise CodegenError(f"the package {package!r} is called like the library's own folder; rename it")
+        raise CodegenError(f"the package {package!r} has the name of a folder in the library; rename it")
     if include_path(name) in own:
-        raise CodegenError(f"the library has a header {include_path(name)} of its own; rename the type")
+        raise CodegenError(f"the library already has a header {include_path(name)}; rename the type")
     if index.is_message(name):
         return
     for half in (f"{name}Request", f"{name}Response"):
         if index.is_message(half):
-            raise CodegenError(f"there is a message {half} as well; rename one, C++ cannot have both")
+            raise CodegenError(f"there is also a message {half}; rename one, because C++ cannot have both")
 
 
 def _summary(failures: list[str]) -> str:
@@ -86,6 +86,6 @@ def _differing_only_in_case(paths: Iterable[str]) -> Iterator[str]:
     for same in by_folded.values():
         if len(same) > 1:
             yield (
-                f"{' and '.join(same)} differ only in case: on Windows and macOS only one of them can exist;"
-                " rename one if the library goes there"
+                f"{' and '.join(same)} differ only in case; on Windows and macOS only one of them can exist;"
+                f" rename one"
             )

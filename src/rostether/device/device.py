@@ -78,7 +78,7 @@ class Device:
             link = replace(link, connect=True)
         if isinstance(link, Address):
             if link.listens:
-                raise ConfigError(f"{link} brings many devices; a device itself opens one line")
+                raise ConfigError(f"{link} accepts many devices; a device needs an address of one line")
             self._address = link
         else:
             self._given = link
@@ -135,7 +135,7 @@ class Device:
                     await self._configured.wait()
         except TimeoutError:
             raise TransportTimeoutError(
-                f"no host asked for our topics within {timeout_s:g} s; start one: rostether serve"
+                f"no host requested the topics within {timeout_s:g} s; start one: rostether serve"
             ) from None
 
     async def drained(self) -> None:
@@ -280,10 +280,10 @@ class Device:
             case ParameterTimedOut():
                 self._parameters.timed_out(event)
             case Unconfigured() | StopReceived():
-                _LOG.info("the host stopped listening")
+                _LOG.info("the host closed the connection")
 
     def _handle_loss(self) -> None:
-        reason = "the line to the host was lost; it is opened again"
+        reason = "the line to the host was lost; opening it again"
         self._parameters.fail_all(reason)
         for client in self._clients:
             client.fail(reason)

@@ -74,5 +74,7 @@ def encode(codec: Codec, message: Fields | None, fields: Mapping[str, Any]) -> b
     if message is None:
         return codec.encode(fields)
     if fields:
-        raise SerializationError(f"{codec.type_name} is given whole and by fields; give one of them")
+        raise SerializationError(
+            f"{codec.type_name} is given both as a message and as fields; give one of them"
+        )
     return codec.encode(message)

@@ -63,7 +63,9 @@ class Budget:
         """Count steps."""
         self._left -= steps
         if self._left < 0:
-            raise OverflowError(f"it takes more than {MAX_STEPS} steps, or makes longer values; simplify it")
+            raise OverflowError(
+                f"it needs more than {MAX_STEPS} steps, or creates longer values; simplify it"
+            )
 
     def result(self, value: Any) -> Any:
         """Return a value that was computed, once its size is spent."""
@@ -120,7 +122,7 @@ class Budget:
             formats = _FORMAT.findall(text)
             for digits in (each for pair in formats for each in pair if each):
                 if digits == "*" or len(digits) > 4 or int(digits) > _MAX_DIGITS:
-                    raise OverflowError(f"a width in a format is a number of at most {_MAX_DIGITS}")
+                    raise OverflowError(f"a width in a format must be a number of at most {_MAX_DIGITS}")
             self.spend(len(text) + len(formats) * (self._size(right) + _MAX_DIGITS))
         return left % right
 

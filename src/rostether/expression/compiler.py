@@ -101,8 +101,8 @@ def compile_expression(expression: str, names: frozenset[str], *, source: str) -
         raise ConfigError(f"{source}: {error}") from None
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         # A line number says nothing of one line.
-        told = error.msg if isinstance(error, SyntaxError) else error
-        raise ConfigError(f"{source}: {expression!r} is no expression ({told})") from None
+        problem = error.msg if isinstance(error, SyntaxError) else error
+        raise ConfigError(f"{source}: {expression!r} is not an expression ({problem})") from None
 
     def compute(scope: Scope) -> Any:
         budget.restart()
@@ -196,7 +196,7 @@ class _Compiler:
         if name == "math":
             return lambda scope: math
         known = ", ".join(sorted(self._names | FUNCTIONS.keys() | {"math"}))
-        raise ConfigError(f"nothing is called {name!r} here: use {known}")
+        raise ConfigError(f"there is no name {name!r}; use {known}")
 
     def _comparison(self, node: ast.Compare) -> Evaluate:
         first, read = self.compile(node.left), self._budget.read
@@ -218,7 +218,7 @@ class _Compiler:
 
     def _loop(self, element: ast.expr, loop: ast.comprehension) -> Evaluate:
         if not isinstance(loop.target, ast.Name) or loop.is_async:
-            raise ConfigError("a loop has one name, as in any(r < 1 for r in m.ranges)")
+            raise ConfigError("a loop can have only one variable, for example any(r < 1 for r in m.ranges)")
         variable, budget = loop.target.id, self._budget
         body = _Compiler(self._names | {variable}, budget)
         items, value = self.compile(loop.iter), body.compile(element)
@@ -265,7 +265,7 @@ def _attribute(owner: Any, name: str) -> Any:
     elif name in getattr(type(owner), "__slots__", ()):
         return getattr(owner, name)
     fields = ", ".join(getattr(type(owner), "__slots__", ())) or "no fields"
-    raise ConfigError(f"there is no .{name} here; there is {fields}")
+    raise ConfigError(f"there is no .{name}; the fields are {fields}")
 
 
 def _none(scope: Scope) -> None:

@@ -111,5 +111,5 @@ def _reason(sketch: Sketch, board: Board, output: str) -> str:
     missing = _PLATFORM_MISSING.search(output)
     if missing is not None:
         platform = ":".join(board.fqbn.split(":")[:2])
-        return f"arduino-cli has no platform {platform}; type arduino-cli core install {platform}"
+        return f"arduino-cli has no platform {platform}; run: arduino-cli core install {platform}"
     return f"{sketch.name} does not build for {board.name}"

@@ -119,7 +119,7 @@ class BoardTable:
         shown = [each for each in _SHOWN if each in self.names or each in _ALIASES]
         if near:
             return f"no board {name!r}; did you mean {' or '.join(near)}?"
-        return f"no board {name!r}; there is {', '.join(shown)} and more in boards.txt"
+        return f"no board {name!r}; known are {', '.join(shown)} and more in boards.txt"
 
 
 def names_other_platform(name: str) -> bool:

@@ -36,9 +36,10 @@ def explain(output: str, sketch: Sketch, skipped: Sequence[str] = ()) -> str:
 def _explain_header(header: str) -> str:
     if _TYPE_HEADER.fullmatch(header):
         return (
-            f"note: no package has {header}; give the folder of its .msg and .srv files with --msg-path DIR"
+            f"note: no package contains {header}; give the folder of its .msg and .srv files with --msg-path"
+            f" DIR"
         )
-    return f"note: no library has {header}; give the folder of the one that does with --library DIR"
+    return f"note: no library contains {header}; give the folder of the library with --library DIR"
 
 
 def _shorten(text: str, folder: Path) -> str:

@@ -89,7 +89,7 @@ class ElfFile:
 
     def __init__(self, content: bytes, name: str = "the file") -> None:
         if content[:6] != _MAGIC:
-            raise FirmwareError(f"{name} is no ELF file of a microcontroller (32 bits, little endian)")
+            raise FirmwareError(f"{name} is not an ELF file of a microcontroller (32 bits, little endian)")
         self._content = content
         self._name = name
         try:

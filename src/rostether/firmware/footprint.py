@@ -89,8 +89,8 @@ class Footprint:
         if self.flash_limit_bytes and self.flash_bytes > self.flash_limit_bytes:
             over = self.flash_bytes - self.flash_limit_bytes
             lines.append(
-                f"{self.flash_bytes} bytes of flash do not fit the {self.flash_limit_bytes} that "
-                f"{self.board.title} has for programs: {over} too many; {self._advice('flash_bytes')}"
+                f"{self.flash_bytes} bytes of flash do not fit: {self.board.title} has "
+                f"{self.flash_limit_bytes} for programs, {over} fewer; {self._advice('flash_bytes')}"
             )
         if self.ram_limit_bytes and self.ram_bytes > self.ram_limit_bytes:
             over = self.ram_bytes - self.ram_limit_bytes

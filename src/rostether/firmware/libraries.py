@@ -90,7 +90,7 @@ def read_given(folder: Path) -> list[Library]:
     found = read_folder(folder, Origin.GIVEN)
     if not found:
         raise ConfigError(
-            f"--library {folder}: neither a library nor a folder of libraries (no header there)"
+            f"--library {folder}: not a library or a folder of libraries (it contains no headers)"
         )
     return found
 

@@ -48,7 +48,7 @@ def open_sketch(path: Path) -> Sketch:
         return Sketch(path.stem, path.parent, (path,), (), owns_folder=False)
     if path.suffix in SOURCE_SUFFIXES:
         return Sketch(path.stem, path.parent, (), (path,), owns_folder=False)
-    raise FirmwareError(f"{path.name} is no sketch; give an .ino file, a folder with one, or a .cpp file")
+    raise FirmwareError(f"{path.name} is not a sketch; give an .ino file, a folder with one, or a .cpp file")
 
 
 def _open_folder(folder: Path) -> Sketch:
@@ -58,9 +58,9 @@ def _open_folder(folder: Path) -> Sketch:
     main = [each for each in inos if each.stem == folder.name]
     if not main and len(inos) > 1:
         names = ", ".join(each.name for each in inos)
-        raise FirmwareError(f"{folder} holds several sketches ({names}); name one of them")
+        raise FirmwareError(f"{folder} contains several sketches ({names}); give one of them")
     if not inos and not sources:
-        raise FirmwareError(f"{folder} holds no sketch: no .ino and no .cpp file")
+        raise FirmwareError(f"{folder} contains no sketch: no .ino or .cpp file")
     first = (main or inos)[:1]
     rest = [each for each in inos if each not in first]
     sources += _sources_below(folder / "src")
@@ -72,7 +72,7 @@ def _sources_below(folder: Path) -> list[Path]:
     for count, each in enumerate(sorted(folder.rglob("*")) if folder.is_dir() else ()):
         if count > MAX_SKETCH_FILES:
             raise FirmwareError(
-                f"{folder} holds more than {MAX_SKETCH_FILES} files; is it a sketch's folder?"
+                f"{folder} contains more than {MAX_SKETCH_FILES} files; give the folder of a sketch"
             )
         if each.suffix in SOURCE_SUFFIXES and each.is_file():
             found.append(each)

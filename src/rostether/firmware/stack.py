@@ -59,7 +59,8 @@ def estimate_stack(elf: ElfFile) -> StackEstimate:
         interrupt_bytes=interrupt.depth_bytes,
         way=tuple(graph.name(each) for each in main.entries),
         interrupt_way=tuple(graph.name(each) for each in interrupt.entries),
-        unknown=tuple(_unknown(graph, elf)) + (("not all ways were followed",) if search.gave_up else ()),
+        unknown=tuple(_unknown(graph, elf))
+        + (("not all call paths were followed",) if search.gave_up else ()),
     )
 
 
@@ -166,7 +167,7 @@ def _unknown(graph: CallGraph, elf: ElfFile) -> list[str]:
         if calls_itself and not graph.name(entry).startswith(_BOUNDED):
             found.append(f"{graph.name(entry)} calls itself")
         if here.is_unknown:
-            found.append(f"{graph.name(entry)} takes a computed amount")
+            found.append(f"{graph.name(entry)} allocates a computed amount")
     if any(graph.walk(each).enables_interrupts for each in graph.reachable(graph.interrupts)):
         found.append("an interrupt lets others interrupt it")
     if any(each.name == "malloc" for each in elf.symbols):

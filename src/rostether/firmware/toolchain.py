@@ -105,10 +105,10 @@ def find_avr_toolchain(
     compiler = shutil.which("avr-g++", path=path)
     tools = [Path(compiler).parent] if compiler else _existing(_TOOL_FOLDERS)
     if not tools:
-        raise FirmwareError(f"no AVR compiler (avr-gcc) on PATH; type {INSTALL_LINE}, or install arduino-cli")
+        raise FirmwareError(f"no AVR compiler (avr-gcc) on PATH; run: {INSTALL_LINE}; or install arduino-cli")
     cores = [folder for folder in _existing(core_folders) if (folder / "boards.txt").is_file()]
     if not cores:
-        raise FirmwareError(f"no Arduino core for AVR boards in {core_folders[0]}; type {INSTALL_LINE}")
+        raise FirmwareError(f"no Arduino core for AVR boards in {core_folders[0]}; run: {INSTALL_LINE}")
     return AvrToolchain(tools[0], cores[0])
 
 

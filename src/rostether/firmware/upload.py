@@ -37,7 +37,7 @@ _STAYED_S = 5.0
 _POLL_S = 0.1
 _SETTLE_S = 0.25
 # udev gives a new port its group only after it is there.
-_INSTALL_AVRDUDE = "no avrdude on PATH; type sudo apt install avrdude"
+_INSTALL_AVRDUDE = "no avrdude on PATH; run: sudo apt install avrdude"
 _SILENT = ("not in sync", "not responding", "programmer is not", "timeout", "unable to open programmer")
 
 
@@ -61,10 +61,10 @@ def choose_port(board: Board, list_ports: ListPorts = list_serial_ports) -> str:
         if len(candidates) == 1:
             return candidates[0].path
     if not ports:
-        raise FirmwareError("no serial port found; plug the board in, or name its port with --port")
+        raise FirmwareError("no serial port found; plug in the board, or give its port with --port")
     if not usb:
         others = ", ".join(each.path for each in ports)
-        raise FirmwareError(f"no board found on USB; plug it in, or name its port with --port ({others})")
+        raise FirmwareError(f"no board found on USB; plug it in, or give its port with --port ({others})")
     names = ", ".join(f"{each.path} ({each.description})" for each in usb)
     raise FirmwareError(f"several serial ports: {names}; choose one with --port")
 
@@ -84,7 +84,8 @@ async def upload(
     if built.simulated_libraries:
         name = built.simulated_libraries[0]
         raise FirmwareError(
-            f"{built.sketch.name} was built with the {name} of simulated boards; install Arduino's own "
+            f"{built.sketch.name} was built with the {name} library of simulated boards; install Arduino's "
+            f"own "
             f"{name} library, or give its folder with --library"
         )
     if uses_arduino_cli or not built.board.is_avr:
@@ -156,7 +157,7 @@ async def touch(port: str, list_ports: ListPorts = list_serial_ports, limit_s: f
             return new[0] if new else port
         has_vanished |= port not in now
         before &= now
-    raise FirmwareError(f"no boot loader came up behind {port}; press the board's reset button twice")
+    raise FirmwareError(f"no boot loader answered on {port}; press the board's reset button twice")
 
 
 async def _open_at_touch_baud(port: str) -> None:

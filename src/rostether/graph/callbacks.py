@@ -23,4 +23,4 @@ def call_contained(
 def report_error(what: str, error: BaseException) -> None:
     """Log one line for the error of a callback; the traceback only where debugging is on."""
     _log.error("%s failed: %s: %s", what, type(error).__name__, error)
-    _log.debug("traceback of that failure", exc_info=error)
+    _log.debug("traceback of this failure", exc_info=error)

@@ -124,7 +124,7 @@ class JointGraph:
         if any(
             isinstance(each, JointServiceServer) and each.service == name for each in self._open_handles()
         ):
-            raise GraphError(f"this node offers the service {name} already: choose another name")
+            raise GraphError(f"this node already offers the service {name}; choose another name")
         return await self._open(JointServiceServer(name, service_type, handler))
 
     async def call_service(
@@ -221,7 +221,7 @@ class JointGraph:
 
     async def _open(self, handle: HandleT) -> HandleT:
         if self._closing is not None:
-            raise GraphError(f"node {self.node_name} has left the graph: join again")
+            raise GraphError(f"node {self.node_name} has left the graph; join again")
         # Before it opens: a graph that comes meanwhile must find it.
         self._handles = [*self._open_handles(), handle]
         try:

@@ -205,12 +205,12 @@ class JointWatch:
         self._on_change = on_change
         self._order = order
         self._values: dict[Graph, ParamValue] = {}
-        self._told: list[ParamValue] = []
+        self._reported: list[ParamValue] = []
 
     def start(self) -> None:
         """Tell the value now, and changes from now on."""
-        self._told = [self._value()]
-        call_contained(f"on_change of parameter {self._name}", self._on_change, self._told[0])
+        self._reported = [self._value()]
+        call_contained(f"on_change of parameter {self._name}", self._on_change, self._reported[0])
 
     async def close(self) -> None:
         """Stop watching. Idempotent."""
@@ -225,10 +225,10 @@ class JointWatch:
 
     def _tell(self) -> None:
         value = self._value()
-        if self._told and not self.parts.is_closed:
-            latest = self._told[0]
+        if self._reported and not self.parts.is_closed:
+            latest = self._reported[0]
             if value != latest or type(value) is not type(latest):
-                self._told = [value]
+                self._reported = [value]
                 call_contained(f"on_change of parameter {self._name}", self._on_change, value)
 
     def _value(self) -> ParamValue:

@@ -1,7 +1,7 @@
 """One thing (a publisher, a subscriber, a service, a watch) opened in each of several graphs.
 
-A graph that refuses it for now (its master does not answer) is asked again; one that refuses it for good (it
-does not know the type) is left out. Neither disturbs the others.
+A graph that refuses it for now (its master does not answer) is asked again; one that refuses it permanently
+(it does not know the type) is left out. Neither disturbs the others.
 """
 
 from __future__ import annotations

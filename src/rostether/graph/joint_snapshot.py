@@ -29,12 +29,12 @@ async def follow_changes(
     graphs: Callable[[], Sequence[Graph]], joined: asyncio.Event, closed: asyncio.Event
 ) -> AsyncGenerator[Snapshot]:
     """Yield a merged snapshot now and after each change, as `follow_each` does."""
-    told: Snapshot | None = None
+    reported: Snapshot | None = None
     async with aclosing(follow_each(graphs, joined, closed)) as changes:
         async for snapshots in changes:
             merged = merge_snapshots(snapshots)
-            if merged != told:
-                told = merged
+            if merged != reported:
+                reported = merged
                 yield merged
 
 
@@ -68,15 +68,15 @@ async def follow_each(  # noqa: C901 - its two inner functions share its variabl
             event.clear()
 
     watching = [asyncio.ensure_future(forward(event)) for event in (joined, closed)]
-    told: list[Snapshot] = []
+    reported: list[Snapshot] = []
     try:
         while True:
             for graph in graphs():
                 if graph not in tasks:
                     tasks[graph] = asyncio.ensure_future(follow(graph))
             snapshots = [latest[graph] for graph in graphs() if graph in latest]
-            if snapshots and snapshots != told:
-                told = snapshots
+            if snapshots and snapshots != reported:
+                reported = snapshots
                 yield snapshots
                 continue
             if closed.is_set() or all(task.done() for task in tasks.values()):

@@ -61,8 +61,8 @@ class MemoryGraph:
                 and handle.type.md5sum != message_type.md5sum
             ):
                 raise TypeMismatchError(
-                    f"this node publishes {name} as {handle.type.name} already, not as {message_type.name}: "
-                    "choose another topic"
+                    f"this node publishes {name} as {handle.type.name}, not as {message_type.name}; choose "
+                    f"another topic"
                 )
         return self._add_publisher(name, message_type, latch=latch, queue_bytes=queue_bytes)
 
@@ -110,7 +110,7 @@ class MemoryGraph:
 
         name = self.resolve(service)
         if any(isinstance(each, MemoryServiceServer) and each.service == name for each in self._handles):
-            raise GraphError(f"this node offers the service {name} already: choose another name")
+            raise GraphError(f"this node already offers the service {name}; choose another name")
         server = MemoryServiceServer(name, service_type, self.node_name, handler, ended)
         self._handles[server] = None
         self._network.add_service(server)
@@ -238,4 +238,4 @@ class MemoryGraph:
 
     def _check_open(self) -> None:
         if self._is_closed:
-            raise GraphError(f"node {self.node_name} has left the graph: join again")
+            raise GraphError(f"node {self.node_name} has left the graph; join again")

@@ -41,7 +41,7 @@ class MemoryServiceServer:
         if service_type.md5sum not in (self.type.md5sum, ANY_MD5SUM):
             raise TypeMismatchError(
                 f"service {self.service} has type {self.type.name} (md5sum {self.type.md5sum}), "
-                f"not {service_type.name} (md5sum {service_type.md5sum}): make both ends use one definition"
+                f"not {service_type.name} (md5sum {service_type.md5sum}); make both ends use one definition"
             )
         task = asyncio.ensure_future(self._answer(request))
         self._calls.add(task)
@@ -50,7 +50,7 @@ class MemoryServiceServer:
         if not done:
             raise ServiceTimeoutError(f"service {self.service} did not answer within {timeout_s:g} s")
         if task.cancelled():
-            raise ServiceUnavailableError(f"service {self.service} ended during the call")
+            raise ServiceUnavailableError(f"service {self.service} was shut down during the call")
         return task.result()
 
     async def close(self) -> None:

@@ -115,7 +115,7 @@ class TypedGraph:
         async with asyncio.timeout(timeout_s), aclosing(aiter(stream)) as messages:
             async for message in messages:
                 return message
-        raise GraphError(f"node {self.node_name} has left the graph: join again")
+        raise GraphError(f"node {self.node_name} has left the graph; join again")
 
     async def call(
         self,

@@ -47,7 +47,7 @@ _EXTRA: Mapping[str, Any] = {
 def evaluate(expression: str, scope: Scope, context: LaunchContext) -> str:
     """Return the text of an expression's value. Raises LaunchError, ConfigError."""
     if "__" in expression:
-        raise LaunchError(f"$(eval {expression}) may not hold a double underscore")
+        raise LaunchError(f"$(eval {expression}) must not contain a double underscore")
 
     def argument(name: str) -> Any:
         return convert(argument_value(name, scope), "auto")

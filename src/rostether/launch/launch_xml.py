@@ -14,7 +14,9 @@ def parse_launch_xml(data: bytes, *, file: str) -> XmlElement:
     Raises LaunchError with file and line: too large, not XML, a DTD or entity, another root.
     """
     if file.endswith(".launch.py"):
-        raise LaunchError("a launch file of ROS 2 in Python; only ROS 1's XML is read here", file=file)
+        raise LaunchError(
+            "a ROS 2 launch file in Python; only ROS 1 launch files in XML are supported", file=file
+        )
     root = parse_xml(
         data,
         file=file,

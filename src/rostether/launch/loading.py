@@ -90,7 +90,7 @@ class _Loader:
         for element in parent.children:
             with self.reader.placed(element):
                 if element.tag == "launch":
-                    raise LaunchError("<launch> stands inside of <launch>; use <group> or <include>")
+                    raise LaunchError("<launch> is inside <launch>; use <group> or <include>")
                 if self.reader.is_meant(element, scope):
                     self._read(element, scope)
 
@@ -118,9 +118,9 @@ class _Loader:
             case "machine":
                 self._machines.add(read_machine(self.reader, element, scope))
             case "master":
-                self.reader.warn(element, "<master> means nothing any more; it is ignored")
+                self.reader.warn(element, "<master> is obsolete; it is ignored")
             case _:
-                self.reader.warn(element, f"there is no tag <{element.tag}>; it is ignored")
+                self.reader.warn(element, f"<{element.tag}> is not a known tag; it is ignored")
 
     def _arg(self, element: XmlElement, scope: Scope, values: Scope | None = None) -> None:
         reader, values = self.reader, values or scope
@@ -140,7 +140,7 @@ class _Loader:
         earlier = self._node_names.setdefault(node.full_name, element)
         if earlier is not element:
             raise LaunchError(
-                f"two nodes are called {node.full_name}, one at {earlier.file}:{earlier.line}; rename one"
+                f"two nodes have the name {node.full_name}, one at {earlier.file}:{earlier.line}; rename one"
             )
         self.reader.draft.nodes.append(node)
 
@@ -163,10 +163,10 @@ class _Loader:
                     case "env":
                         reader.environment(child, inside)
                     case _:
-                        reader.warn(child, f"<{child.tag}> means nothing inside of <include>; it is ignored")
+                        reader.warn(child, f"<{child.tag}> has no meaning inside <include>; it is ignored")
         for name in given.declared:
             if name not in given.arguments:
-                raise LaunchError(f"argument {name!r} needs value= or default= inside of <include>")
+                raise LaunchError(f"argument {name!r} needs value= or default= inside <include>")
         included = scope.included(file, inside, given.arguments, pass_all=pass_all)
         passed = list(included.arguments)
         self._read_included(element, included)

@@ -24,7 +24,9 @@ def log_folder(environ: Mapping[str, str], run_id: str) -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise ConfigError(f"cannot make {folder}: {error.strerror}; name another in ROS_LOG_DIR") from None
+        raise ConfigError(
+            f"cannot create {folder}: {error.strerror}; set ROS_LOG_DIR to another folder"
+        ) from None
     latest = parent / _LATEST
     with contextlib.suppress(OSError):
         if latest.is_symlink() or not latest.exists():

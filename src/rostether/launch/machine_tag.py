@@ -21,8 +21,8 @@ def read_machine(reader: TagReader, element: XmlElement, scope: Scope) -> str:
     user = reader.optional(element, scope, "user")
     if not _is_here(address) or (user and user != getpass.getuser()):
         raise LaunchError(
-            f"machine {name!r} at {address} is not this one, and nodes are started here only; "
-            f"remove <machine>, and type `rostether launch` there with ROS_MASTER_URI set to ours"
+            f"machine {name!r} at {address} is another machine, but nodes are started on this one only; "
+            "remove <machine>, and run `rostether launch` there with the ROS_MASTER_URI of this machine"
         )
     return name
 

@@ -76,8 +76,8 @@ class NodeProcess:
                 await self._create(words, output)
         except OSError as error:
             raise LaunchError(
-                f"cannot run {words[0]}: {error.strerror or error}; look at the first line of the script, "
-                "and at launch-prefix=",
+                f"cannot run {words[0]}: {error.strerror or error}; check the first line of the script and "
+                f"launch-prefix=",
                 file=self.node.file,
                 line=self.node.line,
             ) from None
@@ -134,7 +134,7 @@ class NodeProcess:
                 await asyncio.wait_for(process.wait(), _KILL_LIMIT_S)
             except TimeoutError:
                 # As with launch-prefix="sudo": what is not ours cannot be ended by us.
-                self._report(Level.ERROR, f"[{self.name}] cannot be ended; do it: kill -9 {process.pid}")
+                self._report(Level.ERROR, f"[{self.name}] does not end; run: kill -9 {process.pid}")
         await self._end_group()
 
     async def _end_group(self) -> None:

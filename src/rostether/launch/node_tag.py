@@ -81,7 +81,7 @@ class NodeTags:
         """Read the children; the result has the node's namespace, remaps and environment."""
         reader = self._reader
         if SEPARATOR in name:
-            raise LaunchError(f"name={name!r} holds a namespace; give it with ns=")
+            raise LaunchError(f"name={name!r} contains a namespace; give it with ns=")
         if not is_legal_name(name):
             reader.warn(element, f"name={name!r} is not a ROS name; many programs will refuse it")
         inside = reader.namespace(element, scope, name)
@@ -90,7 +90,7 @@ class NodeTags:
         for child in element.children:
             tag = child.tag.lower()
             if tag not in ("remap", "param", "rosparam", "env"):
-                reader.warn(child, f"<{child.tag}> means nothing inside of <{element.tag}>; it is ignored")
+                reader.warn(child, f"<{child.tag}> has no meaning inside <{element.tag}>; it is ignored")
                 continue
             with reader.placed(child):
                 if not reader.is_meant(child, own if tag in ("param", "rosparam") else scope):

@@ -71,18 +71,20 @@ class ParameterTags:
         )
         replaces = reader.switch(element, scope, "subst_value")
         if is_private(name):
-            reader.warn(element, f"param={name!r} is not the node's: write it without ~ inside of its <node>")
+            reader.warn(
+                element, f"param={name!r} is not private to the node; write it without ~ inside its <node>"
+            )
         full_name = join(scope.namespace, name) if name else scope.namespace
         match command:
             case "load":
                 self._load(element, scope, name, full_name, file, replaces=replaces)
             case "dump":
                 if not file:
-                    raise LaunchError("<rosparam command='dump'> needs file=, where to write to")
+                    raise LaunchError("<rosparam command='dump'> needs file=, the file to write")
                 reader.draft.before.append(DumpParameters(full_name, file))
             case "delete":
                 if file is not None:
-                    raise LaunchError("<rosparam command='delete'> takes no file=")
+                    raise LaunchError("<rosparam command='delete'> cannot have file=")
                 reader.draft.before.append(DeleteParameters(full_name))
             case _:
                 raise LaunchError(f"<rosparam> has no command {command!r}; known are {', '.join(_COMMANDS)}")
@@ -106,7 +108,7 @@ class ParameterTags:
         if data is None:
             data = {}
         if not name and not isinstance(data, dict):
-            raise LaunchError("<rosparam> needs param=, a name for what is no mapping of names to values")
+            raise LaunchError("<rosparam> needs param=, because its value is not a mapping")
         for key, value in leaves(full_name, data):
             self._reader.set_parameter(element, key, value)
 
@@ -136,7 +138,7 @@ class ParameterTags:
     def _output_of(self, command: str) -> str:
         words = _split(command)
         if not words:
-            raise LaunchError("<param command=''> names no program")
+            raise LaunchError("<param command=''> is empty; give a command")
         words = [*self._program(words[0]), *words[1:]]
         try:
             with subprocess.Popen(  # noqa: S603 - running it is what command= is for
@@ -155,7 +157,7 @@ class ParameterTags:
             raise LaunchError(f"cannot run {words[0]!r}: {error.strerror or error}") from None
         if len(output) > MAX_FILE_BYTES:
             raise LaunchError(
-                f"the command {command!r} prints more than {MAX_FILE_BYTES} bytes, no parameter is"
+                f"the command {command!r} prints more than {MAX_FILE_BYTES} bytes, too many for a parameter"
             )
         if process.returncode != 0:
             raise LaunchError(f"the command {command!r} failed with code {process.returncode}")
@@ -193,7 +195,7 @@ def _read_bytes(file: str) -> bytes:
     except OSError as error:
         raise explain_unreadable(file, error) from None
     if len(data) > MAX_FILE_BYTES:
-        raise LaunchError(f"{file} is larger than {MAX_FILE_BYTES} bytes, no parameter is")
+        raise LaunchError(f"{file} is larger than {MAX_FILE_BYTES} bytes, too large for a parameter")
     return data
 
 

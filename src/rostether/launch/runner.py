@@ -90,7 +90,7 @@ class _Launch:
         if failed and not self._keepers:
             return False
         if not nodes:
-            self._report(Level.INFO, "the parameters are set, and there is no node to start")
+            self._report(Level.INFO, "the parameters are set; there is no node to start")
         waiting = set(self._keepers)
         while waiting:
             ended, waiting = await asyncio.wait(waiting, return_when=asyncio.FIRST_COMPLETED)
@@ -100,11 +100,11 @@ class _Launch:
                     self._report(Level.ERROR, str(task.exception()))
                 if process.node.required:
                     succeeded = task.exception() is None and process.exit_code == 0
-                    line = f"[{process.name}] is required and has ended: all nodes are stopped"
+                    line = f"[{process.name}] is required and has ended; stopping all nodes"
                     self._report(Level.WARN if succeeded else Level.ERROR, line)
                     return succeeded
         if self._options.stays:
-            self._report(Level.INFO, "no node is left; the master goes on until Ctrl-C")
+            self._report(Level.INFO, "no node is left; the master runs until Ctrl-C")
             await asyncio.Event().wait()
         return True
 

@@ -102,7 +102,9 @@ def explain_unreadable(file: str, error: OSError) -> LaunchError:
     """Return the error about a file that cannot be read; those of packages that we serve are not there."""
     if file.startswith(f"{SERVED_ROOT}/"):
         package = file.removeprefix(f"{SERVED_ROOT}/").partition("/")[0]
-        return LaunchError(f"package {package} is not installed; its nodes are ours, but there are no files")
+        return LaunchError(
+            f"package {package} is not installed; its nodes are built in, but it has no files here"
+        )
     return LaunchError(f"cannot read {file!r}: {error.strerror or error}")
 
 
@@ -127,9 +129,7 @@ def _put_in(text: str, found: str, scope: Scope, context: LaunchContext) -> str:
     # Arguments that name others ten times over reach 10 GB with ten lines.
     grown_by = text.count(f"$({found})") * (len(value) - len(f"$({found})"))
     if len(text) + grown_by > MAX_TEXT_CHARS:
-        raise LaunchError(
-            f"$({found}) makes a text longer than {MAX_TEXT_CHARS} characters; shorten its value"
-        )
+        raise LaunchError(f"$({found}) is longer than {MAX_TEXT_CHARS} characters; shorten its value")
     return text.replace(f"$({found})", value)
 
 
@@ -143,7 +143,7 @@ def _put_in_package(text: str, found: str, context: LaunchContext) -> str:
 
 def _only(found: str, words: list[str]) -> str:
     if len(words) != 1:
-        raise LaunchError(f"$({found}) takes one name, as in $({found.split()[0]} NAME)")
+        raise LaunchError(f"$({found}) needs one name, as in $({found.split()[0]} NAME)")
     return words[0]
 
 
@@ -155,11 +155,11 @@ def _substitutions(text: str) -> Iterator[str]:
     for index, character in enumerate(text):
         if start >= 0:
             if character == "$":
-                raise LaunchError(f"{text!r}: $(...) cannot stand inside another; use $(eval ...)")
+                raise LaunchError(f"{text!r}: $(...) cannot be nested; use $(eval ...)")
             if character == "(":
                 if text.startswith(_EVAL_PREFIX[2:], start):
                     raise LaunchError(f"{text!r}: $(eval ...) has to be the whole value")
-                raise LaunchError(f"{text!r}: there is a second '(' inside of $(...)")
+                raise LaunchError(f"{text!r}: there is a second '(' inside $(...)")
             if character == ")":
                 if index > start:
                     found.append(text[start:index])

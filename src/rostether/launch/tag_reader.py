@@ -73,7 +73,8 @@ class TagReader:
             self._substituted_chars += len(result)
             if self._substituted_chars > MAX_SUBSTITUTED_CHARS:
                 raise LaunchError(
-                    f"$(...) makes more than {MAX_SUBSTITUTED_CHARS} characters in all; shorten the arguments"
+                    f"all $(...) together have more than {MAX_SUBSTITUTED_CHARS} characters; shorten the "
+                    f"arguments"
                 )
         return result
 
@@ -93,7 +94,7 @@ class TagReader:
         """Return an attribute that is true or false; false where it is not there."""
         text = self.optional(element, scope, name)
         if text is not None and text.lower() not in ("true", "false"):
-            raise LaunchError(f"{name}={text!r} is neither true nor false")
+            raise LaunchError(f"{name}={text!r} is not true or false")
         return text is not None and text.lower() == "true"
 
     def number(self, element: XmlElement, scope: Scope, name: str) -> float:
@@ -127,7 +128,7 @@ class TagReader:
         """Return the scope inside an element with ns= and clear_params=."""
         namespace = self.optional(element, scope, "ns")
         if namespace == "":
-            raise LaunchError(f"<{element.tag}> has an empty ns=; remove it or name a namespace")
+            raise LaunchError(f"<{element.tag}> has an empty ns=; remove it or give a namespace")
         if namespace is not None and not is_legal_name(namespace):
             self.warn(element, f"ns={namespace!r} is not a ROS name; many programs will refuse it")
         inside = scope.child(namespace)
@@ -172,7 +173,7 @@ class TagReader:
         above = namespace_of(key)
         while True:
             if above in self.draft.parameters and above != key:
-                self.warn(element, f"parameter {key} lies below {above}, which is set to a value too")
+                self.warn(element, f"parameter {key} is below {above}, which also has a value")
             if above == SEPARATOR:
                 break
             above = namespace_of(above)

@@ -35,7 +35,7 @@ def truth(text: str) -> bool:
         return True
     if word in ("false", "0"):
         return False
-    raise LaunchError(f"{text!r} is neither true nor false")
+    raise LaunchError(f"{text!r} is not true or false")
 
 
 def check(name: str, value: Any) -> None:

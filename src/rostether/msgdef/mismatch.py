@@ -58,18 +58,18 @@ def explain_mismatch(types: Types, name: str, md5sum: str) -> str:
     Raises what `types` raises for a type that is unknown or broken on our side.
     """
     ours = types.message_type(name)
-    start = f"{name}: the device's md5sum {md5sum} is not ours ({ours.md5sum})"
+    start = f"{name}: the device's md5sum {md5sum} is not the known one ({ours.md5sum})"
     advice = "rebuild its message headers, or give its definition with --msg-path DIR"
     if known := name_of_md5sum(types, md5sum):
-        return f"{start}, it is that of {known}; {advice}"
+        return f"{start}; it belongs to {known}; {advice}"
     spec = types.message(name)
     for version, earlier in _earlier(spec):
         if message_md5sum(earlier, types.message) == md5sum:
             said = difference(spec, earlier)
-            return f"{start}, it is that of {spec.package} {version}, which {said}; {advice}"
+            return f"{start}; it belongs to {spec.package} {version}, which {said}; {advice}"
     guess = guess_definition(types, name, md5sum)
     if guess is None:
-        return f"{start}, and of no definition we know; ours is '{declarations(spec)}'; {advice}"
+        return f"{start}, and not of any known definition; the known one is '{declarations(spec)}'; {advice}"
     whose = "its definition" if guess.full_name == name else f"its {guess.full_name}"
     return f"{start}: {whose} {difference(types.message(guess.full_name), guess)}; {advice}"
 

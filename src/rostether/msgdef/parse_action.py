@@ -32,7 +32,8 @@ def expand_action(text: str, *, name: str, file: str = "") -> dict[str, str]:
             sections[-1].append(line)
     if len(sections) != 3:
         raise DefinitionError(
-            f"an action is goal, result and feedback with '---' between; this has {len(sections)} parts",
+            f"an action consists of goal, result and feedback with '---' between them; this has "
+            f"{len(sections)} parts",
             file=file or name,
         )
     goal, result, feedback = ("".join(f"{line}\n" for line in lines) for lines in sections)

@@ -39,7 +39,9 @@ class _Walk(Generic[SpecT]):
     def visit(self, spec: SpecT, path: tuple[str, ...]) -> int:
         """Find everything below `spec` and return how many values each of its messages holds."""
         if len(path) > MAX_DEPTH:
-            raise DefinitionError(f"messages nest deeper than {MAX_DEPTH}: {' -> '.join(path)}", file=path[0])
+            raise DefinitionError(
+                f"messages are nested deeper than {MAX_DEPTH} levels: {' -> '.join(path)}", file=path[0]
+            )
         total = 0
         for field in spec.fields:
             if "/" not in field.type.base:  # a primitive
@@ -52,7 +54,7 @@ class _Walk(Generic[SpecT]):
                 total += each * field.type.length
         if total > MAX_FIXED_VALUES:
             raise DefinitionError(
-                f"every message would hold {total} values, more than {MAX_FIXED_VALUES}; use arrays of"
+                f"every message would have {total} values, more than {MAX_FIXED_VALUES}; use arrays of"
                 " variable length",
                 file=spec.full_name,
             )
@@ -63,7 +65,7 @@ class _Walk(Generic[SpecT]):
         name: str = field.type.base
         if name in path:
             cycle = " -> ".join((*path[path.index(name) :], name))
-            raise DefinitionError(f"a message cannot hold itself: {cycle}", file=spec.full_name)
+            raise DefinitionError(f"a message cannot contain itself: {cycle}", file=spec.full_name)
         if name in self._values:
             return self._values[name]
         try:

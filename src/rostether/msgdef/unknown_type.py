@@ -37,7 +37,8 @@ def explain_unknown(known: KnownNames, kind: Kind, package: str, short_name: str
         return f"{wanted} is a {other_noun}, not a {noun}"
     short_names = [each.partition("/")[2] for each in candidates]
     meant = _did_you_mean(short_name, short_names, prefix=f"{package}/")
-    return f"package {package!r} has no {noun} {short_name!r}; {meant}if a newer one has it, {HOW_TO_GIVE}"
+    newer = f"if a newer version has it, {HOW_TO_GIVE}"
+    return f"package {package!r} has no {noun} {short_name!r}; {meant}{newer}"
 
 
 def _did_you_mean(name: str, candidates: list[str], *, prefix: str = "") -> str:

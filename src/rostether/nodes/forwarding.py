@@ -34,7 +34,7 @@ class MessageRate:
 
     def __init__(self, rate_hz: float, now_s: Callable[[], float]) -> None:
         if not rate_hz > 0:
-            raise ConfigError(f"{rate_hz:g} messages a second let nothing through: give more than 0")
+            raise ConfigError(f"{rate_hz:g} messages a second is not a valid rate; give more than 0")
         self._pause_s = 1 / rate_hz
         self._now_s = now_s
         self._last_s = 0.0
@@ -83,7 +83,7 @@ async def forward(
     would feed itself, InvalidNameError, GraphError.
     """
     if graph.resolve(source) == graph.resolve(target):
-        raise ConfigError(f"{graph.resolve(source)} would feed itself: give the copy another name")
+        raise ConfigError(f"{graph.resolve(source)} would receive its own output; give the copy another name")
     output = OutputTopic(graph, target)
     subscriber: Subscriber | None = None
 

@@ -50,7 +50,7 @@ async def publish_joystick(
         except OSError as error:
             if not has_reported:
                 why = f"{settings.device}: {error.strerror}"
-                report(Level.ERROR, f"no joystick at {why}; it is tried again every second")
+                report(Level.ERROR, f"no joystick at {why}; trying again every second")
                 has_reported = True
             await asyncio.sleep(_RETRY_S)
             continue
@@ -59,7 +59,7 @@ async def publish_joystick(
             await _Reading(graph, publisher, settings, descriptor).run()
         finally:
             os.close(descriptor)
-        report(Level.ERROR, f"the joystick at {settings.device} is gone; it is waited for")
+        report(Level.ERROR, f"the joystick at {settings.device} is gone; waiting for it")
         has_reported = True
         await asyncio.sleep(_RETRY_S)
 

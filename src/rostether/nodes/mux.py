@@ -116,7 +116,7 @@ class Mux:
     def _add(self, request: Message) -> dict[str, str]:
         topic = self._resolve(request.topic)
         if topic in self._inputs:
-            raise ServiceCallError(f"{topic} is an input already")
+            raise ServiceCallError(f"{topic} is already an input")
         if len(self._inputs) >= MAX_INPUTS:
             raise ServiceCallError(f"a mux has at most {MAX_INPUTS} inputs: delete one")
         self._inputs[topic] = None
@@ -138,12 +138,14 @@ class Mux:
     def _known(self, name: str) -> str:
         topic = self._resolve(name)
         if topic not in self._inputs:
-            raise ServiceCallError(f"{topic} is no input; there are {', '.join(self._inputs) or 'none'}")
+            raise ServiceCallError(
+                f"{topic} is not an input; the inputs are {', '.join(self._inputs) or 'none'}"
+            )
         return topic
 
     def _resolve(self, name: str) -> str:
         if name == NO_INPUT:
-            raise ServiceCallError(f"{NO_INPUT} stands for no input: choose another name")
+            raise ServiceCallError(f"{NO_INPUT} means no input; choose another name")
         try:
             return self._graph.resolve(name)
         except InvalidNameError as error:

@@ -62,7 +62,7 @@ def create_package(parent: Path, package: NewPackage) -> CreatedPackage:
     texts = {folder / PACKAGE_FILE: package_xml(package), folder / CMAKE_FILE: cmake_lists(package)}
     for file in texts:
         if file.exists():
-            raise ConfigError(f"{file} is there already: choose another name, or remove it")
+            raise ConfigError(f"{file} already exists; choose another name, or remove it")
     folders = []
     if not package.is_metapackage and "roscpp" in package.dependencies:
         folders.append(folder / "include" / package.name)
@@ -78,7 +78,8 @@ def create_package(parent: Path, package: NewPackage) -> CreatedPackage:
     warnings = []
     if not _CUSTOMARY_NAME.fullmatch(package.name):
         warnings.append(
-            f"{package.name}: names of packages begin with a lower case letter; such, digits, _ and - follow"
+            f"{package.name}: package names should have only lower case letters, digits, _ and -, and start "
+            f"with a letter"
         )
     return CreatedPackage(folder, list(texts), folders, warnings)
 
@@ -158,8 +159,6 @@ def _person(tag: str, person: str) -> str:
 def _check(package: NewPackage) -> None:
     for name in (package.name, *package.dependencies):
         if not _LEGAL_NAME.fullmatch(name):
-            raise ConfigError(
-                f"{name!r} is not a package name: begin with a letter, go on with letters, digits, _ and -"
-            )
+            raise ConfigError(f"{name!r} is not a package name; use a letter, then letters, digits, _ and -")
     if not _VERSION.fullmatch(package.version):
-        raise ConfigError(f"{package.version!r} is not a version of a package; write three numbers, as 0.1.0")
+        raise ConfigError(f"{package.version!r} is not a package version; write three numbers, e.g. 0.1.0")

@@ -35,7 +35,10 @@ def find_program(package: str, name: str, folder: Path | None, environ: Mapping[
         if program.is_file() and os.access(program, os.X_OK):
             return program
     if folder is None:
-        raise ConfigError(f"package {package} is not here: put it below this folder, or on ROS_PACKAGE_PATH")
+        raise ConfigError(
+            f"package {package} was not found; put it below this folder, or add its folder to "
+            f"ROS_PACKAGE_PATH"
+        )
     # A link and what it leads to are one program.
     found = list({each.resolve(): each for each in _below(folder, name)}.values())
     runnable = [each for each in found if os.access(each, os.X_OK)] or [
@@ -43,11 +46,11 @@ def find_program(package: str, name: str, folder: Path | None, environ: Mapping[
     ]
     if len(runnable) > 1:
         choices = ", ".join(str(each.relative_to(folder)) for each in runnable)
-        raise ConfigError(f"package {package} has {name} more than once; name one of {choices}")
+        raise ConfigError(f"package {package} has several files {name}; give one of {choices}")
     if runnable:
         return runnable[0]
     if found:
-        raise ConfigError(f"{found[0]} is not executable: type `chmod +x {found[0]}`")
+        raise ConfigError(f"{found[0]} is not executable; run `chmod +x {found[0]}`")
     raise ConfigError(_explain_missing(package, name, folder))
 
 
@@ -96,12 +99,15 @@ def shebang(file: Path) -> str:
 
 def _given_path(package: str, name: str, folder: Path | None) -> Path:
     if folder is None:
-        raise ConfigError(f"package {package} is not here: put it below this folder, or on ROS_PACKAGE_PATH")
+        raise ConfigError(
+            f"package {package} was not found; put it below this folder, or add its folder to "
+            f"ROS_PACKAGE_PATH"
+        )
     program = folder / name
     if not program.is_file():
-        raise ConfigError(f"package {package} has no {name}: {program} is not there")
+        raise ConfigError(f"package {package} has no {name}: {program} does not exist")
     if not os.access(program, os.X_OK) and not is_python(program):
-        raise ConfigError(f"{program} is not executable: type `chmod +x {program}`")
+        raise ConfigError(f"{program} is not executable; run `chmod +x {program}`")
     return program
 
 

@@ -59,7 +59,7 @@ def parse_package_xml(data: bytes, *, file: str = "package.xml", default_name: s
         raise ConfigError(f"{file}: the outermost element is <{root.tag}>, not <package>")
     name = _text(root, "name") or default_name
     if not is_package_name(name):
-        raise ConfigError(f"{file}: {name!r} is not a package name; give one in <name>")
+        raise ConfigError(f"{file}: {name!r} is not a package name; correct <name>")
     dependencies: dict[str, set[str]] = {}
     for element in root.children:
         # rosbuild's <depend package="NAME"/>, or <exec_depend>NAME</exec_depend>.

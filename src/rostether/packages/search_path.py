@@ -52,7 +52,7 @@ def find_packages(roots: Iterable[Path], *, on_namesake: OnNamesake | None = Non
     checkout does not hide the others.
     """
     found: dict[str, Path] = {}
-    told: set[Path] = set()
+    reported: set[Path] = set()
     for root in roots:
         # One root may overlay another: only within one is a second package of a name a mistake.
         below: dict[str, Path] = {}
@@ -62,8 +62,13 @@ def find_packages(roots: Iterable[Path], *, on_namesake: OnNamesake | None = Non
             counts = found.setdefault(name, folder.path)
             first = below.setdefault(name, folder.path)
             other = folder.path if counts != folder.path else first
-            if on_namesake and other not in (counts, *told) and first != folder.path and _is_source(other):
-                told.add(other)
+            if (
+                on_namesake
+                and other not in (counts, *reported)
+                and first != folder.path
+                and _is_source(other)
+            ):
+                reported.add(other)
                 on_namesake(name, counts, other)
     return found
 

@@ -45,7 +45,7 @@ def lay_out(sizes: Mapping[str, Size], edges: Sequence[Ends], *, column_gap: flo
     Raises ConfigError when there are too many vertices.
     """
     if len(sizes) > MAX_VERTICES:
-        raise ConfigError(f"a graph of {len(sizes)} vertices is too large to be drawn; use --format dot")
+        raise ConfigError(f"a graph of {len(sizes)} vertices is too large to draw; use --format dot")
     forward = _without_cycles(sizes, edges)
     columns = _Columns(sizes, forward)
     columns.order()

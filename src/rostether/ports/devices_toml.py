@@ -53,12 +53,12 @@ def read_devices_toml(path: Path, *, is_required: bool = False) -> DeviceBook:
             data = file.read(MAX_FILE_BYTES + 1)
     except FileNotFoundError:
         if is_required:
-            raise ConfigError(f"{path}: no such file; write it, or leave --config out") from None
+            raise ConfigError(f"{path}: no such file; create it, or leave out --config") from None
         return DeviceBook()
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read: {error.strerror or error}") from None
     if len(data) > MAX_FILE_BYTES:
-        raise ConfigError(f"{path}: longer than {MAX_FILE_BYTES} bytes; is that the file you mean?")
+        raise ConfigError(f"{path}: longer than {MAX_FILE_BYTES} bytes; check that it is the right file")
     try:
         return parse_devices_toml(data.decode(), file=str(path))
     except UnicodeDecodeError as error:
@@ -81,7 +81,7 @@ def parse_devices_toml(text: str, *, file: str = "devices.toml") -> DeviceBook:
         match = _match(table)
         if match is not None:
             if match in marks:
-                raise table.error(f"has the same marks as devices.{marks[match]}; keep one of them")
+                raise table.error(f"has the same keys as devices.{marks[match]}; keep one of them")
             marks[match] = name
         devices.append(replace(_settings(table, defaults), name=name, match=match))
     return DeviceBook(devices, defaults=defaults, discovery=discovery)

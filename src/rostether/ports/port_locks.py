@@ -23,7 +23,7 @@ def find_user(path: str) -> str | None:
         for name in {path, os.path.realpath(path)}:
             pid = _read_lock(Path(folder) / f"LCK..{name.rpartition('/')[2]}")
             if pid is not None and pid != os.getpid() and _is_running(pid):
-                return f"the program with pid {pid}, by its lock file"
+                return f"the program with PID {pid} (from its lock file)"
     return None
 
 

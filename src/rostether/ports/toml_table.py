@@ -23,7 +23,7 @@ class TomlTable:
         if not isinstance(content, dict):
             raise self.error(f"must be a table, not {_show(content)}")
         if len(content) > MAX_ENTRIES:
-            raise self.error(f"has {len(content)} entries; at most {MAX_ENTRIES} are taken")
+            raise self.error(f"has {len(content)} entries; at most {MAX_ENTRIES} are allowed")
         self._content: Mapping[str, object] = content
         for key in content:
             if known is not None and key not in known:
@@ -136,7 +136,7 @@ class TomlTable:
         if not isinstance(value, list):
             raise self.error(f"write a list in brackets, not {_show(value)}", key)
         if len(value) > MAX_ENTRIES:
-            raise self.error(f"has {len(value)} entries; at most {MAX_ENTRIES} are taken", key)
+            raise self.error(f"has {len(value)} entries; at most {MAX_ENTRIES} are allowed", key)
         return value
 
     def _whole(self, value: object, place: str, lowest: int, highest: int) -> int:

@@ -55,7 +55,7 @@ _OTHERS = {
     (0x239A, 0x80F4): "Raspberry Pi Pico with CircuitPython",
     (0x2E8A, 0x0003): "Raspberry Pi Pico, in its bootloader",
     (0x2E8A, 0x000A): "Raspberry Pi Pico",
-    (0x303A, 0x1001): "ESP32 with USB of its own",
+    (0x303A, 0x1001): "ESP32 with built-in USB",
     (0xFFF1, 0xFF48): "OpenCR",
 }
 

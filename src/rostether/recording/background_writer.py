@@ -16,7 +16,7 @@ from rostether.recording.recorded import Connection, RecordingWriter
 DEFAULT_BUFFER_BYTES = 256 << 20
 """As rosbag has it: about a minute of what bz2 takes."""
 
-TELL_PERIOD_S = 5.0
+REPORT_PERIOD_S = 5.0
 """How often a recording that is behind says so."""
 
 _MESSAGE_BYTES = 100
@@ -43,8 +43,8 @@ class BackgroundWriter:
         self._writer = writer
         self._buffer_bytes = buffer_bytes
         self._tell = tell
-        self._told_s = 0.0
-        self._told_count = 0
+        self._reported_s = 0.0
+        self._reported_count = 0
         self._numbers: dict[Connection, int] = {}
         self._connections: list[Connection] = []
         self._changed = threading.Condition()
@@ -107,8 +107,8 @@ class BackgroundWriter:
     def close(self) -> None:
         """Wait until all is written, and close the file. Idempotent. Raises RecordingError."""
         self.wait_closed()
-        if self.lost_count > self._told_count:
-            self._told_s = 0.0
+        if self.lost_count > self._reported_count:
+            self._reported_s = 0.0
             self._tell_lost()
         with self._changed:
             self._raise()
@@ -120,10 +120,10 @@ class BackgroundWriter:
 
     def _tell_lost(self) -> None:
         now_s = time.monotonic()
-        if now_s - self._told_s >= TELL_PERIOD_S:
-            self._told_s = now_s
-            self._told_count = self.lost_count
-            self._tell(f"{self.lost_count} messages lost: they come faster than they can be compressed")
+        if now_s - self._reported_s >= REPORT_PERIOD_S:
+            self._reported_s = now_s
+            self._reported_count = self.lost_count
+            self._tell(f"{self.lost_count} messages lost: they arrive faster than they can be compressed")
 
     def _work(self) -> None:
         numbers: dict[int, int] = {}
@@ -147,11 +147,11 @@ class BackgroundWriter:
                     if number not in numbers:
                         numbers[number] = self._writer.add_connection(self._connections[number])
                     self._writer.write(numbers[number], time_ns, payloads)
-            except Exception as error:  # noqa: BLE001 - whoever records is told, in its own thread
+            except Exception as error:  # noqa: BLE001 - reported in the recorder's thread
                 is_broken = True
                 with self._changed:
-                    told = error if isinstance(error, RecordingError) else RecordingError(repr(error))
-                    self._error = self._error or told
+                    failure = error if isinstance(error, RecordingError) else RecordingError(repr(error))
+                    self._error = self._error or failure
             if batch is not None:
                 with self._changed:
                     self._waiting_bytes -= batch[3]

@@ -27,7 +27,7 @@ class Checked:
 def check(path: Path, registry: Registry) -> Checked:
     """Read a recording; `registry` has the types known here. Raises RecordingError when it is none."""
     reader = open_recording(path)
-    faults: list[str] = [reader.damage + "; `rostether bag reindex` mends it"] if reader.damage else []
+    faults: list[str] = [reader.damage + "; `rostether bag reindex` repairs it"] if reader.damage else []
     faults += file_faults(path)
     layouts: dict[Connection, Layout] = {}
     decoder = Decoder()
@@ -96,4 +96,6 @@ def _differences(connection: Connection, registry: Registry) -> list[str]:
         return [f"{name} is broken here: {error}"]
     if known == md5sum:
         return []
-    return [f"{name} was recorded with md5sum {md5sum}, here it is {known}: nodes of today do not take it"]
+    return [
+        f"{name} was recorded with md5sum {md5sum}, but is known as {known}: current nodes cannot read it"
+    ]

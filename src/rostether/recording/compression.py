@@ -34,7 +34,7 @@ _STEP_BYTES = 4 << 20
 def check_compression(name: str) -> None:
     """Raise ConfigError when chunks cannot be compressed in that way here."""
     if name not in COMPRESSIONS:
-        raise ConfigError(f"no compression is called {name!r}; there are {', '.join(COMPRESSIONS)}")
+        raise ConfigError(f"no compression has the name {name!r}; known are {', '.join(COMPRESSIONS)}")
     if name == LZ4:
         _lz4_frame()
 
@@ -64,17 +64,17 @@ def decompress(name: str, data: Buffer, size_bytes: int) -> bytes | memoryview:
     if name in ("", NONE):
         plain = data
     elif size_bytes > MAX_CHUNK_BYTES:
-        raise RecordingError(f"a chunk says that it holds {size_bytes} bytes")
+        raise RecordingError(f"a chunk has a wrong size of {size_bytes} bytes")
     else:
         try:
             plain = _unpacked(name, data, size_bytes)
         except (ConfigError, RecordingError):
             raise
         except Exception as error:  # noqa: BLE001 - each library has its own at broken data
-            told = str(error) or type(error).__name__
-            raise RecordingError(f"a chunk compressed by {name} is broken ({told})") from None
+            reason = str(error) or type(error).__name__
+            raise RecordingError(f"a chunk compressed with {name} is broken ({reason})") from None
     if len(plain) != size_bytes:
-        raise RecordingError(f"a chunk holds {len(plain)} bytes in place of {size_bytes}")
+        raise RecordingError(f"a chunk has {len(plain)} bytes instead of {size_bytes}")
     return plain
 
 
@@ -82,8 +82,8 @@ def check_unpacked_size(unpacked_bytes: int, file_bytes: int) -> None:
     """Raise RecordingError where a file's packed chunks hold more than those of any recorder."""
     if unpacked_bytes > max(MAX_UNPACKED_BYTES, MAX_RATIO * file_bytes):
         raise RecordingError(
-            f"its {file_bytes} bytes would unpack to {unpacked_bytes}, more than {MAX_RATIO} times as many; "
-            "it seems made to fill memory, so it is not read"
+            f"its {file_bytes} bytes would decompress to {unpacked_bytes}, more than {MAX_RATIO} times as "
+            f"many; it may be an attack, so it is not read"
         )
 
 

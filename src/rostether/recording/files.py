@@ -70,13 +70,13 @@ def form_for(path: Path, source: Form, asked: Form | None = None) -> Form:
     if name.endswith((BAG_SUFFIX, ".bag.orig")):
         if asked is Form.ROS2:
             raise ConfigError(
-                f"{path}: a .bag holds ROS 1's messages; name a folder, or a .mcap or .db3 file"
+                f"{path}: a .bag file can only hold ROS 1 messages; give a folder, or a .mcap or .db3 file"
             )
         return Form.ROS1
     if name.endswith(MCAP_SUFFIX):
         return asked or source
     if asked is Form.ROS1:
-        raise ConfigError(f"{path}: a recording of ROS 1 is a .bag or a .mcap file")
+        raise ConfigError(f"{path}: a ROS 1 recording must be a .bag or .mcap file")
     return Form.ROS2
 
 
@@ -110,14 +110,15 @@ def create_recording(
     if name.endswith((BAG_SUFFIX, ".bag.orig")):
         return BagWriter(path, compression=compression, chunk_bytes=chunk_bytes)
     if compression != NONE and (name.endswith(DB3_SUFFIX) or storage != "mcap"):
-        raise ConfigError("a .db3 file is not compressed; take MCAP")
+        raise ConfigError(".db3 files cannot be compressed; use MCAP")
     if name.endswith(DB3_SUFFIX):
         from rostether.recording.ros2.db3_writer import Db3Writer
 
         return Db3Writer(path, types=types, unfit=unfit)
     if form is Form.ROS1 or path.suffix[1:].isalpha():
         raise ConfigError(
-            f"{path}: a recording's name ends with .bag, .mcap or .db3, a ROS 2 bag's folder has no ending"
+            f"{path}: the name of a recording must end with .bag, .mcap or .db3; a ROS 2 bag, a folder, has "
+            f"none of these endings"
         )
     from rostether.recording.ros2.bag_writer import Ros2Bag, Storage
 

@@ -96,7 +96,7 @@ class Player:
         self.time_ns = 0
         spans = [span for reader in readers if (span := reader.span_ns) is not None]
         if not spans:
-            raise RecordingError("the recording holds no message")
+            raise RecordingError("the recording has no messages")
         first_ns = min(start for start, _ in spans)
         self.start_ns = first_ns + round(settings.start_s * NS_PER_S)
         self.end_ns = max(end for _, end in spans)

@@ -268,8 +268,8 @@ class Recorder:
         try:
             writer.close()
         except RecordingError as error:
-            told = f"{self._failure or f'{error}; recording stopped'}"
-            self._failure = RecordingError(f"{told}; `rostether bag reindex {path}` gives it an index")
+            reason = f"{self._failure or f'{error}; recording stopped'}"
+            self._failure = RecordingError(f"{reason}; `rostether bag reindex {path}` gives it an index")
             self._ended.set()
         # What found no room is not counted.
         self.progress.message_count += writer.message_count - count
@@ -288,7 +288,7 @@ class Recorder:
 
     def _fail(self, error: RecordingError) -> None:
         self._failure = self._failure or RecordingError(
-            f"{error}; recording stopped, {self._path} keeps what came until then"
+            f"{error}; recording stopped; {self._path} contains the messages until then"
         )
         self._finish()
         self._ended.set()

@@ -24,4 +24,4 @@ def require_regular_file(path: Path) -> None:
         return
     for is_such, kind in _KINDS:
         if is_such(mode):
-            raise RecordingError(f"{path} is {kind}, not a file; name a recording's file, or a ROS 2 bag")
+            raise RecordingError(f"{path} is {kind}, not a file; give a recording or a ROS 2 bag")

@@ -60,7 +60,7 @@ def repack(path: Path, output: Path, compression: str, *, keep_original: Path | 
     reader = open_recording(path, is_native=True)
     try:
         if reader.damage:
-            raise RecordingError(f"{path}: {reader.damage}; `rostether bag reindex {path}` mends it")
+            raise RecordingError(f"{path}: {reader.damage}; `rostether bag reindex {path}` repairs it")
         return _rewrite(reader, path, output, compression, keep_original)
     finally:
         reader.close()
@@ -144,4 +144,4 @@ def _usual(reader: RecordingReader) -> str:
 def refuse_same(path: Path, output: Path) -> None:
     """Raise RecordingError when a command would write over what it reads."""
     if output.exists() and path.exists() and output.samefile(path):
-        raise RecordingError(f"{output} is what is read; name another file")
+        raise RecordingError(f"{output} is the input file; give another file")

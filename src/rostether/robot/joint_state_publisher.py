@@ -113,7 +113,7 @@ async def _zeros(graph: TypedGraph, model: RobotModel) -> dict[str, float]:
 
 def _dependence(name: str, value: ParamValue) -> Dependence:
     if not isinstance(value, dict) or not isinstance(value.get("parent"), str):
-        raise ConfigError(f"dependent_joints/{name} must say parent, and may say factor and offset")
+        raise ConfigError(f"dependent_joints/{name} needs parent, and can have factor and offset")
     where = f"dependent_joints/{name}"
     return Dependence(
         str(value["parent"]),

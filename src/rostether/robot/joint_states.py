@@ -168,6 +168,6 @@ class JointStates:
             passed.append(leader)
         if leader not in self.free:
             raise RobotModelError(
-                f"joint {name!r} follows {leader!r}, which is no joint of the robot that moves"
+                f"joint {name!r} mimics {leader!r}, which is not a movable joint of the robot"
             )
         return factor, offset, leader

@@ -23,7 +23,7 @@ async def read_model(graph: TypedGraph) -> RobotModel:
     text = await graph.get_param(name) if name else None
     if not isinstance(text, str | bytes):
         raise ConfigError(
-            f"no parameter {DESCRIPTION} holds a URDF; a launch file sets it: "
+            f"the parameter {DESCRIPTION} has no URDF; set it in a launch file: "
             f'<param name="{DESCRIPTION}" textfile="ROBOT.urdf"/>'
         )
     return parse_urdf(text, file=DESCRIPTION)

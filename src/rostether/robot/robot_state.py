@@ -75,10 +75,10 @@ class RobotState:
         if self._last_call_ns > now_ns:
             self._published_ns.clear()
         self._last_call_ns = now_ns
-        # Of a joint that is told twice the first counts. Names that the robot lacks are not remembered: a
+        # Of a joint that is values twice the first counts. Names that the robot lacks are not remembered: a
         # peer could send any number of them.
-        told = reversed(list(zip(names, positions, strict=True)))
-        known = {name: at for name, at in told if name in self._moving and math.isfinite(at)}
+        values = reversed(list(zip(names, positions, strict=True)))
+        known = {name: at for name, at in values if name in self._moving and math.isfinite(at)}
         last_ns = min((self._published_ns.get(name, 0) for name in known), default=now_ns)
         if not self.settings.ignore_timestamp and stamp_ns < min(last_ns, now_ns) + self.settings.interval_ns:
             return []
@@ -109,17 +109,17 @@ class RobotState:
     def _defect(self, names: Sequence[str], positions: Sequence[float], stamp_ns: int, now_ns: int) -> str:
         if len(names) != len(positions):
             if not positions:
-                return f"ignored a JointState about {names[0]!r} and others whose position is empty"
+                return f"ignored a JointState of {names[0]!r} and others without positions"
             return f"ignored a JointState with {len(names)} names and {len(positions)} positions"
         if self._last_call_ns > now_ns:
-            return "time went backwards, probably because the clock was reset: publishing all joints again"
+            return "time went backwards, probably because the clock was reset; publishing all joints again"
         if stamp_ns + OLD_STATE_NS < now_ns:
             return f"received a JointState that is {(now_ns - stamp_ns) / NS_PER_S:.3f} s old"
         for name, position in zip(names, positions, strict=True):
             if not math.isfinite(position):
-                return f"left joint {name!r} out of a JointState: its position is {position}"
+                return f"ignored joint {name!r} in a JointState: its position is {position}"
         strange = [name for name in names if name not in self._model.joints]
-        return f"a JointState names joint {strange[0]!r}, which the robot does not have" if strange else ""
+        return f"a JointState contains joint {strange[0]!r}, which the robot does not have" if strange else ""
 
     def _stamped(self, joint: Joint, position: float, stamp_ns: int) -> StampedTransform:
         prefix = self.settings.tf_prefix

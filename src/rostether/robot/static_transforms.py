@@ -40,7 +40,7 @@ def parse_static_transform(words: Sequence[str]) -> StaticTransform:
     count = len(words)
     has_quaternion = count == 10 or (count == 9 and _is_number(words[6]))
     if not 8 <= count <= 10:
-        raise ConfigError(f"{count} arguments are no transform; {USAGE}")
+        raise ConfigError(f"{count} arguments are not a transform; {USAGE}")
     numbers = [_number(word) for word in words[: 7 if has_quaternion else 6]]
     names = words[len(numbers) :]
     if has_quaternion:
@@ -102,10 +102,10 @@ def _stamped(static: StaticTransform, stamp_ns: int) -> StampedTransform:
 
 def _checked(static: StaticTransform) -> StaticTransform:
     if not static.parent or not static.child or static.parent == static.child:
-        raise ConfigError(f"parent and child frame must be two names, not {static.parent!r} twice")
+        raise ConfigError(f"parent and child frame must differ, but both are {static.parent!r}")
     if abs(sum(each * each for each in static.transform.rotation) - 1.0) >= _NORM_TOLERANCE:
         shown = " ".join(f"{each:g}" for each in static.transform.rotation)
-        raise ConfigError(f"the quaternion {shown} does not have the length 1; tf would refuse it")
+        raise ConfigError(f"the quaternion {shown} does not have length 1; tf would reject it")
     return static
 
 
@@ -118,5 +118,5 @@ def _is_number(text: str) -> bool:
 
 def _number(text: str) -> float:
     if not _is_number(text):
-        raise ConfigError(f"{text!r} is no number; {USAGE}")
+        raise ConfigError(f"{text!r} is not a number; {USAGE}")
     return float(text)

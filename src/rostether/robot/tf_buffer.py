@@ -28,7 +28,7 @@ MAX_DEPTH = 1_000
 """Steps towards the root, as in tf2: a longer way is a loop."""
 
 MAX_FRAMES = 10_000
-"""Hundreds of robots' worth; names are a peer's, and each costs memory for good."""
+"""Hundreds of robots' worth; names are a peer's, and each costs memory permanently."""
 
 MAX_FRAME_NAME_LENGTH = 1_024
 """Real names are a few words with a prefix; a peer's 100 MB must not stay with us."""

@@ -26,7 +26,7 @@ def parse_urdf(text: str | bytes, *, file: str = "robot_description") -> RobotMo
     """Return the robot that a URDF describes. Raises RobotModelError with file and line."""
     root = parse_robot_xml(text, file=file)
     if root.tag != "robot":
-        what = "COLLADA is not read here; convert it to URDF" if root.tag == "COLLADA" else "it is no URDF"
+        what = "COLLADA is not supported; convert it to URDF" if root.tag == "COLLADA" else "it is not URDF"
         raise root.error(f"the outermost element is <{root.tag}>, not <robot>: {what}")
     return _Reader(Numbers(file)).read(root)
 
@@ -67,7 +67,7 @@ class _Reader:
                 raise element.error(f"link {link.name!r} is not unique")
             links[link.name] = link
         if not links:
-            raise robot.error(f"no <link> is in the robot{self._xacro_hint(robot)}")
+            raise robot.error(f"the robot has no <link>{self._xacro_hint(robot)}")
         if len(links) > MAX_LINKS:
             raise robot.error(f"more than {MAX_LINKS} links")
         joints: dict[str, Joint] = {}
@@ -98,7 +98,7 @@ class _Reader:
             raise robot.error("no root link: every link is the child of a joint, so they form a loop")
         if len(roots) > 1:
             raise robot.error(
-                f"two root links, {roots[0]!r} and {roots[1]!r}; join them by a joint"
+                f"two root links, {roots[0]!r} and {roots[1]!r}; connect them with a joint"
                 f"{self._xacro_hint(robot)}",
             )
         return roots[0]
@@ -148,7 +148,7 @@ class _Reader:
             return 1.0, 0.0, 0.0
         vector = self._numbers.vector(axis, given, f"the axis of joint {name!r}")
         if not math.hypot(*vector):
-            raise axis.error(f"the axis of joint {name!r} is zero and so has no direction")
+            raise axis.error(f"the axis of joint {name!r} is zero; give it a direction")
         return vector
 
     def _limits(self, element: XmlElement, name: str) -> Limits | None:
@@ -191,5 +191,5 @@ class _Reader:
 
     def _xacro_hint(self, robot: XmlElement) -> str:
         if any(child.tag.startswith("xacro:") for child in robot.children):
-            return '; this is xacro: expand it first, as with command="$(find xacro)/xacro FILE"'
+            return '; this is xacro; expand it first, e.g. with command="$(find xacro)/xacro FILE"'
         return ""

@@ -62,5 +62,5 @@ class Numbers:
             number = math.nan
         if not math.isfinite(number):
             hint = "; expand this xacro first" if "${" in text else ""
-            raise RobotModelError(f"{self._file}:{element.line}: {what} is {text!r}, no number{hint}")
+            raise RobotModelError(f"{self._file}:{element.line}: {what} is {text!r}, not a number{hint}")
         return number

@@ -32,7 +32,7 @@ def parse_mappings(words: Iterable[str]) -> dict[str, str]:
     for word in words:
         name, assignment, value = word.partition(ASSIGNMENT)
         if not assignment or not name:
-            raise ConfigError(f"{word!r} sets no argument of the xacro file; write name:=value")
+            raise ConfigError(f"{word!r} is not an argument of the xacro file; write name:=value")
         mappings[name] = value
     return mappings
 
@@ -55,7 +55,7 @@ def expand_xacro(file: Path, mappings: Mapping[str, str], *, packages: Mapping[s
         except RobotModelError:
             raise
         except RecursionError as error:
-            raise RobotModelError(f"{file}: its macros or files call each other without end") from error
+            raise RobotModelError(f"{file}: its macros or files call each other endlessly") from error
         # Expressions of the file may raise anything.
         except Exception as error:
             raise RobotModelError(_explain(file, xacro, error)) from error

@@ -34,7 +34,7 @@ class Admission:
         own = transport.get_extra_info("sockname")
         if not peer or self._allow.allows_connection(peer[0], own[0] if own else ""):
             return True
-        self._refusals.refuse(peer[0], "its address is not among --allow")
+        self._refusals.refuse(peer[0], "its address is not in --allow")
         # uvloop's transports are no subclasses of asyncio's.
         abort: Callable[[], None] = transport.abort  # type: ignore[attr-defined]
         abort()

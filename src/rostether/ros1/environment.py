@@ -50,7 +50,7 @@ def parse_rpc_uri(uri: str, *, scheme: str = "http") -> RpcUri:
     """Take a node's or master's URI apart. Raises ConfigError."""
     match = _URI.fullmatch(uri.strip())
     if match is None or match["scheme"] != scheme or not 0 < int(match["port"]) < 65536:
-        raise ConfigError(f"{uri!r:.200} is not a URI like {scheme}://192.168.1.7:11311: give host and port")
+        raise ConfigError(f"{uri!r:.200} is not a URI like {scheme}://192.168.1.7:11311; give host and port")
     return RpcUri(match["host"].strip("[]"), int(match["port"]), match["path"] or "/")
 
 
@@ -114,7 +114,7 @@ class RosEnvironment:
                 _check_host(variable, host)
                 if variable == "ROS_IP" and not (_is_ip_address(host) or is_loopback(host)):
                     raise ConfigError(
-                        f"ROS_IP={host!r:.200} is no IP address; a host name goes into ROS_HOSTNAME"
+                        f"ROS_IP={host!r:.200} is not an IP address; use ROS_HOSTNAME for a host name"
                     )
                 advertised = _network_address() if _is_wildcard(host) else host
                 return replace(
@@ -184,7 +184,8 @@ def _read_namespace(text: str) -> str:
 def _check_host(source: str, host: str) -> None:
     if not (_is_ip_address(host) or _HOST.fullmatch(host)):
         raise ConfigError(
-            f"{source}={host!r:.200} is no address: give an IP or a host name, without http:// and port"
+            f"{source}={host!r:.200} is not an address; give an IP address or a host name, without http:// "
+            f"and port"
         )
 
 

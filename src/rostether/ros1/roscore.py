@@ -100,11 +100,11 @@ class Roscore:
     async def _keep_rosout(self, rosout: Ros1Graph) -> None:
         while True:
             reason = await rosout.wait_closed()
-            _log.info("/rosout has left (%s) and is started again", reason)
+            _log.info("/rosout has stopped (%s); starting it again", reason)
             self._rosout = None
             await asyncio.sleep(self._respawn_pause_s)
             try:
                 self._rosout = rosout = await self._join_rosout()
             except GraphError as error:
-                _log.warning("/rosout cannot be started again: %s", error)
+                _log.warning("cannot start /rosout again: %s", error)
                 return

@@ -108,7 +108,10 @@ class HandshakeProtocol(asyncio.Protocol):
 
     def connection_lost(self, exc: Exception | None) -> None:
         """The peer hung up before its header was complete."""
-        self._fail(exc or RemoteProtocolError("the peer hung up before its connection header was complete"))
+        self._fail(
+            exc
+            or RemoteProtocolError("the peer closed the connection before its connection header was complete")
+        )
 
     @property
     def held_bytes(self) -> int:

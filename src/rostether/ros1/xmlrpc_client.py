@@ -70,12 +70,13 @@ class XmlRpcClient:
             return reader.response()
         except TimeoutError:
             raise self._unreachable(
-                f"{self.peer} at {self.uri} did not answer {method} in {limit_s:g} s: see whether it hangs"
+                f"{self.peer} at {self.uri} did not answer {method} in {limit_s:g} s; check that it does not"
+                f" hang"
             ) from None
         except (OSError, UnicodeError) as error:
             reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
             raise self._unreachable(
-                f"{self.peer} at {self.uri} cannot be reached ({reason}): see whether it runs there"
+                f"{self.peer} at {self.uri} cannot be reached ({reason}); check that it runs there"
             ) from error
         except FaultError as error:
             raise GraphError(f"{self.peer} at {self.uri} refused {method}: {error.text}") from error
@@ -85,7 +86,9 @@ class XmlRpcClient:
                 f"{self.uri} is not {kind}: it answered {method} with {error}{self._if_other}"
             ) from error
         except ProtocolError as error:
-            raise GraphError(f"{self.peer} at {self.uri} answered {method} with nonsense: {error}") from error
+            raise GraphError(
+                f"{self.peer} at {self.uri} sent an invalid answer to {method}: {error}"
+            ) from error
 
     async def call_status(self, method: str, *args: object, timeout_s: float | None = None) -> StatusTriplet:
         """Call a ROS method and return its `(code, status message, value)`; raises as `call` does.
@@ -94,7 +97,7 @@ class XmlRpcClient:
         """
         answer = await self.call(method, *args, timeout_s=timeout_s)
         if not (isinstance(answer, list) and len(answer) == 3 and isinstance(answer[0], int)):
-            raise GraphError(f"{self.peer} at {self.uri} answered {method} with no [code, message, value]")
+            raise GraphError(f"{self.peer} at {self.uri} answered {method} without [code, message, value]")
         return answer[0], str(answer[1]), answer[2]
 
     def disconnect(self) -> None:
@@ -104,7 +107,7 @@ class XmlRpcClient:
             connection.close()
 
     async def close(self) -> None:
-        """Disconnect for good; connections in use are closed after their call. Idempotent."""
+        """Disconnect permanently; connections in use are closed after their call. Idempotent."""
         self._is_closed = True
         self.disconnect()
 

@@ -114,8 +114,8 @@ class MethodTable:
         if isinstance(error, DocumentTooLargeError):
             return dump_fault(
                 _FAULT,
-                f"the answer of {method} would take more than {self._answer_bytes} bytes: "
-                "ask for less at a time, or raise --limit xmlrpc-bytes of the server",
+                f"the answer of {method} would need more than {self._answer_bytes} bytes; request less at a"
+                f" time, or raise --limit xmlrpc-bytes of the server",
             )
         return _dump_error(method, error)
 

@@ -56,7 +56,7 @@ def _domain_id(text: str) -> int:
         return 0
     if text.strip().isdecimal() and len(text) <= 20 and int(text) <= MAX_DOMAIN_ID:
         return int(text)
-    raise ConfigError(f"ROS_DOMAIN_ID={text!r:.80} is no domain: give a number from 0 to {MAX_DOMAIN_ID}")
+    raise ConfigError(f"ROS_DOMAIN_ID={text!r:.80} is not a domain; give a number from 0 to {MAX_DOMAIN_ID}")
 
 
 def _discovery_range(text: str) -> str:
@@ -64,8 +64,8 @@ def _discovery_range(text: str) -> str:
     if word in _DISCOVERY_RANGES:
         return word
     raise ConfigError(
-        f"ROS_AUTOMATIC_DISCOVERY_RANGE={text!r:.80} is unknown: "
-        "give SUBNET, LOCALHOST, OFF or SYSTEM_DEFAULT"
+        f"ROS_AUTOMATIC_DISCOVERY_RANGE={text!r:.80} is unknown; give SUBNET, LOCALHOST, OFF or "
+        f"SYSTEM_DEFAULT"
     )
 
 
@@ -75,7 +75,7 @@ def _config_file(values: Mapping[str, str], variable: str) -> Path | None:
         return None
     path = Path(text.removeprefix("file://"))
     if not path.is_file():
-        raise ConfigError(f"{variable}={text!r:.200} is not a file: give the path of a zenoh configuration")
+        raise ConfigError(f"{variable}={text!r:.200} is not a file; give the path of a zenoh configuration")
     return path
 
 
@@ -87,8 +87,8 @@ def _overrides(text: str) -> tuple[tuple[str, str], ...]:
         path, equals, value = (piece.strip() for piece in part.partition("="))
         if not (path and equals and value):
             raise ConfigError(
-                f"ZENOH_CONFIG_OVERRIDE holds {part!r:.80}, which is no path=value: "
-                'write it as listen/endpoints=["tcp/127.0.0.1:0"]; with ";" between two of them'
+                f"ZENOH_CONFIG_OVERRIDE contains {part!r:.80}, which is not path=value; "
+                'write it as listen/endpoints=["tcp/127.0.0.1:0"], with ";" between entries'
             )
         pairs.append((path, value))
     return tuple(pairs)

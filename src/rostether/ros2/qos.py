@@ -58,12 +58,12 @@ def explain_mismatch(offered: Qos, requested: Qos) -> str:
     reasons = []
     if offered.reliability is Reliability.BEST_EFFORT and requested.reliability is Reliability.RELIABLE:
         reasons.append(
-            "the publisher is best effort and the subscriber asks for reliable: "
-            "let the subscriber take best effort"
+            "the publisher is best effort, but the subscriber requests reliable; let the subscriber request"
+            " best effort"
         )
     if offered.durability is Durability.VOLATILE and requested.durability is Durability.TRANSIENT_LOCAL:
         reasons.append(
-            "the publisher is volatile and the subscriber asks for transient local: "
-            "latch the topic, or let the subscriber take volatile"
+            "the publisher is volatile, but the subscriber requests transient local; latch the topic, or "
+            "let the subscriber request volatile"
         )
     return "; ".join(reasons)

@@ -31,7 +31,7 @@ async def open_ros2(
             await context.close()
         return
     if middleware != "zenoh":
-        raise ConfigError(f"there is no way to ROS 2 over {middleware!r}: give zenoh or rclpy")
+        raise ConfigError(f"unknown middleware {middleware!r}; give zenoh or rclpy")
     try:
         from rostether.ros2.zenoh.session import ZenohSession
     except ModuleNotFoundError as error:

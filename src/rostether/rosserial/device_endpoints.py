@@ -95,10 +95,12 @@ class DeviceEndpoints:
 
     def _demand_room_for_both(self) -> None:
         if len(self._senders) >= self._max_publishers or len(self._listeners) >= self._max_subscribers:
-            raise LocalProtocolError("no room for a service: it takes one publisher and one subscriber")
+            raise LocalProtocolError("no room for a service, which needs one publisher and one subscriber")
 
 
 def _checked(info: TopicInfo) -> TopicInfo:
     if TopicInfo.decode(info.encode()) != info:
-        raise LocalProtocolError(f"no host believes {info}; give a legal name, package/Type and its md5sum")
+        raise LocalProtocolError(
+            f"a host would reject {info}; give a valid name, package/Type and its md5sum"
+        )
     return info

@@ -24,9 +24,9 @@ class ParameterQueue:
         Raises LocalProtocolError for a name that cannot be asked for, or when too many requests wait.
         """
         if ParameterRequest.decode(ParameterRequest(name).encode()) is None:
-            raise LocalProtocolError(f"no parameter can be named {name!r}; use at most 255 printable bytes")
+            raise LocalProtocolError(f"{name!r} is not a parameter name; use at most 255 printable bytes")
         if len(self._requests) >= MAX_REQUESTS:
-            raise LocalProtocolError("too many parameter requests wait; wait for an answer first")
+            raise LocalProtocolError("too many parameter requests are waiting; wait for an answer first")
         self._requests.append((name, timeout_s))
         return self.following(now_s) if len(self._requests) == 1 else None
 

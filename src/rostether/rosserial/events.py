@@ -40,11 +40,11 @@ class DiscardReason(Enum):
     LENGTH_CHECKSUM = "frame header with a wrong length checksum"
     PAYLOAD_CHECKSUM = "frame with a wrong payload checksum"
     TOO_LONG = "frame longer than the limit"
-    UNFINISHED = "frame that began and never ended"
-    PACKET = "control packet that does not have its layout"
-    UNEXPECTED = "frame on a topic id that means nothing in this direction"
-    REFUSED = "announcement of what cannot be meant"
-    TOO_MANY = "announcement beyond the limit of endpoints"
+    UNFINISHED = "incomplete frame"
+    PACKET = "control packet with a wrong layout"
+    UNEXPECTED = "frame with a topic id that is invalid in this direction"
+    REFUSED = "implausible announcement"
+    TOO_MANY = "announcement over the limit of endpoints"
 
 
 DAMAGE = frozenset({DiscardReason.LENGTH_CHECKSUM, DiscardReason.PAYLOAD_CHECKSUM, DiscardReason.PACKET})
@@ -125,7 +125,7 @@ class NegotiationSettled:
 
 @dataclass(frozen=True, slots=True)
 class TimeRequested:
-    """The device asks for the time: call `HostLink.answer_time`."""
+    """The device requests the time: call `HostLink.answer_time`."""
 
 
 @dataclass(frozen=True, slots=True)

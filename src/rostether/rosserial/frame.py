@@ -83,7 +83,7 @@ def _head(version: int, topic_id: int, size: int) -> tuple[bytes, int]:
         length_check = 255 - ((size & 0xFF) + (size >> 8)) % 256
         head = _V2_HEAD.pack(SYNC, 0xFE, size, length_check, topic_id)
         return head, head[5] + head[6] - 1
-    raise LocalProtocolError(f"there is no protocol version {version}; use 1 or 2")
+    raise LocalProtocolError(f"unknown protocol version {version}; use 1 or 2")
 
 
 def encode_frame(topic_id: int, payload: bytes, version: int = 2) -> bytes:

@@ -14,7 +14,7 @@ from rostether.rosserial.topic_table import TopicTable
 from rostether.rostime import Time
 
 PROBE = b"\xff\x00"
-"""A frame with a wrong version byte: an unconfigured board asks for the time, a configured one ignores it."""
+"""A frame with a wrong version byte: an unconfigured board requests the time, a configured one ignores it."""
 
 OTHER_VERSION_GUARD = b"\x00"
 """Around a version 1 request while the version is not known: the last `ff` of a request would merge with the
@@ -53,7 +53,7 @@ class HostOutput:
         limit = self._table.send_limits.get(topic_id)
         if limit is None:
             raise LocalProtocolError(
-                f"the device does not listen on topic id {topic_id} now; wait until it has announced it"
+                f"the device has not announced a subscriber with topic id {topic_id}; wait until it has"
             )
         largest = max(map(len, payloads), default=0)
         if largest > limit:
@@ -73,7 +73,7 @@ class HostOutput:
         limit = DEFAULT_INPUT_BUFFER_BYTES if limit is None else limit
         if len(payload) > limit:
             raise LocalProtocolError(
-                f"the answer takes {len(payload)} bytes, and the device's buffer has {limit}"
+                f"the answer needs {len(payload)} bytes, but the device's buffer has {limit}"
             )
         self._queue_frame(ids.PARAMETER, payload)
 

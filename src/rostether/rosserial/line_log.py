@@ -72,27 +72,23 @@ class LineLog:
         if from_device and topic_id in ids.ANNOUNCEMENTS:
             return self._announcement(topic_id, payload)
         if topic_id == ids.TIME:
-            return "asks for the time" if from_device else "tells the time"
+            return "requests the time" if from_device else "tells the time"
         if topic_id == ids.TX_STOP:
             return "says stop"
         if topic_id == ids.LOG:
             log = Log.decode(payload)
-            return (
-                f"logs {log.level.name} {log.text!r}" if log is not None else "a log line that makes no sense"
-            )
+            return f"logs {log.level.name} {log.text!r}" if log is not None else "an invalid log line"
         if topic_id == ids.PARAMETER:
             if not from_device:
                 return "answers with a parameter"
             asked = ParameterRequest.decode(payload)
-            return (
-                f"asks for parameter {asked.name}" if asked is not None else "a request that makes no sense"
-            )
+            return f"requests parameter {asked.name}" if asked is not None else "an invalid request"
         return self._topics.get(topic_id, "a topic that was not announced")
 
     def _announcement(self, topic_id: int, payload: bytes) -> str:
         info = TopicInfo.read(payload)
         if info is None:
-            return "an announcement that makes no sense"
+            return "an invalid announcement"
         if info.fault() is None:
             self._topics[info.topic_id] = info.topic_name
         half = {ids.SERVICE_SERVER_RESPONSE: " response", ids.SERVICE_SERVER_REQUEST: " request"}

@@ -90,15 +90,17 @@ class TopicInfo:
         """Return what cannot be meant and what to change in the sketch, None if all can."""
         if not FIRST_USER_ID <= self.topic_id <= LAST_ID:
             return (
-                f"its topic id is {self.topic_id}, but those below {FIRST_USER_ID} are reserved; use a larger"
+                f"its topic id is {self.topic_id}, but ids below {FIRST_USER_ID} are reserved; use a larger "
+                f"one"
             )
         if not _is_name(self.topic_name):
             return (
-                f"a name begins with a letter and holds letters, digits, _ and / only; {_better_name(self)}"
+                f"a name must start with a letter and have only letters, digits, _ and /; "
+                f"{_better_name(self)}"
                 " in the sketch"
             )
         if not _TYPE.match(self.message_type):
-            return f"a type is written package/Type; {_better_type(self.message_type)} in the sketch"
+            return f"a type must be package/Type; {_better_type(self.message_type)} in the sketch"
         if not _MD5SUM.match(self.md5sum):
             return (
                 f"its md5sum {self.md5sum!r} is not 32 digits of 0-9a-f; generate the message headers of the"
@@ -206,7 +208,7 @@ def _better_type(message_type: str) -> str:
     words = [word for word in re.findall(r"[A-Za-z]\w*", message_type) if word not in ("msg", "srv")]
     if len(words) == 2:
         return "write " + "/".join(words)
-    return "write the package too, as in std_msgs/String," if len(words) == 1 else "write one"
+    return "include the package, as in std_msgs/String," if len(words) == 1 else "write one"
 
 
 def _string(text: str) -> bytes:

@@ -36,13 +36,13 @@ NEXT_PROBE_S = 0.4
 """Probes and their answers can be lost; a probe of two bytes at this interval does no harm."""
 
 EARLY_S = 2.0
-"""A configured board asks for the time every 2.5 s; half a second for the jitter of networks."""
+"""A configured board requests the time every 2.5 s; half a second for the jitter of networks."""
 
 LATE_S = 0.2
 """A timer that is handled this late means that this process stood still: it measured wrong intervals."""
 
 OVERDUE_S = 3.0
-"""A healthy board may be silent for 3 s: it asks for the time every 2.5 s, and sketches sleep."""
+"""A healthy board may be silent for 3 s: it requests the time every 2.5 s, and sketches sleep."""
 
 SILENT_AFTER_S = 4.0
 """A second for the answers to several topic requests, in case some are lost."""

@@ -11,7 +11,7 @@ from __future__ import annotations
 from rostether.rostime import Time
 
 REQUEST_PERIOD_S = 2.5
-"""How often a configured device asks for the time (established library: 5 s / 2)."""
+"""How often a configured device requests the time (established library: 5 s / 2)."""
 
 OUR_REQUEST_PERIOD_S = 2.2
 """Our own devices ask a little more often, so that one lost answer matters less."""

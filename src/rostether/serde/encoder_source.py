@@ -196,12 +196,12 @@ def to_bytes(values: object) -> bytes:
         return bytes(values)
     if hasattr(values, "__array__"):
         return bytes(list(values))  # type: ignore[call-overload]
-    raise TypeError("a uint8[] wants bytes or a list of integers")
+    raise TypeError("a uint8[] needs bytes or a list of integers")
 
 
 def _pack_texts(texts: Sequence[str]) -> bytes:
     if isinstance(texts, str | bytes):
-        raise TypeError("a string[] wants a list of strings")
+        raise TypeError("a string[] needs a list of strings")
     parts = []
     for text in texts:
         raw = text.encode("utf-8", "surrogateescape")

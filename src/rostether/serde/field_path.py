@@ -28,7 +28,7 @@ class FieldPath:
         for place, part in enumerate(parts, 1):
             name, bracket, rest = part.partition("[")
             if tree is None:
-                raise ConfigError(f"{within} has no fields, so {self.text!r} cannot go on with {part!r}")
+                raise ConfigError(f"{within} has no fields, so {self.text!r} cannot continue with {part!r}")
             member = _member(tree, name)
             index = _read_index(part, rest) if bracket else None
             self.type: FieldType = member.type
@@ -73,7 +73,7 @@ def _inside(member: Member, index: int | slice | None, *, last: bool) -> Struct 
             raise ConfigError(f"field {member.name!r} is a {member.type}, not an array; leave out the [ ]")
         return node if isinstance(node, Struct) else None
     if index is None and not last:
-        raise ConfigError(f"field {member.name!r} is an array; select elements, as {member.name}[0]")
+        raise ConfigError(f"field {member.name!r} is an array; select elements, e.g. {member.name}[0]")
     return node.element if isinstance(node.element, Struct) else None
 
 

@@ -154,9 +154,9 @@ class TypeTrees:
     def _resolve(self, name: str, spec: MessageSpec, within: tuple[str, ...]) -> Struct:
         if name in within:
             cycle = " -> ".join((*within[within.index(name) :], name))
-            raise DefinitionError(f"{name} contains itself ({cycle}), so no message of it can end")
+            raise DefinitionError(f"{name} contains itself ({cycle}), so its messages would be endless")
         if len(within) >= MAX_DEPTH:
-            raise DefinitionError(f"{within[0]} nests types more than {MAX_DEPTH} deep; flatten it")
+            raise DefinitionError(f"{within[0]} nests types more than {MAX_DEPTH} levels deep; flatten it")
         within = (*within, name)
         members = tuple(
             Member(field.name, field.type, self._node(field.type, within)) for field in spec.fields
@@ -172,7 +172,7 @@ class TypeTrees:
         )
         _require_modest(name, struct)
         if struct.depth > MAX_DEPTH:
-            raise DefinitionError(f"{name} nests types more than {MAX_DEPTH} deep; flatten it")
+            raise DefinitionError(f"{name} nests types more than {MAX_DEPTH} levels deep; flatten it")
         self._structs[name] = struct
         return struct
 
@@ -215,8 +215,8 @@ def _total_size(sizes: Iterable[int | None]) -> int | None:
 def _require_modest(owner: str, node: Array | Struct) -> None:
     if (node.fixed_size_bytes or 0) > MAX_FIXED_BYTES:
         raise DefinitionError(
-            f"{owner} takes {node.fixed_size_bytes} bytes at least, more than the {MAX_FIXED_BYTES} we hold"
+            f"{owner} needs at least {node.fixed_size_bytes} bytes, more than the limit of {MAX_FIXED_BYTES}"
         )
     limit = MAX_EMPTY_ELEMENTS if node.fixed_size_bytes == 0 else MAX_ZERO_ELEMENTS
     if node.zero_elements > limit + 1:
-        raise DefinitionError(f"{owner} has {node.zero_elements} parts, more than the {limit} we hold")
+        raise DefinitionError(f"{owner} has {node.zero_elements} parts, more than the limit of {limit}")

@@ -137,7 +137,7 @@ def does_not_fit(
 ) -> SerializationError:
     """Return the error for a value that does not fit a field, or the whole type where the path is empty."""
     subject = f"field '{path}' of {type_name}" if path else type_name
-    return SerializationError(f"{subject} wants {wanted}, got {_show(got) if quote else got}")
+    return SerializationError(f"{subject} needs {wanted}, got {_show(got) if quote else got}")
 
 
 def _show(value: object) -> str:

@@ -83,7 +83,7 @@ class QemuBoard:
             await _end(process)
             if isinstance(error, TimeoutError):
                 raise BoardError(
-                    f"{PROGRAM} did not start within {START_LIMIT_S:g} s; is the machine busy?"
+                    f"{PROGRAM} did not start within {START_LIMIT_S:g} s; the machine may be too busy"
                 ) from None
             raise
 
@@ -146,7 +146,7 @@ async def _find_terminal(process: asyncio.subprocess.Process) -> tuple[str, byte
         found = _TERMINAL.search(said)
         if found is not None:
             return found[1].decode(), said
-    raise BoardError(f"{PROGRAM} does not run this program: {_complaint(said) or 'it said nothing'}")
+    raise BoardError(f"{PROGRAM} does not run this program: {_complaint(said) or 'no reason given'}")
 
 
 def _complaint(said: bytes) -> str:

@@ -134,7 +134,7 @@ def check_publisher(fields: Mapping[str, str], topic: str, message_type: Message
     if not agree(fields["md5sum"], message_type.md5sum):
         raise TypeMismatchError(
             f"{topic} is published as {fields.get('type', '?')} (md5sum {fields['md5sum']}), "
-            f"not as {message_type.name} (md5sum {message_type.md5sum}): make both ends use one definition"
+            f"not as {message_type.name} (md5sum {message_type.md5sum}); make both ends use one definition"
         )
 
 
@@ -157,7 +157,7 @@ def check_server(fields: Mapping[str, str], service: str, service_type: ServiceT
     if not agree(fields["md5sum"], service_type.md5sum):
         raise TypeMismatchError(
             f"service {service} has type {fields.get('type', '?')} (md5sum {fields['md5sum']}), "
-            f"not {service_type.name} (md5sum {service_type.md5sum}): make both ends use one definition"
+            f"not {service_type.name} (md5sum {service_type.md5sum}); make both ends use one definition"
         )
 
 

@@ -278,10 +278,10 @@ def _split_scheme(text: str, place: str) -> tuple[str, str]:
         raise ConfigError("empty link address; write for instance /dev/ttyACM0 or tcp://:11411")
     if _HOST_PORT.fullmatch(place):
         raise ConfigError(
-            f"no link address: {text!r}; write tcp://{place}?connect=yes to connect there, "
+            f"not a link address: {text!r}; write tcp://{place}?connect=yes to connect there, "
             f"or tcp://{place} to listen there"
         )
-    raise ConfigError(f"no link address: {text!r}; a serial port is written with its path, /dev/{place}")
+    raise ConfigError(f"not a link address: {text!r}; write a serial port with its path, /dev/{place}")
 
 
 def _parse_options(text: str, scheme: str, query: str) -> dict[str, str]:
@@ -296,7 +296,7 @@ def _parse_options(text: str, scheme: str, query: str) -> dict[str, str]:
         if not equals or not value:
             raise ConfigError(f"option {key!r} in link address {text!r} has no value; write {key}=VALUE")
         if key in options:
-            raise ConfigError(f"option {key!r} stands twice in link address {text!r}; keep one")
+            raise ConfigError(f"option {key!r} is given twice in link address {text!r}; keep one")
         options[key] = value
     return options
 
@@ -306,7 +306,7 @@ def _require_path(text: str, place: str) -> str:
     path = path.removeprefix("//") if path.startswith("///") else path
     if not path:
         raise ConfigError(
-            f"link address {text!r} names no path; write one such as /dev/ttyACM0 or sim:blink.ino"
+            f"link address {text!r} has no path; write one such as /dev/ttyACM0 or sim:blink.ino"
         )
     return path
 
@@ -324,8 +324,8 @@ def _parse_endpoint(text: str, place: str) -> tuple[str, int]:
         port_text = str(DEFAULT_PORT)
     if not (_is_number(port_text) and int(port_text) <= 65535):
         raise ConfigError(
-            f"{port_text!r} in link address {text!r} is no port; write HOST:PORT with a number up to 65535"
+            f"{port_text!r} in link address {text!r} is not a port; write HOST:PORT with a number up to 65535"
         )
     if any(character in "/[]" or character.isspace() for character in host):
-        raise ConfigError(f"host {host!r} in link address {text!r} is no host name; write HOST:PORT")
+        raise ConfigError(f"host {host!r} in link address {text!r} is not a host name; write HOST:PORT")
     return host or LOOPBACK, int(port_text)

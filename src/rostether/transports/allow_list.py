@@ -24,7 +24,7 @@ def check_networks(networks: Iterable[str], source: str) -> tuple[str, ...]:
             ip_network(network, strict=False)
         except ValueError:
             raise ConfigError(
-                f"{source}: {network!r:.200} is no network; write for instance 192.168.1.0/24 or 10.0.0.7"
+                f"{source}: {network!r:.200} is not a network; write for instance 192.168.1.0/24 or 10.0.0.7"
             ) from None
     return checked
 

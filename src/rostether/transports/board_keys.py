@@ -55,5 +55,5 @@ def _read_certificate(path: str) -> bytes:
     except OSError as error:
         reason = error.strerror or str(error)
     except ValueError:
-        reason = "there is no certificate in PEM form in it"
+        reason = "it contains no certificate in PEM format"
     raise ConfigError(f"certificate={path}: cannot be read: {reason}")

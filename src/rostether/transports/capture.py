@@ -100,12 +100,12 @@ class Capture:
                 found = _object(line)
             except ValueError as error:
                 raise ConfigError(
-                    f"{self.path}, line 1: {error}; is it a capture by `rostether link record`?"
+                    f"{self.path}, line 1: {error}; is it a capture of `rostether link record`?"
                 ) from None
             if "hex" in found or "capture" not in found:
                 raise ConfigError(
-                    f"{self.path}, line 1: no description of a capture, such as "
-                    '{"capture": "arm"}; is it a capture by `rostether link record`?'
+                    f"{self.path}, line 1: no header of a capture, such as "
+                    '{"capture": "arm"}; is it a capture of `rostether link record`?'
                 )
             return found
         raise ConfigError(f"{self.path} is empty; record it again with `rostether link record`")
@@ -121,7 +121,7 @@ class Capture:
                     if not is_whole and len(line) == MAX_LINE_BYTES:
                         raise ConfigError(
                             f"{self.path}, line {number}: longer than {MAX_LINE_BYTES >> 20} MiB; "
-                            "is it a capture by `rostether link record`?"
+                            "is it a capture of `rostether link record`?"
                         )
                     yield number, line, is_whole
         except OSError as error:
@@ -161,7 +161,7 @@ def _entry(line: Mapping[str, Any], last_s: float) -> Entry | None:
     try:
         data = bytes.fromhex(line["hex"])
     except (KeyError, TypeError, ValueError):
-        raise ValueError("'hex' holds no bytes in hexadecimal") from None
+        raise ValueError("'hex' has no bytes in hexadecimal") from None
     return Chunk(time_s, link, side == "device", data)
 
 

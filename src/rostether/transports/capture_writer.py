@@ -52,9 +52,7 @@ class CaptureWriter:
                 path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o644
             )
         except FileExistsError:
-            raise ConfigError(
-                f"{path} exists, and no capture is written over another; name another file"
-            ) from None
+            raise ConfigError(f"{path} already exists; give another file") from None
         except OSError as error:
             raise ConfigError(
                 f"cannot write {path}: {error.strerror or error}; choose a file in a writable folder"
@@ -129,7 +127,7 @@ class CaptureWriter:
             return
         self.written_bytes += len(data)
 
-    def _end(self, told: str | None) -> None:
+    def _end(self, reason: str | None) -> None:
         if self._file is None:
             return
         os.close(self._file)
@@ -137,8 +135,8 @@ class CaptureWriter:
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
-        if told is not None:
-            self._tell(told)
+        if reason is not None:
+            self._tell(reason)
 
 
 class RecordedTransport:

@@ -99,7 +99,7 @@ class _Hello:
                 await self._done
         except TimeoutError:
             raise TransportTimeoutError(
-                f"it said no pre-shared-key hello within {PSK_LIMIT_S:g} s; give it the key, see psk="
+                f"it sent no pre-shared-key hello within {PSK_LIMIT_S:g} s; give it the key, see psk="
             ) from None
 
     def data_received(self, data: bytes) -> None:
@@ -121,7 +121,10 @@ class _Hello:
     def connection_lost(self, error: TransportError | None) -> None:
         if not self._done.done():
             self._done.set_exception(
-                TransportClosedError("it hung up in the pre-shared-key hello; both must have the same key")
+                TransportClosedError(
+                    "it closed the connection during the pre-shared-key hello; both sides "
+                    "must have the same key"
+                )
             )
 
     def pause_writing(self) -> None: ...

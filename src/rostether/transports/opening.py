@@ -53,13 +53,9 @@ async def open_transport(address: Address | str) -> Transport:
 
             return await connect_udp(address)
         case SimAddress():
-            raise ConfigError(
-                f"{address} is a board to simulate, no open link; `rostether serve {address}` starts it"
-            )
+            raise ConfigError(f"{address} is a simulated board; `rostether serve {address}` starts it")
         case _:
-            raise ConfigError(
-                f"{address} brings many devices; it is listened on, or add ?connect=yes for one"
-            )
+            raise ConfigError(f"{address} accepts many devices; add ?connect=yes to connect to one")
 
 
 async def listen(
@@ -105,4 +101,4 @@ async def listen(
 
             return await XbeeListener.start(address, on_transport, open_serial=open_serial)
         case _:
-            raise ConfigError(f"{address} is one device; it is opened, nothing comes to listen for")
+            raise ConfigError(f"{address} is one device, which cannot be listened on")

@@ -230,7 +230,7 @@ class PeerTable(Generic[PeerKey]):
             if len(self._peers) >= self._max_peers:
                 self._make_place(self.now_s())
             if len(self._peers) >= self._max_peers:
-                self.refusals.refuse(self._show(key), f"{self._max_peers} boards are connected already")
+                self.refusals.refuse(self._show(key), f"{self._max_peers} boards are already connected")
                 return
             peer = self.add(key)
             peer.allowance_bytes -= sent_bytes
@@ -262,7 +262,11 @@ class PeerTable(Generic[PeerKey]):
         silent = [peer for peer in self._peers.values() if peer.is_replaceable(now_s)]
         if silent:
             peer = min(silent, key=lambda peer: (peer.has_answered, peer.heard_at_s))
-            peer.end(TransportClosedError(f"{peer.peer} was silent, and its place is needed"))
+            peer.end(
+                TransportClosedError(
+                    f"{peer.peer} was silent; disconnected it to make room for another board"
+                )
+            )
 
     def add(self, key: PeerKey, *, expires: bool = True) -> PeerTransport[PeerKey]:
         """Make a peer's transport and announce it; one that is known beforehand need not expire."""

@@ -83,13 +83,13 @@ class ListenerHello:
         line, rest = taken
         match = _ANSWER.fullmatch(line)
         if match is None:
-            raise RemoteProtocolError("it said no pre-shared-key hello; give it the key, see psk=")
+            raise RemoteProtocolError("it sent no pre-shared-key hello; give it the key, see psk=")
         theirs, proof = match[1].decode(), match[2].decode()
         for name, key in self._keys.items():
             if hmac.compare_digest(proof, _proof(key, "connector", self._nonce, theirs)):
                 self.proven = name
                 return f"{_WORD} {_proof(key, 'listener', self._nonce, theirs)}\n".encode(), rest
-        raise RemoteProtocolError("it has another pre-shared key; give it ours, see psk=")
+        raise RemoteProtocolError("it has another pre-shared key; use the same key on both sides, see psk=")
 
 
 class ConnectorHello:
@@ -115,7 +115,7 @@ class ConnectorHello:
             match = _GREETING.fullmatch(line)
             if match is None:
                 raise RemoteProtocolError(
-                    "it asks for no pre-shared key; leave psk= out, or set it there too"
+                    "it requires no pre-shared key; leave out psk=, or also set it there"
                 )
             theirs = match[1].decode()
             self._expected = _proof(self._key, "listener", theirs, self._nonce)
@@ -124,7 +124,9 @@ class ConnectorHello:
             return self.receive(rest) if rest else None
         match = _PROOF.fullmatch(line)
         if match is None or not hmac.compare_digest(match[1].decode(), self._expected):
-            raise RemoteProtocolError("it has another pre-shared key; give it ours, see psk=")
+            raise RemoteProtocolError(
+                "it has another pre-shared key; use the same key on both sides, see psk="
+            )
         return b"", rest
 
     def pop_answer(self) -> bytes:
@@ -141,7 +143,7 @@ class _Lines:
         self._pending += data
         line, end, rest = self._pending.partition(b"\n")
         if len(line) > MAX_LINE_BYTES:
-            raise RemoteProtocolError("it said no pre-shared-key hello; give it the key, see psk=")
+            raise RemoteProtocolError("it sent no pre-shared-key hello; give it the key, see psk=")
         if not end:
             return None
         self._pending = b""

@@ -38,14 +38,16 @@ _LOW_WATER_BYTES = 16 * 1024
 def open_pty(address: PtyAddress) -> PtyTransport:
     """Make a pseudo-terminal and link it. Raises TransportOpenError, ConfigError on Windows."""
     if sys.platform == "win32":
-        raise ConfigError(f"{address} needs pseudo-terminals, which Windows lacks; use tcp://:11411 there")
+        raise ConfigError(
+            f"{address} needs pseudo-terminals, which Windows does not have; use tcp://:11411 there"
+        )
     link = Path(address.link)
     check_link(link)
     try:
         master, slave = os.openpty()
     except OSError as error:
         raise TransportOpenError(
-            f"cannot make a pseudo-terminal: {explain_reason(error)}; close programs that use many of them"
+            f"cannot create a pseudo-terminal: {explain_reason(error)}; close programs that use many of them"
         ) from error
     try:
         terminal = os.ttyname(slave)

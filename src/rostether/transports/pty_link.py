@@ -16,7 +16,7 @@ def check_link(link: Path) -> None:
         if link.exists() and not is_pseudo_terminal(str(link)):
             raise TransportOpenError(f"{link} is a link to something else; choose another path for pty:")
     elif link.exists():
-        raise TransportOpenError(f"{link} exists already; remove it or choose another path for pty:")
+        raise TransportOpenError(f"{link} already exists; remove it, or choose another path for pty:")
 
 
 def place_link(link: Path, terminal: str) -> None:

@@ -49,7 +49,7 @@ def explain_open_error(
     if isinstance(error, OSError) and code in (errno.ENOTTY, errno.EISDIR):
         return TransportOpenError(f"{path} is not a serial port; {_say_what_is_there(list_ports)}")
     if isinstance(error, OSError) and code in (errno.ENXIO, errno.ENODEV, errno.EIO):
-        return TransportOpenError(f"no device answers behind {path}; {_say_what_is_there(list_ports)}")
+        return TransportOpenError(f"no device answers on {path}; {_say_what_is_there(list_ports)}")
     if isinstance(error, OSError) and code != errno.EINVAL:
         return TransportOpenError(
             f"cannot open {path}: {error.strerror or error}; unplug it and plug it in again"
@@ -71,17 +71,17 @@ def explain_permission(path: str) -> str:
     """Say who may open a port, and what to type."""
     group = group_of(path)
     if group is None:
-        return f"no permission to open {path}, which only root may use; type sudo chmod a+rw {path}"
+        return f"no permission to open {path}: only root may use it; run: sudo chmod a+rw {path}"
     return (
-        f"no permission to open {path}, it belongs to group {group}; "
-        f"type sudo usermod -aG {group} $USER, then log out and in again"
+        f"no permission to open {path}: it belongs to group {group}; run: sudo usermod -aG {group} $USER, "
+        f"then log out and in again"
     )
 
 
 def _say_what_is_there(list_ports: Callable[[], Sequence[_Port]]) -> str:
     ports = list_ports()
     if not ports:
-        return "no serial port is plugged in"
+        return "no serial port found"
     shown = ", ".join(f"{port.path} ({port.description})" for port in ports[:LISTED_PORTS])
     more = f" and {len(ports) - LISTED_PORTS} more" if len(ports) > LISTED_PORTS else ""
     return f"there is {shown}{more}"

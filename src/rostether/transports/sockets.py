@@ -98,7 +98,8 @@ def explain_bind_error(scheme: str, host: str, port: int, error: OSError) -> Tra
         )
     if error.errno == errno.EADDRNOTAVAIL:
         return TransportOpenError(
-            f"{host} is no address of this machine; write {scheme}://0.0.0.0:{port} to listen on all it has"
+            f"{host} is not an address of this machine; write {scheme}://0.0.0.0:{port} to listen on all its"
+            f" addresses"
         )
     if error.errno == errno.EACCES:
         return TransportOpenError(
@@ -112,9 +113,9 @@ def explain_bind_error(scheme: str, host: str, port: int, error: OSError) -> Tra
 def explain_connect_error(place: str, error: OSError) -> TransportOpenError:
     """Say why a peer cannot be reached."""
     if isinstance(error, ConnectionRefusedError):
-        return TransportOpenError(f"nothing listens on {place}; start it there or correct the port")
+        return TransportOpenError(f"no program listens on {place}; start it, or correct the port")
     if isinstance(error, socket.gaierror):
-        return TransportOpenError(f"the host of {place} is not known; check its name or write its address")
+        return TransportOpenError(f"the host of {place} is unknown; check its name, or write its address")
     return TransportOpenError(
         f"cannot reach {place}: {explain_reason(error)}; check the address and the network"
     )

@@ -219,9 +219,11 @@ class TcpListener:
         """End the oldest that has proven nothing, where its address or all together hold too many."""
         same = [each for each in self._unproven if each.host == host]
         if len(same) >= MAX_UNPROVEN_PER_HOST:
-            self._end_unproven(same[0], f"{host} has {MAX_UNPROVEN_PER_HOST} connections without a proof")
+            self._end_unproven(same[0], f"{host} has {MAX_UNPROVEN_PER_HOST} unauthenticated connections")
         elif len(self._unproven) >= MAX_UNPROVEN:
-            self._end_unproven(next(iter(self._unproven)), f"{MAX_UNPROVEN} connections are without a proof")
+            self._end_unproven(
+                next(iter(self._unproven)), f"there are {MAX_UNPROVEN} unauthenticated connections"
+            )
 
     def _end_unproven(self, transport: TcpTransport, reason: str) -> None:
         del self._unproven[transport]
@@ -249,14 +251,14 @@ class TcpListener:
         if self._server is None:
             return "it is closing"
         if not self._allow.allows_connection(host, own_host):
-            return "its address is not among those allowed"
+            return "its address is not allowed"
         return self._fullness(host)
 
     def _fullness(self, host: str) -> str | None:
         if len(self._boards) >= self._max_connections:
-            return f"{self._max_connections} boards are connected already"
+            return f"{self._max_connections} boards are already connected"
         if self._per_host[host] >= self._max_connections_per_host:
-            return f"{host} has {self._max_connections_per_host} connections already"
+            return f"{host} already has {self._max_connections_per_host} connections"
         return None
 
     def _admit(self, transport: TcpTransport) -> None:

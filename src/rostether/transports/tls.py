@@ -76,5 +76,5 @@ def _load(context: ssl.SSLContext, files: TlsFiles) -> None:
     except (OSError, ValueError) as error:
         reason = error.reason if isinstance(error, ssl.SSLError) else getattr(error, "strerror", None)
         raise ConfigError(
-            f"{shown}: no certificate or key in PEM form can be read: {reason or error}"
+            f"{shown}: it has no readable certificate or key in PEM format: {reason or error}"
         ) from None

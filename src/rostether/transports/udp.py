@@ -159,7 +159,7 @@ class UdpListener(_DatagramSocket):
         if self._allow.allows(addr[0]):
             self.peers.receive(addr, data)
         else:
-            self.peers.refusals.refuse(_show_peer(addr), "its address is not among those allowed")
+            self.peers.refusals.refuse(_show_peer(addr), "its address is not allowed")
 
 
 class _UdpClient(_DatagramSocket):

@@ -41,7 +41,7 @@ class RadioPacket(NamedTuple):
 def encode_tx(destination: int, payload: bytes, *, frame_id: int = _NO_STATUS) -> bytes:
     """Return the escaped frame that sends at most 100 bytes to a 16-bit address."""
     if len(payload) > MAX_PAYLOAD_BYTES:
-        raise ValueError(f"a radio packet holds {MAX_PAYLOAD_BYTES} bytes, not {len(payload)}")
+        raise ValueError(f"a radio packet can hold {MAX_PAYLOAD_BYTES} bytes, not {len(payload)}")
     return encode_frame(bytes((_TX_16, frame_id, *destination.to_bytes(2, "big"), 0)) + payload)
 
 

@@ -47,7 +47,7 @@ def _read_boolean(text: str) -> bool:
 
 def _read_nil(text: str) -> None:
     if text.strip():
-        raise ValueError("nil with a content")
+        raise ValueError("nil with content")
 
 
 _SCALARS: dict[str, Callable[[str], XmlRpcValue]] = {
@@ -116,7 +116,7 @@ class DocumentReader:
                 parser.Parse(document[start:end], False)
                 if min(end, len(document)) - parser.CurrentByteIndex > MAX_TAG_BYTES:
                     raise RemoteProtocolError(
-                        f"an XML-RPC document has no tag of more than {MAX_TAG_BYTES} bytes"
+                        f"an XML-RPC document must not have tags of more than {MAX_TAG_BYTES} bytes"
                     )
                 yield
             parser.Parse(b"", True)
@@ -149,7 +149,7 @@ class DocumentReader:
         self._path.append(tag)
         self._text.clear()
         if parent == "value" and self._has_value:
-            raise RemoteProtocolError("an XML-RPC value holds two values")
+            raise RemoteProtocolError("an XML-RPC value contains two values")
         if tag == "array":
             self._open([])
         elif tag == "struct":

@@ -143,7 +143,7 @@ class DocumentWriter:
         self._chunks.append(chunk)
         self._byte_count += len(chunk)
         if self._max_bytes is not None and self._byte_count > self._max_bytes:
-            raise DocumentTooLargeError(f"the XML-RPC document would take more than {self._max_bytes} bytes")
+            raise DocumentTooLargeError(f"the XML-RPC document would need more than {self._max_bytes} bytes")
 
 
 class _Lazy(Iterator[object]):

@@ -128,12 +128,12 @@ class HttpServerSide:
         elif b"origin" in headers:
             self._refuse(403, "requests from web pages are refused")
         elif headers.get(b"content-encoding", b"identity") != b"identity":
-            self._refuse(400, "compressed requests are not understood")
+            self._refuse(400, "compressed requests are not supported")
         elif not self._is_own_host(host := headers.get(b"host", b"localhost").decode("latin-1")):
             self._refuse(
                 403,
-                f"{host!r:.200} is no name of this machine: use its address, or start with ROS_HOSTNAME or "
-                "--listen set to this name",
+                f"{host!r:.200} is not a name of this machine; use its address, or set ROS_HOSTNAME or "
+                f"--listen to this name",
             )
         elif any(_media_type(value) not in _XML_TYPES for name, value in request.headers if name == _TYPE):
             # What a web page can send unasked is a form or plain text; some ROS clients give no type.

@@ -84,7 +84,7 @@ async def test_sketches_with_another_baud_rate(tmp_path: Path) -> None:
     assert codes(found) == {name: [Code.WRONG_BAUD] for name in bauds}
     for name, baud in bauds.items():
         finding = only(found[name])
-        assert f"does not speak at 57600 baud, but at {baud}" in finding.seen
+        assert f"uses {baud} baud, not 57600" in finding.seen
         assert f"?baud={baud}" in finding.next_step
         assert found[name].board is not None
 
@@ -151,5 +151,5 @@ async def test_boards_that_work_badly(tmp_path: Path) -> None:
         "damaged": [Code.FRAMES_DAMAGED],
     }
     assert "too slow" in only(found["drifts"]).seen
-    assert "topic id 140" in only(found["stray"]).seen
-    assert " % of the frames come damaged" in only(found["damaged"]).seen
+    assert "topic id 140;" in only(found["stray"]).seen
+    assert " % of the frames are damaged" in only(found["damaged"]).seen

@@ -162,7 +162,7 @@ def test_text_at_another_baud_rate() -> None:
 def test_wrong_baud_and_the_right_one(right: int) -> None:
     diagnosis = diagnose(talker, board_baud=right)
     assert codes(diagnosis) == [Code.WRONG_BAUD]
-    assert f"but at {right}" in diagnosis.findings[0].seen
+    assert f"{right} baud, not" in diagnosis.findings[0].seen
     assert f"?baud={right}" in diagnosis.findings[0].next_step
     assert diagnosis.board is not None
     assert diagnosis.baud == right
@@ -329,7 +329,7 @@ def test_messages_longer_than_the_board_announced(size: int, baud: int) -> None:
     diagnosis = diagnose(board, watch_s=12.0)
     (finding,) = diagnosis.findings
     assert (finding.code, finding.subject) == (Code.MESSAGES_TOO_LONG, "text")
-    assert f"with {size} bytes" in finding.seen
+    assert f"have {size} bytes" in finding.seen
     assert "buffer of 280" in finding.seen
 
 
@@ -346,7 +346,7 @@ def test_messages_longer_than_their_type_from_a_board_that_streams() -> None:
 
     (finding,) = diagnose(board).findings
     assert (finding.code, finding.subject) == (Code.MESSAGES_TOO_LONG, "count")
-    assert "with 12 bytes, more than that type" in finding.seen
+    assert "with 12 bytes, more than this type" in finding.seen
 
 
 def test_a_service_answer_longer_than_the_board_announced() -> None:
@@ -449,7 +449,7 @@ def test_a_port_that_goes_away_between_two_openings() -> None:
             nonlocal opened
             opened += 1
             if opened > 1:
-                raise TransportOpenError(f"no device answers behind {address}; plug it in")
+                raise TransportOpenError(f"no device answers on {address}; plug it in")
             return memory_pair(can_pause=False)[0]
 
         async def facts(path: str) -> PortFacts:

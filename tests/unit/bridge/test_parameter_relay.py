@@ -27,7 +27,7 @@ class Answers:
         self, ints: Sequence[int] = (), floats: Sequence[float] = (), strings: Sequence[str] = ()
     ) -> None:
         if self.takes_nothing:
-            raise LocalProtocolError("the answer takes 12 bytes, and the device's buffer has 11")
+            raise LocalProtocolError("the answer needs 12 bytes, but the device's buffer has 11")
         if len(ints) > self.limit:
             raise LocalProtocolError("412 bytes do not fit the board's buffer of 280")
         self.given.append(Answer(tuple(ints), tuple(floats), tuple(strings)))
@@ -160,8 +160,8 @@ async def test_a_board_that_takes_no_answer_at_all_is_named_and_later_questions_
     asking.ask("gain")
     await until(lambda: world.reporter.texts, "the line")
     assert world.reporter.texts == [
-        "parameter gain, which the board asked for: the answer takes 12 bytes, and the device's buffer has "
-        "11; not even an empty answer fits; enlarge the input buffer of the sketch's NodeHandle_"
+        "parameter gain, requested by the board: the answer takes 12 bytes, and the device's buffer has "
+        "11; even an empty answer does not fit; enlarge the input buffer of the sketch's NodeHandle_"
     ]
     answers.takes_nothing = False
     asking.ask("gain")
@@ -183,7 +183,7 @@ async def test_a_defect_costs_one_answer_and_is_one_line(world: World) -> None:
     await until(lambda: len(answers.given) == 2, "the answers")
     assert answers.given == [Answer(), Answer(ints=(7,))]
     assert world.reporter.texts == [
-        "parameter odd, which the board asked for: KeyError: 'odd'; please report it"
+        "parameter odd, requested by the board: KeyError: 'odd'; please report it"
     ]
 
 

@@ -162,7 +162,7 @@ async def test_a_board_whose_buffer_takes_no_answer_is_served_further(
     board = await bridge.connect(small)
     await bridge.settled()
     board.ask_parameter("gain")
-    await until(lambda: bridge.reporter.having("not even an empty answer fits"), "the line")
+    await until(lambda: bridge.reporter.having("even an empty answer does not fit;"), "the line")
     board.ask_time()
     answered = len(board.received[ids.TIME])
     await until(lambda: len(board.received[ids.TIME]) > answered, "the time")
@@ -398,7 +398,7 @@ async def test_a_hanging_board_stops_no_publisher_for_long(bridge: Bridge) -> No
     for _ in range(30):
         publisher.publish_raw([text("x" * 200)] * 100)
         await asyncio.sleep(0)
-    await until(lambda: bridge.reporter.having("led brings more than the board takes"), "the line")
+    await until(lambda: bridge.reporter.having("led is faster than the board can receive:"), "the line")
     board.transport.resume_reading()
     publisher.publish_raw([text("last")])
     await until(lambda: board.received[100][-1:] == [text("last")], "the newest message")
@@ -414,7 +414,7 @@ async def test_a_fault_within_ends_this_session_only(bridge: Bridge, monkeypatch
     monkeypatch.setattr(bridge.session.link, "receive_data", broken)
     board.send(125, text("x"))
     await until(lambda: not bridge.session.is_connected, "the end of the session")
-    (said,) = bridge.reporter.having("broke down")
+    (said,) = bridge.reporter.having("failed")
     assert "a defect of ours" in said
 
 

@@ -170,7 +170,7 @@ async def test_a_port_that_cannot_be_opened_is_tried_again_in_one_line(site: Sit
     site.open_errors = [TransportOpenError("nothing listens on robot:11411") for _ in range(3)]
     await site.start("tcp://robot:11411?connect=yes&name=arm")
     await site.serving("/arm")
-    assert len(site.reporter.having("nothing listens")) == 1
+    assert len(site.reporter.having("no program listens")) == 1
 
 
 async def test_a_lost_board_comes_back_to_its_node(site: Site) -> None:
@@ -278,7 +278,7 @@ async def test_a_board_whose_node_was_shut_down_joins_when_it_is_plugged_in_agai
     await asyncio.sleep(0.2)
     assert len(site.boards) == 1
     port.unlink()
-    await until(lambda: site.reporter.having("waiting for it to be plugged in"), "the port to be gone")
+    await until(lambda: site.reporter.having("waiting until it is plugged in"), "the port to be gone")
     port.touch()
     await site.serving("/arm")
 

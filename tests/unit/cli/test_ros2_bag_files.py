@@ -74,7 +74,7 @@ def test_shown_checked_and_filtered(bag: Path, tmp_path: Path, shell: Shell) -> 
     facts = json.loads(shell.output("bag", "info", "--json", str(folder)))
     assert (facts["messages"], facts["topics"][0]["type"]) == (6, "sensor_msgs/msg/Imu")
     assert facts["types"][0]["md5"].startswith("RIHS01_7d9a00ff")
-    assert "6 messages, all right" in shell.output("bag", "check", str(folder))
+    assert "6 messages, no errors" in shell.output("bag", "check", str(folder))
     expression = "topic == '/imu' and m.header.stamp.sec > 2 and m.header.stamp.nanosec == 5"
     assert shell.output("bag", "filter", str(folder), str(kept), expression) == f"{kept}: 2 of 6 messages\n"
     in_ros1 = "topic == '/imu' and m.header.stamp.secs > 2"
@@ -87,7 +87,7 @@ def test_shown_checked_and_filtered(bag: Path, tmp_path: Path, shell: Shell) -> 
 def test_what_makes_no_sense_is_told(bag: Path, tmp_path: Path, shell: Shell) -> None:
     full = tmp_path / "full"
     full.mkdir()
-    assert "no ROS 2 bag" in shell.failure("bag", "info", str(full))
+    assert "not a ROS 2 bag" in shell.failure("bag", "info", str(full))
     (full / "notes.txt").write_text("precious")
     assert "is not empty" in shell.failure("bag", "convert", str(bag), str(full))
     assert (full / "notes.txt").exists()
@@ -97,11 +97,13 @@ def test_what_makes_no_sense_is_told(bag: Path, tmp_path: Path, shell: Shell) ->
         options = ("--format", "ros2", "--storage", storage, packing)
         assert "MCAP" in shell.failure("bag", "record", "-a", *options)
     words = ("bag", "convert", str(bag), str(tmp_path / "b.bag"), "--format", "ros2")
-    assert "a .bag holds ROS 1's messages" in shell.failure(*words)
+    assert "a .bag file can only hold ROS 1 messages" in shell.failure(*words)
     words = ("bag", "convert", str(bag), str(tmp_path / "c"), "--format", "ros1")
-    assert "is a .bag or a .mcap" in shell.failure(*words)
+    assert "recording must be a .bag or .mcap" in shell.failure(*words)
     (tmp_path / "other.db3").write_bytes(b"SQLite format 3\0" + bytes(84))
-    assert "no recording of rosbag2, or broken" in shell.failure("bag", "info", str(tmp_path / "other.db3"))
+    assert "not a recording of rosbag2, or is broken" in shell.failure(
+        "bag", "info", str(tmp_path / "other.db3")
+    )
 
 
 def test_a_bag_without_its_summary_is_mended(bag: Path, tmp_path: Path, shell: Shell) -> None:
@@ -110,7 +112,7 @@ def test_a_bag_without_its_summary_is_mended(bag: Path, tmp_path: Path, shell: S
     (folder / "metadata.yaml").unlink()
     assert "bag reindex" in shell("bag", "info", str(folder)).err
     assert "6 messages kept" in shell.output("bag", "reindex", str(folder))
-    assert "6 messages, all right" in shell.output("bag", "check", str(folder))
+    assert "6 messages, no errors" in shell.output("bag", "check", str(folder))
     assert (tmp_path / "drive.orig" / "drive_0.mcap").exists()
 
 
@@ -142,7 +144,7 @@ def test_a_killed_recording_has_what_came_before(
         process.wait()
     assert _count(folder) == 20
     assert "20 messages kept" in shell.output("bag", "reindex", str(folder))
-    assert "20 messages, all right" in shell.output("bag", "check", str(folder))
+    assert "20 messages, no errors" in shell.output("bag", "check", str(folder))
 
 
 @pytest.mark.parametrize("name", ["drive", "drive.mcap", "drive.db3"])
@@ -159,7 +161,7 @@ def test_what_is_left_out_while_recording_is_told_once_and_counted(
     assert "2 messages, " in out
     first, last = err.splitlines()
     assert first.startswith("WARNING: /chat: messages that do not fit their type are left out: ")
-    assert last == "WARNING: /chat: 2 messages that do not fit their type were left out"
+    assert last == "WARNING: /chat: left out 2 messages that do not fit their type"
     assert _count(tmp_path / name) == 2
 
 
@@ -214,4 +216,4 @@ def test_messages_that_fit_no_type_are_told(tmp_path: Path, shell: Shell) -> Non
     result = shell("bag", "convert", str(bag), str(out))
     assert (result.code, result.out) == (0, f"{out}: 1 messages\n")
     assert "1 messages do not fit their type" in result.err
-    assert "1 messages, all right" in shell.output("bag", "check", str(out))
+    assert "1 messages, no errors" in shell.output("bag", "check", str(out))

@@ -23,7 +23,7 @@ async def test_findings_in_the_log_once_and_in_diagnostics(tmp_path: Path) -> No
             started("serve", f"{tmp_path}/board?name=arm", **environ) as serve,
             join("looker", environ=environ) as graph,
         ):
-            await serve.wait_for("text comes between the frames")
+            await serve.wait_for("text between the frames")
             told = 0
             async for array in graph.messages("/diagnostics", "diagnostic_msgs/DiagnosticArray"):
                 (status,) = array.status
@@ -33,7 +33,7 @@ async def test_findings_in_the_log_once_and_in_diagnostics(tmp_path: Path) -> No
                 told += 1
                 if told == 3:
                     break
-        assert serve.text.count("text comes between the frames") == 1
+        assert serve.text.count("text between the frames") == 1
     finally:
         await board.unplug()
         await master.close()

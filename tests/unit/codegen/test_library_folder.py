@@ -61,7 +61,7 @@ def test_files_that_did_not_change_keep_their_times(tmp_path: Path) -> None:
     [
         ({"precious.txt": b"mine"}, "is no generated library and stays as it is"),
         ({"ros.h": b""}, "is no generated library"),
-        (OURS | {".git/config": b""}, "is a git repository and stays"),
+        (OURS | {".git/config": b""}, "is a git repository and is not changed;"),
     ],
 )
 def test_what_is_no_generated_library_is_never_touched(

@@ -48,7 +48,7 @@ def test_a_broken_definition_takes_nothing_along_but_what_needs_it(tmp_path: Pat
 def test_a_message_that_holds_itself(tmp_path: Path) -> None:
     made = headers(tmp_path, {"pkg/msg/A.msg": "B b\n", "pkg/msg/B.msg": "A[] a\n"})
     assert made.types == []
-    assert "a message cannot hold itself: pkg/A -> pkg/B -> pkg/A" in made.skipped[0]
+    assert "a message cannot contain itself: pkg/A -> pkg/B -> pkg/A" in made.skipped[0]
 
 
 def test_what_cannot_stand_beside_the_librarys_own_headers(tmp_path: Path) -> None:
@@ -78,11 +78,10 @@ def test_a_service_and_a_message_of_one_name(tmp_path: Path) -> None:
     )
     assert made.types == ["pkg/A", "pkg/BRequest", "pkg/C"]
     assert made.skipped == [
-        "skipped the service pkg/A: there is a message of this name as well; rename one"
-        " (and 1 more of this package)"
+        "skipped the service pkg/A: a message has the same name; rename one (and 1 more of this package)"
     ]
     made = headers(tmp_path, {}, names=["pkg/B"])
-    assert "skipped pkg/B: there is a message pkg/BRequest as well; rename one" in made.skipped[0]
+    assert "skipped pkg/B: there is also a message pkg/BRequest; rename one" in made.skipped[0]
 
 
 def test_names_that_differ_only_in_case(tmp_path: Path) -> None:

@@ -89,7 +89,7 @@ def test_what_is_not_whitelisted_is_refused_in_one_line(expression: str) -> None
 
 
 def test_a_wrong_field_names_the_fields_there_are() -> None:
-    with pytest.raises(ConfigError, match="there is data, header, range, ranges"):
+    with pytest.raises(ConfigError, match="the fields are data, header, range, ranges"):
         compile_filter("m.rnage < 1")(Range(), "/sonar")
 
 

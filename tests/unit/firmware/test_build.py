@@ -157,8 +157,8 @@ async def test_typographic_quotes_are_explained(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("header", "note"),
     [
-        ("Nowhere.h", "note: no library has Nowhere.h; give the folder of the one that does with --library"),
-        ("my_msgs/Thing.h", "note: no package has my_msgs/Thing.h; give the folder of its .msg"),
+        ("Nowhere.h", "note: no library contains Nowhere.h; give the folder of the library with --library"),
+        ("my_msgs/Thing.h", "note: no package contains my_msgs/Thing.h; give the folder of its .msg"),
     ],
 )
 async def test_a_missing_header_is_told_with_what_to_do(tmp_path: Path, header: str, note: str) -> None:

@@ -56,7 +56,7 @@ def test_given_is_one_library_or_a_folder_of_them(tmp_path: Path) -> None:
 def test_given_nothing_is_told(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="no such folder"):
         read_given(tmp_path / "nowhere")
-    with pytest.raises(ConfigError, match="neither a library nor a folder of libraries"):
+    with pytest.raises(ConfigError, match="not a library or a folder of libraries"):
         read_given(tmp_path)
 
 

@@ -46,8 +46,8 @@ def test_a_cpp_file_is_a_sketch(tmp_path: Path) -> None:
     [
         ((), "nothing.ino", "no sketch .*nothing.ino"),
         (("a.ino", "b.ino"), "", r"holds several sketches \(a.ino, b.ino\); name one"),
-        (("readme.txt",), "", "holds no sketch"),
-        (("readme.txt",), "readme.txt", "readme.txt is no sketch"),
+        (("readme.txt",), "", "contains no sketch"),
+        (("readme.txt",), "readme.txt", "readme.txt is not a sketch"),
     ],
 )
 def test_what_is_no_sketch_is_told(tmp_path: Path, files: tuple[str, ...], name: str, message: str) -> None:

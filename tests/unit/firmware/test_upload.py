@@ -109,19 +109,19 @@ async def test_a_missing_avrdude_is_told(
 ) -> None:
     built = await build(tmp_path, "uno")
     monkeypatch.setenv("PATH", str(tmp_path))
-    with pytest.raises(FirmwareError, match="no avrdude on PATH; type sudo apt install avrdude"):
+    with pytest.raises(FirmwareError, match="no avrdude on PATH; run: sudo apt install avrdude"):
         await upload(built, terminal[1])
 
 
 async def test_the_simulated_network_is_not_flashed(tmp_path: Path, avrdude: FakeProgram) -> None:
     text = '#include <Ethernet.h>\nEthernetClient c;\nvoid setup() { c.connect("x", 1); }\nvoid loop() {}\n'
-    with pytest.raises(FirmwareError, match="built with the Ethernet of simulated boards"):
+    with pytest.raises(FirmwareError, match="built with the Ethernet library of simulated boards"):
         await upload(await build(tmp_path, "uno", text), "/dev/null")
     assert avrdude.calls == []
 
 
 def test_a_port_that_is_not_there_is_told() -> None:
-    with pytest.raises(RostetherError, match="no serial port /dev/nowhere; no serial port is plugged in"):
+    with pytest.raises(RostetherError, match="no serial port /dev/nowhere; no serial port found"):
         check_port("/dev/nowhere", ports())
 
 
@@ -160,7 +160,7 @@ def test_of_one_usb_port_among_others_the_usb_port() -> None:
 
 
 def test_without_a_port_it_says_what_to_do() -> None:
-    with pytest.raises(FirmwareError, match="no serial port found; plug the board in, or name its port"):
+    with pytest.raises(FirmwareError, match="no serial port found; plug in the board, or give its port"):
         choose_port(find_board("uno"), ports())
 
 

@@ -16,7 +16,7 @@ from unit.launch.corpus import RIGHT, ROBOT, WRONG, described, exact, expected, 
 IN_THE_INCLUDED = {"include_missing_argument": "args.xml:4", "include_fixed_argument": "fixed.xml:2"}
 LINES = {
     "arg_unset": (3, "argument 'x' has no value; give x:=VALUE, or a default in its <arg>"),
-    "node_twice": (3, "two nodes are called /n, one at"),
+    "node_twice": (3, "two nodes have the name /n, one at"),
     "no_space": (2, "not XML: not well-formed"),
     "not_closed": (3, "not XML: mismatched tag"),
     "find_missing_package": (2, "there is no package 'no_such_package'"),
@@ -85,7 +85,7 @@ def test_what_stops_nobody_is_warned_of_with_its_place(name: str, words: str) ->
 
 def test_unknown_tags_and_attributes_are_warned_of() -> None:
     warnings = "\n".join(load(ROBOT / "launch" / "unknown_things.launch").warnings)
-    for words in ("no attribute colour=", "<group> means nothing", "no tag <somewhat>", "<master>", "unit="):
+    for words in ("no attribute colour=", "<group> has no meaning", "no tag <somewhat>", "<master>", "unit="):
         assert words in warnings
 
 
@@ -173,7 +173,7 @@ def test_arguments_that_multiply_are_refused() -> None:
 def test_all_texts_together_have_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("rostether.launch.tag_reader.MAX_SUBSTITUTED_CHARS", 1000)
     params = "".join(f'<param name="p{n}" value="$(arg a)"/>' for n in range(11))
-    with pytest.raises(LaunchError, match="more than 1000 characters in all"):
+    with pytest.raises(LaunchError, match="more than 1000 characters;"):
         loads(f'<arg name="a" default="{"x" * 100}"/>{params}')
 
 

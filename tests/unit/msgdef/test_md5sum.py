@@ -88,5 +88,5 @@ def test_a_circle_is_an_error_not_an_endless_loop() -> None:
     def lookup(name: str) -> MessageSpec:
         return parse_message("A a", package="p", name="A")
 
-    with pytest.raises(DefinitionError, match="cannot hold itself"):
+    with pytest.raises(DefinitionError, match="cannot contain itself"):
         message_md5sum(lookup("p/A"), lookup)

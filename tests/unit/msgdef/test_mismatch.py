@@ -75,7 +75,7 @@ def test_an_older_marker_is_recognised() -> None:
 
 def test_the_md5sum_of_another_type_is_recognised() -> None:
     line = explain_mismatch(Registry(), "std_msgs/Int8", "8524586e34fbd7cb1c08c5f5f1ca0e57")
-    assert "it is that of std_msgs/Int16" in line
+    assert "it belongs to std_msgs/Int16" in line
 
 
 def test_an_earlier_version_that_we_bring_along_is_recognised() -> None:
@@ -98,7 +98,7 @@ def test_a_change_in_a_nested_message_is_found(tmp_path: Path) -> None:
 def test_what_nobody_knows_shows_our_definition() -> None:
     registry = Registry()
     line = explain_mismatch(registry, "sensor_msgs/Range", UNKNOWN_MD5SUM)
-    assert "of no definition we know; ours is 'std_msgs/Header header, uint8 radiation_type" in line
+    assert "of any known definition; the known one is 'std_msgs/Header header, uint8 radiation_type" in line
     assert guess_definition(registry, "sensor_msgs/Range", UNKNOWN_MD5SUM) is None
     assert name_of_md5sum(registry, UNKNOWN_MD5SUM) is None
 

@@ -47,7 +47,7 @@ def test_a_missing_type_is_named_with_the_field_that_needs_it() -> None:
 
 
 def test_a_message_cannot_hold_itself() -> None:
-    with pytest.raises(DefinitionError, match="p/B: a message cannot hold itself: p/A -> p/B -> p/A"):
+    with pytest.raises(DefinitionError, match="p/B: a message cannot contain itself: p/A -> p/B -> p/A"):
         Texts(A="B[] b", B="A a").below("A")
     with pytest.raises(DefinitionError, match="p/A -> p/A"):
         Texts(A="A a").below("A")

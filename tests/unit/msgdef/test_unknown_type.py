@@ -34,7 +34,7 @@ def test_a_misspelt_message_is_corrected() -> None:
 
 def test_a_message_without_a_neighbour() -> None:
     assert text_for_message("std_msgs/Xyzzy") == (
-        f"package 'std_msgs' has no message 'Xyzzy'; if a newer one has it, {HOW}"
+        f"package 'std_msgs' has no message 'Xyzzy'; if a newer version has it, {HOW}"
     )
 
 

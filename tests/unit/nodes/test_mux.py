@@ -89,9 +89,9 @@ async def test_inputs_come_and_go(world: World) -> None:
 @pytest.mark.parametrize(
     ("service", "kind", "topic", "reason"),
     [
-        ("select", "MuxSelect", "/c", "is no input; there are /a"),
-        ("add", "MuxAdd", "/a", "is an input already"),
-        ("add", "MuxAdd", "__none", "stands for no input"),
+        ("select", "MuxSelect", "/c", "is not an input; the inputs are /a"),
+        ("add", "MuxAdd", "/a", "is already an input"),
+        ("add", "MuxAdd", "__none", "means no input;"),
         ("add", "MuxAdd", "not a name", "is not a ROS name"),
         ("delete", "MuxDelete", "/a", "is selected"),
         ("delete", "MuxDelete", "/c", "is no input"),

@@ -54,14 +54,14 @@ def test_a_python_script_that_is_not_marked_executable_still_runs(arm: Path) -> 
 
 def test_other_files_must_be_executable(arm: Path) -> None:
     write(arm / "scripts" / "move.sh", "#!/bin/sh\n", executable=False)
-    with pytest.raises(ConfigError, match=r"not executable: type `chmod \+x .*move.sh`"):
+    with pytest.raises(ConfigError, match=r"not executable; run `chmod \+x .*move.sh`"):
         find(arm, "move.sh")
 
 
 def test_two_of_a_name_are_asked_about_and_a_path_answers(arm: Path) -> None:
     write(arm / "a" / "move.py")
     second = write(arm / "b" / "move.py")
-    with pytest.raises(ConfigError, match=r"more than once; name one of a/move.py, b/move.py"):
+    with pytest.raises(ConfigError, match=r"give one of a/move.py, b/move.py"):
         find(arm, "move.py")
     assert find(arm, "b/move.py") == second
 

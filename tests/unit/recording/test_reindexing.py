@@ -51,7 +51,7 @@ def test_bag_to_mcap_and_back_keeps_everything(tmp_path: Path, compression: str)
 def test_a_command_never_writes_over_what_it_reads(tmp_path: Path) -> None:
     path = tmp_path / "a.bag"
     write_bag(path)
-    with pytest.raises(RecordingError, match="is what is read"):
+    with pytest.raises(RecordingError, match="is the input file; give"):
         refuse_same(path, tmp_path / "." / "a.bag")
 
 

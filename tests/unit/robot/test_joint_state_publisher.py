@@ -50,7 +50,7 @@ async def test_sources_and_parameters_are_heard() -> None:
         ("source_list", "topic", "list of topics"),
         ("zeros", [1], "map joints to positions"),
         ("zeros", {"j0": "x"}, "zeros/j0 must be a number"),
-        ("dependent_joints", {"j0": 5}, "must say parent"),
+        ("dependent_joints", {"j0": 5}, "needs parent"),
         ("dependent_joints", 5, "must map joints"),
         ("use_mimic_tags", "maybe", "must be true or false"),
     ],

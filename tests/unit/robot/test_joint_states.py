@@ -91,7 +91,7 @@ def test_positions_stay_within_limits() -> None:
 
 
 @pytest.mark.parametrize(
-    ("leader", "said"), [("k", "circle: j, k, j"), ("nowhere", "no joint of the robot that moves")]
+    ("leader", "said"), [("k", "circle: j, k, j"), ("nowhere", "not a movable joint of the robot")]
 )
 def test_following_nobody_is_refused(leader: str, said: str) -> None:
     text = robot(

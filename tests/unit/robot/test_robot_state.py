@@ -68,7 +68,7 @@ def test_a_clock_that_is_reset_starts_over() -> None:
     ("names", "positions", "said"),
     [
         (["j0", "j1"], [0.0], "2 names and 1 positions"),
-        (["j0"], [], "position is empty"),
+        (["j0"], [], "without positions"),
         (["j9"], [0.0], "'j9', which the robot does not have"),
     ],
 )
@@ -105,7 +105,7 @@ def test_a_position_that_is_no_number_is_left_out(position: float) -> None:
     state = RobotState(parse_urdf(ARM))
     found = state.moving_transforms(["j0", "j1"], [position, 0.1], NOW, NOW)
     assert [each.child for each in found] == ["upper"]
-    assert "left joint 'j0' out" in state.problem
+    assert "ignored joint 'j0' in" in state.problem
 
 
 def test_a_circle_of_mimics_is_refused_before_the_first_state() -> None:

@@ -55,7 +55,7 @@ async def test_fixed_transforms_on_tf_are_stamped_ahead() -> None:
 async def test_a_description_must_be_there_and_make_sense() -> None:
     network = MemoryNetwork()
     async with entered(network, "/rsp") as node:
-        with pytest.raises(ConfigError, match="no parameter robot_description"):
+        with pytest.raises(ConfigError, match="the parameter robot_description"):
             await publish_robot_state(node, print)
         await node.set_param("/robot_description", "<robot/>")
         with pytest.raises(RobotModelError, match="robot_description:1: the robot has no name"):

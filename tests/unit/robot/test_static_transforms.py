@@ -31,12 +31,12 @@ def test_a_period_is_in_milliseconds(words: str) -> None:
     [
         ("", "0 arguments"),
         ("0 0 0 0 0 0 a", "7 arguments"),
-        ("0 0 0 0 0 x a b", "'x' is no number"),
-        ("0 0 0 0 0 inf a b", "'inf' is no number"),
-        ("0 0 0 0 0 0 a a", "must be two names"),
+        ("0 0 0 0 0 x a b", "'x' is not a number"),
+        ("0 0 0 0 0 inf a b", "'inf' is not a number"),
+        ("0 0 0 0 0 0 a a", "must differ, but both are"),
         ("0 0 0 0 0 0 2 a b", "length 1"),
         ("0 0 0 0 0 0 a b -5", "positive"),
-        ("0 0 0 0 0 0 a b often", "'often' is no number"),
+        ("0 0 0 0 0 0 a b often", "'often' is not a number"),
     ],
 )
 def test_what_is_no_transform_is_refused(words: str, said: str) -> None:

@@ -60,11 +60,11 @@ def test_joints_below_a_link_are_sorted_by_name() -> None:
         (with_joint('name="j" type="fixed"', '<parent link="a"/>'), "no child link"),
         (
             with_joint('name="j" type="fixed"', '<parent link="q"/><child link="b"/>'),
-            "parent link 'q' of joint 'j' is not there",
+            "parent link 'q' of joint 'j' does not exist",
         ),
         (with_joint('name="j" type="revolute"'), "has no limits"),
         (with_joint('name="j" type="revolute"', ENDS + '<limit effort="1"/>'), "has no velocity"),
-        (with_joint('name="j" type="continuous"', ENDS + '<axis xyz="0 0 0"/>'), "no direction"),
+        (with_joint('name="j" type="continuous"', ENDS + '<axis xyz="0 0 0"/>'), "zero; give it a direction"),
         (with_joint('name="j" type="continuous"', ENDS + '<axis xyz="0 0"/>'), "2 numbers"),
         (with_joint('name="j" type="continuous"', ENDS + "<mimic/>"), "mimics no joint"),
         (with_joint('name="j" type="fixed"', ENDS + '<origin xyz="a 0 0"/>'), "'a', no number"),
@@ -98,7 +98,7 @@ def test_the_line_is_the_joints_own() -> None:
 
 
 def test_deep_nesting_is_refused() -> None:
-    with pytest.raises(RobotModelError, match="nest deeper"):
+    with pytest.raises(RobotModelError, match="are nested deeper"):
         parse_urdf("<robot>" * 1000)
 
 
@@ -112,7 +112,7 @@ def test_a_raw_xacro_loads_without_its_macros() -> None:
 
 
 def test_a_raw_xacro_that_needs_its_macros_says_so() -> None:
-    with pytest.raises(RobotModelError, match="this is xacro: expand it first"):
+    with pytest.raises(RobotModelError, match="this is xacro; expand it first"):
         parse_urdf('<robot name="x" xmlns:xacro="u"><xacro:m/></robot>')
 
 

@@ -187,7 +187,7 @@ async def test_on_lost_is_not_called_when_we_disconnect(server: XmlRpcServer) ->
     async with asyncio.timeout(60):
         while server._connections:
             await asyncio.sleep(0.001)
-    assert await client.call("echo") == [], "disconnecting is not for good"
+    assert await client.call("echo") == [], "a client can call again after it disconnects"
     await client.close()
     assert lost == []
 
@@ -315,7 +315,7 @@ async def test_what_to_do_about_somebody_else_there() -> None:
         writer.write(b"HTTP/1.1 501 Unsupported\r\nContent-Length: 0\r\n\r\n")
 
     async with peer(session) as uri:
-        client = XmlRpcClient(uri, peer="the ROS master", if_other="; see what listens there")
+        client = XmlRpcClient(uri, peer="the ROS master", if_other="; check which program listens there")
         with pytest.raises(GraphError, match=r"is not a ROS master: .* status 501; see what listens there$"):
             await client.call("x")
         await client.close()

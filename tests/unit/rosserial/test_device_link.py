@@ -284,7 +284,7 @@ class TestParameters:
 
     def test_requests_that_cannot_be_made(self) -> None:
         link, _, _ = configured()
-        with pytest.raises(LocalProtocolError, match="no parameter can be named"):
+        with pytest.raises(LocalProtocolError, match="is not a parameter name"):
             link.request_parameter("", 100.0)
         with pytest.raises(LocalProtocolError, match="too many"):
             for _ in range(100):
@@ -313,7 +313,7 @@ class TestDeclarations:
         ],
     )
     def test_what_no_host_believes(self, name: str, message_type: str, md5sum: str) -> None:
-        with pytest.raises(LocalProtocolError, match="no host believes"):
+        with pytest.raises(LocalProtocolError, match="a host would reject"):
             DeviceLink().add_publisher(name, message_type, md5sum)
 
 

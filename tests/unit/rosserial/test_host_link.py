@@ -59,7 +59,7 @@ class TestMessages:
         ):
             link.encode_messages(100, [b"", bytes(151)])
         for topic_id in (125, 101, 7, 0):
-            with pytest.raises(LocalProtocolError, match="does not listen"):
+            with pytest.raises(LocalProtocolError, match="has not announced a subscriber with"):
                 link.encode_message(topic_id, b"")
 
     def test_messages_of_a_chunk_come_behind_its_announcements(self) -> None:
@@ -122,7 +122,7 @@ class TestServices:
 
     def test_a_parameter_larger_than_the_buffer_is_refused(self) -> None:
         link, _ = settled_link()
-        with pytest.raises(LocalProtocolError, match="takes 212 bytes"):
+        with pytest.raises(LocalProtocolError, match="needs 212 bytes"):
             link.answer_parameter(ints=[1] * 50)
         link.answer_parameter(ints=[1] * 30)
 

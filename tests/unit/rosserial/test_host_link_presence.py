@@ -62,7 +62,7 @@ class TestResetAndSilence:
         assert DeviceReset() in events
         assert REQUEST in link.data_to_send()
         assert not link.can_send(100)
-        with pytest.raises(LocalProtocolError, match="does not listen on topic id 100 now"):
+        with pytest.raises(LocalProtocolError, match="has not announced a subscriber with topic id 100;"):
             link.encode_message(100, b"")
         link.receive_data(BURST, now_s + 1.03)
         assert link.encode_message(100, b"") == frame(100, b"")

@@ -79,16 +79,16 @@ def test_control_frames_in_words() -> None:
 
     assert says(encode_frame(ids.TOPIC_REQUEST, b""), from_device=False) == "asks for topics"
     assert says(encode_frame(ids.TX_STOP, b""), from_device=False) == "says stop"
-    assert says(encode_frame(ids.TIME, bytes(8)), from_device=True) == "asks for the time"
+    assert says(encode_frame(ids.TIME, bytes(8)), from_device=True) == "requests the time"
     assert says(encode_frame(ids.TIME, bytes(8)), from_device=False) == "tells the time"
     logged = encode_frame(ids.LOG, Log(LogLevel.WARN, "hot\x1b[2J").encode())
     assert says(logged, from_device=True) == "logs WARN 'hot\\x1b[2J'"
-    assert says(encode_frame(ids.LOG, b"\1\2"), from_device=True) == "a log line that makes no sense"
+    assert says(encode_frame(ids.LOG, b"\1\2"), from_device=True) == "an invalid log line"
     asked = encode_frame(ids.PARAMETER, ParameterRequest("~gain").encode())
-    assert says(asked, from_device=True) == "asks for parameter ~gain"
-    assert says(encode_frame(ids.PARAMETER, b"\1"), from_device=True) == "a request that makes no sense"
+    assert says(asked, from_device=True) == "requests parameter ~gain"
+    assert says(encode_frame(ids.PARAMETER, b"\1"), from_device=True) == "an invalid request"
     assert says(encode_frame(ids.PARAMETER, bytes(12)), from_device=False) == "answers with a parameter"
-    assert says(encode_frame(ids.PUBLISHER, b"\1"), from_device=True) == "an announcement that makes no sense"
+    assert says(encode_frame(ids.PUBLISHER, b"\1"), from_device=True) == "an invalid announcement"
     hostile = TopicInfo(125, "a", "\x1b[2J", "\x07", 512).encode()
     assert says(encode_frame(ids.PUBLISHER, hostile), from_device=True).isprintable()
     assert says(encode_frame(300, b"\1"), from_device=True) == "a topic that was not announced"

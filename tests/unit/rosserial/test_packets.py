@@ -71,10 +71,10 @@ def test_announcements_that_must_be_damage(wrong: dict[str, object]) -> None:
 @pytest.mark.parametrize(
     ("wrong", "reason"),
     [
-        ({"topic_name": "left-wheel"}, "holds letters, digits, _ and / only; write left_wheel in the sketch"),
+        ({"topic_name": "left-wheel"}, "have only letters, digits, _ and /; write left_wheel in the sketch"),
         ({"topic_name": "2 wheels//a"}, "write wheels/a in the sketch"),
         ({"topic_name": "---"}, "choose another in the sketch"),
-        ({"message_type": "String"}, "package/Type; write the package too, as in std_msgs/String, in the"),
+        ({"message_type": "String"}, "package/Type; include the package, as in std_msgs/String, in the"),
         ({"message_type": "std_msgs/msg/String"}, "write std_msgs/String in the sketch"),
         ({"message_type": "std_msgs::String"}, "write std_msgs/String in the sketch"),
         ({"message_type": ""}, "package/Type; write one in the sketch"),

@@ -270,7 +270,7 @@ def test_elements_without_content_are_limited() -> None:
     assert len(codec.decode(u32(MAX_EMPTY_ELEMENTS)).empties) == MAX_EMPTY_ELEMENTS
     with pytest.raises(SerializationError, match="over the limit"):
         codec.decode(u32(MAX_EMPTY_ELEMENTS + 1))
-    with pytest.raises(SerializationError, match="wants at most 256 elements, got 257"):
+    with pytest.raises(SerializationError, match="needs at most 256 elements, got 257"):
         codec.encode({"empties": [{}] * (MAX_EMPTY_ELEMENTS + 1)})
     nested = store_of(Many="Pair[] pairs", Pair="std_msgs/Empty a\nstd_msgs/Empty b").codec("test/Many")
     assert len(nested.decode(u32(MAX_EMPTY_ELEMENTS // 3)).pairs) == MAX_EMPTY_ELEMENTS // 3

@@ -62,5 +62,5 @@ def test_nesting_is_bounded() -> None:
 )
 def test_zero_values_that_would_not_fit(text: str) -> None:
     store = store_of(A=text, Big="uint8[1000000] a", Empties="std_msgs/Empty[200] a")
-    with pytest.raises(DefinitionError, match=r"more than the \d+ we hold"):
+    with pytest.raises(DefinitionError, match=r"more than the limit of \d+"):
         store.codec("test/A")

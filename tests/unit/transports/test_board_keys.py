@@ -110,7 +110,7 @@ def test_files_that_hold_none_are_named(tmp_path: Path) -> None:
     (tmp_path / "short").write_text("x")
     for keys, certificates, reason in (
         ([str(tmp_path / "short")], [], "short: a key has 16"),
-        ([], [str(tmp_path / "short")], "there is no certificate in PEM form in it"),
+        ([], [str(tmp_path / "short")], "it contains no certificate in PEM format"),
         ([], [str(tmp_path / "none")], "certificate=.*none: cannot be read: No such file"),
     ):
         with pytest.raises(ConfigError, match=reason):

@@ -86,7 +86,7 @@ async def test_a_board_with_another_key_is_refused(key: Path, tmp_path: Path) ->
     other = tmp_path / "other.txt"
     other.write_text("f" * 32)
     async with listening(f"tcp://:0?psk={key}") as (listener, arrivals, port):
-        with pytest.raises(TransportOpenError, match="hung up in the pre-shared-key hello"):
+        with pytest.raises(TransportOpenError, match="closed the connection during the pre-shared-key hello"):
             await open_transport(f"tcp://:{port}?connect=yes&psk={other}")
         assert (arrivals.count, listener.refused_count) == (0, 1)
         await until(lambda: listener.connection_count == 0)
@@ -104,7 +104,7 @@ async def test_a_board_without_a_key_is_refused_in_one_line(
             writer.close()
         assert (arrivals.count, listener.refused_count) == (0, 3)
     assert len(caplog.records) == 1
-    assert "it said no pre-shared-key hello; give it the key" in caplog.records[0].getMessage()
+    assert "it sent no pre-shared-key hello; give it the key" in caplog.records[0].getMessage()
 
 
 async def test_who_says_nothing_is_given_up(key: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -180,7 +180,10 @@ async def test_a_plain_board_at_a_tls_listener_is_refused(certificates: Path) ->
     ("text", "reason"),
     [
         ("tls://:0", "a tls: listener needs a certificate"),
-        ("tls://:0?cert=/none.pem", "cert=/none.pem: no certificate or key in PEM form can be read: No such"),
+        (
+            "tls://:0?cert=/none.pem",
+            "cert=/none.pem: it has no readable certificate or key in PEM format: No such",
+        ),
         ("tcp://:0?psk=/none", "psk=/none: the key cannot be read"),
     ],
 )

@@ -230,7 +230,7 @@ async def test_silent_peers_give_way_and_those_that_speak_do_not() -> None:
     medium.now_s = 1.0
     medium.table.receive("board", b"A")
     medium.table.receive("new", b"F")
-    assert "its place is needed" in str(await forged.until_lost())
+    assert "silent; disconnected it to make room for another board" in str(await forged.until_lost())
     medium.table.receive("forged 3", b"F")
     for number in range(100):
         medium.table.receive(f"forged {number}", b"F")

@@ -226,7 +226,7 @@ async def test_a_missing_port_is_said_with_what_is_there(
 ) -> None:
     missing = SerialAddress(str(tmp_path / "ttyACM0"))
     monkeypatch.setattr(serial, "list_ports", list)
-    with pytest.raises(TransportOpenError, match=r"no serial port .*ttyACM0; no serial port is plugged in"):
+    with pytest.raises(TransportOpenError, match=r"no serial port .*ttyACM0; no serial port found"):
         await open_serial(missing)
     ports = [SerialPort(f"/dev/ttyUSB{number}", "CH340") for number in range(8)]
     monkeypatch.setattr(serial, "list_ports", lambda: ports)
@@ -274,8 +274,8 @@ def test_windows_says_access_denied_of_a_busy_port(monkeypatch: pytest.MonkeyPat
     ("error", "kind", "said"),
     [
         (OSError(16, "Device or resource busy"), TransportOpenError, "is in use by another program"),
-        (OSError(6, "No such device or address"), TransportOpenError, "no device answers behind"),
-        (OSError(5, "Input/output error"), TransportOpenError, "no device answers behind"),
+        (OSError(6, "No such device or address"), TransportOpenError, "no device answers on"),
+        (OSError(5, "Input/output error"), TransportOpenError, "no device answers on"),
         (OSError(24, "Too many open files"), TransportOpenError, "Too many open files"),
         (OSError(22, "Invalid argument"), ConfigError, "does not support 3 baud"),
         (ValueError("Unsupported baudrate 3"), ConfigError, "choose another with"),

@@ -32,7 +32,7 @@ def test_read_as_typed(text: str, address: SimAddress) -> None:
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("sim:", "names no path"),
+        ("sim:", "has no path"),
         ("sim:x?baud=fast", "write a number"),
         ("sim:x?uart=4", "from 0 to 3"),
         ("sim:x?seed=-1", "from 0 to"),

@@ -22,7 +22,7 @@ from rostether.transports.sockets import (
         ("127.0.0.1", errno.EADDRINUSE, "port 80 is already in use on 127.0.0.1; stop"),
         ("127.0.0.1", errno.EADDRINUSE, "choose another port with tcp://:PORT"),
         ("0.0.0.0", errno.EADDRINUSE, "choose another port with tcp://0.0.0.0:PORT"),
-        ("10.9.9.9", errno.EADDRNOTAVAIL, "write tcp://0.0.0.0:80 to listen on all it has"),
+        ("10.9.9.9", errno.EADDRNOTAVAIL, "write tcp://0.0.0.0:80 to listen on all its addresses"),
         ("127.0.0.1", errno.EACCES, "port 80 is reserved for the system"),
         ("::1", errno.EMFILE, "cannot listen on [::1]:80: too many files; check the host"),
     ],
@@ -69,7 +69,7 @@ async def test_a_host_without_an_address_is_a_matter_of_the_name_server() -> Non
     ("error", "said"),
     [
         (ConnectionRefusedError(errno.ECONNREFUSED, "refused"), "nothing listens on robot:1"),
-        (socket.gaierror(-2, "Name or service not known"), "the host of robot:1 is not known"),
+        (socket.gaierror(-2, "Name or service not known"), "the host of robot:1 is unknown;"),
         (OSError(errno.EHOSTUNREACH, "No route to host"), "cannot reach robot:1: No route to host"),
     ],
 )

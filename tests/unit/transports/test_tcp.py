@@ -220,7 +220,7 @@ async def test_refuse_boards_beyond_the_limit_and_say_so_once(caplog: pytest.Log
     lines = [record.getMessage() for record in caplog.records if record.levelno == logging.WARNING]
     assert len(lines) == 1
     assert "refused tcp 127.0.0.1:" in lines[0]
-    assert "2 boards are connected already" in lines[0]
+    assert "2 boards are already connected" in lines[0]
 
 
 async def test_refuse_more_connections_of_one_host_than_its_share() -> None:

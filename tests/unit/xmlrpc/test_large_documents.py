@@ -39,7 +39,7 @@ def test_a_large_document_is_read_in_steps() -> None:
 )
 def test_a_tag_without_an_end_is_given_up_soon(document: bytes) -> None:
     steps = 0
-    with pytest.raises(RemoteProtocolError, match=f"no tag of more than {MAX_TAG_BYTES} bytes"):
+    with pytest.raises(RemoteProtocolError, match=f"must not have tags of more than {MAX_TAG_BYTES} bytes"):
         for _ in DocumentReader(document).steps():
             steps += 1
     assert steps * STEP_BYTES <= MAX_TAG_BYTES + STEP_BYTES

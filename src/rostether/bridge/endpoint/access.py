@@ -35,5 +35,6 @@ def _check(access: Access, kind: str, name: str) -> None:
     reason = getattr(access, kind).refusal(name)
     if reason is not None:
         raise AccessDeniedError(
-            f"this board may not {_WORDS[kind]} {name}: access.{kind}.{reason}; change devices.toml to let it"
+            f"this board may not {_WORDS[kind]} {name}: access.{kind}.{reason}; change devices.toml to allow"
+            f" it"
         )

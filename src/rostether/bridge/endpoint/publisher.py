@@ -144,8 +144,8 @@ class PublisherEndpoint:
             self._notices.episode(
                 "messages_hz",
                 Level.WARN,
-                f"the board sends more than {rate.per_s:g} messages a second, its limit messages_hz: "
-                "the rest is dropped",
+                f"the board sends more than {rate.per_s:g} messages a second (its limit messages_hz); the "
+                f"rest is dropped",
                 count=dropped,
             )
         return payloads[:admitted]
@@ -172,7 +172,7 @@ class PublisherEndpoint:
             f"misfit {self.info.topic_name}",
             Level.WARN,
             lambda: (
-                f"dropped a message of {self.info.topic_name} that came damaged or from another definition: "
+                f"dropped a message of {self.info.topic_name} that is damaged or has another definition: "
                 f"{self._layout.explain(first)}"
             ),
             count=len(misfits),

@@ -93,7 +93,7 @@ class ServiceClientEndpoint:
         for payload in payloads:
             if len(self._requests) >= MAX_WAITING_REQUESTS:
                 self.dropped_count += 1
-                self._report("the board sends requests faster than they are answered; one is lost")
+                self._report("the board sends requests faster than they are answered; dropped one")
             else:
                 # At once: a time answer that left before the response would end the board's wait.
                 line.call_started()
@@ -115,7 +115,7 @@ class ServiceClientEndpoint:
     async def _call(self, request: bytes) -> bytes:
         if not self._request_layout.accepts(request):
             self.misfit_count += 1
-            self._report(f"it came damaged: {self._request_layout.explain(request)}")
+            self._report(f"the request is damaged: {self._request_layout.explain(request)}")
             return self._zero_response
         timeout_s = self._settings.client_call_timeout_s
         try:

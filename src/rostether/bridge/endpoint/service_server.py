@@ -3,7 +3,7 @@
 The wire has no correlation id, so a response belongs to the one call in flight. After a call that timed out
 the board may still answer, and that answer must not become the next call's: until it came and was thrown
 away, or the board shows that it is past the call, no other call is sent. The established device library
-serves a call in its loop, and asks for the time again only when it is done; a board that asks for the time
+serves a call in its loop, and requests the time again only when it is done; a board that requests the time
 all along serves calls beside it, and its asking shows nothing.
 """
 
@@ -20,7 +20,7 @@ from rostether.msgdef.interface import ServiceType
 from rostether.rosserial.events import ServiceAnnounced
 from rostether.serde.layout import Layout
 
-# A board that never shows that it is past a call that timed out (it asks for the time every 2.5 s, and takes
+# A board that never shows that it is past a call that timed out (it requests the time every 2.5 s, and takes
 # its host for gone after 11 s) is believed to have lost the request.
 QUARANTINE_S = 15.0
 # A board that was busy with a call left out more than two of its time requests, which the line may have lost.
@@ -132,7 +132,7 @@ class ServiceServerEndpoint:
             raise ServiceCallError(f"{name}: bad request: {self._request_layout.explain(request)}")
         if self._waiting >= self._settings.queued_calls:
             raise ServiceCallError(
-                f"{name}: {self._waiting} calls wait for the board already; try again later"
+                f"{name}: {self._waiting} calls already wait for the board; try again later"
             )
         limit_s = self._settings.service_timeout_s
         self._waiting += 1
@@ -141,7 +141,7 @@ class ServiceServerEndpoint:
                 await self._turn.acquire()
         except TimeoutError:
             raise ServiceTimeoutError(
-                f"{name}: waited {limit_s:g} s behind other calls that the board has not answered"
+                f"{name}: waited {limit_s:g} s for earlier calls that the board has not answered"
             ) from None
         finally:
             self._waiting -= 1
@@ -159,8 +159,7 @@ class ServiceServerEndpoint:
                 await self._past_call.wait()
         except TimeoutError:
             raise ServiceTimeoutError(
-                f"{self.info.name}: the board is still busy with an earlier call; it answered nothing for "
-                f"{limit_s:g} s"
+                f"{self.info.name}: the board is still busy with an earlier call; no answer for {limit_s:g} s"
             ) from None
 
     async def _call_board(self, request: bytes, limit_s: float) -> bytes:
@@ -170,8 +169,8 @@ class ServiceServerEndpoint:
         limit_bytes = self.info.request.buffer_size
         if len(request) > limit_bytes:
             reason = (
-                f"the request has {byte_count(len(request))}, and the board's buffer takes {limit_bytes}; "
-                "enlarge it in the sketch or send less"
+                f"the request has {byte_count(len(request))}, but the board's buffer has only {limit_bytes};"
+                f" enlarge it in the sketch, or send less"
             )
             self._notices.episode(f"request {name}", Level.ERROR, f"a call of {name} failed: {reason}")
             raise ServiceCallError(f"{name}: {reason}")
@@ -195,7 +194,8 @@ class ServiceServerEndpoint:
                 f"the board did not answer service {name} within {limit_s:g} s",
             )
             raise ServiceTimeoutError(
-                f"the board did not answer {name} within {limit_s:g} s; is its loop() busy, is the line good?"
+                f"the board did not answer {name} within {limit_s:g} s; check that its loop() is not busy "
+                f"and that the line is good"
             ) from None
         finally:
             self._response = None

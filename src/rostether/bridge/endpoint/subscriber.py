@@ -112,10 +112,7 @@ class SubscriberEndpoint:
         self._notices.episode(
             f"misfit to {self.info.topic_name}",
             Level.WARN,
-            lambda: (
-                f"did not pass on a message of {self.info.topic_name} that a publisher sent malformed: "
-                f"{self._layout.explain(first)}"
-            ),
+            lambda: f"dropped a malformed message of {self.info.topic_name}: {self._layout.explain(first)}",
             count=len(payloads) - len(fitting),
         )
         return fitting
@@ -133,7 +130,7 @@ class SubscriberEndpoint:
             f"oversize {self.info.topic_name}",
             Level.ERROR,
             f"not sent: a message of {self.info.topic_name} [{self._type.name}] has "
-            f"{byte_count(size)}, and the board's buffer takes {self.info.buffer_size}; "
-            "enlarge it in the sketch or send less",
+            f"{byte_count(size)}, but the board's buffer has only {self.info.buffer_size}; enlarge it in "
+            f"the sketch, or send less",
             count=count,
         )

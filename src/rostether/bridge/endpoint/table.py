@@ -131,8 +131,8 @@ class EndpointTable:
             self._notices.episode(
                 f"two types {name}",
                 Level.ERROR,
-                f"the board has {name} twice with two types, and only the last is bridged: "
-                "give one of them another name in the sketch",
+                f"the board has {name} with two types, and only the last is bridged; give one of them "
+                f"another name in the sketch",
             )
 
     def detach_all(self) -> None:

@@ -64,11 +64,11 @@ class Announcements:
             findings.append(
                 error(
                     Code.RAM_OVERFLOW,
-                    f"{what} are damaged inside the board ({_describe(payload)}) "
-                    "though their checksums are right: its RAM is overwritten",
+                    f"{what} are damaged inside the board ({_describe(payload)}), but the checksums are "
+                    f"right: its RAM is overwritten",
                     "use fewer topics and smaller buffers (ros::NodeHandle_<ArduinoHardware, 6, 6, 150, "
-                    "150>), keep texts "
-                    "in flash with F(), and do not publish strings from local buffers that have ended",
+                    "150>), keep texts in flash with F(), and do not publish strings from local buffers "
+                    "that no longer exist",
                 )
             )
         for event in self._refused.values():

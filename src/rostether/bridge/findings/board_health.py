@@ -87,7 +87,6 @@ def _drift(drift_ppm: float) -> Finding:
     return warning(
         Code.CLOCK_DRIFT,
         f"the board's clock runs {abs(drift_ppm):.0f} ppm too {'fast' if drift_ppm > 0 else 'slow'}: its "
-        "stamps jump "
-        f"by {abs(drift_ppm) * 2.5e-3:.1f} ms each time it asks for the time",
-        "use a board with a crystal, or stamp the messages on the host where ms matter",
+        f"time stamps jump by {abs(drift_ppm) * 2.5e-3:.1f} ms each time it requests the time",
+        "use a board with a crystal, or stamp messages on the host if milliseconds matter",
     )

@@ -51,8 +51,8 @@ class Damage:
         percent = 100 * damaged / (damaged + sound)
         return warning(
             Code.FRAMES_DAMAGED,
-            f"{percent:.2g} % of the frames come damaged ({damaged} of {damaged + sound} of late)",
+            f"{percent:.2g} % of the frames are damaged ({damaged} of the last {damaged + sound})",
             "use a shorter or shielded cable away from motors, check the ground wire, choose a lower baud "
             "rate, "
-            "and let no interrupt of the sketch last longer than a byte takes",
+            "and keep every interrupt of the sketch shorter than the time of one byte",
         )

@@ -60,7 +60,7 @@ class EndpointFindings:
             return []
         if seen.largest_bytes <= info.buffer_size:
             # Who streams announces no buffer, and is held to the size that the type has.
-            most = "more than that type or our limit of the frame length allows"
+            most = "more than this type or the limit of the frame length allows"
             step = "generate the message headers of the sketch again, and publish nothing else on this topic"
         else:
             most = f"and the board announced a buffer of {info.buffer_size}"
@@ -68,8 +68,8 @@ class EndpointFindings:
         return [
             error(
                 Code.MESSAGES_TOO_LONG,
-                f"messages of {info.topic_name} [{info.message_type}] come with {seen.largest_bytes} bytes, "
-                f"{most}: they are refused",
+                f"messages of {info.topic_name} [{info.message_type}] have {seen.largest_bytes} bytes, "
+                f"{most}: they are rejected",
                 step,
                 info.topic_name,
             )
@@ -83,9 +83,8 @@ class EndpointFindings:
             found.append(
                 error(
                     Code.BUFFER_TOO_SMALL,
-                    f"no message of {info.topic_name} [{info.message_type}] fits: it takes {needed} bytes "
-                    "or more, "
-                    f"and the board's output buffer has {info.buffer_size}",
+                    f"no message of {info.topic_name} [{info.message_type}] fits: it needs at least "
+                    f"{needed} bytes, but the board's output buffer has {info.buffer_size}",
                     _LARGER,
                     info.topic_name,
                 )
@@ -96,7 +95,7 @@ class EndpointFindings:
                 error(
                     Code.MESSAGES_MISFIT,
                     f"{misfits} messages of {info.topic_name} do not have the layout of {info.message_type} "
-                    "and were not passed on",
+                    "and were dropped",
                     "generate the message headers of the sketch again, and set the _length of every array",
                     info.topic_name,
                 )
@@ -111,9 +110,8 @@ class EndpointFindings:
             found.append(
                 error(
                     Code.BUFFER_TOO_SMALL,
-                    f"messages of {info.topic_name} [{info.message_type}] have {largest} bytes, and the "
-                    "board's "
-                    f"input buffer takes {info.buffer_size}: they are not sent",
+                    f"messages of {info.topic_name} [{info.message_type}] have {largest} bytes, but the "
+                    f"board's input buffer has only {info.buffer_size}: they are not sent",
                     f"{_LARGER}, or send less",
                     info.topic_name,
                     reported=endpoint.largest_oversize_bytes > 0,
@@ -127,9 +125,8 @@ class EndpointFindings:
             found.append(
                 warning(
                     Code.MESSAGES_LOST,
-                    f"{info.topic_name} brings more than the board takes: {endpoint.dropped_count} of its "
-                    "messages "
-                    "were lost, the oldest first",
+                    f"{info.topic_name} is faster than the board can receive: {endpoint.dropped_count} of "
+                    f"its messages were dropped, the oldest first",
                     "publish it less often, or choose a higher baud rate",
                     info.topic_name,
                     reported=True,
@@ -186,7 +183,7 @@ def _refusal(kind: type[RostetherError], text: str, topics: list[str]) -> Findin
 
 def _said_too_large(silent: list[PublisherEndpoint]) -> Finding:
     names = ", ".join(f"{name_of(each)} [{each.info.message_type}]" for each in silent[:4])
-    which = f"; nothing has come of {names}" if names else ""
+    which = f"; nothing was received of {names}" if names else ""
     size = f" of {silent[0].info.buffer_size} bytes" if silent else ""
     return error(
         Code.BUFFER_TOO_SMALL,

@@ -155,8 +155,8 @@ class LineWatch:
             return absence(self.noise, self._baud, self._silence_s)
         return error(
             Code.BOARD_SILENT,
-            f"the board has been silent for {self._silence_s:.0f} s; asking for its topics until it answers",
-            "check its power and cable, and whether loop() still runs (it must call nh.spinOnce())",
+            f"the board has been silent for {self._silence_s:.0f} s; requesting its topics until it answers",
+            "check its power and its cable, and that loop() still runs and calls nh.spinOnce()",
         )
 
     def _find_resets(self, now_s: float, damage: Finding | None) -> Finding | None:
@@ -168,8 +168,8 @@ class LineWatch:
         starts = self._statistics.time_requests - self._settled_starts
         if self._settled_s is None and now_s - began_s >= UNSETTLED_S and starts >= MIN_STARTS:
             seen = (
-                f"the board begins to announce its topics again and again ({starts} times in "
-                f"{now_s - began_s:.0f} s) and never gets to the end, as one does that resets in a loop"
+                f"the board started to announce its topics {starts} times in {now_s - began_s:.0f} s but "
+                f"never finished; it probably resets in a loop"
             )
             return reset_loop(seen, crash_line)
         return None
@@ -189,9 +189,9 @@ class LineWatch:
             return None
         return warning(
             Code.TEXT_BETWEEN_FRAMES,
-            f"text comes between the frames ({show(self.noise.text)}): the sketch prints on the port that "
+            f"there is text between the frames ({show(self.noise.text)}): the sketch prints on the port that "
             "rosserial uses",
-            "replace Serial.print by nh.loginfo, or print on another port",
+            "replace Serial.print with nh.loginfo, or print on another port",
         )
 
     def _find_unknown(self, now_s: float) -> Finding | None:
@@ -199,8 +199,8 @@ class LineWatch:
             return None
         return warning(
             Code.UNANNOUNCED_MESSAGES,
-            f"{self._unknown_count} messages came on topic id {self._unknown_id[0]}, which the board never "
-            "announces",
+            f"{self._unknown_count} messages have topic id {self._unknown_id[0]}, which the board never "
+            f"announces",
             "call nh.advertise() for every publisher in setup(), before the first nh.spinOnce()",
         )
 
@@ -211,7 +211,7 @@ def absence(noise: Noise, baud: int | None, waited_s: float) -> Finding:
         hint = f", and whether its baud rate is {baud}" if baud else ""
         return error(
             Code.NOTHING_RECEIVED,
-            f"no answer from the board for {waited_s:.0f} s: nothing at all was received",
+            f"no answer from the board for {waited_s:.0f} s: no byte was received",
             f"check that its sketch runs rosserial on this port (nh.initNode() in setup(), nh.spinOnce() in "
             f"loop()){hint}, and that the cable carries data",
         )
@@ -233,13 +233,13 @@ def absence(noise: Noise, baud: int | None, waited_s: float) -> Finding:
     if baud:
         return error(
             Code.WRONG_BAUD,
-            f"{what}: most likely a baud rate other than {baud}",
-            "give the one of the sketch's setBaud() or Serial.begin() as ?baud=...; rostether doctor finds "
-            "it",
+            f"{what}: probably a baud rate other than {baud}",
+            "give the rate of the sketch's setBaud() or Serial.begin() as ?baud=...; rostether doctor "
+            "finds it",
         )
     return error(
         Code.NOISE_RECEIVED,
         what,
-        "check that what is connected here is a rosserial board, with the same baud rate on both sides of "
-        "a converter",
+        "check that a rosserial board is connected here, with the same baud rate on both sides of a "
+        "converter",
     )

@@ -1,6 +1,6 @@
 """How late a board's time requests are: as late as its loop() is slow.
 
-A configured board asks for the time when 2.5 s have passed (with our library 2.2 s), at its next
+A configured board requests the time when 2.5 s have passed (with our library 2.2 s), at its next
 nh.spinOnce(). A request that answers a topic request says nothing, unless it comes when the next one has been
 overdue anyway.
 """
@@ -79,10 +79,10 @@ class LoopSpeed:
             return None
         return warning(
             Code.SLOW_LOOP,
-            f"loop() is too slow: the board's time request comes late by {late_s * 1000:.0f} ms "
+            f"loop() is too slow: the board's time request is late by {late_s * 1000:.0f} ms "
             f"(at worst {(max(self._intervals_s) - self._period_s) * 1000:.0f} ms)",
-            "call nh.spinOnce() every few ms: replace delay() by a comparison of millis(), and do long "
-            "work in pieces",
+            "call nh.spinOnce() every few ms: replace delay() by a comparison of millis(), and split long "
+            "work into short steps",
         )
 
     @property

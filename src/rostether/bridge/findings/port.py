@@ -18,7 +18,7 @@ def port_findings(facts: PortFacts) -> list[Finding]:
             error(
                 Code.NOT_A_PORT,
                 f"{facts.path} is not a serial port",
-                "name the board's port; rostether ports lists them",
+                "give the board's port; rostether ports lists all ports",
             )
         ]
     if not facts.may_open:
@@ -39,9 +39,7 @@ def open_error_finding(facts: PortFacts, failure: BaseException) -> Finding:
     if code == errno.EBUSY:
         return busy(facts.path, facts.holders)
     if code in (errno.ENOTTY, errno.EISDIR, errno.EINVAL):
-        return error(
-            Code.NOT_A_PORT, f"{facts.path} is not a serial port", "rostether ports lists those that are"
-        )
+        return error(Code.NOT_A_PORT, f"{facts.path} is not a serial port", "rostether ports lists all ports")
     return cannot_open(failure)
 
 
@@ -56,13 +54,13 @@ def no_permission(path: str, group: str | None) -> Finding:
     if group is None:
         return error(
             Code.NO_PERMISSION,
-            f"no permission to open {path}, which only root may use",
-            f"type: sudo chmod a+rw {path}",
+            f"no permission to open {path}: only root may use it",
+            f"run: sudo chmod a+rw {path}",
         )
     return error(
         Code.NO_PERMISSION,
         f"no permission to open {path}: it belongs to group {group}, and you are not in it",
-        f"type: sudo usermod -aG {group} $USER, then log out and in again",
+        f"run: sudo usermod -aG {group} $USER, then log out and in again",
     )
 
 
@@ -79,7 +77,7 @@ def busy(place: str, holders: tuple[Holder, ...]) -> Finding:
     return error(
         Code.BUSY,
         f"{place} is in use by {who}: two programs that read one port each get half of the bytes",
-        f"close it, or type: kill {pids}",
+        f"close it, or run: kill {pids}",
     )
 
 
@@ -87,11 +85,10 @@ def _no_port(facts: PortFacts) -> Finding:
     if facts.near:
         step = f"did you mean {' or '.join(facts.near)}?"
     elif facts.others:
-        step = f"there is {', '.join(facts.others)}"
+        step = f"the ports are {', '.join(facts.others)}"
     else:
         step = (
-            "no serial port is there: plug the board in with a USB cable that carries data (many only "
-            "charge), and "
-            "look at dmesg"
+            "no serial port found; plug in the board with a USB cable that carries data (many only charge),"
+            " and check dmesg"
         )
     return error(Code.NO_PORT, f"there is no port {facts.path}", step)

@@ -39,8 +39,8 @@ class RequiredTopics:
         return [
             error(
                 Code.MISSING_TOPIC,
-                f"the board does not announce {', '.join(self._missing)}, which devices.toml requires: "
-                f"it has {shown}{more}",
+                f"the board does not announce {', '.join(self._missing)}, which devices.toml requires; it "
+                f"announces {shown}{more}",
                 "flash the right sketch, add the topic to it, or correct required_topics",
             )
         ]

@@ -44,11 +44,11 @@ class Resets:
 
 def reset_loop(seen: str, crash_line: str | None) -> Finding:
     """Return the finding, with what the board itself says where it says something."""
-    said = f", and says {crash_line!r}" if crash_line else ""
+    said = f", and printed {crash_line!r}" if crash_line else ""
     return error(
         Code.RESET_LOOP,
         f"{seen}{said}",
-        "power motors and servos from a supply of their own (a brown-out resets the board), look for a "
-        "watchdog, and "
-        "make buffers and the number of topics in the sketch smaller (the stack may overwrite the RAM)",
+        "power motors and servos from a separate supply (a brown-out resets the board), check for a "
+        "watchdog, and use smaller buffers and fewer topics in the sketch (the stack may overwrite the "
+        "RAM)",
     )

@@ -118,7 +118,7 @@ class Doctor:
     async def _search(self, address: SerialAddress, watched: Watched) -> Diagnosis:
         """Nothing that makes sense came at the address's baud rate: try others."""
         try:
-            self._say("trying other baud rates, for half a minute at most ...")
+            self._say("trying other baud rates, for up to half a minute ...")
             # DTR stays as it is from here on, so that the board is not reset each time.
             transport = await self._open(replace(address, reset=False))
             try:
@@ -140,7 +140,7 @@ class Doctor:
             return self._diagnosis(right, again, right.baud)
         wrong = error(
             Code.WRONG_BAUD,
-            f"the board does not speak at {address.baud} baud, but at {found.baud}",
+            f"the board uses {found.baud} baud, not {address.baud}",
             f'connect with rostether serve "{address.path}?baud={found.baud}", or change setBaud() in '
             "the sketch",
         )
@@ -241,7 +241,7 @@ def _judge_search(address: SerialAddress, watched: Watched, found: NoBoard) -> F
 def _nobody(address: Address, place: str, wait_s: float) -> Finding:
     is_local = "127.0.0.1" in place or "[::1]" in place
     step = (
-        "boards on the network cannot reach loopback: name an address of ours, for instance "
+        "boards on the network cannot reach loopback; give an address of this machine, for example "
         "tcp://0.0.0.0:11411"
         if is_local and isinstance(address, TcpAddress | UdpAddress)
         else "check the server address and port in the sketch, its Wi-Fi, and this machine's firewall"

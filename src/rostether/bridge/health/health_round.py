@@ -98,7 +98,7 @@ class HealthRound:
         if not self._is_broken:
             self._is_broken = True
             self._reporter.line(
-                Level.ERROR, f"diagnostics broke down ({type(error).__name__}: {error}); please report it"
+                Level.ERROR, f"diagnostics failed ({type(error).__name__}: {error}); please report it"
             )
 
 

@@ -106,9 +106,9 @@ async def _watch(
 
 
 def _lost(failure: TransportError | None) -> Finding:
-    seen, _, step = str(failure or "the board hung up").partition("; ")
+    seen, _, step = str(failure or "the board closed the connection").partition("; ")
     return error(
         Code.CONNECTION_LOST,
-        f"the connection ended while it was watched: {seen}",
-        step or "look for a loose plug, and for a supply too weak for the board",
+        f"the connection ended: {seen}",
+        step or "check for a loose plug and a weak power supply",
     )

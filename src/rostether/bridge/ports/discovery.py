@@ -61,7 +61,7 @@ class Discovery:
             self._update(ports)
             if is_first and not self._kept:
                 self._reporter.line(
-                    Level.INFO, "No known board is plugged in yet; `rostether ports` lists all"
+                    Level.INFO, "No known board is plugged in yet; `rostether ports` lists all ports"
                 )
             is_first = False
 
@@ -115,5 +115,6 @@ class Discovery:
         what = board_of(port.usb_vendor_id, port.usb_product_id) or port.description
         self._reporter.line(
             Level.INFO,
-            f"{port.path} ({what}) is left alone: it may be anything; is it a board? --probe {port.usb_id}",
+            f"{port.path} ({what}) is not opened: it may be any device; if it is a board, add --probe "
+            f"{port.usb_id}",
         )

@@ -118,7 +118,7 @@ class FoundPort:
                 except RostetherError as error:
                     refusal = f"{error} (trying again)"
             else:
-                refusal = f"{self._title} is in use by {user}: left alone until that ends"
+                refusal = f"{self._title} is in use by {user}; waiting until it is free"
             await attempts.wait_after(refusal)
         return None
 
@@ -177,11 +177,12 @@ class FoundPort:
         what = f"{self._title} does not answer as a rosserial board at any usual speed"
         if found.text_baud is not None:
             text = found.text.decode("ascii", "replace").strip()
-            what = f"{self._title} sends text at {found.text_baud} baud ({text!r}) and is no rosserial board"
+            sent = f"text at {found.text_baud} baud ({text!r})"
+            what = f"{self._title} sends {sent} and is not a rosserial board"
         elif found.foreign_bytes:
-            what = f"{self._title} sends {found.foreign_bytes} bytes that no rosserial board sends"
+            what = f"{self._title} sends {found.foreign_bytes} bytes that are not from a rosserial board"
         self._report(
-            Level.WARN, f"{what}: left alone until it is plugged in again or another program has used it"
+            Level.WARN, f"{what}; ignoring it until it is plugged in again or another program has used it"
         )
 
     def _report(self, level: Level, text: str) -> None:

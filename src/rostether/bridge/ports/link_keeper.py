@@ -104,7 +104,7 @@ class LinkKeeper:
             if not reported:
                 reported = True
                 self._reporter.line(
-                    Level.WARN, f"{self._address} is not there; waiting for it to be plugged in"
+                    Level.WARN, f"{self._address} does not exist; waiting until it is plugged in"
                 )
             await asyncio.sleep(PRESENCE_POLL_S)
         return path

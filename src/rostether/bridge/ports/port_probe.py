@@ -85,7 +85,7 @@ class _Probing:
 
     def connection_lost(self, error: TransportError | None) -> None:
         """Learn that the port has gone."""
-        self._lost = error or TransportClosedError(f"{self._transport.peer} was closed while it was probed")
+        self._lost = error or TransportClosedError(f"{self._transport.peer} was closed during the probe")
         self._woken.set()
 
     def pause_writing(self) -> None:

@@ -115,4 +115,4 @@ async def _over_zenoh(
 
 def _zenoh_line(session: ZenohSession, environment: Ros2Environment) -> str:
     domain = f"ROS 2 domain {environment.domain_id} over zenoh (RMW_IMPLEMENTATION=rmw_zenoh_cpp)"
-    return f"Joining {domain}, being its router here" if session.is_router else f"Joining {domain}"
+    return f"Joining {domain}; this command is its router here" if session.is_router else f"Joining {domain}"

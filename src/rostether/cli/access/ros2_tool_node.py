@@ -120,7 +120,7 @@ async def warn_without_router() -> None:
     if not names_its_own_place(Ros2Environment.read()) and not await is_router_there():
         warn(
             f"no zenoh router answers at {ROUTER_ENDPOINT}, so nodes cannot be found; start one with "
-            "`rostether core --ros2 zenoh` or `rostether serve --ros2 zenoh`, or use ROS 2's own"
+            f"`rostether core --ros2 zenoh`, `rostether serve --ros2 zenoh`, or ROS 2's rmw_zenohd"
         )
 
 

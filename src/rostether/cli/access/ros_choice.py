@@ -37,9 +37,7 @@ class MiddlewareName(click.Choice[str]):
         if value == "rmw_zenoh_cpp":
             self.fail(f"write --ros2 zenoh instead of {value!r}", param, ctx)
         if value not in self.choices:
-            self.fail(
-                f"{value!r} is neither zenoh nor rclpy; use rclpy for every other middleware", param, ctx
-            )
+            self.fail(f"{value!r} is not zenoh or rclpy; use rclpy for other middlewares", param, ctx)
         return value
 
 

@@ -38,7 +38,7 @@ def bag_check(files: tuple[Path, ...], msg_paths: tuple[Path, ...]) -> None:
         for fault in checked.faults:
             write_line(f"{path}: {fault}")
         if not checked.faults:
-            write_line(f"{path}: {checked.message_count} messages, all right")
+            write_line(f"{path}: {checked.message_count} messages, no errors")
         is_right = is_right and not checked.faults
     if not is_right:
         raise click.exceptions.Exit(EXIT_FAILED)

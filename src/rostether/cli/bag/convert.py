@@ -59,15 +59,15 @@ def bag_convert(
             reader.close()
             reader = open_recording(source, is_native=True)
         if reader.damage:
-            warn(f"{source}: {reader.damage}; what is whole is taken")
+            warn(f"{source}: {reader.damage}; only its complete part is read")
         # Only what ROS 2 is to get of ROS 1 needs to be known; all else the recordings tell.
         types = native_types((), msg_paths) if msg_paths and target_form is Form.ROS2 else None
         count = copy(reader, target, compression=compression, form=target_form, storage=storage, types=types)
         unfit = sum(reader.counts.values()) - count
         if unfit and not reader.unreadable:
-            warn(f"{source}: {unfit} messages do not fit their type; `rostether bag check` says which")
+            warn(f"{source}: {unfit} messages do not fit their type; `rostether bag check` shows which")
         for topic, why in reader.unreadable.items():
-            warn(f"{source}: {topic} is not taken, or not all of it: {why}")
+            warn(f"{source}: {topic} is not copied completely: {why}")
     finally:
         reader.close()
     write_line(f"{target}: {count} messages")

@@ -75,7 +75,7 @@ def export(
 
     with closing(open_recording(recording)) as reader:
         if reader.damage:
-            warn(f"{recording}: {reader.damage}; what is whole is taken")
+            warn(f"{recording}: {reader.damage}; only its complete part is read")
         chosen = Export(reader, topics=topics, fields=fields, tell=warn)
         place = _Place(recording, output, format_name, chosen)
         try:
@@ -103,8 +103,8 @@ class _Place:
             is_file = path.suffix.removeprefix(".") in FORMATS and not is_folder
             if not is_file and not is_folder and path.suffix[1:2].isalpha():
                 raise ConfigError(
-                    f"-o {output}: a table's file ends with .csv or .parquet; a folder has no ending, "
-                    "or is there already"
+                    f"-o {output}: the name of a table must end with .csv or .parquet; a folder must exist "
+                    f"already, or have no ending"
                 )
             self._folder = path
             self._file = path if is_file else None
@@ -117,9 +117,11 @@ class _Place:
             self._folder = Path(f"{Path(name).with_suffix('')}_{self._format}")
         if (self._is_stdout or self._file is not None) and len(chosen.tables) != 1:
             names = ", ".join(table.topic for table in chosen.tables)
-            raise ConfigError(f"one file holds one topic; choose one with --topic, or name a folder: {names}")
+            raise ConfigError(
+                f"a file can hold only one topic; choose one with --topic, or give a folder: {names}"
+            )
         if self._is_stdout and self._format != "csv":
-            raise ConfigError("Parquet needs a file: its end is written last; name one with -o")
+            raise ConfigError("Parquet cannot be written to stdout; give a file with -o")
         if self._format == "parquet":
             from rostether.recording.export.parquet_table import parquet_package
 
@@ -136,7 +138,7 @@ class _Place:
             path.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise ConfigError(
-                f"cannot make the folder {path.parent}: {error.strerror or error}; choose another folder"
+                f"cannot create the folder {path.parent}: {error.strerror or error}; choose another folder"
             ) from None
         if self._format == "parquet":
             from rostether.recording.export.parquet_table import ParquetTable

@@ -60,7 +60,9 @@ def bag_filter(source: Path, target: Path, expression: str, shown: str | None) -
             matches = bool(test(scope))
             line = None if show is None else show(scope)
         except ConfigError as error:
-            raise ConfigError(f"{topic}: {error}; to ask one topic alone: topic == '/NAME' and ...") from None
+            raise ConfigError(
+                f"{topic}: {error}; to filter one topic only, write: topic == '/NAME' and ..."
+            ) from None
         if show is not None:
             write_line(f"{'MATCH' if matches else 'NO MATCH'} {line}")
         return matches

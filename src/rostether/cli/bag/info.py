@@ -44,7 +44,7 @@ def bag_info(
     from rostether.recording.files import open_recording
 
     if key is not None and not as_yaml:
-        raise click.UsageError("-k needs -y: it prints a value of the YAML")
+        raise click.UsageError("-k needs -y")
     for number, path in enumerate(files):
         reader = open_recording(path)
         try:
@@ -52,7 +52,7 @@ def bag_info(
             if with_rates:
                 _add_rates(facts, reader)
             if reader.damage:
-                warn(f"{path}: {reader.damage}; `rostether bag reindex {path}` mends it")
+                warn(f"{path}: {reader.damage}; `rostether bag reindex {path}` repairs it")
             if as_json:
                 write_json(facts)
             elif as_yaml:

@@ -37,14 +37,14 @@ def new_place(path: Path, output_dir: Path | None, *, force: bool) -> tuple[Path
             output_dir.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise ConfigError(
-                f"cannot make the folder {output_dir}: {error.strerror or error}; choose another folder"
+                f"cannot create the folder {output_dir}: {error.strerror or error}; choose another folder"
             ) from None
         return output_dir / name, None
     output = path.parent / name
     stem, _, suffix = name.rpartition(".")
     backup = path.with_name(f"{name}.orig" if path.is_dir() else f"{stem}.orig.{suffix}")
     if backup.exists() and not force:
-        raise ConfigError(f"{backup} exists; -f writes over it")
+        raise ConfigError(f"{backup} already exists; -f overwrites it")
     if output != path and output.exists():
-        raise ConfigError(f"{output} exists, and {path} is to become it; take --output-dir")
+        raise ConfigError(f"{output} already exists, so {path} cannot be written there; use --output-dir")
     return output, backup

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from rostether.recording.player import Player, PlaySettings
 
 PROGRESS_PERIOD_S = 0.1
-_KEYS_SHOWN = "Space pauses, s plays one message while paused, q ends."
+_KEYS_SHOWN = "Space pauses, s plays one message while paused, q quits."
 
 
 @dataclass(frozen=True, slots=True)
@@ -235,7 +235,7 @@ async def _play(
         readers = [opened.enter_context(closing(open_recording(path, is_native=is_native))) for path in paths]
         for path, reader in zip(paths, readers, strict=True):
             for topic, why in reader.unreadable.items():
-                warn(f"{path}: {topic} is not played: {why}")
+                warn(f"{path}: {topic} is skipped: {why}")
         connections = [each for reader in readers for each in reader.counts]
         _check_topics(settings, {each.topic for each in connections})
         origins = [each.origin for each in connections if each.origin is not None]
@@ -245,8 +245,8 @@ async def _play(
             player = Player(graph.raw, readers, settings)
             if settings.start_s > player.length_s:
                 warn(
-                    f"WARNING: --start {settings.start_s:g} is beyond the end, "
-                    f"the recording lasts {player.length_s:.3f} s; nothing is played"
+                    f"WARNING: --start {settings.start_s:g} is after the end; the recording lasts "
+                    f"{player.length_s:.3f} s; nothing is played"
                 )
             playing = asyncio.create_task(player.play())
             async with _keys(player, playing.cancel, is_quiet=quiet):

@@ -50,7 +50,7 @@ class _Duration(click.ParamType[float]):
             return value
         match = re.fullmatch(r"(\d+(?:\.\d+)?)([smh]?)", str(value))
         if match is None or not float(match[1]):
-            self.fail(f"{value!r} is no duration; write 30, 30s, 5m or 2h", param, ctx)
+            self.fail(f"{value!r} is not a duration; write 30, 30s, 5m or 2h", param, ctx)
         return float(match[1]) * _UNITS_S[match[2]]
 
 
@@ -195,9 +195,9 @@ def bag_record(options: RecordOptions, topics: tuple[str, ...], graph: GraphOpti
     from rostether.recording.recording_plan import RecordLimits, TopicChoice
 
     if options.split and options.size_mb is None and options.duration_s is None:
-        raise click.UsageError("--split needs to know when: add --size or --duration")
+        raise click.UsageError("--split needs --size or --duration")
     if options.bz2 and options.lz4:
-        raise click.UsageError("a file is compressed by --bz2 or by --lz4, not by both")
+        raise click.UsageError("give --bz2 or --lz4, not both")
     environment = read_environment(graph)
     # roslaunch hands remappings and private parameters over among the topics.
     remapped = {
@@ -207,7 +207,7 @@ def bag_record(options: RecordOptions, topics: tuple[str, ...], graph: GraphOpti
     }
     topics = tuple(each for each in topics if ":=" not in each)
     if not topics and not options.is_all and options.node is None:
-        raise click.UsageError("name topics to record, or say --all")
+        raise click.UsageError("give the topics to record, or --all")
     full_names = [] if options.is_regex else [resolve(each, environment) for each in topics]
     choice = TopicChoice(
         names=tuple(dict.fromkeys(remapped.get(each, each) for each in full_names)),
@@ -303,12 +303,15 @@ async def _record(
             line.clear()
             # Where the first one cannot be made, the error says all there is to say.
             if written := [str(each) for each in recorder.progress.files if each.exists()]:
-                told = f"{recorder.progress.message_count} messages, {size_text(recorder.size_bytes)}"
-                tell(f"{told} in {', '.join(written)}")
+                total = f"{recorder.progress.message_count} messages, {size_text(recorder.size_bytes)}"
+                tell(f"{total} in {', '.join(written)}")
                 for topic, count in unfit.counts.items():
-                    warn(f"WARNING: {topic}: {count} messages that do not fit their type were left out")
+                    warn(f"WARNING: {topic}: left out {count} messages that do not fit their type")
                 if not recorder.progress.message_count and not unfit.counts:
-                    warn("WARNING: no message came; `rostether topic list -v` shows who publishes what")
+                    warn(
+                        "WARNING: no messages were received; `rostether topic list -v` shows which topics "
+                        "have publishers"
+                    )
 
 
 async def _telling_begin(graph: Graph, files: NewFiles) -> Callable[[Path], RecordingWriter]:
@@ -348,4 +351,4 @@ def _pattern(text: str) -> re.Pattern[str]:
     try:
         return re.compile(text)
     except re.error as error:
-        raise ConfigError(f"{text!r} is no regular expression: {error}") from None
+        raise ConfigError(f"{text!r} is not a regular expression: {error}") from None

@@ -49,13 +49,13 @@ _OPTIONS = (
         type=click.FloatRange(min=0.1),
         default=1000,
         metavar="MB",
-        help="With --record: how large a bag gets before the next one begins (1000).",
+        help="With --record: start a new bag at this size (1000).",
     ),
     click.option(
         "--record-keep",
         type=click.IntRange(min=1),
         metavar="COUNT",
-        help="With --record: keep the newest COUNT bags of this run (all).",
+        help="With --record: keep only the newest COUNT bags of this run (default: all).",
     ),
 )
 
@@ -68,8 +68,8 @@ def _bag_recording(
         return None
     if record.suffix in (".jsonl", ".json", ".bag", ".mcap") or record.is_file():
         raise ConfigError(
-            f"--record {record}: it takes a folder, for bags of all topics; "
-            "--record-line FILE records the bytes of the boards' lines"
+            f"--record {record}: give a folder, for bags of all topics; --record-line FILE records the bytes"
+            " on the boards' lines"
         )
     try:
         record.mkdir(parents=True, exist_ok=True)
@@ -110,7 +110,7 @@ async def _record(
     try:
         create, name = _files(recording.folder, types)
     except RecordingError as error:
-        reporter.line(Level.ERROR, f"{error}; serving goes on")
+        reporter.line(Level.ERROR, f"{error}; boards stay connected")
         return
     graph = await _joined(join, reporter)
     try:
@@ -128,7 +128,7 @@ async def _record(
         try:
             await _until_left(graph, recorder)
         except RecordingError as error:
-            reporter.line(Level.ERROR, f"{error}; serving goes on")
+            reporter.line(Level.ERROR, f"{error}; boards stay connected")
         finally:
             count, size = recorder.progress.message_count, size_text(recorder.size_bytes)
             reporter.line(Level.INFO, f"Recorded {count} messages, {size}, in {recording.folder}")
@@ -157,7 +157,7 @@ async def _joined(join: JoinGraph, reporter: Reporter) -> Graph:
     name = anonymous_name("record")
     return await wait_for_master(
         lambda: join(name),
-        lambda error: reporter.line(Level.WARN, f"Recording begins when the graph is there: {error}"),
+        lambda error: reporter.line(Level.WARN, f"Recording starts when the graph is available: {error}"),
         max_retry_s=MAX_JOIN_RETRY_S,
         errors=GraphError,
     )

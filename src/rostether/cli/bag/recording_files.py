@@ -138,6 +138,6 @@ def _check_compression(packing: Packing, suffix: str) -> None:
     if packing.compression == "none" or suffix == ".bag":
         return
     if suffix == ".db3" or (not suffix and packing.storage != "mcap"):
-        raise ConfigError("a .db3 file is not compressed; take MCAP")
+        raise ConfigError(".db3 files cannot be compressed; use MCAP")
     if packing.compression == "bz2":
-        raise ConfigError("MCAP knows no bz2; take --lz4, or none")
+        raise ConfigError("MCAP does not support bz2; use --lz4, or no compression")

@@ -16,7 +16,7 @@ from rostether.cli.shell.verbs import Verb
     cls=Verb,
     examples="""
     rostether bag reindex drive.bag.active
-    rostether bag reindex --output-dir mended *.bag
+    rostether bag reindex --output-dir repaired *.bag
     """,
 )
 @click.argument("files", nargs=-1, required=True, metavar="FILE...", type=click.Path(path_type=Path))
@@ -35,4 +35,4 @@ def bag_reindex(files: tuple[Path, ...], output_dir: Path | None, force: bool, q
         if not quiet:
             why = f" ({mended.damage})" if mended.damage else ""
             what = f"{mended.message_count} messages"
-            write_line(f"{output}: {what} kept{why}" if why else f"{output}: {what}, whole as it was")
+            write_line(f"{output}: {what} kept{why}" if why else f"{output}: {what}, complete, not changed")

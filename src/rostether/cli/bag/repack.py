@@ -30,7 +30,7 @@ def bag_compress(
 ) -> None:
     """Compress recordings with bz2 or LZ4. The original file is kept as NAME.orig.bag."""
     if bz2 and lz4:
-        raise click.UsageError("a file is compressed by --bz2 or by --lz4, not by both")
+        raise click.UsageError("give --bz2 or --lz4, not both")
     for path in files:
         # MCAP has no bz2.
         is_lz4 = lz4 or (not bz2 and path.suffix != ".bag")

@@ -54,7 +54,7 @@ def yaml_value(text: str, key: str) -> str:
                 raise KeyError(key)
             value = value[step[1] if step[1] is not None else int(step[2])]
         except (KeyError, IndexError, TypeError):
-            raise ConfigError(f"there is no {key!r} in it; there are {', '.join(whole)}") from None
+            raise ConfigError(f"there is no key {key!r}; the keys are {', '.join(whole)}") from None
         position = step.end()
     return _shown(value)
 

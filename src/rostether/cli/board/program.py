@@ -16,7 +16,7 @@ async def find_program(path: Path, board: str, msg_paths: Sequence[Path] = ()) -
     if path.suffix.lower() in _PROGRAM_SUFFIXES:
         return path
     if not path.exists():  # noqa: ASYNC240 - one look
-        raise BoardError(f"{path} is not there; name a sketch, a folder with one, or an ELF or HEX file")
+        raise BoardError(f"{path} does not exist; give a sketch, a folder with one, or an ELF or HEX file")
     from rostether.firmware.build import BuildOptions, build_sketch, find_board
 
     try:

@@ -26,10 +26,11 @@ async def start_in_qemu(
 
     if has_words:
         raise ConfigError(
-            f"{machine} is simulated without pins and devices: it takes no words and options of other boards"
+            f"{machine} is simulated without pins and devices; it does not accept the commands and options "
+            f"of other boards"
         )
     if program.suffix.lower() != ".elf":
-        raise ConfigError(f"{machine} runs ELF files: compile {program} with arm-none-eabi-g++ first")
+        raise ConfigError(f"{machine} runs only ELF files; compile {program} with arm-none-eabi-g++ first")
     return await QemuBoard.start(program, machine=machine, link_path=link_path)
 
 
@@ -52,7 +53,7 @@ async def run_in_qemu(
         finally:
             listening.cancel()
             await asyncio.gather(listening, return_exceptions=True)
-    raise BoardError(f"qemu has ended: {board.last_words or 'it did not say why'}")
+    raise BoardError(f"qemu has ended: {board.last_words or 'no reason given'}")
 
 
 async def _listen(board: QemuBoard) -> None:
@@ -60,4 +61,7 @@ async def _listen(board: QemuBoard) -> None:
         if line.split() == ["reset"]:
             await board.reset()
         elif line.strip():
-            warn(f"rostether: error: {line.strip()!r} is not known to this board: it takes reset")
+            warn(
+                f"rostether: error: {line.strip()!r} is not a command of this board; its only command is "
+                f"reset"
+            )

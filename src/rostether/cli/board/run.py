@@ -127,7 +127,7 @@ def board_run(  # noqa: PLR0913 - one for each option of the command
     fault none) and more (reset, power off, memory SYMBOL); see the reference of words and events.
     """
     if link is not None and tcp is not None:
-        raise click.UsageError("--link is for a pseudo-terminal and --tcp is none: give one of them")
+        raise click.UsageError("give --link or --tcp, not both")
     several = {"adc": adc, "pin": pin, "servo": servo, "watch": watch, "guard": guard}
     words = [f"{word} {value}" for word, values in several.items() for value in values]
     single = {"hcsr04": hcsr04, "range": distance, "attitude": attitude, "fault": fault, "network": network}
@@ -139,7 +139,7 @@ def board_run(  # noqa: PLR0913 - one for each option of the command
 
 async def _run(program: Path, start: _Start, msg_paths: Sequence[Path], as_json: bool) -> None:
     from rostether.cli.board.program import find_program
-    from rostether.cli.shell.slow_notice import told_when_long
+    from rostether.cli.shell.slow_notice import reported_when_long
     from rostether.simulation.simavr.kinds import kind_of
     from rostether.simulation.simavr.simulated_board import SimulatedBoard
 
@@ -149,8 +149,8 @@ async def _run(program: Path, start: _Start, msg_paths: Sequence[Path], as_json:
         return
     kind_of(start.board)
     link: Literal["pty", "tcp"] = "pty" if start.tcp_port is None else "tcp"
-    preparing = f"preparing a simulated {start.board} for {program}; the first time takes longest"
-    with told_when_long(warn, preparing):
+    preparing = f"preparing a simulated {start.board} for {program}; this takes longer the first time"
+    with reported_when_long(warn, preparing):
         found = await find_program(program, start.board, msg_paths)
         board = await SimulatedBoard.start(
             found,
@@ -173,7 +173,7 @@ async def _run(program: Path, start: _Start, msg_paths: Sequence[Path], as_json:
             listening.cancel()
             await asyncio.gather(listening, return_exceptions=True)
         if not board.was_to_end:
-            raise BoardError("the simulated board has ended unexpectedly; please report it")
+            raise BoardError("the simulated board ended unexpectedly; please report it")
 
 
 def _title(board: SimulatedBoard, program: Path, link_path: Path | None) -> str:

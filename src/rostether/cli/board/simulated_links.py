@@ -68,13 +68,13 @@ async def _start_avr(
 ) -> tuple[str, Coroutine[None, None, None]]:
     """Start a board that ends with the stack; return its serial port, and what reports of it."""
     from rostether.cli.board.program import find_program
-    from rostether.cli.shell.slow_notice import told_when_long
+    from rostether.cli.shell.slow_notice import reported_when_long
     from rostether.simulation.simavr.kinds import kind_of
     from rostether.simulation.simavr.simulated_board import SimulatedBoard
 
     kind_of(link.board)
-    preparing = f"preparing a simulated {link.board} for {link.program}; the first time takes longest"
-    with told_when_long(partial(reporter.line, Level.INFO), preparing):
+    preparing = f"preparing a simulated {link.board} for {link.program}; this takes longer the first time"
+    with reported_when_long(partial(reporter.line, Level.INFO), preparing):
         program = await find_program(Path(link.program), link.board, msg_paths)
         board = await stack.enter_async_context(
             await SimulatedBoard.start(

@@ -136,7 +136,7 @@ async def _demo(
         with contextlib.suppress(TimeoutError):
             await asyncio.wait_for(show, seconds)
     if not view.has_flowed:
-        raise GraphError("no message of the simulated board came through the ROS graph; please report it")
+        raise GraphError("no message of the simulated board arrived through the ROS graph; please report it")
 
 
 async def _joining_ros2(stack: AsyncExitStack, reporter: Reporter) -> JoinGraph | None:

@@ -125,7 +125,7 @@ _serve_options = option_group(
     rostether serve tcp://:11411 udp://:11411         boards on this machine
     rostether serve tcp://0.0.0.0:11411               boards on the network
     rostether serve pty:/tmp/board                    for a simulator
-    rostether serve "sim:blink.ino?board=uno"         a simulated board of ours
+    rostether serve "sim:blink.ino?board=uno"         a simulated board
     rostether serve /dev/ttyACM0 /dev/ttyACM1 --ns-per-board
     rostether serve /dev/ttyACM0 --dashboard          a page for browsers, too
     rostether serve /dev/ttyACM0 --rosbridge          web pages with roslibjs, too

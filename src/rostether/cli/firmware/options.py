@@ -107,7 +107,7 @@ _OPTIONS: tuple[Callable[[Any], Any], ...] = (
         multiple=True,
         metavar="DIR",
         type=click.Path(path_type=Path),
-        help="An Arduino library, or a folder of them; may be repeated, before all others.",
+        help="An Arduino library, or a folder of libraries; searched first; may be repeated.",
     ),
     msg_path_option,
     click.option(

@@ -37,7 +37,9 @@ def render(title: str, footprint: Footprint, endpoints: Sequence[Endpoint], buff
     console.print()
     console.print(_groups(footprint.groups))
     if endpoints:
-        console.print(f"\nMessages; the node handle takes in up to {buffer_bytes} bytes each")
+        console.print(
+            f"\nMessages; the input buffer of the node handle holds up to {buffer_bytes} bytes each"
+        )
         console.print(_messages(endpoints, buffer_bytes))
     if footprint.stack is not None:
         console.print(f"\n{_describe_stack(footprint.stack)}", soft_wrap=False)
@@ -104,7 +106,7 @@ def _describe_stack(stack: StackEstimate) -> str:
     lines = [f"Deepest stack: {stack.main_bytes} bytes in {' > '.join(names)}"]
     if stack.interrupt_bytes:
         interrupted = " > ".join(_short(each) for each in stack.interrupt_way[:2])
-        lines.append(f"and {stack.interrupt_bytes} bytes when {interrupted} comes then.")
+        lines.append(f"plus {stack.interrupt_bytes} bytes if {interrupted} interrupts it there.")
     if stack.unknown:
         lines.append(f"It can be more: {'; '.join(_short(each) for each in stack.unknown)}.")
     return "\n".join(lines)

@@ -50,4 +50,4 @@ async def _upload(sketch: Path, board_name: str, options: BuildOptions, port: st
     chosen = choose_port(built.board) if port is None else port
     write_line(f"flashing {built.board.title} on {chosen}: {describe_sizes(built, elf)}")
     await upload(built, chosen, uses_arduino_cli=options.uses_arduino_cli, show=options.show)
-    write_line("done; the board runs it now")
+    write_line("done; the board now runs the sketch")

@@ -147,7 +147,7 @@ def settings_of_parameters(
     certificate, key = certificate_files(parameters, "tls") if flag(parameters, "tls") else ("", "")
     wanted = parameters.get("capabilities")
     if wanted is not None and not isinstance(wanted, list):
-        raise ConfigError(f"~capabilities must be a list, as [{', '.join(CAPABILITIES)}]")
+        raise ConfigError(f"~capabilities must be a list, for example [{', '.join(CAPABILITIES)}]")
     waiting_bytes = whole_number(parameters, "send_buffer_limit", 0)
     return FoxgloveSettings(
         host=str(parameters.get("address") or DEFAULT_HOST),
@@ -243,7 +243,7 @@ def _filter(parameters: Mapping[str, Any], name: str) -> NameFilter:
     if given is None:
         return NameFilter()
     if not isinstance(given, list) or not all(isinstance(each, str) for each in given):
-        raise ConfigError(f"~{name} must be a list of regular expressions, as ['/camera/.*']")
+        raise ConfigError(f"~{name} must be a list of regular expressions, for example ['/camera/.*']")
     return NameFilter() if ".*" in given else NameFilter.of(given, f"~{name}")
 
 

@@ -187,7 +187,7 @@ async def rosbridge_server(
             await stack.enter_async_context(offering_rosapi(rosapi, on.join, graph, on.is_live))
         except (DefinitionError, GraphError) as error:
             # Clients are answered all the same, without the graph.
-            tell(Level.INFO, f"rosbridge: rosapi's services are there for its clients alone: {error}")
+            tell(Level.INFO, f"rosbridge: only its own clients can call rosapi's services: {error}")
         await server.start()
         tell(Level.INFO, f"rosbridge: web pages and programs connect to {server.uri}")
         tell_reach("rosbridge", settings.host, settings.port, settings.token, wider, tell)
@@ -197,11 +197,16 @@ async def rosbridge_server(
 def tell_reach(gateway: str, host: str, port: int, token: str, wider: str, tell: Tell) -> None:
     """Say who reaches a gateway; `wider` is what people type, with {port}, to let other machines connect."""
     if is_loopback(host):
-        tell(Level.INFO, f"{gateway}: this machine only; {wider.format(port=port)} lets others connect")
+        tell(
+            Level.INFO,
+            f"{gateway}: accepts connections from this machine only; {wider.format(port=port)} "
+            f"allows other machines",
+        )
     elif not token:
         tell(
             Level.WARN,
-            f"{gateway}: whoever reaches it can publish and call services; --token and --allow limit that",
+            f"{gateway}: every client that reaches it can publish and call services; --token and --allow "
+            f"restrict that",
         )
 
 

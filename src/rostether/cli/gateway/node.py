@@ -45,10 +45,10 @@ def read_gateway_words(words: Sequence[str], special: Mapping[str, str]) -> tupl
     if arguments.private_params:
         name = next(iter(arguments.private_params))
         raise click.UsageError(
-            f"_{name}:= is for the node in launch files; options and the PLACE say it here"
+            f"_{name}:= works only for the node in launch files; use the options and PLACE here"
         )
     if len(arguments.rest) > 1:
-        raise click.UsageError(f"one place to listen on, not {' and '.join(arguments.rest)}")
+        raise click.UsageError(f"give only one place to listen on, not {' and '.join(arguments.rest)}")
     name = special.get("__name", "")
     namespace = canonical("/" + special.get("__ns", ""))
     if name:
@@ -83,5 +83,6 @@ async def check_free(name: str, namespace: str, is_live: IsLive | None) -> None:
     full_name = join(namespace, name)
     if is_live is not None and await is_live(full_name):
         raise GraphError(
-            f"a node {full_name} runs already; end it, or give this one another port or name (__name:=other)"
+            f"a node {full_name} is already running; stop it, or give this one another port or name "
+            f"(__name:=other)"
         )

@@ -52,7 +52,9 @@ def read_place(text: str, default_port: int) -> tuple[str, int]:
     elif not colon or text.endswith("]") or (text.count(":") > 1 and not text.startswith("[")):
         host, port = text, str(default_port)
     if not port.isdecimal() or len(port) > 20 or not 0 <= int(port) <= _MAX_PORT:
-        raise ConfigError(f"{text!r} is no place to listen on: write HOST:PORT, as 0.0.0.0:{default_port}")
+        raise ConfigError(
+            f"{text!r} is not a place to listen on; write HOST:PORT, e.g. 0.0.0.0:{default_port}"
+        )
     return host.strip("[]"), int(port)
 
 
@@ -122,8 +124,8 @@ def _checked(
     for origin in origins:
         if not _ORIGIN.fullmatch(origin):
             raise ConfigError(
-                f"--origin: {origin!r} is not the start of a page's address; write it as "
-                "https://panel.example or http://192.168.1.7:8000"
+                f"--origin: {origin!r} is not an origin; write it like https://panel.example or "
+                f"http://192.168.1.7:8000"
             )
     if view_token and not token:
         raise ConfigError("--view-token needs --token: without one, every client may do everything")

@@ -43,5 +43,5 @@ def whole_number(parameters: Mapping[str, Any], name: str, default: int) -> int:
 def certificate_files(parameters: Mapping[str, Any], switch: str) -> tuple[str, str]:
     """Return ~certfile and ~keyfile. Raises ConfigError that names what was switched on without them."""
     if not parameters.get("certfile"):
-        raise ConfigError(f"~{switch} needs ~certfile and ~keyfile, the files of a certificate and its key")
+        raise ConfigError(f"~{switch} needs ~certfile and ~keyfile: a certificate and its key")
     return str(parameters["certfile"]), str(parameters.get("keyfile") or "")

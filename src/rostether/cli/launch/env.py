@@ -33,7 +33,7 @@ end"""
     cls=Verb,
     examples="""
     eval "$(rostether env)"                          in this shell
-    echo 'eval "$(rostether env)"' >> ~/.bashrc      for good
+    echo 'eval "$(rostether env)"' >> ~/.bashrc      permanently
     rostether env --shell fish | source
     eval "$(rostether env --first)"                  even where a real ROS is installed
     """,
@@ -51,7 +51,9 @@ def env(shell: str | None, first: bool) -> None:
     if others and not first:
         some = ", ".join(str(each) for each in list(others.values())[:3])
         more = f" and {len(others) - 3} more" if len(others) > 3 else ""
-        warn(f"a real ROS is installed and keeps its commands ({some}{more}); --first puts ours before it")
+        warn(
+            f"a real ROS is installed, and its commands keep precedence ({some}{more}); --first changes that"
+        )
     name = shell or Path(os.environ.get("SHELL", "sh")).name
     write_line(shell_code(folder, first=first, is_fish=name == "fish"))
 

@@ -130,10 +130,10 @@ _launch_options = option_group(
     examples="""
     rostether launch mearm_model display.launch            a file of a package
     rostether launch robot.launch port:=/dev/ttyACM1       a file, with an argument
-    rostether launch mearm_model display.launch --nodes    what it would start
+    rostether launch mearm_model display.launch --nodes    list the nodes
     rostether launch robot.launch --dashboard              with a page for browsers
-    rostether launch robot.launch --dump-params            what it would set
-    rostether launch robot.launch --ros-args               which arguments it takes
+    rostether launch robot.launch --dump-params            list the parameters
+    rostether launch robot.launch --ros-args               list its arguments
     """,
 )
 @_launch_options
@@ -312,9 +312,9 @@ def _warn(plan: LaunchPlan, sources: LaunchSources) -> None:
     for line in plan.warnings:
         warn(f"warning: {line}")
     for name in sources.arguments.keys() - plan.argument_names:
-        warn(f"warning: the launch file declares no argument {name}; --ros-args shows those it has")
+        warn(f"warning: the launch file declares no argument {name}; --ros-args shows the declared ones")
     for name in sources.empty_arguments:
-        warn(f"warning: {name}:= has no value and is left out, as with roslaunch")
+        warn(f"warning: {name}:= has no value and is ignored, as with roslaunch")
 
 
 async def _launch(  # noqa: PLR0913 - each is an independent setting

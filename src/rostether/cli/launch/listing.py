@@ -56,7 +56,7 @@ def find_node(plan: LaunchPlan, name: str, namespace: str) -> LaunchNode:
         if full_name == node.full_name or name == node.name:
             return node
     names = ", ".join(node_lines(plan)) or "none"
-    raise ConfigError(f"there is no node {name} in these files; there are {names}")
+    raise ConfigError(f"there is no node {name} in these files; the nodes are {names}")
 
 
 def command_words(node: LaunchNode, environ: Mapping[str, str], master_uri: str, locate: Locate) -> str:

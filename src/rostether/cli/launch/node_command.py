@@ -37,7 +37,7 @@ def explain_unknown_package(package: str, program: str, packages: Mapping[str, P
     """Return the line about an unknown package: similar names, or the folders that were searched."""
     ours = sorted(kind for role, kind in served_nodes() if role == package)
     if ours:
-        return f"package {package} has no program {program}; of it we serve {', '.join(ours)}"
+        return f"package {package} has no program {program}; the built-in ones are {', '.join(ours)}"
     there = {*packages, *(role for role, _ in served_nodes())}
     near = get_close_matches(package, there)
     if near:

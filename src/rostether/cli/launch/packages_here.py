@@ -28,12 +28,12 @@ def told_namesakes() -> Iterator[OnNamesake]:
 
     def note(name: str, used: Path, other: Path) -> None:
         lines.append(
-            f"rostether: warning: two packages are called {name}: {used} is used, {other} is not; "
-            "rename one, or put a file CATKIN_IGNORE into its folder"
+            f"rostether: warning: two packages have the name {name}: using {used}, ignoring {other}; rename "
+            f"one, or create a file CATKIN_IGNORE in its folder"
         )
 
     yield note
     for line in lines[:MAX_TOLD]:
         warn(line)
     if len(lines) > MAX_TOLD:
-        warn(f"rostether: warning: {len(lines) - MAX_TOLD} more packages have a name that another has")
+        warn(f"rostether: warning: {len(lines) - MAX_TOLD} more packages have duplicate names")

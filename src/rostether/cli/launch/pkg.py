@@ -120,7 +120,7 @@ def version(distro: bool, name: str | None) -> None:
 
     if distro or name is None:
         if not distro:
-            raise click.UsageError("which package? Name one, or ask with -d for the distribution")
+            raise click.UsageError("give a package, or -d for the distribution")
         write_line(os.environ.get("ROS_DISTRO") or _DISTRIBUTION)
         return
     write_line(read_contents(folder_of(name)).description.version)

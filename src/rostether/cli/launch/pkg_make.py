@@ -83,7 +83,7 @@ def make(directory: Path | None, ignored: tuple[str, ...], as_json: bool) -> Non
         count = f"{len(packages)} package{'' if len(packages) == 1 else 's'}"
         write_line(f"{count} in {workspace / SOURCE_FOLDER}; nothing needs to be built")
         if any(file.name == "setup.bash" for file in written):
-            write_line(f"Other shells see them after `source {workspace / 'devel' / 'setup.bash'}`")
+            write_line(f"In other shells, run `source {workspace / 'devel' / 'setup.bash'}`")
     if has_problems:
         raise click.exceptions.Exit(EXIT_FAILED)
 
@@ -125,6 +125,6 @@ def _show(contents: PackageContents, problems: list[str], workspace: Path, *, as
         if names:
             write_line(f"  {what}: {', '.join(names)}")
     if contents.compiled_sources:
-        write_line(f"  not built here, a real ROS does: {', '.join(contents.compiled_sources)}")
+        write_line(f"  need a real ROS to build: {', '.join(contents.compiled_sources)}")
     for line in problems:
         warn(f"  {line}")

@@ -64,5 +64,5 @@ def become(words: Sequence[str], environ: Mapping[str, str]) -> None:
         os.execvpe(words[0], list(words), environ)  # noqa: S606
     except OSError as error:
         raise ConfigError(
-            f"{words[0]} cannot be run: {error.strerror}; its first line may name a missing program"
+            f"{words[0]} cannot be run: {error.strerror}; its first line may name a program that is missing"
         ) from error

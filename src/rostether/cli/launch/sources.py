@@ -55,7 +55,7 @@ def find_sources(words: Sequence[str], packages: Mapping[str, Path]) -> LaunchSo
     """Find what is to be launched: `PACKAGE FILE`, or paths; `-` is standard input. Raises ConfigError."""
     rest, arguments, empty = split_arguments(words)
     if not rest:
-        raise ConfigError("name a launch file: `rostether launch PACKAGE FILE`, or a path")
+        raise ConfigError("give a launch file: `rostether launch PACKAGE FILE`, or a path")
     if len(rest) >= 2 and rest[0] in packages and rest[0] != STDIN:
         found = in_package(rest[0], rest[1], packages[rest[0]])
         if found is not None:
@@ -64,7 +64,7 @@ def find_sources(words: Sequence[str], packages: Mapping[str, Path]) -> LaunchSo
     if missing:
         raise ConfigError(_explain_missing(rest, missing[0], packages))
     if rest.count(STDIN) > 1:
-        raise ConfigError("standard input (-) can be read once only")
+        raise ConfigError("standard input (-) can be read only once")
     files = [Path(each) for each in rest if each != STDIN]
     return LaunchSources(files, STDIN in rest, arguments, empty)
 
@@ -79,7 +79,7 @@ def in_package(package: str, name: str, folder: Path) -> Path | None:
     found = [each.path / name for each in walk(folder, below_packages=True) if name in each.files]
     if len(found) > 1:
         places = ", ".join(str(each.relative_to(folder)) for each in found)
-        raise ConfigError(f"package {package} has {name} more than once; name one of {places}")
+        raise ConfigError(f"package {package} has several files {name}; give one of {places}")
     return found[0] if found else None
 
 
@@ -113,7 +113,7 @@ def _explain_missing(words: list[str], missing: str, packages: Mapping[str, Path
     if package not in packages:
         near = get_close_matches(package, packages, n=1)
         hint = f"did you mean {near[0]}?" if near else "`rostether pkg list` shows the packages found"
-        return f"there is neither a package nor a launch file {package}; {hint}"
+        return f"there is no package and no launch file {package}; {hint}"
     there = launch_files(packages[package])
     near = get_close_matches(name, there, n=1)
     if near:

@@ -128,14 +128,14 @@ def _type_argument(kind: _Kind, given: str | None) -> str:
     name = given
     while not name:
         if sys.stdin.isatty():
-            raise click.UsageError(f"which {kind.what} type? For example {kind.example}")
+            raise click.UsageError(f"give a {kind.what} type, for example {kind.example}")
         line = sys.stdin.readline()
         if not line:
-            raise click.UsageError(f"no {kind.what} type came through the pipe")
+            raise click.UsageError(f"stdin contains no {kind.what} type")
         name = line.strip()
     name = name.removesuffix(kind.suffix)
     if "::" in name or "." in name:
-        raise click.UsageError(f"{name!r} is no type name; write package/Name, as {kind.example}")
+        raise click.UsageError(f"{name!r} is not a type name; write package/Name, e.g. {kind.example}")
     return name
 
 
@@ -248,8 +248,8 @@ def _package_verb(kind: _Kind) -> click.Command:
         registry = _registry(msg_paths, graph)
         if package not in registry.packages():
             raise UnknownTypeError(
-                f"there is no package {package!r} with definitions; give its folder with --msg-path, "
-                f"`rostether {kind.group} packages` shows those that are known"
+                f"no package {package!r} with definitions is known; give its folder with --msg-path; "
+                f"`rostether {kind.group} packages` lists the known ones"
             )
         write_line((" " if single_line else "\n").join(kind.names(registry, package)))
 

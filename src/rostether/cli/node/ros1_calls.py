@@ -80,7 +80,7 @@ def unknown_node(name: str, known: Iterable[str]) -> UnknownNameError:
     from difflib import get_close_matches
 
     near = get_close_matches(name, known, n=1)
-    hint = f"did you mean {near[0]}?" if near else "`rostether node list` shows those that run"
+    hint = f"did you mean {near[0]}?" if near else "`rostether node list` shows the running nodes"
     return UnknownNameError(f"no node is called {name}; {hint}")
 
 
@@ -90,7 +90,7 @@ async def node_client(name: str, uri: str) -> AsyncIterator[XmlRpcClient]:
     try:
         client = XmlRpcClient(uri, peer=f"node {name}", timeout_s=NODE_TIMEOUT_S)
     except ConfigError as error:
-        raise GraphError(f"node {name} has registered a wrong address: {error}") from None
+        raise GraphError(f"node {name} has registered an invalid address: {error}") from None
     try:
         yield client
     finally:

@@ -71,7 +71,7 @@ async def _kill(environment: RosEnvironment, names: list[str]) -> list[tuple[str
             except GraphError as error:
                 # A node may hang up while it answers: only one that cannot be reached was not asked.
                 if isinstance(error.__cause__, ConnectionRefusedError):
-                    failed.append((name, "it is gone already; `rostether node cleanup` forgets it"))
+                    failed.append((name, "it is not running; `rostether node cleanup` removes it"))
                 elif error.__cause__ is None:
                     failed.append((name, error_text(error)))
     return failed

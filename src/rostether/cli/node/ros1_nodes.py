@@ -55,7 +55,10 @@ class Ros1Nodes:
         for each in found:
             write_line(each)
         if not found:
-            warn(f"no node is on {name}; `rostether node machine` lists the machines by the names nodes use")
+            warn(
+                f"no node is on {name}; `rostether node machine` lists the machines with the names that "
+                f"nodes use"
+            )
             raise click.exceptions.Exit(EXIT_FAILED)
 
     def ping(self, name: str | None, count: int | None, *, as_json: bool) -> None:

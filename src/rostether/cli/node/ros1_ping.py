@@ -53,7 +53,7 @@ async def _ping_once(pinger: _Pinger) -> bool:
     try:
         await pinger.find()
     except UnknownNameError:
-        warn(f"cannot ping [{pinger.name}]: it has just left")
+        warn(f"cannot ping [{pinger.name}]: it has just unregistered")
         return False
     return await pinger.ping()
 

@@ -73,16 +73,18 @@ class Ros2Nodes:
     def ping(self, name: str | None, count: int | None, *, as_json: bool) -> None:
         """Refuse: there is no such command on ROS 2."""
         raise not_on_ros2(
-            "node ping", "a node of ROS 2 has no address; `rostether node info` shows whether it is there"
+            "node ping", "ROS 2 nodes have no address; `rostether node info` shows whether the node exists"
         )
 
     def kill(self, names: tuple[str, ...], *, kill_all: bool) -> None:
         """Refuse: there is no such command on ROS 2."""
-        raise not_on_ros2("node kill", "a node of ROS 2 cannot be ended from outside; end its process")
+        raise not_on_ros2(
+            "node kill", "ROS 2 nodes cannot be shut down remotely; end the process of the node"
+        )
 
     def cleanup(self, *, yes: bool) -> None:
         """Refuse: there is no such command on ROS 2."""
-        raise not_on_ros2("node cleanup", "ROS 2 forgets nodes that are gone by itself")
+        raise not_on_ros2("node cleanup", "ROS 2 removes dead nodes automatically")
 
 
 def _write_info(name: str, sections: dict[str, list[tuple[str, list[str]]]], *, as_json: bool) -> None:
@@ -102,7 +104,7 @@ def full_node_name(name: str) -> str:
 
 def unknown_node(name: str) -> UnknownNameError:
     """Return the error for a node that is not there."""
-    return UnknownNameError(f"Unable to find node '{name}'; `rostether node list` shows those there are")
+    return UnknownNameError(f"Unable to find node '{name}'; `rostether node list` shows all nodes")
 
 
 def _sections(view: GraphView, node: str, *, with_hidden: bool) -> dict[str, list[tuple[str, list[str]]]]:

@@ -23,9 +23,9 @@ _listing_options = option_group(
             "--all",
             "with_uris",
             is_flag=True,
-            help="List addresses and names; with --ros2 hidden nodes too.",
+            help="List addresses and names; with --ros2, also hidden nodes.",
         ),
-        click.option("-c", "--count-nodes", is_flag=True, help="Only print how many there are."),
+        click.option("-c", "--count-nodes", is_flag=True, help="Print only the number."),
         json_option,
     ),
 )
@@ -44,8 +44,10 @@ def list_nodes(wanted: NodeListing, graph: GraphOptions) -> None:
 
 @click.command("info", cls=Verb, examples="rostether node info /board\nrostether node info -q /board /rosout")
 @click.argument("nodes", metavar="NODE...", nargs=-1, required=True, shell_complete=complete_nodes)
-@click.option("-q", "--quiet", is_flag=True, help="Show what the master knows, do not ask the node itself.")
-@click.option("--include-hidden", "with_hidden", is_flag=True, help="With --ros2, hidden names (_name) too.")
+@click.option(
+    "-q", "--quiet", is_flag=True, help="Show only the master's information; do not ask the node itself."
+)
+@click.option("--include-hidden", "with_hidden", is_flag=True, help="With --ros2, also hidden names (_name).")
 @json_option
 @graph_options()
 @daemon_habits
@@ -81,9 +83,11 @@ def ping(name: str | None, ping_all: bool, count: int | None, as_json: bool, gra
     """Ping a node once a second until Ctrl-C; the exit code is 1 if it does not answer."""
     nodes = nodes_of(graph)
     if ping_all and (name or count):
-        raise click.UsageError("--all pings each node once: leave the node's name and -c out")
+        raise click.UsageError("with --all, leave out the node's name and -c")
     if name is None and not ping_all:
-        raise click.UsageError("which node? `rostether node list` shows those that run; --all pings them all")
+        raise click.UsageError(
+            "give a node; `rostether node list` shows the running nodes; --all pings them all"
+        )
     nodes.ping(name, count, as_json=as_json)
 
 
@@ -97,7 +101,7 @@ def kill(names: tuple[str, ...], kill_all: bool, graph: GraphOptions) -> None:
     """Ask nodes to shut down; without a name, choose one from a list."""
     nodes = nodes_of(graph)
     if kill_all and names:
-        raise click.UsageError("--all shuts every node down: leave the names out")
+        raise click.UsageError("with --all, leave out the names")
     nodes.kill(names, kill_all=kill_all)
 
 

@@ -26,7 +26,7 @@ async def not_set(client: MasterClient, name: str) -> UnknownNameError:
     from difflib import get_close_matches
 
     near = get_close_matches(name, _with_namespaces(await client.param_names()), n=1)
-    hint = f"did you mean {near[0]}?" if near else "`rostether param list` shows those that are"
+    hint = f"did you mean {near[0]}?" if near else "`rostether param list` shows the set ones"
     return UnknownNameError(f"parameter {name} is not set; {hint}")
 
 

@@ -75,10 +75,7 @@ class Ros1Params:
         else:
             content = parse_value(values[0], "value")
             if content == {}:
-                warn(
-                    "nothing to set: an empty mapping has no names; "
-                    f"`rostether param delete {name}` empties the namespace"
-                )
+                warn(f"an empty mapping sets nothing; `rostether param delete {name}` empties the namespace")
             elif looks_like_number(content):
                 warn(f"{values[0]} is text in YAML; a number has a dot and a sign, such as 1.0e-3")
         run(_store(self._environment, [(name, content)], verbose=options.verbose))
@@ -94,7 +91,9 @@ class Ros1Params:
 
     def describe(self, node: str, names: tuple[str, ...], *, as_json: bool) -> None:
         """Refuse: parameters of ROS 1 have no description."""
-        raise click.UsageError("parameters of ROS 1 have no description; --ros2 shows those of a ROS 2 node")
+        raise click.UsageError(
+            "ROS 1 parameters have no description; use --ros2 for the parameters of a ROS 2 node"
+        )
 
     def dump(self, file: Path | None, namespace: str, *, verbose: bool) -> None:
         """Write parameters to a YAML file; without a file, or with -, to stdout."""

@@ -52,8 +52,8 @@ async def _find_node(tool: ToolNode, node: str) -> None:
     if node in _nodes_with_parameters(view):
         return
     if node in view.nodes:
-        raise UnknownNameError(f"node {node} does not offer its parameters")
-    raise UnknownNameError(f"Node not found: there is no {node}; `rostether node list` shows those there are")
+        raise UnknownNameError(f"node {node} does not give access to its parameters")
+    raise UnknownNameError(f"Node not found: {node}; `rostether node list` shows all nodes")
 
 
 def _nodes_with_parameters(view: GraphView) -> list[str]:
@@ -83,7 +83,7 @@ def _located(graph: GraphOptions, name: str, parameter: str | None) -> tuple[str
 
     node = owner(asked(graph, lambda tool: tool.snapshot_when(lambda view: bool(owner(view)))))
     if not node:
-        raise UnknownNameError(f"no node has a parameter {full_name}: type NODE NAME, as /board gain")
+        raise UnknownNameError(f"no node has a parameter {full_name}; give NODE NAME, e.g. /board gain")
     return node, ".".join(name_parts(full_name[len(node) :]))
 
 
@@ -140,8 +140,8 @@ class Ros2Params:
         value = _asked_of(self._graph, node, lambda client: client.get(node, [path])).get(path, NOT_SET)
         if value == NOT_SET:
             raise UnknownNameError(
-                f"Parameter not set: node {node} has none named {path}; "
-                f"`rostether param list {node}` shows its own"
+                f"Parameter not set: node {node} has no parameter {path}; `rostether param list {node}` "
+                f"shows its parameters"
             )
         if options.as_json:
             write_json({"node": node, "name": path, "value": value.value})
@@ -208,7 +208,7 @@ class Ros2Params:
 
         refuse_ros1_only(namespace=namespace, verbose=verbose)
         if file is None:
-            raise click.UsageError("type the node whose parameters are wanted")
+            raise click.UsageError("give the node of the parameters")
         owner = full_node_name(str(file))
 
         async def ask(client: ParameterClient) -> dict[str, TypedValue]:

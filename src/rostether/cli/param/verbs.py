@@ -21,7 +21,7 @@ _listing_options = option_group(
     (
         click.argument("namespace", default="/", shell_complete=complete_params),
         click.option(
-            "--include-hidden-nodes", "with_hidden", is_flag=True, help="With --ros2, of hidden nodes too."
+            "--include-hidden-nodes", "with_hidden", is_flag=True, help="With --ros2, include hidden nodes."
         ),
         click.option("--param-type", "with_types", is_flag=True, help="With --ros2, show types."),
         click.option(
@@ -29,7 +29,7 @@ _listing_options = option_group(
             "prefixes",
             multiple=True,
             metavar="PREFIX",
-            help="With --ros2, those below PREFIX.",
+            help="With --ros2, only parameters below PREFIX.",
         ),
         json_option,
     ),
@@ -39,7 +39,7 @@ _get_options = option_group(
     GetOptions,
     (
         click.option("-p", "pretty", is_flag=True, help="Print without quotes; not YAML-safe."),
-        click.option("--hide-type", is_flag=True, help="With --ros2, print the value alone."),
+        click.option("--hide-type", is_flag=True, help="With --ros2, print only the value."),
         _verbose_option,
         json_option,
     ),
@@ -49,10 +49,16 @@ _set_options = option_group(
     SetOptions,
     (
         click.option(
-            "-t", "--textfile", type=click.Path(path_type=Path), help="Set it to the contents of a text file."
+            "-t",
+            "--textfile",
+            type=click.Path(path_type=Path),
+            help="Set the parameter to the contents of a text file.",
         ),
         click.option(
-            "-b", "--binfile", type=click.Path(path_type=Path), help="Set it to the bytes of a file."
+            "-b",
+            "--binfile",
+            type=click.Path(path_type=Path),
+            help="Set the parameter to the bytes of a file.",
         ),
         _verbose_option,
     ),
@@ -77,7 +83,7 @@ def list_params(wanted: ParamListing, graph: GraphOptions) -> None:
 @graph_options()
 @daemon_habits
 def get(name: str, parameter: str | None, options: GetOptions, graph: GraphOptions) -> None:
-    """Print a parameter, or all parameters of a namespace, in YAML; with --ros2, type NODE NAME."""
+    """Print a parameter, or all parameters of a namespace, in YAML; with --ros2, give NODE NAME."""
     params_of(graph).get(name, parameter, options)
 
 
@@ -103,7 +109,7 @@ def set_param(
 ) -> None:
     """Set a parameter to a value in YAML.
 
-    A mapping sets only the parameters that it names. With --ros2, type NODE NAME VALUE.
+    A mapping sets only the parameters that it names. With --ros2, give NODE NAME VALUE.
     """
     params_of(graph).set_param((name, *((value,) if value is not None else ()), *more), options)
 
@@ -115,7 +121,7 @@ def set_param(
 @graph_options()
 @daemon_habits
 def delete(name: str, parameter: str | None, verbose: bool, graph: GraphOptions) -> None:
-    """Delete a parameter, or all parameters of a namespace; with --ros2, type NODE NAME."""
+    """Delete a parameter, or all parameters of a namespace; with --ros2, give NODE NAME."""
     params_of(graph).delete(name, parameter, verbose=verbose)
 
 
@@ -139,7 +145,7 @@ def describe(node: str, names: tuple[str, ...], as_json: bool, graph: GraphOptio
 def dump_params(file: Path | None, namespace: str, verbose: bool, graph: GraphOptions) -> None:
     """Write parameters to a YAML file; without a file, or with -, to stdout.
 
-    With --ros2, type the node instead of the file: its parameters go to stdout.
+    With --ros2, give the node instead of the file; its parameters go to stdout.
     """
     params_of(graph).dump(file, namespace, verbose=verbose)
 
@@ -157,6 +163,6 @@ def dump_params(file: Path | None, namespace: str, verbose: bool, graph: GraphOp
 def load(file: Path, namespace: str, verbose: bool, graph: GraphOptions) -> None:
     """Set the parameters of a YAML file (- is stdin), in a namespace if one is given.
 
-    With --ros2, type NODE FILE.
+    With --ros2, give NODE FILE.
     """
     params_of(graph).load(file, namespace, verbose=verbose)

@@ -105,4 +105,4 @@ class Curves:
     def _say_full(self) -> None:
         if not self._is_full:
             self._is_full = True
-            warn(f"WARNING: only the first {MAX_CURVES} values are drawn; name those that matter")
+            warn(f"WARNING: only the first {MAX_CURVES} values are plotted; give fewer fields")

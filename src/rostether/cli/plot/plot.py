@@ -103,7 +103,7 @@ def plot(
         picture_format(file, (".png", ".svg"))
     targets = [expand(field) for field in dict.fromkeys(fields)]
     if sum(map(len, targets)) > MAX_ARGUMENTS:
-        raise click.UsageError(f"at most {MAX_ARGUMENTS} fields can be drawn at once")
+        raise click.UsageError(f"at most {MAX_ARGUMENTS} fields can be plotted")
     is_terminal = sys.stdout.isatty() and os.environ.get("TERM") not in ("dumb", "unknown")
     if not is_terminal and file is None and duration_s is None:
         duration_s = window_s or DEFAULT_WINDOW_S
@@ -207,7 +207,7 @@ class _Session:
             return
         is_empty = isinstance(value, list | bytes) and not value
         if not self._curves.add(now_s - self._begin_s, name, value) and not is_empty:
-            raise ConfigError(f"{name} holds no number to draw; name a field of it that does")
+            raise ConfigError(f"{name} contains no numbers; give a field that does")
 
     async def run(self, follow: _Follow, groups: Sequence[_Group]) -> None:
         """Follow all values until the time is over. Raises what following one of them raises."""
@@ -229,7 +229,7 @@ class _Session:
             if self._curves.names:
                 self._finish()
         if not self._curves.names:
-            raise GraphError(f"no value came of {', '.join(names)}: see `rostether topic echo`")
+            raise GraphError(f"no value was received of {', '.join(names)}; see `rostether topic echo`")
 
     def _finish(self) -> None:
         file = self._options.file

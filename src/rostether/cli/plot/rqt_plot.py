@@ -41,7 +41,7 @@ def rqt_plot(arguments: tuple[str, ...], graph: GraphOptions) -> None:
     if not fields:
         fields = run(_published(graph))
         if not fields:
-            raise ConfigError("nothing with numbers is published; `rostether topic list` shows what there is")
+            raise ConfigError("no topic with numbers is published; `rostether topic list` shows all topics")
         warn(f"rostether plot {' '.join(fields)}")
     become(our_command("plot", *fields), os.environ)
 

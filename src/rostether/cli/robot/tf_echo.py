@@ -30,13 +30,13 @@ MAX_RATE_HZ = 1_000.0
 @click.argument("parent")
 @click.argument("child")
 @click.argument("rate", type=click.FloatRange(0, MAX_RATE_HZ, min_open=True), default=1.0)
-@click.option("-n", "count", type=click.IntRange(min=1), metavar="COUNT", help="End after COUNT transforms.")
+@click.option("-n", "count", type=click.IntRange(min=1), metavar="COUNT", help="Stop after COUNT transforms.")
 @click.option(
     "--timeout",
     "timeout_s",
     type=click.FloatRange(0, min_open=True),
     metavar="SECONDS",
-    help="Give up when no transform is known by then.",
+    help="Give up if no transform is available after SECONDS.",
 )
 @json_option
 @graph_options(ros=False, allow=TOOL_ALLOW)
@@ -78,7 +78,7 @@ async def _echo(
     ):
         loop = asyncio.get_running_loop()
         began_s = due_s = loop.time()
-        told, shown_count = "", 0
+        reported, shown_count = "", 0
         left = asyncio.ensure_future(node.raw.wait_closed())
         try:
             while shown_count != count and not left.done():
@@ -90,8 +90,8 @@ async def _echo(
                     if not shown_count and timeout_s is not None and waited_s >= timeout_s:
                         warn(escape_line(problem))
                         return EXIT_FAILED
-                    if problem != told and waited_s >= 1.0:
-                        told = problem
+                    if problem != reported and waited_s >= 1.0:
+                        reported = problem
                         warn(f"waiting: {escape_line(problem)}")
                     listener.arrived.clear()
                     with contextlib.suppress(TimeoutError):
@@ -100,7 +100,7 @@ async def _echo(
                     continue
                 _show(stamped, as_json)
                 shown_count += 1
-                told = ""
+                reported = ""
                 due_s = max(due_s + 1 / rate_hz, loop.time())
                 if shown_count != count:
                     await asyncio.wait([left], timeout=due_s - loop.time())

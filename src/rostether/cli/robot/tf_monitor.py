@@ -31,13 +31,13 @@ REPORT_PERIOD_S = 1.0
     """,
 )
 @click.argument("frames", nargs=-1, metavar="[PARENT CHILD]")
-@click.option("-n", "count", type=click.IntRange(min=1), metavar="COUNT", help="End after COUNT reports.")
+@click.option("-n", "count", type=click.IntRange(min=1), metavar="COUNT", help="Stop after COUNT reports.")
 @json_option
 @graph_options(ros=False, allow=TOOL_ALLOW)
 def monitor(frames: tuple[str, ...], count: int | None, as_json: bool, graph: GraphOptions) -> None:
     """Report every second for each frame, or for the chain between two, who broadcasts it and how late."""
     if len(frames) not in (0, 2):
-        raise click.UsageError("give no frame, or PARENT and CHILD")
+        raise click.UsageError("give PARENT and CHILD, or no frame")
     run(_monitor(tuple(each.removeprefix("/") for each in frames), count, as_json, graph))
 
 

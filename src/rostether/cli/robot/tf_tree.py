@@ -66,8 +66,8 @@ async def _tree(listening_s: float, dot: bool, as_json: bool, graph: GraphOption
         warn(escape_line(refusal))
     if not buffer.frames:
         warn(
-            f"no transform came within {listening_s:g} s; robot_state_publisher or `rostether tf static` "
-            "publish them"
+            f"no transform was received within {listening_s:g} s; "
+            "robot_state_publisher or `rostether tf static` publish transforms"
         )
         return EXIT_FAILED
     if as_json:

@@ -22,10 +22,12 @@ from rostether.cli.shell.verbs import Verb
 )
 @click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
 @click.argument("mappings", nargs=-1, metavar="[ARGUMENT:=VALUE...]")
-@click.option("-o", "output", type=click.Path(path_type=Path), metavar="FILE", help="Write the URDF there.")
-@click.option("--deps", is_flag=True, help="Print the files it includes instead.")
 @click.option(
-    "--inorder", "-i", is_flag=True, expose_value=False, help="Accepted: it is how xacro works now."
+    "-o", "output", type=click.Path(path_type=Path), metavar="FILE", help="Write the URDF to this file."
+)
+@click.option("--deps", is_flag=True, help="Print the included files instead.")
+@click.option(
+    "--inorder", "-i", is_flag=True, expose_value=False, help="Accepted for compatibility; has no effect."
 )
 @click.option("-q", "quiet", is_flag=True, expose_value=False, help="Accepted.")
 def xacro(file: Path, mappings: tuple[str, ...], output: Path | None, deps: bool) -> None:
@@ -47,4 +49,4 @@ def xacro(file: Path, mappings: tuple[str, ...], output: Path | None, deps: bool
         output.parent.mkdir(parents=True, exist_ok=True)
         output.write_text(text, encoding="utf-8")
     except OSError as error:
-        raise ConfigError(f"{output}: {error.strerror}; name a file that can be written") from error
+        raise ConfigError(f"{output}: {error.strerror}; choose another file") from error

@@ -18,7 +18,8 @@ _arguments = click.argument("words", nargs=-1, type=click.UNPROCESSED, metavar="
 GUI_NAME = "joint_state_publisher_gui"
 
 NO_TERMINAL = (
-    "no terminal to show sliders in: publishing zeros and what source_list brings; type in one of its own: "
+    "no terminal for the sliders: publishing zeros and the values from source_list; for sliders, run in a "
+    "terminal:  "
     "rostether run joint_state_publisher_gui joint_state_publisher_gui __name:={}"
 )
 

@@ -44,7 +44,7 @@ async def _main(graph: TypedGraph, _: Arguments) -> None:
     if name := str(await _get(graph, "dev_name", "")):
         found = device_named(name)
         if found is None:
-            report(Level.ERROR, f"no joystick calls itself {name!r}; {device} is used")
+            report(Level.ERROR, f"no joystick has the name {name!r}; using {device}")
         device = found or device
     settings = JoySettings(
         device=device,

@@ -17,7 +17,7 @@ _call_options = option_group(
     "options",
     CallOptions,
     (
-        click.option("-v", "--verbose", is_flag=True, help="Print the request, too."),
+        click.option("-v", "--verbose", is_flag=True, help="Also print the request."),
         click.option("--wait", is_flag=True, help="Wait until a node offers the service."),
         click.option(
             "--timeout",

@@ -41,7 +41,7 @@ def unknown_service(service: str, known: Iterable[str]) -> UnknownNameError:
     from difflib import get_close_matches
 
     near = get_close_matches(service, list(known), n=1)
-    hint = f"did you mean {near[0]}?" if near else "`rostether service list` shows those there are"
+    hint = f"did you mean {near[0]}?" if near else "`rostether service list` shows all services"
     return UnknownNameError(f"no node offers the service {service}; {hint}")
 
 
@@ -65,11 +65,10 @@ async def probe_uri(service: str, uri: str) -> str:
     except RostetherError as error:
         raise ServiceUnavailableError(
             f"service {service} is registered at {uri} but does not answer ({error}); "
-            "if its node is gone, `rostether node cleanup` forgets it"
+            "if its node has ended, `rostether node cleanup` removes it"
         ) from error
     if "error" in found or not found.get("type"):
-        raise ServiceUnavailableError(
-            f"the server of {service} does not tell its type ({found.get('error', 'no type in its header')})"
-        )
+        reason = found.get("error", "no type in its header")
+        raise ServiceUnavailableError(f"the server of {service} does not report its type ({reason})")
     # Old roscpp servers name the request's type.
     return found["type"].removesuffix("Request")

@@ -45,9 +45,7 @@ class Ros2Services:
 
     def uri_of(self, service: str) -> None:
         """Refuse: there is no such command on ROS 2."""
-        raise not_on_ros2(
-            "service uri", "services of ROS 2 have no URI; `rostether service info` shows what there is"
-        )
+        raise not_on_ros2("service uri", "ROS 2 services have no URI; use `rostether service info`")
 
     def type_of(self, service: str) -> None:
         """Print the type of a service, or each of them."""
@@ -127,5 +125,5 @@ def _view_of(graph: GraphOptions, service: str) -> tuple[str, GraphView]:
 def unknown_service(name: str) -> UnknownNameError:
     """Return the error for a service that no node offers."""
     return UnknownNameError(
-        f"Unknown service '{name}': no node offers it; `rostether service list` shows those there are"
+        f"Unknown service '{name}': no node offers it; `rostether service list` shows all services"
     )

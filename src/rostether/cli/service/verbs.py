@@ -21,14 +21,14 @@ _listing_options = option_group(
     ServiceListing,
     (
         click.argument("namespace", required=False, shell_complete=complete_services),
-        click.option("-n", "--nodes", is_flag=True, help="Print the nodes that offer them, too."),
+        click.option("-n", "--nodes", is_flag=True, help="Also print the nodes that offer them."),
         click.option("-t", "--show-types", is_flag=True, help="With --ros2, show types."),
-        click.option("-c", "--count-services", is_flag=True, help="Only print how many there are."),
+        click.option("-c", "--count-services", is_flag=True, help="Print only the number."),
         click.option(
             "--include-hidden-services",
             "with_hidden",
             is_flag=True,
-            help="With --ros2, hidden services (_name) too.",
+            help="With --ros2, also hidden services (_name).",
         ),
         json_option,
     ),

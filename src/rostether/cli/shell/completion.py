@@ -22,7 +22,7 @@ _VARIABLE = "_ROSTETHER_COMPLETE"
     cls=Verb,
     examples="""
     eval "$(rostether completion bash)"                   in this shell
-    rostether completion bash >> ~/.bashrc                for good
+    rostether completion bash >> ~/.bashrc                permanently
     rostether completion zsh >> ~/.zshrc
     rostether completion fish > ~/.config/fish/completions/rostether.fish
     """,
@@ -35,7 +35,7 @@ def completion(shell: str | None) -> None:
     """
     name = shell or Path(os.environ.get("SHELL", "")).name
     if name not in SHELLS:
-        raise click.UsageError(f"which shell? One of {', '.join(SHELLS)}")
+        raise click.UsageError(f"give a shell: {', '.join(SHELLS)}")
     found = get_completion_class(name)
     assert found is not None
     writer = found(click.Command(_PROGRAM), {}, _PROGRAM, _VARIABLE)

@@ -54,7 +54,8 @@ def error_text(error: BaseException) -> str:
     if isinstance(error, OSError) and error.strerror:
         return f"{error.filename}: {error.strerror}" if error.filename else error.strerror
     return (
-        f"{type(error).__name__}: {text} (unexpected; {TRACEBACK_VARIABLE}=1 shows where, please report it)"
+        f"{type(error).__name__}: {text} (unexpected; please report it with the output of "
+        f"{TRACEBACK_VARIABLE}=1)"
     )
 
 

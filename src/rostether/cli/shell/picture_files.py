@@ -19,7 +19,9 @@ def picture_format(file: Path, known: tuple[str, ...] = tuple(SUFFIXES)) -> str:
     """Return the format that a file's name gives. Raises UsageError for an unknown suffix."""
     suffix = file.suffix.lower()
     if suffix not in known:
-        raise click.UsageError(f"cannot tell the format of {file}; end its name with {', '.join(known)}")
+        raise click.UsageError(
+            f"cannot determine the format of {file}; its name must end with {', '.join(known)}"
+        )
     return SUFFIXES[suffix]
 
 

@@ -11,7 +11,7 @@ LONG_S = 1.5
 
 
 @contextmanager
-def told_when_long(tell: Callable[[str], None], text: str, *, after_s: float = LONG_S) -> Iterator[None]:
+def reported_when_long(tell: Callable[[str], None], text: str, *, after_s: float = LONG_S) -> Iterator[None]:
     """Show the text once if the block takes longer than that. Needs a running event loop."""
     telling = asyncio.get_running_loop().call_later(after_s, tell, text)
     try:

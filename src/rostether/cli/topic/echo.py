@@ -19,9 +19,9 @@ _echo_options = option_group(
     EchoOptions,
     (
         click.option(
-            "-n", "count", type=click.IntRange(min=1), metavar="COUNT", help="End after COUNT messages."
+            "-n", "count", type=click.IntRange(min=1), metavar="COUNT", help="Stop after COUNT messages."
         ),
-        click.option("--once", is_flag=True, help="End after one message."),
+        click.option("--once", is_flag=True, help="Stop after one message."),
         click.option("-p", "plot", is_flag=True, help="Print comma-separated values, for plotting."),
         json_option,
         click.option("-c", "--clear", is_flag=True, help="Clear the screen before each message."),

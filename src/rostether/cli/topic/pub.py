@@ -45,7 +45,7 @@ _pub_options = option_group(
             type=click.IntRange(min=0),
             default=0,
             metavar="COUNT",
-            help="With --ros2, end after COUNT messages.",
+            help="With --ros2, stop after COUNT messages.",
         ),
         click.option(
             "-w",

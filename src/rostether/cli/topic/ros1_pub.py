@@ -60,7 +60,7 @@ async def _publish(
         fill_message(codec, values, now=_wall_time)
     elif text is None and sys.stdin.isatty():
         fields = " ".join(field for field, _ in codec.message_class._fields)
-        raise click.UsageError(f"{type_name} wants values: {fields}")
+        raise click.UsageError(f"{type_name} needs values: {fields}")
     async with joined(graph_options, store=store, purpose="rostopic") as graph:
         await _check_type(graph, name, codec)
         now = graph.now if options.use_rostime else _wall_time
@@ -92,7 +92,7 @@ async def _check_type(graph: TypedGraph, topic: str, codec: Codec) -> None:
     except DefinitionError:
         pass
     raise TypeMismatchError(
-        f"{topic} is {known.type}, not {codec.type_name}; publish that type, or on another topic"
+        f"{topic} has the type {known.type}, not {codec.type_name}; publish this type, or use another topic"
     )
 
 
@@ -129,7 +129,7 @@ class _Output:
         await self._publisher.wait_for_subscriber(SUBSCRIBER_TIMEOUT_S)
         first = await anext(messages, None)
         if first is None:
-            raise ConfigError("there was no message to publish: YAML documents are separated by ---")
+            raise ConfigError("no message to publish; separate YAML documents with ---")
         if rate_hz is None:
             await self.publish_latched(first)
             return

@@ -54,5 +54,5 @@ async def node_uris(client: MasterClient, nodes: Iterable[str]) -> dict[str, str
 def unknown_topic(name: str) -> UnknownNameError:
     """Return the error for a topic without publishers and subscribers."""
     return UnknownNameError(
-        f"topic {name} has no publisher and no subscriber; `rostether topic list` shows what there is"
+        f"topic {name} has no publisher and no subscriber; `rostether topic list` shows all topics"
     )

@@ -64,7 +64,7 @@ async def choose_topic(
     types = view.types([EndpointKind.PUBLISHER], found)
     if len(types) > 1:
         raise TypeMismatchError(
-            f"topic {found} has more than one type ({', '.join(types)}): name the one that is meant behind it"
+            f"topic {found} has more than one type ({', '.join(types)}): give the type after the topic"
         )
     return _with_field(tool, found, short_name(types[0]), field or wanted[len(found) + 1 :])
 

@@ -83,7 +83,7 @@ def unknown_topic(name: str) -> UnknownNameError:
     """Return the error for a topic without publishers and subscribers."""
     return UnknownNameError(
         f"Unknown topic '{name}': it has no publisher and no subscriber; "
-        "`rostether topic list` shows what there is"
+        "`rostether topic list` shows all topics"
     )
 
 

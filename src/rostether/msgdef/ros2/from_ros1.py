@@ -73,7 +73,7 @@ def _derived(spec: MessageSpec, kind: str, name: str) -> Ros2Message:
         if (other := first_of.setdefault(new.name, old.name)) != old.name:
             raise DefinitionError(
                 f"the fields {other!r} and {old.name!r} would both be {new.name!r} in ROS 2;"
-                " write the type as a ROS 2 text and give its folder with --msg-path DIR",
+                " write a ROS 2 definition of the type, and give its folder with --msg-path DIR",
                 file=spec.full_name,
             )
     constants = tuple(each for constant in spec.constants if (each := _constant(constant)) is not None)
@@ -84,7 +84,7 @@ def _field(spec: MessageSpec, field: Field) -> Ros2Field:
     old = field.type
     if old.is_array and old.length == 0:
         raise DefinitionError(
-            f"ROS 2 has no array of no elements, which the field {field.name!r} is", file=spec.full_name
+            f"ROS 2 has no arrays of length 0, such as the field {field.name!r}", file=spec.full_name
         )
     base = _RENAMED.get(old.base, old.base)
     if base == old.base and base not in primitives.PRIMITIVE_TYPES:

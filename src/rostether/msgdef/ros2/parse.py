@@ -195,7 +195,7 @@ def _full_name(line: _Line, text: str, package: str) -> str:
         )
     if not is_type_name(name):
         line.fail(
-            f"{quote(name)} is no built-in type and no message's name: a capital, then letters and digits",
+            f"{quote(name)} is not a built-in type or a message name (a capital, then letters and digits)",
             text,
         )
     return f"{owner or package}/msg/{name}"

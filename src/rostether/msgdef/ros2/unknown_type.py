@@ -10,7 +10,7 @@ from rostether.msgdef.definition_files import Kind
 from rostether.msgdef.registry import MAX_NAME_CHARACTERS
 from rostether.msgdef.unknown_type import KnownNames
 
-HOW_TO_GIVE = "source the ROS 2 workspace that has it, or give its folder with --msg-path DIR"
+HOW_TO_GIVE = "source the ROS 2 workspace that contains it, or give its folder with --msg-path DIR"
 
 _NAME = re.compile(r"([A-Za-z][A-Za-z0-9_]*)/(msg|srv)/([A-Za-z][A-Za-z0-9_]*)")
 

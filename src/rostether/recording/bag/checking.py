@@ -36,7 +36,7 @@ def faults_of(data: Buffer) -> list[str]:
         found = _chunk_faults(data, chunk, order)
         faults += (f"the chunk at byte {chunk.data_start}: {each}" for each in found)
         if len(faults) > MAX_FAULTS:
-            return [*faults[:MAX_FAULTS], f"and more than these {MAX_FAULTS}"]
+            return [*faults[:MAX_FAULTS], f"and more errors than these {MAX_FAULTS}"]
     if order.fault:
         faults.append(order.fault)
     return faults
@@ -56,14 +56,14 @@ def _chunk_faults(data: Buffer, chunk: Chunk, order: TimeOrder) -> list[str]:
     except RecordingError as error:
         return [str(error)]
     if counts != {number: count for number, count in chunk.counts.items() if count}:
-        faults.append("the bag's index counts its messages wrong")
+        faults.append("the bag's index has a wrong number of messages")
     if counts and (first, last) != (chunk.start_ns, chunk.end_ns):
-        told = f"{chunk.start_ns} to {chunk.end_ns}"
-        faults.append(f"its times are {first} to {last} ns, not {told} as the bag's index says")
+        stated = f"{chunk.start_ns} to {chunk.end_ns}"
+        faults.append(f"its times are {first} to {last} ns, not {stated} as in the bag's index")
     try:
         _check_indexes(data, chunk.data_end, plain, counts)
     except RecordingError as error:
-        faults.append(f"the index behind it is wrong: {error}")
+        faults.append(f"the index after it is wrong: {error}")
     return faults
 
 
@@ -86,12 +86,12 @@ def _check_indexes(data: Buffer, position: int, plain: Buffer, counts: dict[int,
                 or time_field(there, b"time") != secs * NS_PER_S + nsecs
             ):
                 raise RecordingError(
-                    f"at its byte {offset} is no message of connection {number} of that time"
+                    f"there is no message of connection {number} with that time at its byte {offset}"
                 )
             offsets.add(offset)
         indexed[number] = indexed.get(number, 0) + len(offsets)
         position = end
     if indexed != counts:
         raise RecordingError(
-            f"it names {sum(indexed.values())} messages, but {sum(counts.values())} are there"
+            f"it lists {sum(indexed.values())} messages, but there are {sum(counts.values())}"
         )

@@ -85,11 +85,11 @@ def read_content(data: Buffer, damage: str = "") -> BagContent:
     """
     start = len(MAGIC)
     if bytes(data[:start]) != MAGIC:
-        raise RecordingError("it is no bag of format 2.0")
+        raise RecordingError("it is not a bag of format 2.0")
     try:
         fields, _, data_end = read_record(data, start)
         if op_of(fields) != OP_BAG:
-            raise RecordingError("it does not begin with a bag's header")
+            raise RecordingError("it does not start with a bag header")
         index_position = u64_field(fields, b"index_pos")
         chunk_count = u32_field(fields, b"chunk_count")
     except RecordingError as error:
@@ -118,7 +118,7 @@ def _by_index(data: Buffer, position: int, chunk_count: int) -> BagContent:
         elif op == OP_CHUNK_INFO:
             content.chunks.append(_indexed_chunk(data, fields, data[start:position]))
     if len(content.chunks) != chunk_count:
-        raise RecordingError(f"it names {len(content.chunks)} of {chunk_count} chunks")
+        raise RecordingError(f"it lists {len(content.chunks)} of {chunk_count} chunks")
     packed = (chunk.size_bytes for chunk in content.chunks if chunk.compression != NONE)
     check_unpacked_size(sum(min(each, MAX_CHUNK_BYTES) for each in packed), len(data))
     unknown = {number for chunk in content.chunks for number in chunk.counts} - content.connections.keys()
@@ -129,10 +129,10 @@ def _by_index(data: Buffer, position: int, chunk_count: int) -> BagContent:
 
 def _indexed_chunk(data: Buffer, fields: Fields, counts: Buffer) -> Chunk:
     if len(counts) % U32_PAIR.size or len(counts) > MAX_CONNECTIONS * U32_PAIR.size:
-        raise RecordingError("the counts of a chunk are cut")
+        raise RecordingError("the counts of a chunk are truncated")
     chunk_fields, start, end = read_record(data, u64_field(fields, b"chunk_pos"))
     if op_of(chunk_fields) != OP_CHUNK:
-        raise RecordingError("there is no chunk where it names one")
+        raise RecordingError("there is no chunk at a listed position")
     return Chunk(
         data_start=start,
         data_end=end,
@@ -167,7 +167,7 @@ def search(data: Buffer, position: int, damage: str, content: BagContent | None 
                 except RecordingError as error:  # the next one may be whole
                     content.damage = f"{damage}; {error}" if str(error) not in damage else damage
             elif op not in (OP_INDEX, OP_CONNECTION, OP_CHUNK_INFO):
-                raise RecordingError(f"a record of an unknown kind ({op:#x}) stands at byte {position}")
+                raise RecordingError(f"there is a record of an unknown kind ({op:#x}) at byte {position}")
             position = content.whole_bytes = end
     except RecordingError as error:
         content.damage = f"{content.damage}; {error}"

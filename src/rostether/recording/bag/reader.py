@@ -104,7 +104,7 @@ class BagReader:
                 yield RecordedMessage(connections[number], time_ns, payload)
         except RecordingError as error:
             raise RecordingError(
-                f"{self.path}: {error}; `rostether bag reindex` keeps what is whole before it"
+                f"{self.path}: {error}; `rostether bag reindex` keeps the complete part before it"
             ) from None
 
     def close(self) -> None:
@@ -124,9 +124,9 @@ class BagReader:
 
 def _what_else(start: bytes) -> str:
     if MAGIC.startswith(start):
-        return f"is cut: it has {len(start)} bytes, and a bag begins with {len(MAGIC)} that name its format"
+        return f"is truncated: it has {len(start)} bytes, but the header alone has {len(MAGIC)}"
     if start.startswith(MAGIC_START):
         version = start[len(MAGIC_START) :].decode("latin-1").split("\n")[0]
         version = version.strip().encode("unicode_escape").decode()
         return f"is a bag of format {version}; only 2.0 can be read"
-    return "is no bag: bags begin with '#ROSBAG V2.0'"
+    return "is not a bag: bags start with '#ROSBAG V2.0'"

@@ -67,7 +67,7 @@ def decode_fields(header: Buffer) -> Fields:
         position = start + U32.unpack_from(data, start - 4)[0]
         name, equals, value = data[start:position].partition(b"=")
         if position > len(data) or not equals:
-            raise RecordingError("a record's header holds an invalid field")
+            raise RecordingError("a record's header contains an invalid field")
         fields[name] = value
     return fields
 
@@ -91,7 +91,7 @@ def op_of(fields: Fields) -> int:
     """Return a record's kind. Raises RecordingError."""
     op = fields.get(b"op", b"")
     if len(op) != 1:
-        raise RecordingError("a record does not say of what kind it is")
+        raise RecordingError("a record has no kind")
     return op[0]
 
 

@@ -50,7 +50,7 @@ def faults_of(data: Buffer) -> list[str]:
     except RecordingError as error:
         check.tell(str(error))
     except _EnoughError:
-        check.faults.append(f"and more than these {MAX_FAULTS}")
+        check.faults.append(f"and more errors than these {MAX_FAULTS}")
     return check.faults
 
 
@@ -72,10 +72,10 @@ class _Check:
     def run(self) -> None:
         data = self._data
         if bytes(data[: len(MAGIC)]) != MAGIC:
-            raise RecordingError("it does not begin with MCAP's magic bytes")
+            raise RecordingError("it does not start with MCAP's magic bytes")
         op, start, position = read_record(data, len(MAGIC))
         if op != OP_HEADER:
-            raise RecordingError(f"a record ({kind_of(op)}) stands in place of the header")
+            raise RecordingError(f"there is a record ({kind_of(op)}) instead of the header")
         decode_header(data, start, position)
         position = self._found.run(position)
         if self._found.order.fault:
@@ -86,9 +86,9 @@ class _Check:
             self.tell("it has no summary")
             return
         if summary != position or not summary <= (offsets or footer) <= footer:
-            raise RecordingError(f"its footer says that the summary begins at {summary}, not at {position}")
+            raise RecordingError(f"its footer states that the summary starts at {summary}, not at {position}")
         if crc and zlib.crc32(data[summary : len(data) - len(MAGIC) - U32.size]) != crc:
-            self.tell("the sum (CRC) of its summary is wrong")
+            self.tell("the checksum (CRC) of its summary is wrong")
         groups = self._check_summary(summary, offsets or footer)
         if offsets:
             self._check_offsets(offsets, footer, groups)
@@ -104,7 +104,7 @@ class _Check:
             before = position
             op, start, position = read_record(data, position, end)
             if op != last_op and op in groups:
-                self.tell(f"records of its summary ({kind_of(op)}) do not stand together")
+                self.tell(f"records of its summary ({kind_of(op)}) are not grouped together")
             last_op = op
             groups[op] = (groups[op][0] if op in groups else before, position)
             if op in (OP_SCHEMA, OP_CHANNEL):
@@ -138,7 +138,9 @@ class _Check:
     def _check_chunk_index(self, index: ChunkIndex) -> None:
         found = self._found.chunks.pop(index.position, None)
         if found is None:
-            self.tell(f"its summary names a chunk at byte {index.position}, where none is, or names it twice")
+            self.tell(
+                f"its summary names a chunk at byte {index.position}, where there is none, or lists it twice"
+            )
             return
         chunk = found.chunk
         said = (
@@ -167,17 +169,17 @@ class _Check:
         )
         for noun, said, there in rows:
             if said != there:
-                self.tell(f"its statistics say {said} {noun}, but there are {there}")
+                self.tell(f"its statistics state {said} {noun}, but there are {there}")
         counts = {number: count for number, count in statistics.counts.items() if count}
         if counts and counts != self._found.counts:
-            self.tell("its statistics count the messages of its channels wrong")
+            self.tell("its statistics have wrong message counts of channels")
 
     def _check_offsets(self, position: int, end: int, groups: dict[int, tuple[int, int]]) -> None:
         data = self._data
         while position < end:
             op, start, position = read_record(data, position, end)
             if op != OP_SUMMARY_OFFSET or position - start < SUMMARY_OFFSET.size:
-                self.tell(f"a record ({kind_of(op)}) stands among its summary offsets")
+                self.tell(f"there is a record ({kind_of(op)}) among its summary offsets")
                 continue
             kind, begin, length = SUMMARY_OFFSET.unpack_from(data, start)
             if length and groups.get(kind) != (begin, begin + length):

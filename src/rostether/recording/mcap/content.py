@@ -81,7 +81,7 @@ class McapContent:
         """Take a schema or a channel, the same ones again too. Raises RecordingError."""
         self.definition_bytes += end - start
         if self.definition_bytes > MAX_DEFINITION_BYTES:
-            raise RecordingError(f"it holds more than {MAX_DEFINITION_BYTES} bytes of definitions")
+            raise RecordingError(f"it has more than {MAX_DEFINITION_BYTES} bytes of definitions")
         if op == OP_SCHEMA:
             schema = decode_schema(data, start, end)
             self.schemas[schema.number] = schema
@@ -98,10 +98,12 @@ def read_content(data: Buffer, damage: str = "") -> McapContent:
     begin = bytes(data[: len(MAGIC)])
     if begin != MAGIC:
         if MAGIC.startswith(begin):
-            raise RecordingError(f"it is cut: it has {len(begin)} bytes, and MCAP begins with {len(MAGIC)}")
+            raise RecordingError(
+                f"it is truncated: it has {len(begin)} bytes, but MCAP starts with {len(MAGIC)}"
+            )
         if begin.startswith(MAGIC[:5]):
-            raise RecordingError("it is MCAP of another version than 0, which alone can be read")
-        raise RecordingError("it is no MCAP file: those begin with '\\x89MCAP0'")
+            raise RecordingError("it is MCAP of an unsupported version; only version 0 can be read")
+        raise RecordingError("it is not an MCAP file: those start with '\\x89MCAP0'")
     if damage:
         return search(data, damage)
     try:
@@ -127,7 +129,7 @@ def _by_summary(data: Buffer) -> McapContent:
     content = McapContent()
     op, start, end = read_record(data, len(MAGIC))
     if op != OP_HEADER:
-        raise RecordingError("it does not begin with a header")
+        raise RecordingError("it does not start with a header")
     content.profile, content.library = decode_header(data, start, end)
     position = footer_of(data)[0]
     if position == 0:
@@ -146,9 +148,9 @@ def _by_summary(data: Buffer) -> McapContent:
     if statistics is None:
         raise RecordingError("it has no statistics")
     if len(indexes) != statistics.chunk_count:
-        raise RecordingError(f"its index names {len(indexes)} of {statistics.chunk_count} chunks")
+        raise RecordingError(f"its index lists {len(indexes)} of {statistics.chunk_count} chunks")
     if statistics.message_count and not indexes:
-        raise RecordingError("its messages are in no chunks, and have no index")
+        raise RecordingError("its messages are not in chunks and have no index")
     unknown = statistics.counts.keys() - content.channels.keys()
     if unknown:
         raise RecordingError(f"its index does not list channel {min(unknown)}")
@@ -163,10 +165,10 @@ def _by_summary(data: Buffer) -> McapContent:
 
 def _indexed(data: Buffer, index: ChunkIndex) -> StoredChunk:
     if index.position > len(data):
-        raise RecordingError("its index names a chunk beyond its end")
+        raise RecordingError("its index lists a chunk after the end of the file")
     op, start, end = read_record(data, index.position)
     if op != OP_CHUNK:
-        raise RecordingError("there is no chunk where its index names one")
+        raise RecordingError("there is no chunk at a position in its index")
     channels = frozenset(index.indexes) if index.indexes else None
     return _stored(decode_chunk(data, start, end), channels)
 
@@ -313,7 +315,7 @@ def messages_in(plain: Buffer, defined: McapContent | None = None) -> Iterator[E
             raise RecordingError("a chunk ends within a record")
         if op == OP_MESSAGE:
             if size < head_bytes:
-                raise RecordingError("a message is shorter than its head")
+                raise RecordingError("a message is shorter than its header")
             number, _, time_ns, _ = head(plain, start)
             yield time_ns, start + head_bytes, position, number
         elif op in (OP_SCHEMA, OP_CHANNEL) and defined is not None:

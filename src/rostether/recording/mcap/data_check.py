@@ -79,7 +79,7 @@ class DataCheck:
             if op == OP_DATA_END:
                 crc = int.from_bytes(bytes(data[start:position]), "little")
                 if crc and zlib.crc32(data[:before]) != crc:
-                    self._tell("the sum (CRC) of its data is wrong")
+                    self._tell("the checksum (CRC) of its data is wrong")
                 return position
             if op == OP_CHUNK:
                 last = self._check_chunk(before, start, position)
@@ -92,9 +92,9 @@ class DataCheck:
             elif op == OP_ATTACHMENT:
                 crc = int.from_bytes(bytes(data[max(position - 4, start) : position]), "little")
                 if crc and zlib.crc32(data[start : position - 4]) != crc:
-                    self._tell(f"the sum (CRC) of the attachment at byte {before} is wrong")
+                    self._tell(f"the checksum (CRC) of the attachment at byte {before} is wrong")
             elif op != OP_METADATA and op < 0x80:
-                raise RecordingError(f"a record ({kind_of(op)}) stands among the data at byte {before}")
+                raise RecordingError(f"there is a record ({kind_of(op)}) among the data at byte {before}")
 
     def _check_chunk(self, position: int, start: int, end: int) -> FoundChunk:
         data = self._data
@@ -113,7 +113,7 @@ class DataCheck:
             self._tell(f"{where}: {error}")
             return found
         if chunk.crc and zlib.crc32(plain) != chunk.crc:
-            self._tell(f"{where}: the sum (CRC) of its records is wrong")
+            self._tell(f"{where}: the checksum (CRC) of its records is wrong")
         first, last = 1 << 64, -1
         try:
             for op, record, begin, stop in _records(plain):
@@ -129,14 +129,14 @@ class DataCheck:
         except RecordingError as error:
             self._tell(f"{where}: {error}")
         if found.places and (first, last) != (chunk.start_ns, chunk.end_ns):
-            told = f"{chunk.start_ns} to {chunk.end_ns}"
-            self._tell(f"{where}: its times are {first} to {last}, not {told} as it says")
+            stated = f"{chunk.start_ns} to {chunk.end_ns}"
+            self._tell(f"{where}: its times are {first} to {last}, not {stated} as stated")
         return found
 
     def _check_message_index(self, found: FoundChunk | None, position: int, start: int, end: int) -> None:
         number, entries = decode_message_index(self._data, start, end)
         if found is None:
-            self._tell(f"the message index at byte {position} follows no chunk")
+            self._tell(f"the message index at byte {position} does not follow a chunk")
             return
         found.indexes[number] = position
         found.indexes_end = end
@@ -159,7 +159,7 @@ class DataCheck:
         if op == OP_SCHEMA:
             schema = decode_schema(data, start, end)
             if not schema.number:
-                self._tell("a schema has the number 0, which means none")
+                self._tell("a schema has the invalid number 0")
             if self.defined.schemas.get(schema.number, schema) != schema:
                 self._tell(f"schema {schema.number} is defined twice, and differs")
         else:
@@ -194,7 +194,7 @@ def _records(plain: Buffer) -> Iterator[tuple[int, int, int, int]]:
 
 def _message(data: Buffer, start: int, end: int) -> tuple[int, int]:
     if end - start < MESSAGE_HEAD.size:
-        raise RecordingError("a message is shorter than its head")
+        raise RecordingError("a message is shorter than its header")
     number, _, time_ns, _ = MESSAGE_HEAD.unpack_from(data, start)
     return number, time_ns
 

@@ -88,7 +88,7 @@ class _Fields:
     def _advance(self, length: int) -> int:
         position = self.position
         if length > self.end - position:
-            raise RecordingError(f"a record ({self._kind}) is shorter than what it holds")
+            raise RecordingError(f"a record ({self._kind}) is shorter than its content")
         self.position = position + length
         return position
 

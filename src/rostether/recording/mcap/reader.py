@@ -133,7 +133,7 @@ class McapReader:
                     yield RecordedMessage(connection, time_ns, converted)
         except RecordingError as error:
             raise RecordingError(
-                f"{self.path}: {error}; `rostether bag reindex` keeps what is whole"
+                f"{self.path}: {error}; `rostether bag reindex` keeps the complete part"
             ) from None
 
     def close(self) -> None:
@@ -159,10 +159,10 @@ class McapReader:
             return None
         definition = schema.data.decode("utf-8", "surrogateescape") if schema is not None else ""
         md5sum = channel.metadata.get("md5sum") or _md5sum(name, definition)
-        told = {"type": name, "md5sum": md5sum, "message_definition": definition}
+        fields = {"type": name, "md5sum": md5sum, "message_definition": definition}
         if channel.metadata.get("latching") == "true":
-            told["latching"] = "1"
-        return Connection.from_fields(channel.topic, {**channel.metadata, **told})
+            fields["latching"] = "1"
+        return Connection.from_fields(channel.topic, {**channel.metadata, **fields})
 
     def _ros2_connection(self, schema: Schema, channel: Channel) -> Connection | None:
         if self._ros2 is None:

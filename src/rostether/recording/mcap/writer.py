@@ -69,7 +69,7 @@ class McapWriter:
         self, path: Path, *, compression: str = NONE, chunk_bytes: int = DEFAULT_CHUNK_BYTES
     ) -> None:
         if compression == BZ2:
-            raise ConfigError("MCAP knows no bz2; take lz4, or none")
+            raise ConfigError("MCAP does not support bz2; use lz4, or no compression")
         check_compression(compression)
         self.path = path
         self.message_count = 0
@@ -82,7 +82,7 @@ class McapWriter:
         self._channels: dict[int, tuple[int, bytes]] = {}
         # Schemas and channels that stand in the file, and those that stand in the chunk that is begun.
         self._known: set[bytes] = set()
-        self._told: set[bytes] = set()
+        self._written: set[bytes] = set()
         self._indexes: list[ChunkIndex] = []
         self._counts: dict[int, int] = {}
         self._data_crc = 0
@@ -113,8 +113,8 @@ class McapWriter:
 
     def channel_of(self, connection: Connection) -> tuple[str, Mapping[str, str]]:
         """Return how a connection's messages are encoded, and its metadata."""
-        told = ("message_definition", "topic", "type")
-        return "ros1", {key: value for key, value in connection.fields().items() if key not in told}
+        elsewhere = ("message_definition", "topic", "type")
+        return "ros1", {key: value for key, value in connection.fields().items() if key not in elsewhere}
 
     def add_connection(self, connection: Connection) -> int:
         """Return the connection's number; equal connections share one. Raises RecordingError beyond 65535."""
@@ -122,7 +122,7 @@ class McapWriter:
         if number is None:
             number = len(self._numbers) + 1
             if number > MAX_CHANNELS:
-                raise RecordingError(f"MCAP holds no more than {MAX_CHANNELS} connections; record a .bag")
+                raise RecordingError(f"MCAP can have at most {MAX_CHANNELS} connections; record a .bag file")
             key = self.schema_of(connection)
             schema = self._schemas.get(key)
             if schema is None:
@@ -143,8 +143,8 @@ class McapWriter:
         index = self._index.get(number)
         if index is None:
             index = self._index[number] = array("Q")
-            for record in self._untold(number):
-                self._told.add(record)
+            for record in self._unwritten(number):
+                self._written.add(record)
                 self._parts.append(record)
                 self._chunk_bytes += len(record)
         time_ns = min(max(time_ns, 0), _MAX_TIME_NS)
@@ -204,14 +204,14 @@ class McapWriter:
             compressed_bytes=len(stored),
             size_bytes=len(plain),
         )
-        told = self._told
+        written = self._written
         self._begin_chunk()
         try:
             self._append(b"".join((record, *indexes)))
         except RecordingError:
             self.message_count -= sum(counts.values())
             raise
-        self._known |= told
+        self._known |= written
         self._indexes.append(index)
         for number, count in counts.items():
             self._counts[number] = self._counts.get(number, 0) + count
@@ -233,14 +233,14 @@ class McapWriter:
         self._parts = []
         self._chunk_bytes = 0
         self._index = {}
-        self._told = set()
+        self._written = set()
         self._start_ns = None
         self._end_ns = 0
 
-    def _untold(self, number: int) -> list[bytes]:
+    def _unwritten(self, number: int) -> list[bytes]:
         schema, channel = self._channels[number]
         records = (self._schema_records[schema], channel)
-        return [each for each in records if each not in self._known and each not in self._told]
+        return [each for each in records if each not in self._known and each not in self._written]
 
     def _append(self, data: bytes) -> None:
         self._file.append(data)
@@ -248,7 +248,7 @@ class McapWriter:
 
     def _write_end(self) -> None:
         for number in self._channels:
-            for record in self._untold(number):  # of topics without a message
+            for record in self._unwritten(number):  # of topics without a message
                 self._append(record)
                 self._known.add(record)
         data_end = encode_record(OP_DATA_END, U32.pack(self._data_crc))

@@ -39,8 +39,10 @@ class Ros2BagReader:
             self.damage = str(error)
         if not metadata.files:
             if (path / FILE_NAME).exists():
-                raise RecordingError(self.damage or f"{path / FILE_NAME} names no files")
-            raise RecordingError(f"{path} is no ROS 2 bag: it has no {FILE_NAME}, nor .mcap or .db3 files")
+                raise RecordingError(self.damage or f"{path / FILE_NAME} lists no files")
+            raise RecordingError(
+                f"{path} is not a ROS 2 bag: it has no {FILE_NAME} and no .mcap or .db3 files"
+            )
         self.format_version = "rosbag2"
         if metadata.storage:
             self.format_version += f" (version {metadata.version}, {metadata.storage})"
@@ -128,12 +130,12 @@ class Ros2BagReader:
             ):
                 while data := stream.read(1 << 20):
                     if file.tell() + len(data) > MAX_UNPACKED_BYTES:
-                        raise RecordingError(f"{path} unpacks to more than {MAX_UNPACKED_BYTES} bytes")
+                        raise RecordingError(f"{path} decompresses to more than {MAX_UNPACKED_BYTES} bytes")
                     file.write(data)
         except OSError as error:
-            raise RecordingError(f"cannot unpack {path}: {error.strerror or error}") from None
+            raise RecordingError(f"cannot decompress {path}: {error.strerror or error}") from None
         except zstandard.ZstdError as error:
-            raise RecordingError(f"{path} is no whole Zstandard file ({error})") from None
+            raise RecordingError(f"{path} is not a complete Zstandard file ({error})") from None
         return target
 
 
@@ -147,15 +149,15 @@ def _unpacked_message(data: bytes) -> bytes:
         with zstandard.ZstdDecompressor().stream_reader(data) as stream:
             plain: bytes = stream.read(MAX_MESSAGE_BYTES + 1)
     except zstandard.ZstdError as error:
-        raise RecordingError(f"a message compressed by zstd is broken ({error})") from None
+        raise RecordingError(f"a message compressed with zstd is broken ({error})") from None
     if len(plain) > MAX_MESSAGE_BYTES:
-        raise RecordingError(f"a message unpacks to more than {MAX_MESSAGE_BYTES} bytes")
+        raise RecordingError(f"a message decompresses to more than {MAX_MESSAGE_BYTES} bytes")
     return plain
 
 
 def _check_format(metadata: Metadata) -> None:
     if metadata.compression_format != "zstd":
-        raise RecordingError(f"its messages are compressed by {metadata.compression_format!r}, not zstd")
+        raise RecordingError(f"its messages are compressed with {metadata.compression_format!r}, not zstd")
 
 
 def _zstandard() -> Any:

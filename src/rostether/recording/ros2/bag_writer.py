@@ -74,7 +74,7 @@ class Ros2Bag:
         try:
             folder.mkdir(parents=True, exist_ok=True)
             if any(folder.iterdir()):
-                raise RecordingError(f"{folder} is not empty, and a ROS 2 bag is a folder of its own")
+                raise RecordingError(f"{folder} is not empty; a ROS 2 bag needs a new folder")
         except OSError as error:
             raise RecordingError(
                 f"cannot write {folder}: {error.strerror or error}; choose a writable folder"

@@ -45,7 +45,7 @@ class Db3Reader:
                 if not begin:
                     raise RecordingError(f"{path} is empty")
                 if begin != MAGIC:
-                    raise RecordingError(f"{path} is no SQLite file, as .db3 recordings are")
+                    raise RecordingError(f"{path} is not a SQLite file, as a .db3 recording must be")
         except OSError as error:
             raise RecordingError(f"cannot read {path}: {error.strerror or error}") from None
         # A recording that was not closed has its last messages in a log beside it, which reading brings in.
@@ -67,7 +67,9 @@ class Db3Reader:
             self.span_ns = self._read_span()
         except (sqlite3.Error, TypeError, ValueError) as error:
             self.close()
-            raise RecordingError(f"{path} is no recording of rosbag2, or broken: {_line(error)}") from None
+            raise RecordingError(
+                f"{path} is not a recording of rosbag2, or is broken: {_line(error)}"
+            ) from None
 
     @property
     def counts(self) -> Mapping[Connection, int]:

@@ -150,14 +150,14 @@ def read_metadata(folder: Path) -> Metadata:
         )
     except (LookupError, TypeError, ValueError, AttributeError) as error:
         raise RecordingError(
-            f"{path} is no description of a ROS 2 bag ({type(error).__name__}: {_first_line(error)})"
+            f"{path} is not a description of a ROS 2 bag ({type(error).__name__}: {_first_line(error)})"
         ) from None
 
 
 def _text(value: object) -> str:
     # Aliases make small files hold lists without end, which are only dangerous when written out.
     if not isinstance(value, str):
-        raise TypeError("a text was expected")
+        raise TypeError("a string was expected")
     return value
 
 

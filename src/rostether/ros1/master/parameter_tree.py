@@ -115,11 +115,11 @@ class ParameterTree:
     def _check_room(self, name: str, parts: list[str], added: _Weight, replaced: _Weight) -> None:
         largest, most = self._limits.parameter_bytes, self._limits.parameters_bytes
         if added.byte_count > largest:
-            raise GraphError(f"{name} would take more than {largest} bytes: raise --limit parameter-bytes")
+            raise GraphError(f"{name} would need more than {largest} bytes; raise --limit parameter-bytes")
         byte_count = self._bytes + added.byte_count - replaced.byte_count
         if byte_count + len(name) + _BYTES_PER_VALUE * len(parts) > most:
             raise GraphError(
-                f"the parameters would take more than {most} bytes: delete some, or raise "
+                f"the parameters would need more than {most} bytes; delete some, or raise "
                 "--limit parameters-bytes"
             )
         if self._values + added.values - replaced.values + len(parts) > MAX_TREE_VALUES:

@@ -135,7 +135,7 @@ class Registrations:
         if node is None and len(self.nodes) >= MAX_NODES:
             raise GraphError(f"the master holds {MAX_NODES} nodes, its limit: stop some")
         if self._count >= MAX_REGISTRATIONS:
-            raise GraphError(f"the master holds {self._count} registrations, its limit: unregister some")
+            raise GraphError(f"the master has {self._count} registrations, its limit; unregister some")
         if len(self.members(kind, key)) >= MAX_MEMBERS:
             raise GraphError(f"{key} has {MAX_MEMBERS} nodes registered, the limit: unregister some")
         if kind is Kind.PARAM and self._watches >= MAX_WATCHES:

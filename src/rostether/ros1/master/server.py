@@ -131,8 +131,8 @@ class MasterServer:
         gone = [node.name for node in self.api.registrations.nodes.values() if node.api == api]
         for name in gone:
             _log.warning(
-                "%s at %s is gone (connection refused), so its registrations are removed; "
-                "if it still runs, its ROS_IP or ROS_HOSTNAME is wrong",
+                "removed the registrations of %s at %s (connection refused); if it still runs, its ROS_IP "
+                "or ROS_HOSTNAME is wrong",
                 name,
                 api,
             )

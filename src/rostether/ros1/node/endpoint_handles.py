@@ -175,7 +175,7 @@ class Endpoints:
     ) -> ServiceServer:
         """Offer a service. Raises GraphError when this node offers it already."""
         if service in self._services:
-            raise GraphError(f"this node offers the service {service} already: choose another name")
+            raise GraphError(f"this node already offers the service {service}; choose another name")
         server = ServiceServer(
             service,
             service_type,

@@ -276,4 +276,4 @@ class Ros1Graph:
 
     def _check_open(self) -> None:
         if self._closing is not None:
-            raise GraphError(f"node {self.node_name} has left the graph: join again")
+            raise GraphError(f"node {self.node_name} has left the graph; join again")

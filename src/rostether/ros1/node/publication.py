@@ -50,8 +50,8 @@ class Publication:
         """Let one more handle publish here. Raises TypeMismatchError when it has another type."""
         if not agree(message_type.md5sum, self.type.md5sum):
             raise TypeMismatchError(
-                f"this node publishes {self.topic} as {self.type.name} already, not as {message_type.name}: "
-                "choose another topic"
+                f"this node publishes {self.topic} as {self.type.name}, not as {message_type.name}; choose "
+                f"another topic"
             )
         if latch:
             self.latch()
@@ -113,8 +113,8 @@ class Publication:
     def _tell_drop(self, connection: SubscriberConnection) -> None:
         self._report(
             Level.WARN,
-            f"{connection.record.peer} is too slow for {self.topic} and loses its oldest messages: "
-            f"{self._queue_bytes} bytes wait for it, {connection.dropped_count} messages are lost so far",
+            f"{connection.record.peer} is too slow for {self.topic}; dropping its oldest messages "
+            f"({self._queue_bytes} bytes queued, {connection.dropped_count} messages dropped so far)",
         )
 
 

@@ -143,8 +143,8 @@ class PublisherLink:
                 failures += 1
                 if failures == PATIENT_FAILURES:
                     self._tell(
-                        f"{error}; still trying. If it runs, check ROS_IP or ROS_HOSTNAME there, "
-                        "else remove it with `rosnode cleanup`"
+                        f"{error}; still trying. If the node runs, check its ROS_IP or ROS_HOSTNAME; "
+                        f"otherwise remove it with `rosnode cleanup`"
                     )
             finally:
                 if self.connection is not None:
@@ -173,4 +173,4 @@ class PublisherLink:
                 )
                 assert isinstance(connection, PublisherConnection)
                 return connection
-        raise GraphError(f"the publisher offers no TCPROS: {answer!r:.100}")
+        raise GraphError(f"the publisher does not offer TCPROS: {answer!r:.100}")

@@ -80,7 +80,7 @@ class Registrations:
         except MasterUnreachableError as error:
             if not self._is_behind:
                 self._is_behind = True
-                _log.warning("%s: %s; registering when it is back", self._master.caller_id, error)
+                _log.warning("%s: %s; will register when it is back", self._master.caller_id, error)
 
     async def remove(self, kind: Kind, name: str) -> None:
         """Unregister."""
@@ -136,14 +136,17 @@ class Registrations:
             try:
                 if await self._check():
                     _log.warning(
-                        "%s: the ROS master knew us no more, registered again", self._master.caller_id
+                        "%s: the ROS master had no registration of this node; registered again",
+                        self._master.caller_id,
                     )
                 elif is_away:
                     _log.warning("%s: the ROS master is back", self._master.caller_id)
                 is_away = False
             except MasterUnreachableError as error:
                 if not is_away:
-                    _log.warning("%s: %s; connections stay, waiting for it", self._master.caller_id, error)
+                    _log.warning(
+                        "%s: %s; keeping the connections, waiting for it", self._master.caller_id, error
+                    )
                 is_away = True
             except GraphError as error:
                 _log.warning("%s: cannot register again: %s", self._master.caller_id, error)

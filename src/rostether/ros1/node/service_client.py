@@ -68,7 +68,8 @@ class ServiceClient:
                     return await self._call(self._reuse() or await self._connect(), request)
         except TimeoutError:
             raise ServiceTimeoutError(
-                f"service {self.service} did not answer within {timeout_s:g} s: see whether its node hangs"
+                f"service {self.service} did not answer within {timeout_s:g} s; check that its node does not"
+                f" hang"
             ) from None
 
     async def wait_until_available(self, timeout_s: float | None = None) -> None:
@@ -111,7 +112,7 @@ class ServiceClient:
                 connection.close()
         if not answer.ok:
             # roscpp's servers give none when their callback returns false.
-            reason = answer.error_text or "it gave no reason, see its node's log"
+            reason = answer.error_text or "no reason given; see the log of its node"
             raise ServiceCallError(f"service {self.service} responded with an error: {reason}")
         return answer.payload
 
@@ -131,7 +132,7 @@ class ServiceClient:
             uri = await self._master.lookup_service(self.service)
         except UnknownNameError:
             raise ServiceUnavailableError(
-                f"no node offers the service {self.service}: start its node, or check the name"
+                f"no node offers the service {self.service}; start its node, or check the name"
             ) from None
         try:
             address = parse_rpc_uri(uri, scheme="rosrpc")
@@ -161,7 +162,7 @@ class _CallConnection(asyncio.Protocol):
 
     async def call(self, request: bytes) -> ServiceAnswer:
         if not self.is_open:
-            raise ProtocolError("the server hung up before it was asked")
+            raise ProtocolError("the server closed the connection before the request")
         self._answer = asyncio.get_running_loop().create_future()
         self._transport.write(encode_messages([request]))
         try:
@@ -182,13 +183,13 @@ class _CallConnection(asyncio.Protocol):
             return
         if self._answer is None or self._answer.done() or len(answers) > 1:
             # Whose answer it is cannot be told: it answers no question of ours.
-            self._fail(ProtocolError("the server answered without being asked"))
+            self._fail(ProtocolError("the server sent an answer without a request"))
         else:
             self._answer.set_result(answers[0])
 
     def connection_lost(self, exc: Exception | None) -> None:
         self._is_lost = True
-        self._fail(ProtocolError("the server hung up during the call"))
+        self._fail(ProtocolError("the server closed the connection during the call"))
 
     def _fail(self, error: ProtocolError) -> None:
         if self._answer is not None and not self._answer.done():

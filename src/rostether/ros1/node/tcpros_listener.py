@@ -117,9 +117,9 @@ class TcprosListener:
         host = peer[0] if peer else ""
         most, most_per_host = self._limits.tcpros_connections, self._limits.tcpros_connections_per_host
         if len(self._served) >= most:
-            raise GraphError(f"this node has {most} connections already: end some of them")
+            raise GraphError(f"this node already has {most} connections; close some of them")
         if not is_loopback(host) and list(self._served.values()).count(host) >= most_per_host:
-            raise GraphError(f"{host} has {most_per_host} connections already: end some of them")
+            raise GraphError(f"{host} already has {most_per_host} connections; close some of them")
         if purpose_of(fields) is Purpose.SUBSCRIBE:
             successor = self._accept_subscriber(fields, transport)
         else:

@@ -52,8 +52,8 @@ class ParameterClient:
         answer = await self._call(node, "set_parameters", "SetParameters", {"parameters": parameters})
         for name, result in zip(values, answer.results, strict=False):
             if not result.successful:
-                reason = " ".join(result.reason.split()) or "it gives no reason"
-                raise GraphError(f"node {node} refuses to set its parameter {name}: {reason}")
+                reason = " ".join(result.reason.split()) or "no reason given"
+                raise GraphError(f"node {node} refused to set its parameter {name}: {reason}")
 
     async def _call(self, node: str, verb: str, name: str, request: Mapping[str, Any]) -> Message:
         interfaces = rcl_interfaces()
@@ -63,5 +63,7 @@ class ParameterClient:
                 f"{node}/{verb}", interfaces.service(name), payload, timeout_s=self._timeout_s
             )
         except ServiceUnavailableError as error:
-            raise ServiceUnavailableError(f"node {node} does not offer its parameters: {error}") from None
+            raise ServiceUnavailableError(
+                f"node {node} does not give access to its parameters: {error}"
+            ) from None
         return interfaces.codec(f"{name}Response").decode(answer)

@@ -66,7 +66,7 @@ class GraphParameters:
         place = await self._locate(name)
         values = flatten(place.path, value)
         if "" in values:
-            raise GraphError(f"{name} is a node: give the name of a parameter below it, or a mapping")
+            raise GraphError(f"{name} is a node; give the name of a parameter below it, or a mapping")
         before = await self._names_within(place)
         gone = {each: NOT_SET for each in before if each not in values}
         await self._apply(place.node, {**gone, **values})

@@ -76,7 +76,7 @@ def parse_parameters(text: str, source: str) -> ParameterRules:
     entries: list[_Entry] = []
     try:
         if has_alias(text):
-            raise ConfigError(f"parameter file {source} has an alias (*name), which ROS 2 does not read")
+            raise ConfigError(f"parameter file {source} has an alias (*name), which ROS 2 does not support")
         document = load(text, _loader())
         if document is not None:
             _collect("", document, entries)
@@ -91,8 +91,10 @@ def parse_parameters(text: str, source: str) -> ParameterRules:
 
 def _collect(node: str, content: Any, entries: list[_Entry]) -> None:
     if not isinstance(content, dict):
-        what = f"{node} holds {content!r:.60}" if node else "it holds no mapping"
-        raise SerializationError(f"{what}; write nodes, below each `{PARAMETERS_KEY}:`, and parameters below")
+        what = f"{node} holds {content!r:.60}" if node else "it has no mapping"
+        raise SerializationError(
+            f"{what}; write node names, `{PARAMETERS_KEY}:` below each, and the parameters below that"
+        )
     for key, value in content.items():
         if key == PARAMETERS_KEY:
             entries.append(_Entry(_pattern(node), _values(node, value)))
@@ -104,7 +106,7 @@ def _values(node: str, content: Any) -> dict[str, TypedValue]:
     if content is None:
         return {}
     if not isinstance(content, dict):
-        raise SerializationError(f"{node}: below `{PARAMETERS_KEY}:` stand names with values")
+        raise SerializationError(f"{node}: write names with values below `{PARAMETERS_KEY}:`")
     values = flatten("", content)
     for name, value in values.items():
         if value == NOT_SET:

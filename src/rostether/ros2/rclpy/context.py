@@ -56,7 +56,7 @@ class RclpyContext:
         """Join as `node_name`; another node of that name stays. Raises InvalidNameError, GraphError."""
         full_name = join(namespace, validate_name(node_name))
         if self._is_closed:
-            raise GraphError("rclpy has been shut down: open it again")
+            raise GraphError("rclpy has been shut down; open it again")
         thread = ExecutorThread(self._context)
         try:
             async with self._lock:

@@ -49,8 +49,8 @@ class Endpoints:
                 self._publications[topic] = publication
             elif publication.support.ros1_type.md5sum != message_type.md5sum:
                 raise TypeMismatchError(
-                    f"this node publishes {topic} as {publication.support.ros1_type.name} already, not as "
-                    f"{message_type.name}: choose another topic"
+                    f"this node publishes {topic} as {publication.support.ros1_type.name}, not as "
+                    f"{message_type.name}; choose another topic"
                 )
             publication.users += 1
         publisher = RclpyPublisher(publication, message_type, self._end_publisher)
@@ -91,7 +91,7 @@ class Endpoints:
         support = self._own.types.service(service_type)
         async with self._lock:
             if service in self._servers:
-                raise GraphError(f"this node offers the service {service} already: choose another name")
+                raise GraphError(f"this node already offers the service {service}; choose another name")
             server = RclpyServiceServer(self._own, service, support, handler, self._end_server)
             await self._own.thread.run(server.open)
             self._servers[service] = server
@@ -159,9 +159,7 @@ class Endpoints:
         deadline_s = loop.time() + DISCOVERY_S
         while not (types := await self._own.thread.run(lambda: self._own.service_types(service))):
             if loop.time() >= deadline_s:
-                raise ServiceUnavailableError(
-                    f"no node offers the service {service}: start the node that does"
-                )
+                raise ServiceUnavailableError(f"no node offers the service {service}; start its node")
             await asyncio.sleep(LOOK_INTERVAL_S)
         return self._own.types.service_by_name(types[0])
 

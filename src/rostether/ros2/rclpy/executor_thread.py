@@ -46,7 +46,7 @@ class ExecutorThread:
     async def run(self, function: Callable[[], _Result]) -> _Result:
         """Run a function in the thread and return what it returns. Raises what it raises, or GraphError."""
         if self._is_stopping:
-            raise GraphError("rclpy has been shut down: open it again")
+            raise GraphError("rclpy has been shut down; open it again")
         future: asyncio.Future[_Result] = self._loop.create_future()
 
         def work() -> None:
@@ -90,7 +90,7 @@ class ExecutorThread:
             except Exception as error:  # noqa: BLE001 - one callback must not end all others
                 if self._context.ok() and not self._is_stopping:
                     _log.error("a callback of rclpy failed: %s: %s", type(error).__name__, error)
-                    _log.debug("traceback of that failure", exc_info=error)
+                    _log.debug("traceback of this failure", exc_info=error)
 
 
 def _set_result(future: asyncio.Future[_Result], result: _Result) -> None:

@@ -25,7 +25,7 @@ def attempt(what: str, function: Callable[[], _Result]) -> _Result:
     except Exception as error:
         reason = first_lines(str(error))
         if _NAME_ERRORS & {each.__name__ for each in type(error).__mro__}:
-            raise InvalidNameError(f"cannot {what}: {reason}: ROS 2 does not take such a name") from error
+            raise InvalidNameError(f"cannot {what}: {reason}; ROS 2 does not allow this name") from error
         if "incompatible type" in reason:
             raise TypeMismatchError(f"cannot {what}: {reason}") from error
         raise GraphError(f"cannot {what}: {reason}") from error

@@ -42,7 +42,7 @@ def load_rclpy() -> Rclpy:
     except ImportError as error:
         raise ConfigError(
             f"rclpy cannot be used ({_one_line(error)}); run: {install_command('rclpy')}; or source the "
-            "setup file of a ROS 2, or use zenoh, which needs neither"
+            "setup file of a ROS 2, or use zenoh, which needs neither of them"
         ) from error
 
 
@@ -81,22 +81,22 @@ def _find_class(name: str) -> Any:
         if error.name not in (package, f"{package}.{kind}"):
             raise _not_usable(name, error) from error
         raise UnknownTypeError(
-            f"rclpy cannot carry {name}: the package {package} is not installed for this Python; build and "
-            "source the workspace that has it, or use zenoh, which takes types from their text"
+            f"rclpy cannot use {name}: the package {package} is not installed for this Python; build and "
+            f"source the workspace that contains it, or use zenoh, which reads types from their text"
         ) from None
     except ImportError as error:
         raise _not_usable(name, error) from error
     except AttributeError:
         raise UnknownTypeError(
-            f"rclpy cannot carry {name}: the package {package} that is installed for this Python does not "
-            "have it; build and source a newer one, or use zenoh, which takes types from their text"
+            f"rclpy cannot use {name}: the package {package} that is installed for this Python does not "
+            f"contain it; build and source a newer one, or use zenoh, which reads types from their text"
         ) from None
 
 
 def _not_usable(name: str, error: ImportError) -> UnknownTypeError:
     return UnknownTypeError(
-        f"rclpy cannot carry {name}: its package does not load ({_one_line(error)}); build it again for this "
-        "ROS 2, or use zenoh, which takes types from their text"
+        f"rclpy cannot use {name}: its package does not load ({_one_line(error)}); build it again for this "
+        f"ROS 2, or use zenoh, which reads types from their text"
     )
 
 

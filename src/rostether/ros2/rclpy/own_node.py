@@ -144,8 +144,9 @@ class OwnNode:
                 and installed != support.type_hash
             ):
                 raise TypeMismatchError(
-                    f"the definition of {support.name} that is installed for rclpy is another one than ours "
-                    f"({installed[:_SHOWN_HASH]}..., not {support.type_hash[:_SHOWN_HASH]}...): give its "
+                    f"the definition of {support.name} that is installed for rclpy differs from the known "
+                    f"one ({installed[:_SHOWN_HASH]}..., not {support.type_hash[:_SHOWN_HASH]}...): give its"
+                    f" "
                     "folder with --msg-path, or set ROS_DISTRO to the distribution that is installed"
                 )
 
@@ -162,5 +163,5 @@ class OwnNode:
             others = " and ".join(sorted(set(types_in_use()) - {type_name})) or "another type"
             raise TypeMismatchError(
                 f"cannot {what} as {type_name}: this process has it as {others}"
-                ", and this middleware takes one type for a name: choose another name, or use zenoh"
+                ", and this middleware allows only one type per name; choose another name, or use zenoh"
             ) from error

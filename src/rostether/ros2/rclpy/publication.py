@@ -89,7 +89,7 @@ class Publication:
             try:
                 converted.append(self.support.converter.to_cdr(payload))
             except SerializationError as error:
-                self._complain(f"a message for {self.topic} is left out: {error}")
+                self._complain(f"dropped a message for {self.topic}: {error}")
         return converted
 
     def _complain(self, text: str) -> None:
@@ -101,13 +101,14 @@ class Publication:
     def _explain_mismatch(self, event: Any) -> None:
         policy = name_policy(event)
         advice = (
-            "it asks for messages from before it came, and this publisher keeps none: subscribe volatile"
+            "it requests earlier messages, but this publisher keeps none; subscribe with durability volatile"
             if policy == "durability"
-            else f"it asks for another {policy} than this publisher offers: change its quality of service"
+            else f"it requests another {policy} than this publisher offers; change its quality of service"
         )
         self._own.report_from_thread(
             Level.WARN,
-            f"a subscriber gets nothing of {self.topic}: {advice} (ros2 topic info --verbose {self.topic})",
+            f"a subscriber receives nothing of {self.topic}: {advice} (ros2 topic info --verbose "
+            f"{self.topic})",
         )
 
 

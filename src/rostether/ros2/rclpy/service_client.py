@@ -82,21 +82,21 @@ class RclpyServiceClient:
 
     def _is_ready(self) -> bool:
         if self._client is None:
-            raise ServiceCallError(f"the node left before {self.service} was called")
+            raise ServiceCallError(f"the node stopped before {self.service} was called")
         return attempt(f"call {self.service}", lambda: bool(self._client.service_is_ready()))
 
     def _explain_absence(self) -> TypeMismatchError | ServiceUnavailableError:
         types = self._own.service_types(self.service)
         if types and self._support.name not in types:
             return TypeMismatchError(
-                f"{self.service} is {' and '.join(types)}, not {self._support.name}: call it with its type"
+                f"{self.service} is {' and '.join(types)}, not {self._support.name}; call it with its type"
             )
-        return ServiceUnavailableError(f"no node offers the service {self.service}: start the node that does")
+        return ServiceUnavailableError(f"no node offers the service {self.service}; start its node")
 
     def _send(self, cdr: bytes, answer: asyncio.Future[bytes]) -> Any:
         serialization = load_rclpy().serialization
         if self._client is None:
-            raise ServiceCallError(f"the node left before {self.service} was called")
+            raise ServiceCallError(f"the node stopped before {self.service} was called")
         request = serialization.deserialize_message(cdr, self._client.srv_type.Request)
 
         def done(future: Any) -> None:
@@ -112,7 +112,7 @@ class RclpyServiceClient:
         while not answer.done():
             await asyncio.wait((answer,), timeout=SERVER_CHECK_INTERVAL_S)
             if not answer.done() and not self._is_ready():
-                raise ServiceCallError(f"the server of {self.service} left before it answered")
+                raise ServiceCallError(f"the server of {self.service} stopped before it answered")
         return answer.result()
 
     def _forget(self, pending: Any) -> None:

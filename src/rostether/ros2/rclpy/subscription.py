@@ -200,8 +200,8 @@ class RclpySubscriber:
         # Those two are what `look` adapts to.
         if policy not in ("reliability", "durability"):
             self._complain(
-                f"a publisher of {self.topic} offers another {policy} than a subscriber of this node asks "
-                "for: change its quality of service"
+                f"a publisher of {self.topic} offers another {policy} than a subscriber of this node "
+                f"requests; change its quality of service"
             )
 
     def _take_rest(self, subscription: Any, taken: list[tuple[bytes, Mapping[str, Any]]]) -> None:
@@ -290,7 +290,7 @@ class RclpySubscriber:
             try:
                 payloads.append(self._support.converter.from_cdr(message))
             except SerializationError as error:
-                self._complain(f"a message of {self.topic} is left out: {first_lines(str(error))}")
+                self._complain(f"dropped a message of {self.topic}: {first_lines(str(error))}")
         return payloads
 
     def _complain(self, text: str) -> None:

@@ -94,7 +94,7 @@ class NativeView:
     def message(self, name: str) -> MessageSpec:
         """Return the ROS 1 definition of a part by `package/Name`. Raises UnknownTypeError."""
         if name not in self._specs:
-            raise UnknownTypeError(f"{name} is no part of {next(iter(self._specs))}")
+            raise UnknownTypeError(f"{name} is not part of {next(iter(self._specs))}")
         return self._specs[name]
 
 

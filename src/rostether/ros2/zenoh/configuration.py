@@ -137,7 +137,7 @@ def _override(configuration: zenoh.Config, environment: Ros2Environment, reach: 
             configuration.insert_json5(path, value)
         except Exception as error:
             raise ConfigError(
-                f"ZENOH_CONFIG_OVERRIDE: zenoh takes no {path}={value:.200}: {one_line(error)}"
+                f"ZENOH_CONFIG_OVERRIDE: zenoh does not accept {path}={value:.200}: {one_line(error)}"
             ) from error
     return configuration
 
@@ -147,14 +147,16 @@ def _add(configuration: zenoh.Config, path: str, endpoints: Sequence[str]) -> No
         return
     known = json.loads(configuration.get_json(path))
     if not isinstance(known, list):
-        raise ConfigError(f"the zenoh configuration has {path} for each mode: write the endpoints into it")
+        raise ConfigError(f"the zenoh configuration has {path} for each mode; write the endpoints there")
     wide = {_port(each) for each in endpoints if any(host in each for host in _ALL_ADDRESSES)}
     # Loopback is one of all addresses: both cannot be listened on.
     kept = [each for each in known if not ("localhost" in each and _port(each) in wide)]
     try:
         configuration.insert_json5(path, json.dumps([*kept, *endpoints]))
     except Exception as error:
-        raise ConfigError(f"zenoh takes no {path} {', '.join(endpoints)}: {one_line(error)}") from error
+        raise ConfigError(
+            f"zenoh does not accept {path} {', '.join(endpoints)}: {one_line(error)}"
+        ) from error
 
 
 def _port(endpoint: str) -> str:

@@ -112,7 +112,7 @@ class Endpoints:
     ) -> ServiceServer:
         """Offer a service. Raises GraphError when this node offers it already."""
         if service in self._servers:
-            raise GraphError(f"this node offers the service {service} already: choose another name")
+            raise GraphError(f"this node already offers the service {service}; choose another name")
         support = self._node.session.types.service(service_type)
         server = ServiceServer(service, support, handler, node=self._node, on_close=self._release_server)
         self._servers[service] = server
@@ -219,10 +219,10 @@ def _check_type(service: str, support: ServiceSupport, servers: list[Token]) -> 
     if other.type == type_name:
         raise TypeMismatchError(
             f"service {service} has another definition of {support.name} "
-            f"({other.type_hash:.80}, not {support.type_hash}): set ROS_DISTRO to its distribution, "
+            f"({other.type_hash:.80}, not {support.type_hash}); set ROS_DISTRO to its distribution, "
             "or give its definition with --msg-path"
         )
     raise TypeMismatchError(
-        f"service {service} has type {_type_of(other):.200}, not {support.name}: "
-        "make both ends use one definition"
+        f"service {service} has type {_type_of(other):.200}, not {support.name}; make both ends use one "
+        f"definition"
     )

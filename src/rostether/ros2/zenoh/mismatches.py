@@ -18,14 +18,14 @@ class Mismatches:
         self._support = support
         self._type_name = dds_name(support.name)
         self._report = report
-        self._told: set[Token] = set()
+        self._reported: set[Token] = set()
 
     def report(self, ends: Sequence[Token]) -> None:
         """Look at the ends that there are now; those that are gone are forgotten."""
         wrong = {end for end in ends if not self._meets(end)}
-        for end in wrong - self._told:
+        for end in wrong - self._reported:
             self._report(Level.WARN, self._explain(end))
-        self._told = wrong
+        self._reported = wrong
 
     def _meets(self, end: Token) -> bool:
         return end.type == self._type_name and end.type_hash == self._support.type_hash
@@ -35,11 +35,11 @@ class Mismatches:
         if end.type != self._type_name:
             other = type_of_dds_name(end.type) or end.type
             return (
-                f"{end.node_name} {verb} {self._topic} as {other:.200}, this node uses {self._support.name}: "
-                "they do not meet, make both use one type"
+                f"{end.node_name} {verb} {self._topic} as {other:.200}, this node uses {self._support.name},"
+                f" so they do not connect; make both use the same type"
             )
         return (
             f"{end.node_name} {verb} {self._topic} with another definition of {self._support.name} "
-            f"({end.type_hash:.80}, not {self._support.type_hash}): they do not meet; "
-            "set ROS_DISTRO to its distribution, or give its definition with --msg-path"
+            f"({end.type_hash:.80}, not {self._support.type_hash}), so they do not connect; set ROS_DISTRO "
+            f"to its distribution, or give its definition with --msg-path"
         )

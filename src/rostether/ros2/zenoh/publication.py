@@ -100,8 +100,8 @@ class Publication:
         """Let one more handle publish here. Raises TypeMismatchError when it has another type."""
         if message_type.md5sum != self.type.md5sum:
             raise TypeMismatchError(
-                f"this node publishes {self.topic} as {self.type.name} already, not as {message_type.name}: "
-                "choose another topic"
+                f"this node publishes {self.topic} as {self.type.name}, not as {message_type.name}; choose "
+                f"another topic"
             )
         if latch and not self._qos.is_latching:
             self._undeclare()
@@ -171,8 +171,8 @@ class Publication:
             self._loss_reported = True
             self._report(
                 Level.WARN,
-                f"{self.topic}: a subscriber hangs or takes less than comes, and messages are lost: look "
-                "for it with ros2 topic info -v (zenoh tells neither which it is nor how many are lost)",
+                f"{self.topic}: a subscriber hangs or is too slow, and messages are lost; find it with ros2"
+                f" topic info -v (zenoh does not report which subscriber, or how many messages are lost)",
             )
         if puts.error is not None:
             self._refuse(puts.misfits, puts.error)
@@ -225,7 +225,7 @@ class Publication:
         self._lost_count += count
         if not self._refusal_reported:
             self._refusal_reported = True
-            self._report(Level.WARN, f"{self.topic}: a message cannot be put into ROS 2's form: {error}")
+            self._report(Level.WARN, f"{self.topic}: a message cannot be converted for ROS 2: {error}")
 
 
 class Publisher:

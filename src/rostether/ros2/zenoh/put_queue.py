@@ -131,7 +131,7 @@ class PutQueue:
                     # Its callback stands behind us in the loop's queue.
                     await asyncio.sleep(0)
         except TimeoutError:
-            _log.debug("%d messages were not put for a link that has no room", len(self._waiting))
+            _log.debug("%d messages were dropped because a link is full", len(self._waiting))
         finally:
             self._is_ended = True
             self.dropped_count += len(self._waiting)
@@ -155,7 +155,7 @@ class PutQueue:
         self._job = None
         if job.cancelled() or job.exception() is not None:
             # The session or the publication ended meanwhile.
-            _log.debug("messages were not put: %s", "ended" if job.cancelled() else job.exception())
+            _log.debug("messages were not sent: %s", "ended" if job.cancelled() else job.exception())
         elif not self._is_ended:
             self._note(job.result())
         if self._is_ended:

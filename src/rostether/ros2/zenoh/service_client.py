@@ -97,7 +97,7 @@ class ServiceClient:
             graph.unlisten(Kind.SERVER, self.service, watch_server)
             cancellation.cancel()
         if reply is None:
-            raise ServiceUnavailableError(f"service {self.service} ended during the call")
+            raise ServiceUnavailableError(f"service {self.service} was shut down during the call")
         if reply.ok is None:
             data = b"" if reply.err is None else reply.err.payload.to_bytes()
             raise ServiceCallError(_one_line(data) or f"service {self.service} failed without a reason")
@@ -117,7 +117,8 @@ class ServiceClient:
                 await self._reachable.wait()
         except TimeoutError:
             raise ServiceUnavailableError(
-                f"service {self.service} is listed, but zenoh finds no way to it: is its node still running?"
+                f"service {self.service} is listed, but zenoh cannot reach it; check that its node is still "
+                f"running"
             ) from None
 
     def _match(self, status: zenoh.MatchingStatus) -> None:

@@ -96,7 +96,7 @@ class ServiceServer:
         try:
             say = _refusal(query, busy) if is_refused else await self._work(query)
         except asyncio.CancelledError:
-            last = _refusal(query, f"service {self.service} ended during the call")
+            last = _refusal(query, f"service {self.service} was shut down during the call")
             self._last_words.append(self._threads.submit(_finish, query, last))
             raise
         # An answer waits until its link has room, 5 s for a caller that hangs.

@@ -221,9 +221,9 @@ class ZenohSession:
             await self._wait_for_link()
         if not faults and not self._is_linked():
             # Of other protocols than TCP only a connection tells.
-            faults = dict.fromkeys(named, "is it running, and can it be reached from here?")
+            faults = dict.fromkeys(named, "check that it is running and can be reached")
         for endpoint, fault in faults.items():
-            _log.warning("no zenoh router answers at %s yet, it is tried until it does: %s", endpoint, fault)
+            _log.warning("no zenoh router answers at %s yet, still trying: %s", endpoint, fault)
 
     def _take_token(self, sample: zenoh.Sample) -> None:
         stay_known()

@@ -226,14 +226,14 @@ class Subscription:
                 raise SerializationError(f"{type_name!r:.200} is not the name of a type")
             support = self._node.session.types.by_name(name)
         except RostetherError as error:
-            self._taker.report(Level.WARN, f"cannot take {self.topic}: {error}")
+            self._taker.report(Level.WARN, f"cannot receive {self.topic}: {error}")
             return None
         if support.type_hash != type_hash and type_hash.startswith("RIHS"):
             self._taker.report(
                 Level.WARN,
-                f"cannot take {self.topic}: its {name} is not the one known here "
-                f"({type_hash:.80}, not {support.type_hash}): "
-                "set ROS_DISTRO to its distribution, or give its definition with --msg-path",
+                f"cannot receive {self.topic}: its {name} is not the known one ({type_hash:.80}, not "
+                f"{support.type_hash}); set ROS_DISTRO to its distribution, or give its definition with "
+                f"--msg-path",
             )
             return None
         return support

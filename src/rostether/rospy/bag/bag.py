@@ -57,7 +57,7 @@ class Bag:
         # A stream is opened again by its name: recordings are read and written there, not through it.
         f = f if isinstance(f, str | Path) else getattr(f, "name", None)
         if not isinstance(f, str | Path):
-            raise ValueError("our rosbag takes the path of a file, or a file that has one")  # noqa: TRY004
+            raise ValueError("this rosbag needs the path of a file, or a file that has a path")  # noqa: TRY004
         if mode not in ("r", "w", "a"):
             raise ValueError(f'mode "{mode}" is invalid')
         settings = dict(options or {})

@@ -61,7 +61,7 @@ def raw_parts(message: Any) -> tuple[MessageType, bytes]:
     except RostetherError as error:
         raise ROSBagException(str(error)) from None
     if md5sum not in (known.md5sum, "*"):
-        raise ROSBagException(f"{name} has md5sum {known.md5sum} here, not {md5sum}: give its class as well")
+        raise ROSBagException(f"{name} has md5sum {known.md5sum} here, not {md5sum}; also give its class")
     return known, payload
 
 

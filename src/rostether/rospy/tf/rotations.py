@@ -191,13 +191,13 @@ def _convention(axes: str) -> tuple[bool, tuple[int, int, int], bool, bool]:
     """Return whether the axes turn, their numbers, whether the first repeats, and whether they go back."""
     letters = axes[1:]
     if len(axes) != 4 or axes[0] not in "sr" or any(letter not in _LETTERS for letter in letters):
-        raise ValueError(f"{axes!r} are no axes: give s or r and three of x, y, z")
+        raise ValueError(f"{axes!r} are not axes; give s or r, and three of x, y, z")
     turning = axes[0] == "r"
     if turning:
         letters = letters[::-1]
     i, j = _LETTERS.index(letters[0]), _LETTERS.index(letters[1])
     if i == j or letters[1] == letters[2]:
-        raise ValueError(f"{axes!r} are no axes: neighbours must differ")
+        raise ValueError(f"{axes!r} are not axes; neighbours must differ")
     return turning, (i, j, 3 - i - j), letters[0] == letters[2], (j - i) % 3 != 1
 
 

@@ -62,12 +62,10 @@ class CdrConverter:
     def _other_cdr(self, cdr: bytes) -> bytes:
         """Convert big-endian CDR; say of all else why it is none."""
         if len(cdr) < len(LITTLE_ENDIAN):
-            raise SerializationError(
-                f"{len(cdr)} bytes are no CDR, which begins with 4 bytes of encapsulation"
-            )
+            raise SerializationError(f"{len(cdr)} bytes are not CDR, which starts with a header of 4 bytes")
         if cdr[:2] not in (_BIG_ENDIAN, LITTLE_ENDIAN[:2]):
             raise SerializationError(
-                f"the payload begins with {cdr[:2].hex(' ')}, and ROS 2 sends plain CDR: 00 01 or 00 00"
+                f"the payload starts with {cdr[:2].hex(' ')}, but ROS 2 sends plain CDR: 00 01 or 00 00"
             )
         turned = cdr[:2] == _BIG_ENDIAN
         walk = Walk(cdr, Side.ROS2, turned=turned)

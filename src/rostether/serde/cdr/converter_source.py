@@ -91,7 +91,7 @@ def compile_conversion(tree: Record, target: Side, refuse: Callable[[bytes], byt
         exec(compile(text, f"<{target.value} of {tree.name}>", "exec"), names)  # noqa: S102
     except RecursionError:
         # Python's compiler gives up at some thousands of branches in one function.
-        raise DefinitionError(f"{tree.name} has too many arrays to go to ROS 2; split it") from None
+        raise DefinitionError(f"{tree.name} has too many arrays for ROS 2; split it") from None
     return names["convert"]  # type: ignore[no-any-return]
 
 

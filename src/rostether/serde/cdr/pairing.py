@@ -159,7 +159,7 @@ class _Pairing:
             element = _number(ros2.base)
         elif "/" in ros2.base:
             if depth >= MAX_DEPTH:
-                self._refuse(f"'{path}' nests types more than {MAX_DEPTH} deep in ROS 2")
+                self._refuse(f"'{path}' nests types more than {MAX_DEPTH} levels deep in ROS 2")
             message = self._lookup(ros2.base)
             slots = []
             for field in message.fields:
@@ -167,10 +167,10 @@ class _Pairing:
                 slots.append(Slot("", field.name, node, tuple(_default(node, field.type, field.default))))
             element = Record(message.full_name, (), tuple(slots) or (_DUMMY,))
         else:
-            self._refuse(f"only ROS 2 has '{path}', a {ros2.base}, which ROS 1 cannot stand in for")
+            self._refuse(f"only ROS 2 has '{path}', a {ros2.base}, which ROS 1 does not have")
         node = Array(element, ros2.length, ros2.bound) if ros2.is_array else element
         if node.least_bytes(Side.ROS2) > MAX_FIXED_BYTES:
-            self._refuse(f"'{path}' takes more than {MAX_FIXED_BYTES} bytes in ROS 2")
+            self._refuse(f"'{path}' needs more than {MAX_FIXED_BYTES} bytes in ROS 2")
         return node
 
     def _refuse(self, reason: str) -> Never:

@@ -59,7 +59,7 @@ class Walk:
 
     def _require_bound(self, count: int, bound: int | None, noun: str, path: str) -> None:
         if bound is not None and count > bound and self._side is Side.ROS1:
-            raise Misfit(f"has {count} {noun} in field '{path}', and ROS 2 takes {bound} at most")
+            raise Misfit(f"has {count} {noun} in field '{path}', but ROS 2 allows at most {bound}")
 
     def _count(self, path: str) -> int:
         self._number(4, 4, path)

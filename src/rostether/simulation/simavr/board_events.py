@@ -31,7 +31,7 @@ def parse_event(line: bytes) -> BoardEvent:
         name, time_us = values.pop("event"), values.pop("time_us")
         return BoardEvent(str(name), float(time_us) / 1e6, MappingProxyType(values))
     except (ValueError, KeyError, AttributeError, TypeError) as error:
-        raise BoardError(f"the simulated board's runner printed what is no event: {line[:80]!r}") from error
+        raise BoardError(f"the simulated board's runner printed an unknown line: {line[:80]!r}") from error
 
 
 def show_event(event: BoardEvent) -> str:

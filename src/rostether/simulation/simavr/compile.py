@@ -77,7 +77,9 @@ def missing_parts() -> str:
 
 def _find_compiler() -> str:
     if not sys.platform.startswith("linux"):
-        raise BoardError("simulated AVR boards run on Linux only; `rostether demo` has one in Python")
+        raise BoardError(
+            "simulated AVR boards run on Linux only; `rostether demo` has a simulated board in Python"
+        )
     wanted = os.environ.get("CC", "").split()[:1] or _COMPILERS
     found = next(filter(None, map(shutil.which, wanted)), None)
     if found is None:

@@ -52,7 +52,8 @@ class RunnerProcess:
             await made.close()
             if isinstance(error, TimeoutError):
                 raise BoardError(
-                    f"the simulated board did not start within {START_LIMIT_S:g} s; is the machine busy?"
+                    f"the simulated board did not start within {START_LIMIT_S:g} s; the machine may be too "
+                    f"busy"
                 ) from None
             raise
         made._reading = asyncio.get_running_loop().create_task(made._read())
@@ -71,7 +72,7 @@ class RunnerProcess:
     async def send_command(self, line: str) -> None:
         """Say a line and wait until it is done. Raises BoardError with what was wrong with it."""
         if "\n" in line:
-            raise BoardError("words for a simulated board are one line")
+            raise BoardError("a command for a simulated board must be one line")
         number = next(self._numbers)
         answer: asyncio.Future[BoardEvent] = asyncio.get_running_loop().create_future()
         self._answers[number] = answer
@@ -132,7 +133,7 @@ class RunnerProcess:
         while not any(event.name == "reset" for event in events):
             line = await self._next_line()
             if not line:
-                raise BoardError("the simulated board ended as it started")
+                raise BoardError("the simulated board ended at its start")
             event = parse_event(line)
             if event.name == "failed":
                 raise BoardError(event["text"])
@@ -144,7 +145,7 @@ class RunnerProcess:
         try:
             return await self._process.stdout.readline()
         except ValueError:
-            raise BoardError("the simulated board's runner printed a line without end") from None
+            raise BoardError("the simulated board's runner printed a line that is too long") from None
 
     async def _read(self) -> None:
         try:

@@ -191,7 +191,7 @@ async def test_one_name_with_two_types_is_one_line_and_the_last_is_served(world:
     await world.advertised("/level")
     assert world.network.snapshot().topics["/level"].type == "std_msgs/UInt16"
     (said,) = world.reporter.texts
-    assert "level twice with two types" in said
+    assert "level with two types" in said
 
 
 async def test_a_name_that_another_spelling_held_is_bridged_when_that_has_gone(world: Table) -> None:

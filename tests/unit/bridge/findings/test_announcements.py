@@ -48,7 +48,7 @@ def test_it_is_said_which_packets_are_damaged() -> None:
     for _ in range(3):
         announcements.discarded(FrameDiscarded(DiscardReason.PACKET, b"", ids.LOG))
     (finding,) = announcements.find()
-    assert finding.seen.startswith("log lines are damaged inside the board (empty) though")
+    assert finding.seen.startswith("log lines are damaged inside the board (empty), but the")
 
 
 def test_a_readable_name_that_is_wrong_is_the_sketch() -> None:
@@ -57,7 +57,7 @@ def test_a_readable_name_that_is_wrong_is_the_sketch() -> None:
     announcements.refused(AnnouncementRefused("my topic", "std_msgs/String", reason))
     (finding,) = announcements.find()
     assert finding.code is Code.NOT_BRIDGED
-    assert finding.seen == "my topic [std_msgs/String] is not bridged: a name begins with a letter"
+    assert finding.seen == "my topic [std_msgs/String] is not bridged: a name must start with a letter"
     assert finding.next_step == "write my_topic in the sketch"
     assert finding.reported
 

@@ -16,7 +16,7 @@ def test_the_share_is_told() -> None:
     finding = damage.find(490, 1.0)
     assert finding is not None
     assert finding.code is Code.FRAMES_DAMAGED
-    assert finding.seen.startswith("2 % of the frames come damaged (10 of 500")
+    assert finding.seen.startswith("2 % of the frames are damaged (10 of the last 500)")
 
 
 def test_the_rest_of_a_damaged_frame_is_no_second_one() -> None:

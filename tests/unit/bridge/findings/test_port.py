@@ -28,12 +28,12 @@ def test_a_port_that_is_not_there() -> None:
     assert "carries data" in alone
     near = told(PortFacts(PORT, exists=False, near=("/dev/ttyACM1 (Arduino Uno)",), others=("/dev/ttyS0",)))
     assert "did you mean /dev/ttyACM1 (Arduino Uno)?" in near
-    assert "there is /dev/ttyS0" in told(PortFacts(PORT, exists=False, others=("/dev/ttyS0",)))
+    assert "the ports are /dev/ttyS0" in told(PortFacts(PORT, exists=False, others=("/dev/ttyS0",)))
 
 
 def test_permission_with_the_exact_command() -> None:
-    assert "type: sudo usermod -aG dialout $USER" in told(PortFacts(PORT, may_open=False, group="dialout"))
-    assert f"type: sudo chmod a+rw {PORT}" in told(PortFacts(PORT, may_open=False))
+    assert "run: sudo usermod -aG dialout $USER" in told(PortFacts(PORT, may_open=False, group="dialout"))
+    assert f"run: sudo chmod a+rw {PORT}" in told(PortFacts(PORT, may_open=False))
 
 
 def test_who_has_it() -> None:

@@ -39,7 +39,7 @@ def test_another_middleware_is_no_address_and_no_topic(name: str, capsys: pytest
     for words in (("serve", "/dev/ttyACM0", "--ros2", name), ("topic", "echo", "--ros2", name)):
         assert main(words) == 2
         line = capsys.readouterr().err.splitlines()[-1]
-        assert f"'--ros2': '{name}' is neither zenoh nor rclpy; use rclpy for every other middleware" in line
+        assert f"'--ros2': '{name}' is not zenoh or rclpy; use rclpy for other middlewares" in line
 
 
 def test_zenoh_by_the_name_that_ros_has_for_it(capsys: pytest.CaptureFixture[str]) -> None:

@@ -38,16 +38,16 @@ def test_a_folder_of_tables_a_file_or_stdout(bag: Path, shell: Shell) -> None:
 
 
 def test_what_makes_no_sense_is_told_and_leaves_no_file(bag: Path, shell: Shell) -> None:
-    assert "one file holds one topic" in shell.failure("export", str(bag), "-o", "-")
-    assert "one file holds one topic" in shell.failure("export", str(bag), "-o", "all.csv")
-    assert "needs a file" in shell.failure(
+    assert "a file can hold only one topic" in shell.failure("export", str(bag), "-o", "-")
+    assert "a file can hold only one topic" in shell.failure("export", str(bag), "-o", "all.csv")
+    assert "cannot be written to stdout; give a file" in shell.failure(
         "export", str(bag), "--topic", "/a", "-o", "-", "--format", "parquet"
     )
     assert "no topic /c" in shell.failure("export", str(bag), "--topic", "/c")
     assert "is no bag" in shell.failure("export", __file__)
     assert ".csv or .parquet" in shell.failure("export", str(bag), "--topic", "/a", "-o", "x.txt")
     assert not Path("x.txt").exists()
-    assert "cannot make the folder" in shell.failure("export", str(bag), "-o", "drive.bag/x")
+    assert "cannot create the folder" in shell.failure("export", str(bag), "-o", "drive.bag/x")
     data = bytearray(bag.read_bytes())
     data[data.index(b"size=") + 5] ^= 0xFF
     bag.write_bytes(data)

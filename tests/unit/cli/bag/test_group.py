@@ -62,17 +62,17 @@ def test_filter_by_topic_message_and_time(bag: Path, tmp_path: Path, shell: Shel
     assert kept("topic == '/b'") == [text(f"message {index}") for index in range(1, 30, 2)]
     assert kept("m.data == 'message 7'") == [text("message 7")]
     assert kept("t.nsecs < 130000000 and topic == '/a'") == [text("message 0")]
-    assert "/a: EXPRESSION: there is no .nothing" in shell.failure(
+    assert "/a: EXPRESSION: there is no .nothing; the fields are" in shell.failure(
         "bag", "filter", str(bag), str(target), "topic == '/b' or m.nothing"
     )
     assert "is no expression (invalid syntax)" in shell.failure(
         "bag", "filter", str(bag), str(target), "m.data >"
     )
-    assert "is what is read" in shell.failure("bag", "filter", str(bag), str(bag), "True")
+    assert "is the input file; give" in shell.failure("bag", "filter", str(bag), str(bag), "True")
 
 
 def test_check_names_what_does_not_fit(tmp_path: Path, bag: Path, shell: Shell) -> None:
-    assert "30 messages, all right" in shell.output("bag", "check", str(bag))
+    assert "30 messages, no errors" in shell.output("bag", "check", str(bag))
     data = bag.read_bytes()
     bag.write_bytes(data.replace(text("message 7"), b"\xff" + text("message 7")[1:]))
     result = shell("bag", "check", str(bag))
@@ -89,7 +89,7 @@ def test_reindex_and_convert(tmp_path: Path, bag: Path, shell: Shell) -> None:
     assert not active.exists()
     assert (tmp_path / "b.orig.bag").exists()
     mended, mcap = tmp_path / "b.bag", tmp_path / "b.mcap"
-    assert "whole as it was" in shell.output("bag", "reindex", "-f", str(mended))
+    assert "complete, not changed" in shell.output("bag", "reindex", "-f", str(mended))
     assert shell.output("bag", "convert", str(mended), str(mcap)) == f"{mcap}: 30 messages\n"
     assert shell.output("bag", "convert", str(mcap), str(mended), "--compression", "bz2")
     assert list(BagReader(mended).messages()) == list(BagReader(bag).messages())
@@ -98,12 +98,12 @@ def test_reindex_and_convert(tmp_path: Path, bag: Path, shell: Shell) -> None:
 def test_what_makes_no_sense_is_told(tmp_path: Path, bag: Path, shell: Shell) -> None:
     assert "No such file" in shell.failure("bag", "info", str(tmp_path / "none.bag"))
     assert "is no bag" in shell.failure("bag", "info", __file__)
-    assert "ends with .bag, .mcap or .db3" in shell.failure(
+    assert "recording must end with .bag, .mcap or .db3;" in shell.failure(
         "bag", "convert", str(bag), str(tmp_path / "a.txt")
     )
     assert "--all" in shell.failure("bag", "record", code=2)
     assert "--size or --duration" in shell.failure("bag", "record", "-a", "--split", code=2)
-    assert "no duration" in shell.failure("bag", "record", "-a", "--duration", "soon", code=2)
+    assert "not a duration" in shell.failure("bag", "record", "-a", "--duration", "soon", code=2)
 
 
 @pytest.mark.parametrize("verb", [("bag", "info"), ("bag", "check"), ("bag", "reindex"), ("export",)])
@@ -121,13 +121,13 @@ def test_what_is_no_file_is_refused_at_once(tmp_path: Path, shell: Shell, verb: 
 @pytest.mark.parametrize(
     ("name", "content", "told"),
     [
-        ("a.mcap", b"{}" * 50, "it is no MCAP file"),
-        ("a.mcap.active", b"\x89MCAP", "it is cut: it has 5 bytes"),
+        ("a.mcap", b"{}" * 50, "it is not an MCAP file"),
+        ("a.mcap.active", b"\x89MCAP", "it is truncated: it has 5 bytes"),
         ("a.mcap", b"\x89MCAP1\r\n" + bytes(50), "another version"),
-        ("a.db3", b"{}" * 50, "no SQLite file"),
-        ("a.db3", b"SQLite", "no SQLite file"),
+        ("a.db3", b"{}" * 50, "not a SQLite file"),
+        ("a.db3", b"SQLite", "not a SQLite file"),
         ("a.db3", b"", "is empty"),
-        ("a.bag", b"#ROSBAG", "is cut: it has 7 bytes"),
+        ("a.bag", b"#ROSBAG", "is truncated: it has 7 bytes"),
     ],
 )
 def test_what_is_broken_is_told_by_its_ending(
@@ -151,7 +151,7 @@ def test_a_start_beyond_the_end_is_told(graph: LiveGraph, bag: Path, words: tupl
     printed, _ = player.communicate(timeout=60)
     assert player.returncode == 0
     assert printed == (
-        "WARNING: --start 100 is beyond the end, the recording lasts 0.290 s; nothing is played\n"
+        "WARNING: --start 100 is after the end; the recording lasts 0.290 s; nothing is played\n"
         "played 0 messages\n"
     )
 
@@ -160,7 +160,7 @@ def test_a_recording_that_got_nothing_is_told(graph: LiveGraph, tmp_path: Path) 
     recorder = _started(graph, "record", "-q", "--duration", "0.1", "-O", str(tmp_path / "none.bag"), "/no")
     printed, _ = recorder.communicate(timeout=60)
     assert recorder.returncode == 0
-    assert printed.startswith("WARNING: no message came")
+    assert printed.startswith("WARNING: no messages were received;")
     assert printed.count("\n") == 1
 
 
@@ -219,7 +219,7 @@ def test_compressed_in_its_place_and_back(tmp_path: Path, bag: Path, shell: Shel
     before = list(BagReader(bag).messages())
     assert "30 messages" in shell.output("bag", "compress", str(bag))
     assert BagReader(bag).compressions[0].name == "bz2"
-    assert "-f writes over it" in shell.failure("bag", "decompress", str(bag))
+    assert "-f overwrites it" in shell.failure("bag", "decompress", str(bag))
     shell.output("bag", "decompress", "-f", "-q", str(bag))
     assert BagReader(bag).compressions[0].name == "none"
     shell.output("bag", "compress", "--lz4", "--output-dir", str(tmp_path / "small"), str(bag))
@@ -232,7 +232,7 @@ def test_filter_shows_what_is_asked(bag: Path, tmp_path: Path, shell: Shell) -> 
     target = str(tmp_path / "b.bag")
     printed = shell.output("bag", "filter", "-p", "m.data", str(bag), target, "t.to_sec() < 1700000000.14")
     assert printed.splitlines()[:3] == ["MATCH message 0", "MATCH message 1", "NO MATCH message 2"]
-    assert "nothing is called '__import__'" in shell.failure(
+    assert "there is no name '__import__';" in shell.failure(
         "bag", "filter", str(bag), target, "__import__('os')"
     )
 
@@ -244,9 +244,9 @@ def test_a_chunk_that_is_broken_is_left_out_by_reindex(tmp_path: Path, shell: Sh
     place = data.index(b"BZh", len(data) // 3)
     data[place + 20] ^= 0xFF
     path.write_bytes(data)
-    assert "compressed by bz2 is broken" in shell("bag", "check", str(path)).out
+    assert "compressed with bz2 is broken" in shell("bag", "check", str(path)).out
     assert "messages kept" in shell.output("bag", "reindex", str(path))
-    assert "all right" in shell.output("bag", "check", str(path))
+    assert "no errors" in shell.output("bag", "check", str(path))
     assert 15 < len(list(BagReader(path).messages())) < 30
 
 

@@ -81,7 +81,7 @@ async def test_a_folder_that_takes_nothing_stops_the_recording_alone(tmp_path: P
 
 def test_a_file_is_no_folder_for_bags(tmp_path: Path, shell: Shell) -> None:
     line = shell.failure("serve", "tcp://:0", "--record", str(tmp_path / "problem.jsonl"))
-    assert "--record-line FILE records the bytes of the boards' lines" in line
+    assert "--record-line FILE records the bytes on the boards' lines" in line
 
 
 async def test_on_ros2_alone_a_ros2_bag(tmp_path: Path) -> None:

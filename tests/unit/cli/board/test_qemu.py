@@ -31,7 +31,7 @@ async def test_serve_refuses_options_of_other_boards(options: str) -> None:
 
 
 async def test_serve_refuses_what_is_no_elf() -> None:
-    with pytest.raises(ConfigError, match="runs ELF files"):
+    with pytest.raises(ConfigError, match="runs only ELF files;"):
         async with simulated([parse_address("sim:blink.ino?board=lm3s6965evb")], SilentReporter()):
             pass
 
@@ -39,7 +39,7 @@ async def test_serve_refuses_what_is_no_elf() -> None:
 def test_what_is_no_elf_is_refused_with_what_to_do() -> None:
     result = run_to_end("blink.ino")
     assert result.returncode == 1
-    assert "runs ELF files: compile blink.ino with arm-none-eabi-g++ first" in result.stderr
+    assert "runs only ELF files; compile blink.ino with arm-none-eabi-g++ first" in result.stderr
 
 
 def test_options_of_other_boards_are_refused() -> None:

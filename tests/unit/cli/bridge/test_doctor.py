@@ -161,7 +161,7 @@ sys.exit(main(["doctor", {path!r}]))
         os.close(master)
     assert answer.returncode == 1, answer.stderr
     assert f"error no-permission: no permission to open {path}" in answer.stdout
-    assert "next: type: sudo" in answer.stdout
+    assert "next: run: sudo" in answer.stdout
 
 
 def test_no_such_port_with_near_names(shell: Shell, tmp_path: Path) -> None:

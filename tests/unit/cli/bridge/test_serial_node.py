@@ -158,7 +158,7 @@ async def test_parameters_of_the_server(tmp_path: Path) -> None:
     try:
         arguments = ("__name:=opencr", "__ns:=lab")
         async with started("serial-node", *arguments, ROS_MASTER_URI=master.uri) as node:
-            await node.wait_for(f"{port} is not there")
+            await node.wait_for(f"{port} does not exist; waiting until it is")
     finally:
         await master.close()
 

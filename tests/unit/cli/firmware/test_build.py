@@ -184,7 +184,7 @@ def test_upload_builds_and_flashes(
     write_sketch(tmp_path, "Blink", EMPTY)
     lines = shell.output("firmware", "upload", "Blink", "--port", port).splitlines()
     assert lines[0].startswith(f"flashing Arduino UNO on {port}: ")
-    assert lines[1] == "done; the board runs it now"
+    assert lines[1] == "done; the board now runs the sketch"
     assert len(avrdude.calls) == 1
 
 

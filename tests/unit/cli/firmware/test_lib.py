@@ -63,7 +63,7 @@ def test_json(shell: Shell, tmp_path: Path) -> None:
 def test_failures(shell: Shell, tmp_path: Path) -> None:
     (tmp_path / "ros_lib").mkdir()
     (tmp_path / "ros_lib/mine.txt").write_text("mine")
-    assert "is no generated library and stays" in shell.failure("firmware", "lib", str(tmp_path))
+    assert "is not a generated library and is not changed;" in shell.failure("firmware", "lib", str(tmp_path))
     assert "no sketch at" in shell.failure("firmware", "lib", str(tmp_path), "--for", "nothing.ino")
     assert "no package 'std'" in shell.failure("firmware", "lib", str(tmp_path), "--package", "std")
     assert "no such folder" in shell.failure("firmware", "lib", str(tmp_path), "--msg-path", "/nowhere")

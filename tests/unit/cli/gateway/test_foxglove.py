@@ -39,7 +39,7 @@ async def test_serve_offers_its_graph_to_foxglove() -> None:
     async with started(
         "serve", "--foxglove", "0", "tcp://127.0.0.1:0", "--master-port", str(port), "--token", "abc"
     ) as serve:
-        await serve.wait_for("lets others connect")
+        await serve.wait_for("allows other machines")
         await offers(f"{address(serve)}/?token=abc", "/rosout")
         with pytest.raises(InvalidStatus):
             await offers(address(serve), "/rosout")
@@ -83,7 +83,7 @@ async def test_the_established_launch_file_is_there_with_nothing_installed(tmp_p
     launch = ("launch", "foxglove_bridge", "foxglove_bridge.launch", f"port:={port}")
     words = "topic_whitelist:=['/rosout_a.*']"
     async with started(*launch, words, "-p", str(master_port), ROS_LOG_DIR=str(tmp_path)) as launched:
-        await launched.wait_for("lets others connect")
+        await launched.wait_for("allows other machines")
         uri = f"ws://localhost:{port}"
         protocols = [Subprotocol("foxglove.sdk.v1")]
         client = ProtocolClient(await connect(uri, subprotocols=protocols, proxy=None))

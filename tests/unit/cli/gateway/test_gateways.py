@@ -43,7 +43,7 @@ async def test_pages_are_answered_where_the_graph_carries_no_rosapi(fault: Excep
     ):
         await client.send('{"op": "call_service", "service": "/rosapi/nodes"}')
         assert json.loads(await client.recv())["values"] == {"nodes": ["/rosbridge_websocket"]}
-    reason = f"rosbridge: rosapi's services are there for its clients alone: {fault}"
+    reason = f"rosbridge: only its own clients can call rosapi's services: {fault}"
     assert (Level.INFO, reason) in log
 
 
@@ -60,7 +60,8 @@ async def test_pages_are_answered_where_the_graph_carries_no_rosapi(fault: Excep
             "",
             (
                 Level.WARN,
-                "rosbridge: whoever reaches it can publish and call services; --token and --allow limit that",
+                "rosbridge: every client that reaches it can publish and call services; "
+                "--token and --allow restrict that",
             ),
         ),
         ("0.0.0.0:0", "abc", None),

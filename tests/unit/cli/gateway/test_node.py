@@ -26,7 +26,7 @@ def test_words_of_a_gateway() -> None:
     assert words.name == "panel"
     with pytest.raises(click.UsageError, match="one place to listen on, not 9091 and 9092"):
         read_gateway_words(["9091", "9092"], {})
-    with pytest.raises(click.UsageError, match="_port:= is for the node in launch files"):
+    with pytest.raises(click.UsageError, match="_port:= works only for the node in launch files"):
         read_gateway_words(["_port:=9091"], {})
     with pytest.raises(ConfigError):
         read_gateway_words(["a:=b c"], {})
@@ -38,14 +38,16 @@ async def test_a_second_gateway_ends_no_other_and_a_killed_one_is_no_obstacle() 
     to_master = ("--master", master.uri)
     try:
         async with started("rosbridge", port, *to_master) as first:
-            await first.wait_for("lets others connect")
+            await first.wait_for("allows other machines")
             named = ("__name:=web", "__ns:=lab", *to_master)
             async with started("rosbridge", "0", *named) as second:
-                await second.wait_for("lets others connect")
+                await second.wait_for("allows other machines")
                 async with started(
                     "foxglove", "0", f"__name:=rosbridge_websocket_{port}", *to_master
                 ) as third:
-                    await third.wait_for(f"a node /rosbridge_websocket_{port} runs already; end it, or")
+                    await third.wait_for(
+                        f"a node /rosbridge_websocket_{port} is already running; stop it, or"
+                    )
                     assert await third.process.wait() == 1
                 async with rostether.join("/asking", master=master.uri) as graph:
                     gateways = {"/rosapi", f"/rosbridge_websocket_{port}", "/lab/web"}
@@ -53,7 +55,7 @@ async def test_a_second_gateway_ends_no_other_and_a_killed_one_is_no_obstacle() 
             first.process.kill()
             await first.process.wait()
         async with started("rosbridge", port, *to_master) as again:
-            await again.wait_for("lets others connect")
+            await again.wait_for("allows other machines")
             async with rostether.join("/asking", master=master.uri) as graph:
                 answer = await graph.call("/rosapi/nodes", "rosapi/Nodes")
                 assert f"/rosbridge_websocket_{port}" in answer.nodes

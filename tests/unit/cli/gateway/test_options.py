@@ -54,7 +54,7 @@ def test_what_is_no_place(text: str) -> None:
 @pytest.mark.parametrize("command", ["rosbridge", "foxglove"])
 @pytest.mark.parametrize("origin", ["panel.example", "https:panel.example", "https://panel.example/page"])
 def test_what_is_no_origin(command: str, origin: str, shell: Shell) -> None:
-    assert "write it as https://panel.example or" in shell.failure(command, "--origin", origin)
+    assert "write it like https://panel.example or" in shell.failure(command, "--origin", origin)
 
 
 @pytest.mark.parametrize(

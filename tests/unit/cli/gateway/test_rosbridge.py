@@ -38,7 +38,7 @@ async def test_serve_offers_its_graph_to_web_pages() -> None:
     async with started(
         "serve", "--rosbridge", "0", "tcp://127.0.0.1:0", "--master-port", str(port), "--token", "abc"
     ) as serve:
-        await serve.wait_for("lets others connect")
+        await serve.wait_for("allows other machines")
         match = re.search(r"connect to (ws://localhost:\d+)", serve.text)
         assert match is not None, serve.text
         assert await nodes(f"{match[1]}/?token=abc") == ["/rosapi", "/rosbridge_websocket", "/rosout"]
@@ -85,7 +85,7 @@ async def test_the_established_launch_file_is_there_with_nothing_installed(tmp_p
     port, master_port = free_port(), free_port()
     launch = ("launch", "rosbridge_server", "rosbridge_websocket.launch", f"port:={port}")
     async with started(*launch, "-p", str(master_port), ROS_LOG_DIR=str(tmp_path)) as launched:
-        await launched.wait_for("lets others connect")
+        await launched.wait_for("allows other machines")
         uri = f"ws://localhost:{port}"
         assert "/rosbridge_websocket" in await nodes(uri)
         name = "/rosbridge_websocket/actual_port"

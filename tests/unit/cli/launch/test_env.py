@@ -104,7 +104,7 @@ def test_a_cache_that_cannot_be_written(
 ) -> None:
     (tmp_path / "file").touch()
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
-    assert "name another cache folder with XDG_CACHE_HOME" in shell.failure("env")
+    assert "choose another cache folder with XDG_CACHE_HOME" in shell.failure("env")
 
 
 @pytest.mark.fish

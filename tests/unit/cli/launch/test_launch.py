@@ -120,8 +120,8 @@ def test_unknown_node_is_refused_with_those_there_are(arm: Path, capsys: pytest.
         (["arm", "displai.launch"], "did you mean display.launch?"),
         (["arm", "zzz"], "it has display.launch, more.xml, params.launch, stay.launch"),
         (["nothing.launch"], "there is no launch file nothing.launch"),
-        ([], "name a launch file"),
-        (["-", "-"], "once only"),
+        ([], "give a launch file"),
+        (["-", "-"], "once"),
     ],
 )
 def test_what_is_not_there_is_refused_with_what_is_near(
@@ -132,7 +132,7 @@ def test_what_is_not_there_is_refused_with_what_is_near(
 
 def test_name_that_a_package_has_twice_is_refused(arm: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (arm / "params.launch").write_text("<launch/>")
-    assert "name one of params.launch, launch/params.launch" in refused(capsys, "arm", "params.launch")
+    assert "give one of params.launch, launch/params.launch" in refused(capsys, "arm", "params.launch")
     assert printed(capsys, "arm", "launch/params.launch", "--dump-params") == "/x: 1\n\n"
 
 

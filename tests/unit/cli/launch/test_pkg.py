@@ -36,7 +36,7 @@ def test_create_says_what_catkin_create_pkg_says(
     ]
     assert "<version>0.1.0</version>" in (workspace / "src" / "arm" / "package.xml").read_text()
     assert "is there already" in shell.failure("pkg", "create", "arm")
-    assert shell("pkg", "create", "Arm").err.startswith("Arm: names of packages begin with")
+    assert shell("pkg", "create", "Arm").err.startswith("Arm: package names should have only")
     assert shell("pkg", "create", "leg", "--json").code == 0
 
 
@@ -61,16 +61,16 @@ def test_two_packages_of_one_name(arm: Path, shell: Shell) -> None:
     lines = found.err.splitlines()
     assert len(lines) == 4
     assert lines[0] == (
-        f"rostether: warning: two packages are called arm: {arm} is used, {arm.parent}/old/copy0 is not; "
-        "rename one, or put a file CATKIN_IGNORE into its folder"
+        f"rostether: warning: two packages have the name arm: using {arm}, ignoring {arm.parent}/old/copy0; "
+        "rename one, or create a file CATKIN_IGNORE in its folder"
     )
-    assert lines[3] == "rostether: warning: 2 more packages have a name that another has"
+    assert lines[3] == "rostether: warning: 2 more packages have duplicate names"
 
 
 def test_version_of_the_distribution(shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("ROS_DISTRO", raising=False)
     assert shell.output("pkg", "version", "-d") == "noetic\n"
-    assert "which package?" in shell.failure("pkg", "version", code=2)
+    assert "give a package," in shell.failure("pkg", "version", code=2)
 
 
 def test_make_says_what_there_is_and_writes_the_setup_file(arm: Path, shell: Shell) -> None:
@@ -83,7 +83,7 @@ def test_make_says_what_there_is_and_writes_the_setup_file(arm: Path, shell: She
         "arm (src/arm)",
         "  messages: Angles",
         f"1 package in {workspace / 'src'}; nothing needs to be built",
-        f"Other shells see them after `source {workspace / 'devel' / 'setup.bash'}`",
+        f"In other shells, run `source {workspace / 'devel' / 'setup.bash'}`",
     ]
     assert (workspace / "devel" / "setup.bash").is_file()
     assert shell("pkg", "make", "-C", str(workspace), "--json").records == [
@@ -119,7 +119,7 @@ def test_make_fails_for_messages_that_cannot_be_read(arm: Path, shell: Shell) ->
 
 def test_make_names_what_it_cannot_build(arm: Path, shell: Shell) -> None:
     (arm / "src" / "driver.cpp").touch()
-    assert "not built here, a real ROS does: driver.cpp" in shell.output("pkg", "make")
+    assert "need a real ROS to build: driver.cpp" in shell.output("pkg", "make")
 
 
 def test_init_workspace(workspace: Path, shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -96,7 +96,9 @@ def test_what_is_not_there_is_told_with_what_is_near(arm: Path, shell: Shell) ->
     assert "did you mean move.py?" in shell.failure("run", "arm", "mov.py")
     assert "no package arn; did you mean arm?" in shell.failure("run", "arn", "move.py")
     assert "did you mean rosserial_python" in shell.failure("run", "rosserial_pyton", "serial_node.py")
-    assert "of it we serve serial_node, serial_node.py" in shell.failure("run", "rosserial_python", "x")
+    assert "the built-in ones are serial_node, serial_node.py" in shell.failure(
+        "run", "rosserial_python", "x"
+    )
     assert "`rostether pkg list`" in shell.failure("run", "xyzzyx", "x")
 
 

@@ -121,7 +121,7 @@ async def test_no_file_is_overwritten(tmp_path: Path) -> None:
     async with master() as environ, started("link", "record", "tcp://:0", str(file), **environ) as record:
         text = await record.finish()
     assert record.process.returncode == 1
-    assert "exists, and no capture is written over another" in text.splitlines()[-1]
+    assert "already exists; give" in text.splitlines()[-1]
     assert file.read_text() == "precious"
 
 

@@ -33,7 +33,7 @@ def test_a_name_without_its_package_shows_all_that_have_it(shell: Shell) -> None
 
 def test_the_type_may_come_through_a_pipe(shell: Shell) -> None:
     assert shell.output("msg", "show", stdin="\nstd_msgs/String\n") == "string data\n\n"
-    assert "came through the pipe" in shell.failure("msg", "show", code=2)
+    assert "stdin contains no" in shell.failure("msg", "show", code=2)
 
 
 def test_json(shell: Shell) -> None:
@@ -91,7 +91,7 @@ def test_own_definitions(shell: Shell, tmp_path: Path) -> None:
         (["msg", "show", "no_package/Nope"], 1, "--msg-path"),
         (["msg", "show", "Nope"], 1, "no package has a message 'Nope'"),
         (["srv", "md5", "Nope"], 1, "no package has a service 'Nope'"),
-        (["msg", "package", "nope"], 1, "there is no package 'nope'"),
+        (["msg", "package", "nope"], 1, "no package 'nope' with definitions"),
         (["msg", "show", "std_msgs::String"], 2, "write package/Name"),
         (["msg", "show", "std_msgs.String"], 2, "write package/Name"),
         (["msg", "sho"], 2, "did you mean show"),
@@ -113,7 +113,7 @@ def write_package(folder: Path, messages: dict[str, str]) -> str:
 def test_a_type_inside_itself_is_refused(shell: Shell, tmp_path: Path, options: list[str]) -> None:
     path = write_package(tmp_path, {"Loop": "Loop next"})
     error = shell.failure("msg", "show", *options, "--msg-path", path, "hostile/Loop")
-    assert "a message cannot hold itself" in error
+    assert "a message cannot contain itself" in error
 
 
 @pytest.mark.parametrize("options", [[], ["--ros2"]])

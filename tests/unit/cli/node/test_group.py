@@ -128,7 +128,7 @@ def test_ping_all_tells_who_is_gone(gone: str, talker: str, shell: Shell) -> Non
 
 
 def test_ping_without_a_node_says_how(shell: Shell) -> None:
-    assert "which node?" in shell.failure("node", "ping", code=2)
+    assert "give a node;" in shell.failure("node", "ping", code=2)
     assert "leave" in shell.failure("node", "ping", "--all", "/a", code=2)
 
 
@@ -157,7 +157,7 @@ def test_kill_of_the_unknown_and_the_gone(gone: str, shell: Shell) -> None:
     assert shell.failure("node", "kill", "/gonne") == "no node is called /gonne; did you mean /gone?"
     result = shell("node", "kill", gone)
     assert result.code == 1
-    assert "`rostether node cleanup` forgets it" in result.err
+    assert "`rostether node cleanup` removes it" in result.err
 
 
 @pytest.mark.parametrize(("arguments", "stdin"), [((), "maybe\ny\n"), (("--yes",), "")])

@@ -140,7 +140,9 @@ def test_files_by_their_names(shell: Shell, tmp_path: Path, name: str) -> None:
 
 @pytest.mark.usefixtures("busy")
 def test_what_cannot_be_done_is_said(shell: Shell, tmp_path: Path) -> None:
-    assert "end its name with .svg" in shell.failure("graph", "--save", str(tmp_path / "graph.gif"), code=2)
+    assert "its name must end with .svg" in shell.failure(
+        "graph", "--save", str(tmp_path / "graph.gif"), code=2
+    )
     assert "give one of" in shell.failure("graph", "--json", "--format", "dot", code=2)
     assert "no node, topic or namespace /ghost" in shell.failure("graph", "ghost")
     missing = tmp_path / "missing" / "graph.svg"

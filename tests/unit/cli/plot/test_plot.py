@@ -125,7 +125,9 @@ def test_what_cannot_be_drawn_is_said(shell: Shell, graph: LiveGraph, tmp_path: 
     silent = STORE.registry.message_type("std_msgs/Int8")
     graph.do(graph.node("/silent").advertise("/nothing", silent))
     assert "no value came of /nothing" in shell.failure("plot", "/nothing", "--for", "0.2")
-    assert "end its name with .png" in shell.failure("plot", "/a", "--save", str(tmp_path / "a.dot"), code=2)
+    assert "its name must end with .png" in shell.failure(
+        "plot", "/a", "--save", str(tmp_path / "a.dot"), code=2
+    )
     assert "at most" in shell.failure("plot", *(f"/t{number}" for number in range(40)), code=2)
 
 

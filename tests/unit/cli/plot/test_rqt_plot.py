@@ -39,5 +39,5 @@ def test_what_is_named_is_plotted(shell: Shell, became: list[list[str]]) -> None
 
 
 def test_nothing_to_plot(graph: LiveGraph, shell: Shell, became: list[list[str]]) -> None:
-    assert "nothing with numbers is published" in shell.failure("role", "rqt-plot")
+    assert "no topic with numbers is published" in shell.failure("role", "rqt-plot")
     assert became == []

@@ -82,7 +82,7 @@ def test_monitor_a_chain(laser: None, shell: Shell) -> None:
     assert "Chain is: laser -> base -> world" in text
     records = shell("tf", "monitor", "-n", "1", "--json").records
     assert {each["frame"] for each in records} == {"base", "laser"}
-    assert "give no frame, or PARENT and CHILD" in shell.failure("tf", "monitor", "world", code=2)
+    assert "give PARENT and CHILD, or no frame" in shell.failure("tf", "monitor", "world", code=2)
 
 
 @pytest.mark.parametrize("verb", [("tf", "static"), ("role", "static-transform-publisher")])

@@ -41,7 +41,7 @@ def test_check_says_what_is_wrong(tmp_path: Path, shell: Shell) -> None:
     file = tmp_path / "wrong.urdf"
     file.write_text('<robot name="x">\n<link name="a"/>\n<link name="b"/></robot>')
     assert shell.failure("urdf", "check", str(file)) == (
-        f"{file}:1: two root links, 'a' and 'b'; join them by a joint"
+        f"{file}:1: two root links, 'a' and 'b'; connect them with a joint"
     )
     file.write_text('<robot name="x"><link name="a"><visual/></link></robot>')
     assert "left out: line 1: visual of link 'a' has no geometry" in shell("urdf", "check", str(file)).err
@@ -72,4 +72,4 @@ def test_xacro_as_typed_for_xacro(wheels: str, tmp_path: Path, shell: Shell) -> 
     assert shell.output("xacro", wheels, "-o", str(output)) == ""
     assert '<link name="a"/>' in output.read_text()
     assert shell.output("xacro", "--deps", wheels) == "\n"
-    assert "name a file that can be written" in shell.failure("xacro", wheels, "-o", str(tmp_path))
+    assert "choose another file" in shell.failure("xacro", wheels, "-o", str(tmp_path))

@@ -79,7 +79,7 @@ async def test_a_mux_and_what_steers_it(master: MasterServer, graph: TypedGraph)
             assert command.lines == ["/b"]
         async with started("role", "mux-select", "mux", "/c", **environ) as command:
             assert await asyncio.wait_for(command.process.wait(), 60) == 1
-            await command.wait_for("/c is no input; there are /b")
+            await command.wait_for("/c is not an input; the inputs are /b")
 
 
 async def test_a_joystick(master: MasterServer, graph: TypedGraph, tmp_path: Path) -> None:

@@ -47,7 +47,7 @@ def test_describe(world: ZenohWorld, shell: Shell) -> None:
     assert shell.output("param", "describe", "/far/board", "gain") == (
         "Parameter name: gain\n  Type: double\n  Constraints:\n"
     )
-    assert "--ros2 shows those of a ROS 2 node" in shell.failure(
+    assert "--ros2 for the parameters of a ROS 2 node" in shell.failure(
         "param", "describe", "--ros1", "/far/board", "gain", code=2
     )
 

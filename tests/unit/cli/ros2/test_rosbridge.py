@@ -21,7 +21,7 @@ async def heard(client: ClientConnection, op: str) -> dict[str, Any]:
 
 async def test_pages_see_ros2_in_its_own_words(world: ZenohWorld) -> None:
     async with started("rosbridge", "0", "--ros2", "zenoh") as gateway:
-        await gateway.wait_for("lets others connect")
+        await gateway.wait_for("allows other machines")
         match = re.search(r"connect to (ws://localhost:\d+)", gateway.text)
         assert match is not None, gateway.text
         async with connect(match[1]) as client:

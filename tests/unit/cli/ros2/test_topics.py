@@ -112,7 +112,7 @@ def test_ros2_habits_are_taken(world: ZenohWorld, shell: Shell) -> None:
 
 
 def test_echo_of_nothing_ends_in_time(world: ZenohWorld, shell: Shell) -> None:
-    assert "no message came on /cmd_vel" in shell.failure(
+    assert "no message was received on /cmd_vel" in shell.failure(
         "topic", "echo", "--timeout", "0.2", "/cmd_vel", "geometry_msgs/Twist"
     )
 

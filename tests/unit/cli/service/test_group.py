@@ -158,7 +158,7 @@ def test_the_servers_own_error_is_told(graph: LiveGraph, shell: Shell) -> None:
         raise ServiceCallError("")
 
     serve(graph, "/turn", fail_silently)
-    assert "it gave no reason" in shell.failure("service", "call", "/turn")
+    assert "no reason given;" in shell.failure("service", "call", "/turn")
     serve(graph, "/move", fail)
     assert "the motor is hot" in shell.failure("service", "call", "/move")
 

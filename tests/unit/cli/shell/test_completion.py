@@ -29,7 +29,7 @@ def test_code_for_each_shell(
 
 def test_an_unknown_shell_names_the_known_ones(shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SHELL", "/bin/tcsh")
-    assert "One of bash, zsh, fish" in shell.failure("completion", code=2)
+    assert "give a shell: bash, zsh, fish" in shell.failure("completion", code=2)
     assert "'bash', 'zsh', 'fish'" in shell.failure("completion", "tcsh", code=2)
 
 

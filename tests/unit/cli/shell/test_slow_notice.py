@@ -6,12 +6,12 @@ import asyncio
 
 import pytest
 
-from rostether.cli.shell.slow_notice import told_when_long
+from rostether.cli.shell.slow_notice import reported_when_long
 
 
 async def test_a_long_wait_is_told_once() -> None:
     told = asyncio.Queue[str]()
-    with told_when_long(told.put_nowait, "building", after_s=0):
+    with reported_when_long(told.put_nowait, "building", after_s=0):
         async with asyncio.timeout(60):
             assert await told.get() == "building"
     assert told.empty()
@@ -19,7 +19,7 @@ async def test_a_long_wait_is_told_once() -> None:
 
 async def test_a_short_wait_is_not_told() -> None:
     told: list[str] = []
-    with pytest.raises(KeyError), told_when_long(told.append, "building", after_s=0.01):
+    with pytest.raises(KeyError), reported_when_long(told.append, "building", after_s=0.01):
         raise KeyError
     await asyncio.sleep(0.03)
     assert not told

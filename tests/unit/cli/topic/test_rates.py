@@ -62,7 +62,9 @@ def test_hz_of_what_a_filter_lets_through(play: Play, shell: Shell) -> None:
     record = shell(*arguments, "--filter", "m.data == 'high'", "/name").records[0]
     assert 0 < record["rate_hz"] < 75
     assert record["topic"] == "/name"
-    assert "there is no .dta" in shell.failure("topic", "hz", "--filter", "m.dta == 1", "/name")
+    assert "there is no .dta; the fields are" in shell.failure(
+        "topic", "hz", "--filter", "m.dta == 1", "/name"
+    )
 
 
 def test_hz_of_several_topics_is_a_table(graph: LiveGraph, play: Play, shell: Shell) -> None:

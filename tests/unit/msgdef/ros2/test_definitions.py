@@ -197,9 +197,9 @@ def test_nothing_below_goes_without_bounds(tmp_path: Path) -> None:
     write(tmp_path / "x/Big.msg", "float64[4096] numbers\n")
     definitions = Ros2Definitions([tmp_path])
     for name, says in (
-        ("Loop", "cannot hold itself: x/msg/Loop -> x/msg/Other -> x/msg/Loop"),
+        ("Loop", "cannot contain itself: x/msg/Loop -> x/msg/Other -> x/msg/Loop"),
         ("Missing", "x/msg/Missing, field 'there': the ROS 2 package 'x' has no message 'Nowhere'"),
-        ("Huge", "every message would hold 16777216 values"),
+        ("Huge", "every message would have 16777216 values"),
     ):
         with pytest.raises(DefinitionError, match=says):
             dependencies(definitions.message(f"x/msg/{name}"), definitions.message)

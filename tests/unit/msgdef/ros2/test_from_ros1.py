@@ -84,7 +84,7 @@ def test_derives_services() -> None:
 def test_refuses_what_ros2_cannot_say() -> None:
     with pytest.raises(DefinitionError, match="'d' and 'D' would both be 'd' in ROS 2"):
         derived("int8 d\nint8 D\n")
-    with pytest.raises(DefinitionError, match="no array of no elements, which the field 'a' is"):
+    with pytest.raises(DefinitionError, match="no arrays of length 0, such as the field 'a'"):
         derived("int8[0] a\n")
     with pytest.raises(UnknownTypeError, match="my_msgs/Foo, field 'a'"):
         derived("nobody_msgs/Bar a\n")

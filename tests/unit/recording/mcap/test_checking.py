@@ -99,8 +99,8 @@ def test_a_sum_that_is_wrong(ours: bytearray) -> None:
     _, start, end = _records(ours, OP_CHUNK)[1]
     ours[end - 5] ^= 1
     told = faults_of(bytes(ours))
-    assert any("the sum (CRC) of its records is wrong" in fault for fault in told)
-    assert any("the sum (CRC) of its data is wrong" in fault for fault in told)
+    assert any("the checksum (CRC) of its records is wrong" in fault for fault in told)
+    assert any("the checksum (CRC) of its data is wrong" in fault for fault in told)
     assert start < end
 
 
@@ -108,8 +108,8 @@ def test_a_summary_whose_sum_is_wrong(ours: bytearray) -> None:
     _, start, _ = _records(ours, OP_STATISTICS)[0]
     ours[start] ^= 1
     told = faults_of(bytes(ours))
-    assert "the sum (CRC) of its summary is wrong" in told
-    assert any(fault == "its statistics say 41 messages, but there are 40" for fault in told)
+    assert "the checksum (CRC) of its summary is wrong" in told
+    assert any(fault == "its statistics state 41 messages, but there are 40" for fault in told)
 
 
 @pytest.mark.parametrize(
@@ -117,7 +117,7 @@ def test_a_summary_whose_sum_is_wrong(ours: bytearray) -> None:
     [
         (OP_CHUNK, 0, 0, "its times are"),
         (OP_CHUNK, 16, 0, "in place of"),
-        (OP_CHUNK, 24, 0, "the sum (CRC) of its records"),
+        (OP_CHUNK, 24, 0, "the checksum (CRC) of its records"),
         (OP_MESSAGE_INDEX, 6, 0, "does not name the messages of channel 1"),
         (OP_MESSAGE_INDEX, 0, 0, "does not name the messages"),
         (OP_CHUNK_INDEX, 0, 1, "wrongly"),

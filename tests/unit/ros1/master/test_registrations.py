@@ -130,7 +130,7 @@ def test_registrations_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
     tables = Registrations()
     tables.register(Kind.PUBLISHER, "/t", "/a", "http://a/")
     tables.register_service("/s", "/a", "http://a/", "rosrpc://a")
-    with pytest.raises(GraphError, match="holds 2 registrations, its limit"):
+    with pytest.raises(GraphError, match="has 2 registrations, its limit;"):
         tables.register(Kind.SUBSCRIBER, "/t", "/b", "http://b/")
     assert "/b" not in tables.nodes
     tables.register(Kind.PUBLISHER, "/t", "/a", "http://a/")

@@ -78,7 +78,7 @@ async def test_a_node_that_dies_is_dropped_and_logged(
     with caplog.at_level(logging.WARNING, "rostether"):
         await node.close()
         await until(lambda: not master.api.registrations.nodes)
-    assert f"/p at {node.uri} is gone" in caplog.text
+    assert f"removed the registrations of /p at {node.uri}" in caplog.text
     assert (await client.call_status("getSystemState", "/x"))[2] == [[], [], []]
 
 

@@ -124,7 +124,9 @@ async def test_a_hang_up_during_the_call_is_an_error(stage: Stage) -> None:
     stage.server.serve = hang_up
     for persistent in (False, True):
         client = stage.client(persistent=persistent)
-        with pytest.raises(ServiceCallError, match="/switch: the server hung up during the call"):
+        with pytest.raises(
+            ServiceCallError, match="/switch: the server closed the connection during the call"
+        ):
             await client.call(b"on")
         assert client._kept is None
 

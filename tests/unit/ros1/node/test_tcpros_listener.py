@@ -106,7 +106,7 @@ async def test_one_address_leaves_room_for_others(
 @pytest.mark.parametrize(
     ("limits", "reason"),
     [
-        (GraphLimits(tcpros_connections=1), "this node has 1 connections"),
+        (GraphLimits(tcpros_connections=1), "this node already has 1 connections; close"),
         (GraphLimits(tcpros_connections_per_host=1), "127.0.0.1 has 1"),
     ],
 )

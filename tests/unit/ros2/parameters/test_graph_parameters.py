@@ -60,7 +60,7 @@ async def test_refusals_carry_the_nodes_reason() -> None:
     refusal = {"results": [{"successful": False, "reason": "read only,\nreally"}]}
     await answer_with(fixed, "set_parameters", "SetParameters", refusal)
     await answer_with(fixed, "list_parameters", "ListParameters", {})
-    with pytest.raises(GraphError, match="node /fixed refuses to set its parameter gain: read only, really"):
+    with pytest.raises(GraphError, match="node /fixed refused to set its parameter gain: read only, really"):
         await GraphParameters(ParameterStore(), me).set("/fixed/gain", 1)
 
 
@@ -77,7 +77,7 @@ async def test_a_node_without_parameters_is_named_and_left_out_of_lists() -> Non
         "/hanging/list_parameters", rcl_interfaces().service("ListParameters"), hang
     )
     parameters = GraphParameters(ParameterStore({"a": 1}), me)
-    with pytest.raises(ServiceUnavailableError, match="node /bare does not offer its parameters"):
+    with pytest.raises(ServiceUnavailableError, match="node /bare does not give access to its parameters"):
         await parameters.get("/bare/gain")
     parameters._client = ParameterClient(me, timeout_s=0.05)
     assert await parameters.names() == ["/me/a", "/me/use_sim_time"]
@@ -118,7 +118,7 @@ async def test_what_a_board_asks_for_is_declared() -> None:
 async def test_a_node_cannot_be_set_to_a_value() -> None:
     network = MemoryNetwork()
     parameters = GraphParameters(ParameterStore(), await network.join("/me"))
-    with pytest.raises(GraphError, match="/me is a node"):
+    with pytest.raises(GraphError, match="/me is a node;"):
         await parameters.set("/me", 7)
 
 

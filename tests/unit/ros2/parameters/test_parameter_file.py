@@ -83,7 +83,7 @@ def test_values(text: str, value: object) -> None:
     ("text", "fault"),
     [
         ("{", "is not YAML"),
-        ("7", "holds no mapping"),
+        ("7", "has no mapping"),
         ("/board: 7", "/board holds 7"),
         ("/board: {gain: 7}", "/board/gain holds 7"),
         ("/board: {ros__parameters: 7}", "names with values"),

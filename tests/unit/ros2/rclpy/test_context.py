@@ -81,7 +81,7 @@ async def test_a_definition_that_is_not_the_installed_one_is_refused() -> None:
     context = await open_context(OddTypes)
     node = await context.join("/node")
     for attempt in (node.advertise("/chat", STRING), node.subscribe("/chat", STRING, Inbox().take)):
-        with pytest.raises(TypeMismatchError, match="installed for rclpy is another one than ours"):
+        with pytest.raises(TypeMismatchError, match="installed for rclpy differs from the known one"):
             await attempt
     assert "/chat" not in (await node.snapshot()).topics
     await node.advertise("/flag", BOOL)
@@ -100,7 +100,7 @@ async def test_a_payload_that_is_malformed_is_left_out(
             publisher.publish_raw([string("before"), b"\xff\xff\xff\xffx", string("after")])
     await until(lambda: len(inbox.payloads) == 4)
     assert inbox.payloads == [string("before"), string("after")] * 2
-    assert caplog.text.count("a message for /chat is left out") == 1
+    assert caplog.text.count("a message for /chat:") == 1
 
 
 @pytest.mark.parametrize("message_type", [STRING, ANY_MESSAGE])

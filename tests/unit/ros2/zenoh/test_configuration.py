@@ -84,9 +84,9 @@ def test_what_zenoh_does_not_take_is_refused_in_one_line(tmp_path: Path) -> None
     with pytest.raises(ConfigError, match=r"zenoh\.json5 is not a zenoh configuration") as caught:
         peer_configuration(Ros2Environment(zenoh_session_config=path), Reach())
     assert "\n" not in str(caught.value)
-    with pytest.raises(ConfigError, match="ZENOH_CONFIG_OVERRIDE: zenoh takes no nonsense=1"):
+    with pytest.raises(ConfigError, match="ZENOH_CONFIG_OVERRIDE: zenoh does not accept nonsense=1"):
         peer_configuration(Ros2Environment(zenoh_overrides=(("nonsense", "1"),)), Reach())
-    with pytest.raises(ConfigError, match="zenoh takes no connect/endpoints nowhere"):
+    with pytest.raises(ConfigError, match="zenoh does not accept connect/endpoints nowhere"):
         peer_configuration(Ros2Environment(), Reach(connect=("nowhere",)))
 
 

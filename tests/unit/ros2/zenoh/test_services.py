@@ -92,7 +92,7 @@ async def test_a_server_that_ends_during_the_call(session: ZenohSession) -> None
     call = asyncio.ensure_future(client.call_service("/switch", SET_BOOL, b"\x01"))
     await called.wait()
     await handle.close()
-    with pytest.raises(ServiceCallError, match="/switch ended during the call"):
+    with pytest.raises(ServiceCallError, match="/switch was shut down during the call"):
         await asyncio.wait_for(call, 60)
 
 

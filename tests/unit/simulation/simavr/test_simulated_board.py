@@ -174,7 +174,7 @@ async def test_words_that_make_no_sense_at_the_start(start: Start) -> None:
     ("content", "said"),
     [
         (b"", "it is empty"),
-        (b"\x7fELF", "no ELF file"),
+        (b"\x7fELF", "not an ELF file"),
         (b"\x7fELF" + bytes(400), "it is no"),
         (b":00000001FF\n", "holds no program"),
         (b":0400000000000000FD\n:00000001FF\n", "neither an ELF file nor"),
