@@ -97,7 +97,7 @@ class _Builder:
             tag, attributes, self._file, self._parser.CurrentLineNumber, make_error=self._make_error
         )
         if len(self._open) >= MAX_DEPTH:
-            raise element.error(f"elements nest deeper than {MAX_DEPTH}")
+            raise element.error(f"elements are nested deeper than {MAX_DEPTH} levels")
         if self._open:
             self._open[-1].content.append(element)
         else:

@@ -38,7 +38,7 @@ def test_a_document_becomes_a_tree() -> None:
         (b"<a>&undefined;</a>", "1: not XML: undefined entity"),
         (BOMB, "1: declares a DTD or an entity, which is not allowed; remove it"),
         (b"\n<!DOCTYPE a SYSTEM 'file:///etc/passwd'><a/>", "2: declares a DTD"),
-        (b"<a>" * (MAX_DEPTH + 1), f"1: elements nest deeper than {MAX_DEPTH}"),
+        (b"<a>" * (MAX_DEPTH + 1), f"1: elements are nested deeper than {MAX_DEPTH}"),
         (b" " * 1001, "0: larger than 1000 bytes, not an arm"),
     ],
 )

@@ -35,7 +35,7 @@ def test_what_was_written_is_sound(tmp_path: Path, compression: str) -> None:
 
 @pytest.mark.parametrize(
     ("place", "told"),
-    [(0, "no message of connection"), (4, "no message of connection"), (8, "the index behind it is wrong")],
+    [(0, "no message of connection"), (4, "no message of connection"), (8, "the index after it is wrong")],
 )
 def test_an_index_that_names_another_time_or_place(data: bytearray, place: int, told: str) -> None:
     _, start = _first(data, OP_INDEX)
@@ -48,7 +48,7 @@ def test_an_index_of_another_connection(data: bytearray) -> None:
     before, _ = _first(data, OP_INDEX)
     data[data.index(b"conn=", before) + 5] ^= 1
     (fault,) = faults_of(bytes(data))
-    assert "the index behind it is wrong" in fault
+    assert "the index after it is wrong" in fault
 
 
 def test_counts_and_times_of_the_bags_own_index(data: bytearray) -> None:
@@ -56,7 +56,7 @@ def test_counts_and_times_of_the_bags_own_index(data: bytearray) -> None:
     data[start + 4] ^= 1
     data[data.index(b"end_time=", before) + 9] ^= 1
     counts, times = faults_of(bytes(data))
-    assert "the bag's index counts its messages wrong" in counts
+    assert "the bag's index has a wrong number of messages" in counts
     assert "its times are" in times
 
 
@@ -66,7 +66,7 @@ def test_a_broken_chunk_is_told(tmp_path: Path) -> None:
     _, start = _first(data, OP_CHUNK)
     data[start + 30] ^= 0xFF
     (fault,) = faults_of(bytes(data))
-    assert "compressed by bz2 is broken" in fault
+    assert "compressed with bz2 is broken" in fault
 
 
 @pytest.mark.parametrize("chunk_bytes", [300, 100_000])
