@@ -19,7 +19,7 @@ GUI_NAME = "joint_state_publisher_gui"
 
 NO_TERMINAL = (
     "no terminal for the sliders: publishing zeros and the values from source_list; for sliders, run in a "
-    "terminal:  "
+    "terminal: "
     "rostether run joint_state_publisher_gui joint_state_publisher_gui __name:={}"
 )
 

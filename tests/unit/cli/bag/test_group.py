@@ -97,7 +97,7 @@ def test_reindex_and_convert(tmp_path: Path, bag: Path, shell: Shell) -> None:
 
 def test_what_makes_no_sense_is_told(tmp_path: Path, bag: Path, shell: Shell) -> None:
     assert "No such file" in shell.failure("bag", "info", str(tmp_path / "none.bag"))
-    assert "is no bag" in shell.failure("bag", "info", __file__)
+    assert "is not a bag" in shell.failure("bag", "info", __file__)
     assert "recording must end with .bag, .mcap or .db3;" in shell.failure(
         "bag", "convert", str(bag), str(tmp_path / "a.txt")
     )

@@ -75,7 +75,7 @@ async def test_full_bags_are_followed_by_others_and_the_oldest_go(tmp_path: Path
 async def test_a_folder_that_takes_nothing_stops_the_recording_alone(tmp_path: Path) -> None:
     told = _Lines()
     async with bags_recorded(BagRecording(tmp_path / "gone", 1, None), MemoryNetwork().join, told):
-        assert await told.wait_for("; serving goes on") is Level.ERROR
+        assert await told.wait_for("; boards stay connected") is Level.ERROR
     assert told.lines[0][1].startswith(f"cannot write {tmp_path / 'gone'}")
 
 
@@ -123,7 +123,7 @@ async def test_a_full_disk_stops_the_recording_and_not_the_bridge(tmp_path: Path
         try:
             assert process.stdout is not None
             async with asyncio.timeout(100):
-                while b"serving goes on" not in (line := await process.stdout.readline()):
+                while b"boards stay connected" not in (line := await process.stdout.readline()):
                     assert line, "it ended"
             assert b"File too large; recording stopped" in line
             await hear(environ, "/chatter", 10)

@@ -140,7 +140,7 @@ def test_options_are_words_for_the_board() -> None:
         (["ELF", "--board", "mega"], 1, "built for another chip"),
         (["ELF", "--watch", "D77"], 1, "watch D77: this board has no such pin"),
         (["ELF", "--for", "soon"], 1, "for soon: how long to run"),
-        (["ELF", "--link", "x", "--tcp", "1"], 2, "give one of them"),
+        (["ELF", "--link", "x", "--tcp", "1"], 2, "give --link or --tcp, not both"),
         ([], 2, "PROGRAM"),
     ],
 )

@@ -125,7 +125,7 @@ async def test_mistakes_are_said_before_anything_is_served() -> None:
     with pytest.raises(BoardError, match="watch D99"):
         async with simulated([parse_address(f"sim:{build('tick')}?watch=D99")], Lines()):
             pass
-    with pytest.raises(BoardError, match="is not there"):
+    with pytest.raises(BoardError, match="does not exist"):
         async with simulated([parse_address("sim:nowhere.ino")], Lines()):
             pass
 

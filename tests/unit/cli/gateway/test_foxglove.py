@@ -43,7 +43,10 @@ async def test_serve_offers_its_graph_to_foxglove() -> None:
         await offers(f"{address(serve)}/?token=abc", "/rosout")
         with pytest.raises(InvalidStatus):
             await offers(address(serve), "/rosout")
-        assert "foxglove: this machine only; --foxglove 0.0.0.0:0 lets others connect" in serve.text
+        assert (
+            "foxglove: accepts connections from this machine only; --foxglove 0.0.0.0:0 allows other machines"
+            in serve.text
+        )
 
 
 async def test_it_waits_for_its_master_and_ends_with_its_node() -> None:

@@ -53,7 +53,10 @@ async def test_pages_are_answered_where_the_graph_carries_no_rosapi(fault: Excep
         (
             "localhost:0",
             "",
-            (Level.INFO, "rosbridge: this machine only; --rosbridge 0.0.0.0:0 lets others connect"),
+            (
+                Level.INFO,
+                "rosbridge: accepts connections from this machine only; --rosbridge 0.0.0.0:0 allows other machines",
+            ),
         ),
         (
             "0.0.0.0:0",

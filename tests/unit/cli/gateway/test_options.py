@@ -47,7 +47,9 @@ def test_places(text: str, place: tuple[str, int]) -> None:
 
 @pytest.mark.parametrize("text", ["localhost:many", "99999", "host:99999", "host:"])
 def test_what_is_no_place(text: str) -> None:
-    with pytest.raises(ConfigError, match=r"is no place to listen on: write HOST:PORT, as 0\.0\.0\.0:9090"):
+    with pytest.raises(
+        ConfigError, match=r"is not a place to listen on; write HOST:PORT, e.g. 0\.0\.0\.0:9090"
+    ):
         read_place(text, 9090)
 
 

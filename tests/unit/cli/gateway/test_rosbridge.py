@@ -44,7 +44,10 @@ async def test_serve_offers_its_graph_to_web_pages() -> None:
         assert await nodes(f"{match[1]}/?token=abc") == ["/rosapi", "/rosbridge_websocket", "/rosout"]
         status = await said_and_heard(match[1], op="call_service", service="/rosapi/nodes")
         assert "wants a token" in status["msg"]
-        assert "rosbridge: this machine only; --rosbridge 0.0.0.0:0 lets others connect" in serve.text
+        assert (
+            "rosbridge: accepts connections from this machine only; --rosbridge 0.0.0.0:0 allows other machines"
+            in serve.text
+        )
 
 
 async def test_it_waits_for_its_master_and_ends_with_its_node() -> None:

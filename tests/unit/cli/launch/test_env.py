@@ -54,7 +54,9 @@ def test_a_real_ros_is_not_shadowed_unless_asked(
     monkeypatch.setenv("SHELL", "/bin/sh")
     behind = shell("env")
     assert behind.code == 0
-    assert behind.err.startswith(f"a real ROS is installed and keeps its commands ({real / 'rostopic'}")
+    assert behind.err.startswith(
+        f"a real ROS is installed, and its commands keep precedence ({real / 'rostopic'}"
+    )
     assert tell("sh", behind.out, path, "rostopic") == ["real"]
     before = shell.output("env", "--first")
     (where,) = tell("sh", before, path, "command -v rostopic")

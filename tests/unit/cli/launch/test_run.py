@@ -87,7 +87,8 @@ def test_a_program_that_cannot_start(arm: Path) -> None:
     assert done.returncode == 1
     assert done.stderr.startswith("rostether: error: ")
     assert (
-        "cannot be run: No such file or directory; its first line may name a missing program" in done.stderr
+        "cannot be run: No such file or directory; its first line may name a program that is missing"
+        in done.stderr
     )
 
 

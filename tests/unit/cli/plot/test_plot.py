@@ -121,7 +121,7 @@ def test_png(shell: Shell, tmp_path: Path) -> None:
 
 def test_what_cannot_be_drawn_is_said(shell: Shell, graph: LiveGraph, tmp_path: Path) -> None:
     publish(graph, "/words", "std_msgs/String", {"data": "x"})
-    assert "/words/data holds no number" in shell.failure("plot", "/words/data", "--for", "5")
+    assert "/words/data contains no numbers" in shell.failure("plot", "/words/data", "--for", "5")
     silent = STORE.registry.message_type("std_msgs/Int8")
     graph.do(graph.node("/silent").advertise("/nothing", silent))
     assert "no value came of /nothing" in shell.failure("plot", "/nothing", "--for", "0.2")

@@ -135,13 +135,13 @@ def test_the_links_of_rosserial_server() -> None:
 @pytest.mark.parametrize(
     ("words", "reason"),
     [
-        (("relay",), "write relay IN [OUT]; 0 arguments were given"),
-        (("relay", "/a", "/a"), "/a would feed itself"),
+        (("relay",), "usage: relay IN [OUT]; 0 arguments were given"),
+        (("relay", "/a", "/a"), "/a would receive its own output"),
         (("throttle", "messages", "/a", "fast"), "'fast' is not a number"),
         (("throttle", "words", "/a", "1"), "write throttle messages IN HZ"),
         (("throttle", "bytes", "/a", "1"), "write throttle messages IN HZ"),
-        (("mux", "/out"), "write mux OUT IN..."),
-        (("mux-list",), "write mux_list MUX"),
+        (("mux", "/out"), "usage: mux OUT IN..."),
+        (("mux-list",), "usage: mux_list MUX"),
     ],
 )
 async def test_what_is_typed_wrong(master: MasterServer, words: tuple[str, ...], reason: str) -> None:

@@ -86,7 +86,7 @@ def test_without_a_terminal_it_publishes_zeros(graph: LiveGraph, shell: Shell) -
         shell("topic", "echo", "-n", "1", "/joint_states")
         process.terminate()
         _, said = process.communicate(timeout=LIMIT_S)
-    assert "no terminal to show sliders in" in said
+    assert "no terminal for the sliders" in said
 
 
 @pytest.mark.parametrize(
