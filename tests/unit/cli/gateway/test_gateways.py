@@ -55,7 +55,8 @@ async def test_pages_are_answered_where_the_graph_carries_no_rosapi(fault: Excep
             "",
             (
                 Level.INFO,
-                "rosbridge: accepts connections from this machine only; --rosbridge 0.0.0.0:0 allows other machines",
+                "rosbridge: accepts connections from this machine only; "
+                "--rosbridge 0.0.0.0:0 allows other machines",
             ),
         ),
         (

@@ -45,8 +45,8 @@ async def test_serve_offers_its_graph_to_web_pages() -> None:
         status = await said_and_heard(match[1], op="call_service", service="/rosapi/nodes")
         assert "wants a token" in status["msg"]
         assert (
-            "rosbridge: accepts connections from this machine only; --rosbridge 0.0.0.0:0 allows other machines"
-            in serve.text
+            "rosbridge: accepts connections from this machine only; "
+            "--rosbridge 0.0.0.0:0 allows other machines" in serve.text
         )
 
 
