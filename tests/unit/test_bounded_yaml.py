@@ -61,7 +61,9 @@ def test_what_would_grow_without_end_is_refused_in_one_line(name: str) -> None:
     "text", ["2001-99-99", "!!bool x", "!!timestamp x", "!!int ''", "!!float ''", "!!int x"]
 )
 def test_wrong_values_are_errors_of_the_text(text: str) -> None:
-    with pytest.raises(YamlError, match=r"not YAML: .* is no (bool|int|float|timestamp).* line 1, column 1"):
+    with pytest.raises(
+        YamlError, match=r"not YAML: .* is not a valid (bool|int|float|timestamp).* line 1, column 1"
+    ):
         load(text)
 
 

@@ -90,6 +90,6 @@ async def test_join_a_ros2_graph() -> None:
 
 
 async def test_join_ros2_takes_nothing_of_ros1() -> None:
-    with pytest.raises(ConfigError, match="of ROS 1"):
+    with pytest.raises(ConfigError, match="work only with ROS 1"):
         async with rostether.join(ros2="zenoh", master="http://127.0.0.1:9"):
             pass

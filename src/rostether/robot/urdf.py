@@ -79,7 +79,7 @@ class _Reader:
             for role, link_name in (("parent", joint.parent), ("child", joint.child)):
                 if link_name not in links:
                     raise element.error(
-                        f"{role} link {link_name!r} of joint {joint.name!r} is not there"
+                        f"{role} link {link_name!r} of joint {joint.name!r} does not exist"
                         f"{self._xacro_hint(robot)}",
                     )
             if joint.child in children:

@@ -346,7 +346,7 @@ def test_messages_longer_than_their_type_from_a_board_that_streams() -> None:
 
     (finding,) = diagnose(board).findings
     assert (finding.code, finding.subject) == (Code.MESSAGES_TOO_LONG, "count")
-    assert "with 12 bytes, more than this type" in finding.seen
+    assert "have 12 bytes, more than this type" in finding.seen
 
 
 def test_a_service_answer_longer_than_the_board_announced() -> None:

@@ -167,7 +167,7 @@ async def test_a_port_that_is_not_there_is_waited_for(site: Site, tmp_path: Path
 
 
 async def test_a_port_that_cannot_be_opened_is_tried_again_in_one_line(site: Site) -> None:
-    site.open_errors = [TransportOpenError("nothing listens on robot:11411") for _ in range(3)]
+    site.open_errors = [TransportOpenError("no program listens on robot:11411") for _ in range(3)]
     await site.start("tcp://robot:11411?connect=yes&name=arm")
     await site.serving("/arm")
     assert len(site.reporter.having("no program listens")) == 1

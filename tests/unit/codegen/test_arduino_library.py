@@ -82,7 +82,7 @@ def test_it_is_written_and_replaced(tmp_path: Path) -> None:
     second = write_library(tmp_path, Registry(), packages=["std_srvs"])
     assert second.replaced
     assert not (tmp_path / "ros_lib" / "src" / "std_msgs" / "Float32.h").exists()
-    with pytest.raises(CodegenError, match="is a library itself; give the folder that holds it"):
+    with pytest.raises(CodegenError, match="is a library itself; give the folder that contains it"):
         write_library(tmp_path / "ros_lib", Registry())
 
 

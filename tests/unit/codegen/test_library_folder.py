@@ -59,8 +59,8 @@ def test_files_that_did_not_change_keep_their_times(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "reason"),
     [
-        ({"precious.txt": b"mine"}, "is no generated library and stays as it is"),
-        ({"ros.h": b""}, "is no generated library"),
+        ({"precious.txt": b"mine"}, "is not a generated library and is not changed"),
+        ({"ros.h": b""}, "is not a generated library"),
         (OURS | {".git/config": b""}, "is a git repository and is not changed;"),
     ],
 )

@@ -361,7 +361,7 @@ async def test_be_a_small_old_board() -> None:
 
 
 async def test_a_device_opens_one_line() -> None:
-    with pytest.raises(ConfigError, match="brings many devices"):
+    with pytest.raises(ConfigError, match="accepts many devices"):
         Device("xbee:/dev/x", store=STORE)
     with pytest.raises(ConfigError, match="unknown option"):
         Device("tcp://:1?speed=1", store=STORE)

@@ -45,7 +45,7 @@ def test_a_cpp_file_is_a_sketch(tmp_path: Path) -> None:
     ("files", "name", "message"),
     [
         ((), "nothing.ino", "no sketch .*nothing.ino"),
-        (("a.ino", "b.ino"), "", r"holds several sketches \(a.ino, b.ino\); name one"),
+        (("a.ino", "b.ino"), "", r"contains several sketches \(a.ino, b.ino\); give one"),
         (("readme.txt",), "", "contains no sketch"),
         (("readme.txt",), "readme.txt", "readme.txt is not a sketch"),
     ],

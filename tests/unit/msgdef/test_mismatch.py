@@ -80,7 +80,7 @@ def test_the_md5sum_of_another_type_is_recognised() -> None:
 
 def test_an_earlier_version_that_we_bring_along_is_recognised() -> None:
     line = explain_mismatch(Registry(), "turtlebot3_msgs/SensorState", "d537ed7b8d95065b6c83830430b93911")
-    assert "it is that of turtlebot3_msgs 0.1.4, which has 'uint8 cliff' for 'float32 cliff'" in line
+    assert "it belongs to turtlebot3_msgs 0.1.4, which has 'uint8 cliff' for 'float32 cliff'" in line
 
 
 def test_a_change_in_a_nested_message_is_found(tmp_path: Path) -> None:

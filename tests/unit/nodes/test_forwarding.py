@@ -89,7 +89,7 @@ async def test_a_lazy_relay_listens_only_while_somebody_does() -> None:
 
 async def test_a_topic_never_feeds_itself() -> None:
     world = await World().join()
-    with pytest.raises(ConfigError, match="/a would feed itself"):
+    with pytest.raises(ConfigError, match="/a would receive its own output"):
         await forward(world.relay, "/a", "a")
 
 

@@ -94,7 +94,7 @@ async def test_inputs_come_and_go(world: World) -> None:
         ("add", "MuxAdd", "__none", "means no input;"),
         ("add", "MuxAdd", "not a name", "is not a ROS name"),
         ("delete", "MuxDelete", "/a", "is selected"),
-        ("delete", "MuxDelete", "/c", "is no input"),
+        ("delete", "MuxDelete", "/c", "is not an input"),
     ],
 )
 async def test_what_makes_no_sense_fails(

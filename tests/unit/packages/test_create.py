@@ -67,7 +67,7 @@ def test_a_metapackage_only_names_others() -> None:
 def test_nothing_is_overwritten(tmp_path: Path) -> None:
     create_package(tmp_path, NewPackage("arm"))
     (tmp_path / "arm" / "package.xml").write_text("mine")
-    with pytest.raises(ConfigError, match="is there already"):
+    with pytest.raises(ConfigError, match="already exists"):
         create_package(tmp_path, NewPackage("arm"))
     assert (tmp_path / "arm" / "package.xml").read_text() == "mine"
 

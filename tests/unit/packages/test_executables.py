@@ -81,7 +81,7 @@ def test_what_is_missing_is_told_with_what_is_near(arm: Path) -> None:
         find(arm, "moves.py")
     with pytest.raises(ConfigError, match=r"has no program x; it has move.py"):
         find(arm, "x")
-    with pytest.raises(ConfigError, match=r"package arm is not here"):
+    with pytest.raises(ConfigError, match=r"package arm was not found"):
         find(None, "x")
     with pytest.raises(ConfigError, match=r"package arm has no scripts/x"):
         find(arm, "scripts/x")

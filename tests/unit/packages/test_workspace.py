@@ -43,7 +43,7 @@ def make_arm(workspace: Path) -> Path:
 
 def test_a_folder_is_marked_once(workspace: Path) -> None:
     assert workspace_of(workspace) == workspace
-    with pytest.raises(ConfigError, match="is there already"):
+    with pytest.raises(ConfigError, match="already exists"):
         init_workspace(workspace / "src")
 
 

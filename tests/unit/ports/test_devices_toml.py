@@ -134,7 +134,7 @@ def test_a_port_is_found_by_its_link_and_by_a_pattern(tmp_path: Path) -> None:
         ),
         ('[defaults]\nport = "/x"', "defaults.port", "unknown key"),
         ('[discovery]\nprobe = ["ttyUSB0"]', "discovery.probe", "a USB id such as"),
-        ('[devices.a]\nport = "/x"\n[devices.b]\nport = "/x"', "devices.b", "same marks as devices.a"),
+        ('[devices.a]\nport = "/x"\n[devices.b]\nport = "/x"', "devices.b", "same keys as devices.a"),
     ],
 )
 def test_a_mistake_is_one_line_with_file_and_key(text: str, place: str, says: str) -> None:

@@ -26,7 +26,7 @@ def test_a_program_without_any_lock_is_seen(tmp_path: Path) -> None:
     ) as program:
         assert program.stdout is not None
         program.stdout.readline()
-        assert f"(pid {program.pid})" in (find_user(str(port)) or "")
+        assert f"(PID {program.pid})" in (find_user(str(port)) or "")
         program.kill()
     assert find_user(str(port)) is None
 
@@ -38,7 +38,7 @@ def test_a_lock_file_counts_while_its_program_runs(
     monkeypatch.setattr(port_locks, "LOCK_FOLDERS", (str(tmp_path),))
     lock = tmp_path / "LCK..ttyACM0"
     lock.write_text(form.format(os.getppid()))
-    assert f"pid {os.getppid()}" in (find_user("/dev/ttyACM0") or "")
+    assert f"PID {os.getppid()}" in (find_user("/dev/ttyACM0") or "")
     assert find_user("/dev/ttyACM1") is None
     ended = subprocess.Popen([sys.executable, "-c", ""])
     ended.wait()

@@ -32,7 +32,7 @@ def test_a_chunk_is_unpacked_in_steps(name: str, size: int) -> None:
     stored = packed(name, data)
     assert bytes(decompress(name, memoryview(stored), size)) == data
     for wrong in (size - 1, size + 1):
-        with pytest.raises(RecordingError, match=r"bytes in place of|is broken"):
+        with pytest.raises(RecordingError, match=r"bytes instead of|is broken"):
             decompress(name, stored, max(wrong, 0) if size else 1)
     if size > 100:
         with pytest.raises(RecordingError):
@@ -42,7 +42,7 @@ def test_a_chunk_is_unpacked_in_steps(name: str, size: int) -> None:
 def test_how_much_a_file_may_unpack_to() -> None:
     check_unpacked_size(compression.MAX_UNPACKED_BYTES, 1)
     check_unpacked_size(compression.MAX_RATIO * (10 << 20), 10 << 20)
-    with pytest.raises(RecordingError, match="would unpack to"):
+    with pytest.raises(RecordingError, match="would decompress to"):
         check_unpacked_size(compression.MAX_UNPACKED_BYTES + 1, 1 << 20)
 
 
@@ -63,9 +63,9 @@ def test_a_recording_that_would_fill_memory_is_refused_at_once(
     assert sum(open_recording(path).counts.values()) == 8
     monkeypatch.setattr(compression, "MAX_UNPACKED_BYTES", 7_000_000)
     monkeypatch.setattr(compression, "MAX_RATIO", 10)
-    with pytest.raises(RecordingError, match=rf"{name}.* would unpack to"):
+    with pytest.raises(RecordingError, match=rf"{name}.* would decompress to"):
         open_recording(path)
-    with pytest.raises(RecordingError, match="would unpack to"):
+    with pytest.raises(RecordingError, match="would decompress to"):
         check(path, Registry())
 
 

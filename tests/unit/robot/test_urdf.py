@@ -67,8 +67,8 @@ def test_joints_below_a_link_are_sorted_by_name() -> None:
         (with_joint('name="j" type="continuous"', ENDS + '<axis xyz="0 0 0"/>'), "zero; give it a direction"),
         (with_joint('name="j" type="continuous"', ENDS + '<axis xyz="0 0"/>'), "2 numbers"),
         (with_joint('name="j" type="continuous"', ENDS + "<mimic/>"), "mimics no joint"),
-        (with_joint('name="j" type="fixed"', ENDS + '<origin xyz="a 0 0"/>'), "'a', no number"),
-        (with_joint('name="j" type="fixed"', ENDS + '<origin xyz="nan 0 0"/>'), "no number"),
+        (with_joint('name="j" type="fixed"', ENDS + '<origin xyz="a 0 0"/>'), "'a', not a number"),
+        (with_joint('name="j" type="fixed"', ENDS + '<origin xyz="nan 0 0"/>'), "not a number"),
         (with_joint('name="j" type="fixed"', ENDS + '<origin xyz="${x} 0 0"/>'), "expand this xacro first"),
         (
             robot("x", "a b", joint("j", "fixed", "a", "b") + joint("k", "fixed", "b", "a")),
@@ -144,7 +144,7 @@ def test_shapes_and_masses() -> None:
         ("<visual><geometry><cone/></geometry></visual>", "known are box"),
         ('<visual><geometry><box size="1 1"/></geometry></visual>', "2 numbers"),
         ("<visual><geometry><mesh/></geometry></visual>", "no filename"),
-        ('<collision><geometry><sphere radius="${r}"/></geometry></collision>', "no number"),
+        ('<collision><geometry><sphere radius="${r}"/></geometry></collision>', "not a number"),
         ('<inertial><mass value="1"/></inertial>', "needs <mass> and <inertia>"),
     ],
 )

@@ -63,7 +63,7 @@ def test_a_package_that_is_not_there_is_named(robot: Path) -> None:
         ('<link name="${1/0}"/>', "zero"),
         ("<xacro:nowhere/>", "nowhere"),
         ('<xacro:include filename="no.xacro"/>', "no.xacro"),
-        ('<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>', "without end"),
+        ('<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>', "endlessly"),
         ("<link", "not XML"),
     ],
 )

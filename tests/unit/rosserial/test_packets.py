@@ -80,7 +80,7 @@ def test_announcements_that_must_be_damage(wrong: dict[str, object]) -> None:
         ({"message_type": ""}, "package/Type; write one in the sketch"),
         ({"md5sum": "*"}, "md5sum '*' is not 32 digits"),
         ({"buffer_size": -5}, "buffer size is -5 bytes; choose 0 to 1048576"),
-        ({"topic_id": 12}, "topic id is 12, but those below 100 are reserved"),
+        ({"topic_id": 12}, "topic id is 12, but ids below 100 are reserved"),
     ],
     ids=str,
 )

@@ -230,7 +230,7 @@ def test_array_lengths_that_add_up_are_still_wrong() -> None:
 
 def test_message_of_another_type() -> None:
     with pytest.raises(
-        SerializationError, match="std_msgs/String wants a std_msgs/String, got 'std_msgs/Bool'"
+        SerializationError, match="std_msgs/String needs a std_msgs/String, got 'std_msgs/Bool'"
     ):
         STORE.codec("std_msgs/String").encode(STORE.codec("std_msgs/Bool").message_class())
     with pytest.raises(SerializationError, match="std_msgs/String wants"):

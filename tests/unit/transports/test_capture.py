@@ -98,7 +98,7 @@ def test_a_line_that_never_ends(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("first", ['{"t": 1, "from": "device", "hex": "00"}', "{}"])
 def test_a_file_without_a_description(tmp_path: Path, first: str) -> None:
-    with pytest.raises(ConfigError, match="line 1: no description"):
+    with pytest.raises(ConfigError, match="line 1: no header"):
         Capture(written(tmp_path, first + "\n"))
 
 

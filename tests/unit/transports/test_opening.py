@@ -40,7 +40,7 @@ async def test_a_pty_is_opened_like_a_serial_port(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("address", ["tcp://:0", "udp://:0", "xbee:/dev/nothing"])
 async def test_what_is_listened_on_is_not_opened(address: str) -> None:
-    with pytest.raises(ConfigError, match="brings many devices"):
+    with pytest.raises(ConfigError, match="accepts many devices"):
         await open_transport(address)
 
 

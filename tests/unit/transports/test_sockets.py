@@ -68,7 +68,7 @@ async def test_a_host_without_an_address_is_a_matter_of_the_name_server() -> Non
 @pytest.mark.parametrize(
     ("error", "said"),
     [
-        (ConnectionRefusedError(errno.ECONNREFUSED, "refused"), "nothing listens on robot:1"),
+        (ConnectionRefusedError(errno.ECONNREFUSED, "refused"), "no program listens on robot:1"),
         (socket.gaierror(-2, "Name or service not known"), "the host of robot:1 is unknown;"),
         (OSError(errno.EHOSTUNREACH, "No route to host"), "cannot reach robot:1: No route to host"),
     ],

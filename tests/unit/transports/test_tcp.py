@@ -271,14 +271,14 @@ async def test_a_taken_port_names_itself_and_the_way_out() -> None:
 
 
 async def test_a_foreign_host_cannot_be_listened_on() -> None:
-    with pytest.raises(TransportOpenError, match=r"192\.0\.2\.1 is no address of this machine"):
+    with pytest.raises(TransportOpenError, match=r"192\.0\.2\.1 is not an address of this machine"):
         await TcpListener.start(TcpAddress("192.0.2.1", 0), Arrivals())
 
 
 async def test_nobody_listening_is_said() -> None:
     async with listening() as (listener, _):
         port = port_of(listener)
-    with pytest.raises(TransportOpenError, match=rf"nothing listens on 127\.0\.0\.1:{port}"):
+    with pytest.raises(TransportOpenError, match=rf"no program listens on 127\.0\.0\.1:{port}"):
         await connect_tcp(TcpAddress("127.0.0.1", port, connect=True))
 
 

@@ -353,7 +353,7 @@ def test_a_request_to_another_machines_name_is_refused() -> None:
     request = b"POST / HTTP/1.1\r\nHost: rebound.example:11311\r\nContent-Length: 0\r\n\r\n"
     answer, _ = refused(request, is_own_host=lambda host: host == "robot:11311")
     assert answer.startswith(b"HTTP/1.1 403 ")
-    assert b"'rebound.example:11311' is no name of this machine" in answer
+    assert b"'rebound.example:11311' is not a name of this machine" in answer
     server = HttpServerSide(is_own_host=lambda host: host == "robot:11311")
     server.receive_data(request.replace(b"rebound.example", b"robot"))
     assert server.next_request() == b""

@@ -233,7 +233,7 @@ def _judge_search(address: SerialAddress, watched: Watched, found: NoBoard) -> F
     return replace(
         first,
         code=Code.NOISE_RECEIVED,
-        seen=f"{first.seen.partition(': most likely')[0]}, and no frame at any other usual baud rate",
+        seen=f"{first.seen.partition(': probably')[0]}, and no frame at any other usual baud rate",
         next_step="check the ground wire and the sketch's setBaud(); give an unusual rate as ?baud=...",
     )
 

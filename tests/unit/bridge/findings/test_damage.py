@@ -27,7 +27,7 @@ def test_the_rest_of_a_damaged_frame_is_no_second_one() -> None:
         damage.count_discarded(REST, float(number))
     finding = damage.find(5, 5.0)
     assert finding is not None
-    assert "(5 of 10" in finding.seen
+    assert "(5 of the last 10" in finding.seen
 
 
 def test_a_frame_whose_first_byte_was_damaged_counts() -> None:
@@ -37,7 +37,7 @@ def test_a_frame_whose_first_byte_was_damaged_counts() -> None:
         damage.count_discarded(REST, float(number))
     finding = damage.find(4, 5.0)
     assert finding is not None
-    assert "(4 of 8" in finding.seen
+    assert "(4 of the last 8" in finding.seen
 
 
 def test_one_damaged_frame_is_nothing() -> None:

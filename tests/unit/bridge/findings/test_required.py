@@ -32,7 +32,7 @@ def test_what_is_missing_is_named_with_what_is_there() -> None:
     assert "does not announce /odom, which" in finding.seen
     assert "it announces imu, chatter" in finding.seen
     required.settled([])
-    assert "it has no topic" in required.find()[0].seen
+    assert "it announces no topic" in required.find()[0].seen
     required.settled([f"t{number}" for number in range(20)])
     assert "and 12 more" in required.find()[0].seen
     required.forget()

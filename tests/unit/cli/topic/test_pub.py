@@ -134,7 +134,7 @@ def test_one_message_in_a_file_is_repeated(graph: LiveGraph, shell: Shell, tmp_p
 @pytest.mark.parametrize(
     ("arguments", "code", "text"),
     [
-        (["/a", "std_msgs/Int8", "300"], 1, "wants an int8 (-128 to 127), got 300"),
+        (["/a", "std_msgs/Int8", "300"], 1, "needs an int8 (-128 to 127), got 300"),
         (["/a", "std_msgs/Strin", "x"], 1, "std_msgs/Strin"),
         (["/a", "std_msgs/Int8", "{data: 1"], 1, "is not YAML"),
         (["/a b", "std_msgs/Int8", "1"], 1, "' '"),

@@ -81,7 +81,7 @@ def test_reads_constants_comments_and_blank_lines() -> None:
         ("int32 a__b", "1:7", "not a field name"),
         ("int32 a_", "1:7", "not a field name"),
         ("time stamp", "1:1", "ROS 2 has builtin_interfaces/Time"),
-        ("foo a", "1:1", "no built-in type and no message's name"),
+        ("foo a", "1:1", "not a built-in type or a message name"),
         ("my_msgs/msg/Foo a", "1:1", "not 'package/Name'"),
         ("My/Foo a", "1:1", "not 'package/Name'"),
         ("int32<=3 a", "1:1", "only string and wstring"),

@@ -115,7 +115,7 @@ def test_a_chunk_that_roscpp_left_open_is_read_to_its_last_message(tmp_path: Pat
         (b"", "is empty"),
         (b"#ROSBAG V1.2\n" + bytes(100), "format 1.2"),
         (b"#ROSBAG V", "is truncated: it has 9 bytes"),
-        (b"{}" * 50, "is no bag"),
+        (b"{}" * 50, "is not a bag"),
     ],
 )
 def test_what_is_no_bag_is_told(tmp_path: Path, content: bytes, told: str) -> None:
@@ -131,7 +131,7 @@ def test_a_chunk_that_lies_about_its_size_is_refused(tmp_path: Path) -> None:
     data = path.read_bytes()
     size = data.index(b"size=") + 5
     path.write_bytes(data[:size] + struct.pack("<I", 0xFFFFFFFF) + data[size + 4 :])
-    with pytest.raises(RecordingError, match="says that it holds"):
+    with pytest.raises(RecordingError, match="has a wrong size"):
         list(BagReader(path).messages())
 
 

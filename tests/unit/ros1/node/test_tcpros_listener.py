@@ -107,7 +107,7 @@ async def test_one_address_leaves_room_for_others(
     ("limits", "reason"),
     [
         (GraphLimits(tcpros_connections=1), "this node already has 1 connections; close"),
-        (GraphLimits(tcpros_connections_per_host=1), "127.0.0.1 has 1"),
+        (GraphLimits(tcpros_connections_per_host=1), "127.0.0.1 already has 1"),
     ],
 )
 async def test_connections_that_stay_are_counted(

@@ -28,7 +28,7 @@ class InvalidTopicNameException(NameValidationException):
         (
             InvalidTopicNameException("Invalid topic name: must not end:\n  '/a/'\n      ^"),
             InvalidNameError,
-            "cannot publish /a/: Invalid topic name: must not end: '/a/': ROS 2 does not take such a name",
+            "cannot publish /a/: Invalid topic name: must not end: '/a/'; ROS 2 does not allow this name",
         ),
         (
             RuntimeError("create_publisher() called for existing topic name rt/a with incompatible type X"),

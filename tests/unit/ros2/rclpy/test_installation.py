@@ -40,7 +40,7 @@ def test_a_type_that_is_missing_in_its_package_is_named(
     monkeypatch.syspath_prepend(tmp_path)
     assert message_class("thin_msgs/msg/Thin").__name__ == "Thin"
     with pytest.raises(
-        UnknownTypeError, match="thin_msgs that is installed for this Python does not have it"
+        UnknownTypeError, match="thin_msgs that is installed for this Python does not contain it"
     ):
         message_class("thin_msgs/msg/Thick")
 

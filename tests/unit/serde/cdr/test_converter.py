@@ -132,7 +132,7 @@ def test_record_stands_where_its_first_field_may() -> None:
 def test_bounds() -> None:
     converter = pair("string a\nuint8[] b", "string<=3 a\nuint8[<=2] b")
     assert converter.to_cdr(text(b"abc") + text(b"12"))
-    with pytest.raises(SerializationError, match="4 bytes in field 'a', and ROS 2 takes 3 at most"):
+    with pytest.raises(SerializationError, match="4 bytes in field 'a', but ROS 2 allows at most 3"):
         converter.to_cdr(text(b"abcd") + text(b""))
     with pytest.raises(SerializationError, match="3 elements in field 'b', and ROS 2 takes 2 at most"):
         converter.to_cdr(text(b"") + text(b"123"))

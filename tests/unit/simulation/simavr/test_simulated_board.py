@@ -196,7 +196,7 @@ async def test_programs_for_other_boards(start: Start, tmp_path: Path) -> None:
         await start(build("echo", board="mega"))
     with pytest.raises(BoardError, match="cannot be read"):
         await start(tmp_path / "missing.elf")
-    with pytest.raises(ConfigError, match="there are uno, nano, promini, mega, leonardo, micro"):
+    with pytest.raises(ConfigError, match="known are uno, nano, promini, mega, leonardo, micro"):
         await start(build("echo"), board="due")
 
 
@@ -215,6 +215,6 @@ async def test_hex_files_run(start: Start, tmp_path: Path) -> None:
 async def test_a_link_path_in_use_is_left_alone(tmp_path: Path) -> None:
     path = tmp_path / "board"
     path.write_text("mine")
-    with pytest.raises(TransportOpenError, match="exists already"):
+    with pytest.raises(TransportOpenError, match="already exists"):
         await SimulatedBoard.start(build("echo"), link_path=path)
     assert path.read_text() == "mine"

@@ -102,7 +102,7 @@ static const char *load_elf(int file) {
     Elf *elf = elf_begin(file, ELF_C_READ, NULL);
     GElf_Ehdr header;
     if (!elf || elf_kind(elf) != ELF_K_ELF || !gelf_getehdr(elf, &header))
-        error = "it is no ELF file";
+        error = "it is not an ELF file";
     else if (header.e_machine != EM_AVR)
         error = "it is no program for an AVR";
     else if ((header.e_flags & ARCHITECTURE_MASK) != wanted)
