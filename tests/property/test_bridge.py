@@ -79,7 +79,7 @@ def test_garbage_stops_nothing_and_says_little(garbage: list[bytes]) -> None:
 
     heard, world = run(scenario())
     assert heard[-1:] == [text("good")]
-    assert not world.reporter.having("failed")
+    assert not world.reporter.having("session failed")
     assert len(world.reporter.lines) < 15 + len(garbage)
 
 

@@ -119,7 +119,7 @@ def test_ros_gets_exactly_what_the_capture_holds(name: str) -> None:
     assert published == held.messages
     logs = [(log.level, log.text) for log in world.network.logs]
     assert [log for log in logs if log in held.logs] == held.logs
-    assert not world.reporter.having("failed")
+    assert not world.reporter.having("session failed")
     assert len(world.reporter.lines) < 20 + len(held.logs)
 
 

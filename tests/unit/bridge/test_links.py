@@ -86,7 +86,7 @@ async def test_a_serial_port_that_goes_and_comes_back(site: Site, tmp_path: Path
     """A simulator's terminal stands in for a USB port: its link goes away, and later leads elsewhere."""
     port = tmp_path / "ttyACM0"
     await site.supervisor.start([parse_address(str(port))])
-    await until(lambda: site.reporter.having("is not there"), "the line")
+    await until(lambda: site.reporter.having("does not exist"), "the line")
     for _ in range(2):
         master, slave = os.openpty()
         tty.setraw(slave)

@@ -160,7 +160,7 @@ async def test_a_board_that_takes_no_answer_at_all_is_named_and_later_questions_
     asking.ask("gain")
     await until(lambda: world.reporter.texts, "the line")
     assert world.reporter.texts == [
-        "parameter gain, requested by the board: the answer takes 12 bytes, and the device's buffer has "
+        "parameter gain, requested by the board: the answer needs 12 bytes, but the device's buffer has "
         "11; even an empty answer does not fit; enlarge the input buffer of the sketch's NodeHandle_"
     ]
     answers.takes_nothing = False

@@ -192,7 +192,7 @@ def test_what_does_not_fit_is_named(
     with pytest.raises(SerializationError) as error:
         codec.encode(value if form == "mapping" else codec.message_class(**value))
     text = str(error.value)
-    assert text.startswith(f"field '{field}' of {name} wants {wants}")
+    assert text.startswith(f"field '{field}' of {name} needs {wants}")
     assert "\n" not in text
     assert len(text) < 250
 
@@ -233,7 +233,7 @@ def test_message_of_another_type() -> None:
         SerializationError, match="std_msgs/String needs a std_msgs/String, got 'std_msgs/Bool'"
     ):
         STORE.codec("std_msgs/String").encode(STORE.codec("std_msgs/Bool").message_class())
-    with pytest.raises(SerializationError, match="std_msgs/String wants"):
+    with pytest.raises(SerializationError, match="std_msgs/String needs"):
         STORE.codec("std_msgs/String").encode(5)  # type: ignore[arg-type]
 
 

@@ -177,7 +177,7 @@ async def test_other_devices_ports_are_never_opened(site: Site) -> None:
         os.set_blocking(modem, False)
         with pytest.raises(OSError):
             os.read(modem, 1)
-    assert len(site.reporter.having("left alone")) == 1
+    assert len(site.reporter.having("is not opened")) == 1
 
 
 async def test_the_user_may_have_any_port_probed_wherever_it_is(site: Site, tmp_path: Path) -> None:
@@ -308,10 +308,10 @@ async def test_what_is_no_board_is_asked_once_and_again_after_another_program_us
 
         def is_left_alone() -> bool:
             os.write(board, b"I print\r\n")
-            return bool(site.reporter.having("left alone"))
+            return bool(site.reporter.having("ignoring it"))
 
         await until(is_left_alone, "the end of the questions")
-        assert "sends text" in site.reporter.having("left alone")[0]
+        assert "sends text" in site.reporter.having("ignoring it")[0]
         await asyncio.sleep(0.2)
         assert site.machine.opens["ttyACM0"] == 1
         assert not site.nodes()
@@ -331,7 +331,7 @@ async def test_a_board_that_was_one_before_is_asked_again(
     with open_terminal(site.machine.path("ttyACM0")):
         site.machine.mark("ttyACM0", serial_number="7533", **UNO)
         await until(lambda: site.machine.opens["ttyACM0"] == 3, "more questions")
-    assert len(site.reporter.having("left alone")) == 1
+    assert len(site.reporter.having("ignoring it")) == 1
 
 
 async def test_a_port_that_is_served_by_its_address_is_not_served_twice(site: Site) -> None:

@@ -133,7 +133,7 @@ async def test_a_type_nobody_knows_is_told_once(
     session.zenoh.put(key_of("/chat"), CDR_HELLO)
     await until(lambda: inbox.payloads)
     assert inbox.payloads == [string("hello")]
-    assert caplog.text.count("cannot take /chat") == 2
+    assert caplog.text.count("cannot receive /chat") == 2
 
 
 async def test_skipping_ones_own(session: ZenohSession) -> None:

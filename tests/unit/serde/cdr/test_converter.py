@@ -134,7 +134,7 @@ def test_bounds() -> None:
     assert converter.to_cdr(text(b"abc") + text(b"12"))
     with pytest.raises(SerializationError, match="4 bytes in field 'a', but ROS 2 allows at most 3"):
         converter.to_cdr(text(b"abcd") + text(b""))
-    with pytest.raises(SerializationError, match="3 elements in field 'b', and ROS 2 takes 2 at most"):
+    with pytest.raises(SerializationError, match="3 elements in field 'b', but ROS 2 allows at most 2"):
         converter.to_cdr(text(b"") + text(b"123"))
 
 
