@@ -398,7 +398,7 @@ async def test_a_hanging_board_stops_no_publisher_for_long(bridge: Bridge) -> No
     for _ in range(30):
         publisher.publish_raw([text("x" * 200)] * 100)
         await asyncio.sleep(0)
-    await until(lambda: bridge.reporter.having("led is faster than the board can receive:"), "the line")
+    await until(lambda: bridge.reporter.having("led is faster than the board can receive"), "the line")
     board.transport.resume_reading()
     publisher.publish_raw([text("last")])
     await until(lambda: board.received[100][-1:] == [text("last")], "the newest message")
