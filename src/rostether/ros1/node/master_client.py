@@ -159,7 +159,7 @@ class _Connections:
             peer="the ROS master",
             unreachable=MasterUnreachableError,
             max_body_bytes=max_body_bytes,
-            if_other="; see what listens there, and name the master with --master or ROS_MASTER_URI",
+            if_other="; check which program listens there, and give the master with --master or ROS_MASTER_URI",
         )
 
     @classmethod
