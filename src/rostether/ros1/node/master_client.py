@@ -159,7 +159,8 @@ class _Connections:
             peer="the ROS master",
             unreachable=MasterUnreachableError,
             max_body_bytes=max_body_bytes,
-            if_other="; check which program listens there, and give the master with --master or ROS_MASTER_URI",
+            if_other="; check which program listens there, and give the master with --master or "
+            "ROS_MASTER_URI",
         )
 
     @classmethod
@@ -173,7 +174,7 @@ class _Connections:
         return of_loop[key]
 
     async def release(self) -> None:
-        """Close them if nobody else uses them."""
+        """Close the connections if they have no other user."""
         self._users -= 1
         if not self._users:
             del self._open[asyncio.get_running_loop()][self._key]
