@@ -22,6 +22,13 @@ from elftools.elf.sections import Section as ElfSection
 from elftools.elf.sections import SymbolTableSection
 
 from rostether.errors import FirmwareError
+from rostether.firmware.debug_limits import (
+    MAX_ATTRIBUTES,
+    MAX_FILE_BYTES,
+    MAX_LINES,
+    Budget,
+    lines_are_bounded,
+)
 
 _MAGIC = b"\x7fELF\x01\x01"
 _WRITABLE, _ALLOCATED = 1, 2
@@ -88,6 +95,8 @@ class ElfFile:
     """An ELF file's content. Raises FirmwareError for a file that is not ELF or is broken."""
 
     def __init__(self, content: bytes, name: str = "the file") -> None:
+        if len(content) > MAX_FILE_BYTES:
+            raise FirmwareError(f"{name} is larger than {MAX_FILE_BYTES} bytes, the limit for firmware")
         if content[:6] != _MAGIC:
             raise FirmwareError(f"{name} is not an ELF file of a microcontroller (32 bits, little endian)")
         self._content = content
@@ -157,11 +166,12 @@ class ElfFile:
     def code_ranges(self) -> list[CodeRange]:
         """Which file each piece of code comes from, by address; code of assemblers is often missing."""
         ranges: list[CodeRange] = []
+        budget = Budget(MAX_LINES)
         programs = {each.program_start_offset: each for each in self._programs.values()}
         # Of damaged information, what was read until there is still good.
         with suppress(Exception):
             for _, program in sorted(programs.items()):
-                ranges += _program_ranges(program)
+                ranges += _program_ranges(program, budget)
         return sorted(ranges, key=lambda each: each.start)
 
     @cached_property
@@ -169,7 +179,8 @@ class ElfFile:
         """The variables that debugging information describes; none when it cannot be read."""
         with suppress(Exception):
             # All entries first: an entry knows its parent only after its unit was read in order.
-            entries = [entry for unit in self._units for entry in unit.iter_DIEs()]
+            spend = Budget(MAX_ATTRIBUTES).spend
+            entries = [e for unit in self._units for e in unit.iter_DIEs() if spend(1 + len(e.attributes))]
             return [variable for entry in entries for variable in _variable(entry, self._programs)]
         return []
 
@@ -179,6 +190,10 @@ class ElfFile:
         programs = {}
         with suppress(Exception):
             for unit in self._units:
+                place = unit.get_top_DIE().attributes.get("DW_AT_stmt_list")
+                lines = unit.dwarfinfo.debug_line_sec
+                if place is None or lines is None or not lines_are_bounded(lines.stream, place.value):
+                    continue
                 program = unit.dwarfinfo.line_program_for_CU(unit)
                 if program is not None:
                     programs[unit.cu_offset] = program
@@ -229,9 +244,10 @@ class ElfFile:
         return FirmwareError(f"{self._name} is a broken ELF file; build it again")
 
 
-def _program_ranges(program: LineProgram) -> Iterator[CodeRange]:
+def _program_ranges(program: LineProgram, budget: Budget) -> Iterator[CodeRange]:
     earlier = None
     for entry in program.get_entries():
+        budget.spend(1)
         state = entry.state
         if state is None:
             continue

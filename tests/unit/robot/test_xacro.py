@@ -99,3 +99,38 @@ def test_mappings() -> None:
 def test_what_is_xacro() -> None:
     assert is_xacro(MAIN.encode())
     assert not is_xacro(b'<robot name="x"/>')
+
+
+def doubling(levels: int) -> str:
+    macros = ['<xacro:macro name="m0"><link/></xacro:macro>']
+    macros += [
+        f'<xacro:macro name="m{level}"><xacro:m{level - 1}/><xacro:m{level - 1}/></xacro:macro>'
+        for level in range(1, levels)
+    ]
+    namespace = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+    return f'<robot name="x" {namespace}>{"".join(macros)}<xacro:m{levels - 1}/></robot>'
+
+
+def test_expansions_have_a_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rostether.robot.xacro.MAX_ELEMENTS", 1000)
+    file = tmp_path / "robot.xacro"
+    file.write_text(doubling(5))
+    assert expand_xacro(file, {}, packages={}).count("<link/>") == 16
+    file.write_text(doubling(40))
+    with pytest.raises(RobotModelError, match=r"robot\.xacro expands to more than 1000 elements: simplify"):
+        expand_xacro(file, {}, packages={})
+
+
+def test_properties_that_double_have_a_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rostether.robot.xacro.MAX_CHARACTERS", 10_000)
+    file = tmp_path / "robot.xacro"
+    properties = "".join(
+        f'<xacro:property name="p{level}" value="${{p{level - 1}}}${{p{level - 1}}}"/>'
+        for level in range(1, 40)
+    )
+    file.write_text(
+        '<robot name="x" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:property name="p0" value="xx"/>'
+        f'{properties}<link name="${{p39}}"/></robot>'
+    )
+    with pytest.raises(RobotModelError, match="expands to more than 10000 characters: shorten"):
+        expand_xacro(file, {}, packages={})

@@ -1,0 +1,104 @@
+"""What reading the debugging information of a damaged file may cost.
+
+The header of a DWARF 5 line program has tables of folders and files. A table says how many entries it has,
+and which forms each entry consists of. Entries of no form take no byte, so a damaged header of 40 bytes could
+make a reader loop for ever. It is read here first, to see that its tables are in the file.
+"""
+
+from __future__ import annotations
+
+from typing import IO
+
+from rostether.errors import FirmwareError
+
+# The largest firmware of these microcontrollers has a tenth of each.
+MAX_FILE_BYTES = 64 * 1024 * 1024
+MAX_ATTRIBUTES = 20_000_000
+MAX_LINES = 5_000_000
+# Of a line program: some thousand files.
+_MAX_HEADER_BYTES = 1024 * 1024
+_VERSION = 5
+_DATA1, _DATA2, _DATA4, _DATA8, _DATA16 = 0x0B, 0x05, 0x06, 0x07, 0x1E
+_STRING, _BLOCK, _UDATA = 0x08, 0x09, 0x0F
+_STRP, _LINE_STRP = 0x0E, 0x1F
+_SIZES = {_DATA1: 1, _DATA2: 2, _DATA4: 4, _DATA8: 8, _DATA16: 16, _STRP: 4, _LINE_STRP: 4}
+# What comes before the length of the opcode table.
+_OPCODE_BASE = 17
+
+
+class Budget:
+    """What reading one kind of information may cost at most."""
+
+    def __init__(self, most: int) -> None:
+        self._left = most
+
+    def spend(self, count: int) -> bool:
+        """Return True. Raises FirmwareError when the budget is used up."""
+        self._left -= count
+        if self._left < 0:
+            raise FirmwareError("the debugging information is larger than that of any firmware")
+        return True
+
+
+def lines_are_bounded(lines: IO[bytes], offset: int) -> bool:
+    """Tell whether the tables of the line program at `offset` are in the file; older ones always are."""
+    lines.seek(offset)
+    header = lines.read(_MAX_HEADER_BYTES)
+    if int.from_bytes(header[4:6], "little") != _VERSION:
+        return True
+    try:
+        cursor = _Cursor(header, _OPCODE_BASE + header[_OPCODE_BASE])
+        # Folders, then files.
+        return cursor.pass_table() and cursor.pass_table()
+    except IndexError:
+        return False
+
+
+class _Cursor:
+    def __init__(self, data: bytes, offset: int) -> None:
+        self._data = data
+        self._offset = offset
+
+    def pass_table(self) -> bool:
+        """Go on behind a table; False when its entries take no byte or an unknown number."""
+        forms = []
+        for _ in range(self._byte()):
+            self._number()
+            forms.append(self._number())
+        count = self._number()
+        if count and not forms:
+            return False
+        for _ in range(count):
+            for form in forms:
+                if not self._pass_value(form):
+                    return False
+        return True
+
+    def _pass_value(self, form: int) -> bool:
+        if form == _STRING:
+            self._offset = self._data.find(0, self._offset) + 1
+            return self._offset > 0
+        if form == _UDATA:
+            self._number()
+        elif form == _BLOCK:
+            self._offset += self._number()
+        elif form in _SIZES:
+            self._offset += _SIZES[form]
+        else:
+            return False
+        return self._offset <= len(self._data)
+
+    def _byte(self) -> int:
+        byte = self._data[self._offset]
+        self._offset += 1
+        return byte
+
+    def _number(self) -> int:
+        """Read an unsigned LEB128 number."""
+        value = shift = 0
+        while True:
+            byte = self._byte()
+            value |= (byte & 0x7F) << shift
+            shift += 7
+            if byte < 0x80:
+                return value
