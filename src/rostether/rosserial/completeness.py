@@ -28,6 +28,9 @@ CLEAN_CONFIRMATIONS = 1
 LOSSY_CONFIRMATIONS = 3
 """At 5 % loss an announcement is missed four times in a row once in 160,000 cases."""
 
+EQUAL_ROUNDS = 4
+"""What none of so many equal rounds repeats was not lost: the device no longer has it."""
+
 EMPTY_CONFIRMATIONS = 2
 """A device without endpoints is rare, one whose only announcement was lost is not."""
 
@@ -44,6 +47,8 @@ class Completeness:
         self._complete: dict[EndpointKey, Announcement] = {}
         self._heard: dict[EndpointKey, Announcement] = {}
         self._round: set[EndpointKey] = set()
+        self._previous_round: set[EndpointKey] = set()
+        self._equal_rounds = 0
         self._has_news = False
         self._quiet_rounds = 0
         self._before_close = (0, 0)
@@ -64,6 +69,8 @@ class Completeness:
         self.is_lossy = is_lossy
         self._heard = {}
         self._quiet_rounds = 0
+        self._previous_round = set()
+        self._equal_rounds = 0
         self.open_round()
 
     def open_round(self) -> None:
@@ -103,7 +110,15 @@ class Completeness:
         is_missing = len(self._heard) > len(self._round) or not self._complete.keys() <= self._heard.keys()
         self.is_lossy = self.is_lossy or is_missing
         self._quiet_rounds = 0 if self._has_news or self.rounds == 1 else self._quiet_rounds + 1
-        return self._quiet_rounds >= self._needed_rounds()
+        self._equal_rounds = self._equal_rounds + 1 if self._round == self._previous_round else 1
+        self._previous_round = self._round
+        if self._quiet_rounds < self._needed_rounds():
+            return False
+        if len(self._heard) > len(self._round) and self._equal_rounds >= LOSSY_CONFIRMATIONS:
+            if self._equal_rounds < EQUAL_ROUNDS:
+                return False
+            self._heard = {key: self._heard[key] for key in self._round if key in self._heard}
+        return True
 
     def accept(self, *, is_confirmed: bool) -> None:
         """Take what was heard for complete; unconfirmed, it only adds to what was complete before."""

@@ -3,6 +3,7 @@ from __future__ import annotations
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.completeness import (
     EMPTY_CONFIRMATIONS,
+    EQUAL_ROUNDS,
     LOSSY_CONFIRMATIONS,
     MAX_HEARD,
     Completeness,
@@ -143,3 +144,19 @@ def test_a_changed_announcement_is_news() -> None:
         False,
         True,
     ]
+
+
+def test_what_equal_rounds_do_not_repeat_is_gone() -> None:
+    completeness = Completeness()
+    rounds = [[ONE, TWO, THREE], *[[ONE, TWO]] * EQUAL_ROUNDS]
+    assert play(completeness, *rounds) == [False] * EQUAL_ROUNDS + [True]
+    completeness.accept(is_confirmed=True)
+    assert {key.topic_id for key in completeness.complete} == {125, 126}
+
+
+def test_what_rounds_of_a_lossy_line_do_not_repeat_is_kept() -> None:
+    completeness = Completeness()
+    rounds = [[ONE, TWO, THREE], [ONE, TWO], [ONE], [ONE, TWO]]
+    assert play(completeness, *rounds) == [False, False, False, True]
+    completeness.accept(is_confirmed=True)
+    assert len(completeness.complete) == 3
