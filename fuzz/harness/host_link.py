@@ -118,8 +118,10 @@ def _play(data: bytes) -> None:
         # In a negotiation a reset board has already told what it has.
         was_settled = link.is_settled
         events = [*link.handle_timer(now_s), *link.receive_data(received, now_s)]
+        # The link answers as the board is after the whole chunk.
         for event in events:
             board.take(event)
+        for event in events:
             logs += isinstance(event, LogReceived)
             if isinstance(event, TimeRequested):
                 times += 1
