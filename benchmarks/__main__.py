@@ -17,7 +17,6 @@ from rich.table import Table
 from benchmarks import (
     cdr_conversion,
     crowd,
-    cycles,
     footprint,
     gateways,
     recording,
@@ -28,6 +27,7 @@ from benchmarks import (
     sizes,
     throughput,
 )
+from firmware.examples import counting as cycles
 
 
 def throughput_table() -> Table:

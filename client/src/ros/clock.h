@@ -35,8 +35,9 @@ class Clock {
     normalizeSecNSec(sec, nsec);
     moment_.sec = sec;
     moment_.nsec = nsec;
-    const bool is_behind = sec != told_.sec ? sec < told_.sec : nsec < told_.nsec;
-    if (!is_behind || told_.sec - sec >= MAX_HOLD_S) told_ = moment_;
+    // A second ahead of the one told is billions behind it.
+    const uint32_t behind_s = told_.sec - sec;
+    if (behind_s >= MAX_HOLD_S || (behind_s == 0 && nsec >= told_.nsec)) told_ = moment_;
     return told_;
   }
 

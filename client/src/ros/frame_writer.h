@@ -47,9 +47,12 @@ class FrameWriter : protected NodeState {
   ROS_APART void widen(const void* floats, size_t bytes) {
     const uint8_t* from = static_cast<const uint8_t*>(floats);
     for (const uint8_t* end = from + bytes; from != end; from += 4) {
-      uint8_t* to = reserve(8);
-      widenFloat(from, to);
-      sum_ = static_cast<uint8_t>(sum_ + to[3] + to[4] + to[5] + to[6] + to[7]);
+      // Not `reserve`, whose call would take a quarter of the time.
+      if (room_ < 8) flush();
+      uint8_t* to = to_;
+      sum_ = static_cast<uint8_t>(sum_ + widenFloat(from, to));
+      to_ = to + 8;
+      room_ = static_cast<chunk_length>(room_ - 8);
     }
   }
   // The four bytes before a string or an array.

@@ -14,14 +14,15 @@ namespace ros {
 //
 // Fields that lie one after the other in memory, and in the same form as on the wire, are written as one run. Where
 // they lie is known to the compiler, so a function that writes a message is ROS_FLATTEN: nothing of the search for runs
-// is left in it, only a call for each of them.
+// is left in it, only a call for each of them. GCC 5 compares a field's address with another field's end at compile time,
+// but not with a sum of an address and a length.
 //
 // Sink has `void put(const void* bytes, size_t count)`, `void widen(const void* floats, size_t bytes)` for the doubles
 // of an AVR, `void count(size_t)` and `void string(const char*)`.
 template <class Sink>
 class Writer {
  public:
-  explicit Writer(Sink& sink) : sink_(sink), run_(nullptr), run_bytes_(0), is_narrow_(false) {}
+  explicit Writer(Sink& sink) : sink_(sink), run_(nullptr), end_(nullptr), run_bytes_(0), is_narrow_(false) {}
 
   template <class T>
   void value(const T& field) {
@@ -64,12 +65,14 @@ class Writer {
 
  private:
   void extend(const void* field, size_t bytes, bool is_narrow) {
-    if (run_bytes_ && is_narrow == is_narrow_ && run_ + run_bytes_ == static_cast<const uint8_t*>(field)) {
+    if (run_bytes_ && is_narrow == is_narrow_ && end_ == static_cast<const uint8_t*>(field)) {
       run_bytes_ += bytes;
+      end_ = static_cast<const uint8_t*>(field) + bytes;
       return;
     }
     finish();
     run_ = static_cast<const uint8_t*>(field);
+    end_ = static_cast<const uint8_t*>(field) + bytes;
     run_bytes_ = bytes;
     is_narrow_ = is_narrow;
   }
@@ -107,6 +110,7 @@ class Writer {
 
   Sink& sink_;
   const uint8_t* run_;
+  const uint8_t* end_;
   size_t run_bytes_;
   bool is_narrow_;
 };

@@ -1,0 +1,20 @@
+"""What the client library takes of an AVR's time; simulated cycles are the same in each run."""
+
+from __future__ import annotations
+
+import pytest
+
+from firmware.examples import counting
+
+
+async def test_no_operation_takes_longer_than_before(capsys: pytest.CaptureFixture[str]) -> None:
+    cycles = await counting.count_async(neutral=True)
+    with capsys.disabled():
+        print("\n" + "\n".join(f"{each.name:<40}{cycles[each]:>7}{each.most:>7}" for each in cycles))
+    assert {each.name: cycles[each] for each in cycles if cycles[each] > each.most} == {}
+
+
+@pytest.mark.parametrize("operation", counting.OPERATIONS, ids=lambda each: each.name)
+def test_no_limit_is_above_the_established_library(operation: counting.Operation) -> None:
+    if operation.established is not None:
+        assert operation.most <= operation.established * operation.wanted_part
