@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rostether.errors import RecordingError, RostetherError, UnknownTypeError
+from rostether.mechanisms.text import escape_line
 from rostether.msgdef.registry import Registry
 from rostether.recording.bag import checking as bag_checking
 from rostether.recording.decoding import Decoder
@@ -63,7 +64,8 @@ def check(path: Path, registry: Registry) -> Checked:
     faults += [
         f"{topic}: {many} messages do not fit their type: {why}" for topic, (many, why) in unfit.items()
     ]
-    return Checked(count, tuple(dict.fromkeys(faults)))
+    # Names in a damaged file may hold anything.
+    return Checked(count, tuple(dict.fromkeys(escape_line(fault) for fault in faults)))
 
 
 def file_faults(path: Path) -> list[str]:
