@@ -63,7 +63,7 @@ def show_graph(
 
     If you give NAMEs of nodes, topics or namespaces, it shows only these and their neighbours. In text, -> is
     a published topic, <- a subscribed topic, => an offered service. Pictures show nodes as ellipses and
-    topics as boxes; no other program is needed.
+    topics as boxes; PNG needs `pip install 'rostether[pictures]'`.
     """
     if sum([format_name is not None, file is not None, as_json]) > 1:
         raise click.UsageError("give one of --format, --save and --json")

@@ -81,7 +81,7 @@ class _Options:
     "file",
     metavar="FILE",
     type=click.Path(path_type=Path, dir_okay=False),
-    help="Write a picture at the end, .png or .svg.",
+    help="Write a picture at the end, .svg, or .png with `pip install 'rostether[pictures]'`.",
 )
 @msg_path_option
 @graph_options(allow=TOOL_ALLOW)
