@@ -43,6 +43,7 @@ PEERS: dict[str, Callable[[], str]] = {
     "qemu": functools.partial(missing_program, "qemu-system-arm", "qemu-system-arm"),
     "wine": functools.partial(missing_program, "wine", "wine"),
     "web": missing_web,
+    "browser": functools.partial(missing_program, "chromium", "chromium"),
     "rclpy": functools.partial(missing_module, "rclpy", "rostether[rclpy]"),
 }
 

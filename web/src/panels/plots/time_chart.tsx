@@ -39,7 +39,7 @@ export function TimeChart({ context, series, span, axesKey, options }: Props) {
         if (now - drawnMs >= periodMs) {
           drawnMs = now;
           const toS = clock.nowS();
-          chart.draw(toS - shown.lastS, toS);
+          chart.draw(toS - spanOf(shown.lastS, series, toS, options.isSmall), toS);
         }
         // It moves on while it is seen.
         if (context.visible.peek()) task.markDirty();
@@ -59,4 +59,13 @@ export function TimeChart({ context, series, span, axesKey, options }: Props) {
     };
   }, [series, colors, units, axesKey]);
   return <div class={options.isSmall ? "plots-chart small" : "plots-chart"} ref={host} />;
+}
+
+// A chart that has just begun shows less, so that it is not empty for long.
+const FIRST_SPAN_S = 5;
+
+function spanOf(wantedS: number, series: readonly Series[], toS: number, isSmall: boolean): number {
+  if (!isSmall) return wantedS;
+  const oldest = Math.min(...series.map(({ buffer }) => (buffer.length > 0 ? buffer.time(0) : toS)));
+  return Math.min(wantedS, Math.max(FIRST_SPAN_S, toS - oldest));
 }

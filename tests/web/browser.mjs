@@ -1,0 +1,63 @@
+// Drives one page in Chromium. Commands are JSON lines on the standard input, answers JSON lines on the output.
+// Usage: node browser.mjs FOLDER_WITH_NODE_MODULES CHROMIUM
+import { createRequire } from "node:module";
+import { createInterface } from "node:readline";
+
+const [, , packages, executablePath] = process.argv;
+const { chromium } = createRequire(`${packages}/x.js`)("playwright-core");
+const browser = await chromium.launch({
+  executablePath,
+  args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--js-flags=--expose-gc"],
+});
+const pages = [];
+const hosts = new Set();
+const errors = [];
+
+async function open({ url, width = 1280, height = 800, touch = false }) {
+  const context = await browser.newContext({ viewport: { width, height }, hasTouch: touch, isMobile: touch });
+  const page = await context.newPage();
+  page.on("request", (request) => hosts.add(new URL(request.url()).host));
+  page.on("websocket", (socket) => hosts.add(new URL(socket.url()).host));
+  page.on("pageerror", (error) => errors.push(String(error)));
+  page.on("console", (message) => {
+    // A server that is away is what some tests are about.
+    if (message.type() === "error" && !/WebSocket|ERR_CONNECTION/.test(message.text())) errors.push(message.text());
+  });
+  await page.goto(url);
+  pages.push(page);
+  return pages.length - 1;
+}
+
+const commands = {
+  open,
+  evaluate: ({ page, script }) => pages[page].evaluate(script),
+  click: ({ page, selector }) => pages[page].click(selector, { timeout: 30_000 }),
+  text: ({ page, selector }) => pages[page].textContent(selector, { timeout: 30_000 }),
+  // As when another tab is chosen.
+  hide: ({ page, hidden }) =>
+    pages[page].evaluate((isHidden) => {
+      Object.defineProperty(document, "hidden", { get: () => isHidden, configurable: true });
+      document.dispatchEvent(new Event("visibilitychange"));
+    }, hidden),
+  screenshot: ({ page, path }) => pages[page].screenshot({ path }).then(() => null),
+  heap: async ({ page }) => {
+    const session = await pages[page].context().newCDPSession(pages[page]);
+    await session.send("HeapProfiler.collectGarbage");
+    const { usedSize } = await session.send("Runtime.getHeapUsage");
+    await session.detach();
+    return usedSize;
+  },
+  seen: () => ({ hosts: [...hosts], errors }),
+};
+
+for await (const line of createInterface({ input: process.stdin })) {
+  const { command, ...given } = JSON.parse(line);
+  let answer;
+  try {
+    answer = { result: (await commands[command](given)) ?? null };
+  } catch (error) {
+    answer = { error: String(error) };
+  }
+  process.stdout.write(`${JSON.stringify(answer)}\n`);
+}
+await browser.close();

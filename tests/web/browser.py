@@ -1,0 +1,81 @@
+"""Chromium with the dashboard's page in it, driven through `browser.mjs`."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import os
+import shutil
+import signal
+from pathlib import Path
+from typing import Any
+
+from interop_web.web_peers import install_packages, node_folder
+
+ROOT = Path(__file__).parents[2]
+WEB = ROOT / "web"
+PROGRAM = Path(__file__).parent / "browser.mjs"
+CHROMIUM = "chromium"
+PATIENCE_S = 60.0
+POLL_S = 0.1
+
+
+def page_packages() -> Path:
+    """Return a folder whose node_modules has playwright-core; raises CalledProcessError, TimeoutExpired."""
+    return WEB if (WEB / "node_modules/playwright-core").exists() else install_packages(WEB).parent
+
+
+class Browser:
+    """One Chromium; pages are numbers."""
+
+    def __init__(self, process: asyncio.subprocess.Process) -> None:
+        self._process = process
+
+    @classmethod
+    async def start(cls, packages: Path) -> Browser:
+        """Start it."""
+        node, chromium = node_folder(), shutil.which(CHROMIUM)
+        assert node is not None
+        assert chromium is not None
+        process = await asyncio.create_subprocess_exec(
+            str(node / "node"),
+            str(PROGRAM),
+            str(packages),
+            chromium,
+            stdin=asyncio.subprocess.PIPE,
+            stdout=asyncio.subprocess.PIPE,
+            limit=1 << 24,
+            start_new_session=True,
+        )
+        return cls(process)
+
+    async def close(self) -> None:
+        """End it with all it started."""
+        if self._process.returncode is None:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(self._process.pid, signal.SIGKILL)
+        await self._process.wait()
+
+    async def do(self, command: str, **given: Any) -> Any:
+        """Run a command of `browser.mjs`."""
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._process.stdin.write(json.dumps({"command": command, **given}).encode() + b"\n")
+        line = await asyncio.wait_for(self._process.stdout.readline(), PATIENCE_S)
+        assert line, "the browser's program has ended"
+        answer = json.loads(line)
+        if "error" in answer:
+            raise AssertionError(f"{command} {given}: {answer['error']}")
+        return answer["result"]
+
+    async def wait_for(self, page: int, script: str) -> None:
+        """Wait until a script's value is true."""
+        try:
+            async with asyncio.timeout(PATIENCE_S):
+                # A page announces nothing; looking is cheap.
+                while not await self.do("evaluate", page=page, script=script):
+                    await asyncio.sleep(POLL_S)
+        except TimeoutError:
+            text = await self.do("evaluate", page=page, script="document.body.innerText")
+            raise AssertionError(f"never true: {script}; the page shows: {text[:2000]}") from None

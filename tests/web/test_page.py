@@ -1,0 +1,82 @@
+"""The dashboard's page in Chromium, on a real gateway beside a simulated board."""
+
+from __future__ import annotations
+
+from web.browser import Browser
+from web.robot import Robot
+
+RANGE = "rostether.feed('/ultrasound')"
+
+
+async def test_the_overview_shows_the_board_and_moving_values(robot: Robot, browser: Browser) -> None:
+    page = await browser.do("open", url=robot.url)
+    await browser.wait_for(page, "document.querySelector('.card-boards .badge.ok') !== null")
+    await browser.wait_for(page, "document.querySelector('.card-plots canvas') !== null")
+    first = await browser.do("evaluate", page=page, script="document.querySelector('.cards').innerText")
+    await browser.wait_for(page, f"document.querySelector('.cards').innerText !== {first!r}")
+    await browser.wait_for(page, f"{RANGE}.rate.hertz(performance.now()) > 0")
+    seen = await browser.do("seen")
+    assert seen["hosts"] == [robot.url.split("/")[2]]
+    assert seen["errors"] == []
+
+
+async def test_a_topic_is_shown_as_a_tree_with_its_values(robot: Robot, browser: Browser) -> None:
+    page = await browser.do("open", url=robot.url + "#/topics")
+    await browser.do("click", page=page, selector='tr[data-topic="/ultrasound"]')
+    await browser.wait_for(
+        page, "document.querySelector('.topics-detail .tree')?.innerText.includes('range:')"
+    )
+    detail = await browser.do("text", page=page, selector=".topics-detail")
+    assert "sensor_msgs/Range" in detail
+    assert "/virtual_board" in detail
+
+
+async def test_a_hidden_page_subscribes_nothing(robot: Robot, browser: Browser) -> None:
+    page = await browser.do("open", url=robot.url)
+    await browser.wait_for(page, "rostether.subscriptionCount > 2")
+    await robot.wait_subscribed("/ultrasound", wanted=True)
+    await browser.do("hide", page=page, hidden=True)
+    await browser.wait_for(page, "rostether.subscriptionCount === 0")
+    await robot.wait_subscribed("/ultrasound", wanted=False)
+    await browser.do("hide", page=page, hidden=False)
+    await robot.wait_subscribed("/ultrasound", wanted=True)
+    await browser.wait_for(page, f"!{RANGE}.isStale()")
+
+
+async def test_the_page_connects_again(robot: Robot, browser: Browser) -> None:
+    page = await browser.do("open", url=robot.url)
+    await browser.wait_for(page, f"{RANGE}.last !== undefined && !{RANGE}.isStale()")
+    await robot.kill_dashboard()
+    await browser.wait_for(page, "document.querySelector('.banner') !== null")
+    # What is old must not look fresh.
+    await browser.wait_for(page, "document.querySelector('.card-boards .badge.ok') === null")
+    await robot.start_dashboard()
+    await browser.wait_for(page, f"document.querySelector('.banner') === null && !{RANGE}.isStale()")
+    await browser.wait_for(page, "document.querySelector('.card-boards .badge.ok') !== null")
+
+
+async def test_every_panel_opens_without_an_error_and_leaves_nothing(robot: Robot, browser: Browser) -> None:
+    page = await browser.do("open", url=robot.url)
+    await browser.wait_for(page, "document.querySelectorAll('.card').length > 2")
+    script = "[...document.querySelectorAll('.navigation a')].map((each) => each.getAttribute('href'))"
+    links = await browser.do("evaluate", page=page, script=script)
+    assert len(links) > 5
+    for link in links:
+        await browser.do("evaluate", page=page, script=f"location.hash = {link!r}")
+        await browser.wait_for(
+            page, f"document.querySelector('.page, .cards')?.childElementCount > 0 && {link!r}"
+        )
+    assert (await browser.do("seen"))["errors"] == []
+
+
+async def test_a_phone_sees_everything_in_one_column(robot: Robot, browser: Browser) -> None:
+    page = await browser.do("open", url=robot.url, width=360, height=740, touch=True)
+    await browser.wait_for(page, "document.querySelectorAll('.card').length > 2")
+    # Nothing sticks out at the side.
+    script = (
+        "document.querySelector('.content').scrollWidth <= document.querySelector('.content').clientWidth"
+    )
+    await browser.wait_for(page, script)
+    await browser.do("click", page=page, selector=".navigation .more")
+    await browser.do("click", page=page, selector='.navigation a[href="#/topics"]')
+    await browser.wait_for(page, "document.querySelector('tr[data-topic]') !== null")
