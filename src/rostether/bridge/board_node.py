@@ -54,6 +54,7 @@ class BoardNode:
             max_payload_bytes=self.settings.frame_bytes,
             max_endpoints=self.settings.endpoints,
             fixed_size=self._fixed_size,
+            name=self.graph.node_name,
         )
 
     def _fixed_size(self, info: TopicInfo) -> int | None:

@@ -9,6 +9,7 @@ The payload's way is one call a chunk and topic: nothing here is done for each m
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import Awaitable, Callable
 from typing import Any
 
@@ -48,6 +49,8 @@ from rostether.rosserial.host_link import HostLink, HostLinkConfig
 from rostether.transports.transport import Transport
 
 _FLOODED = {ids.LOG: "log lines", ids.TIME: "time requests", ids.PARAMETER: "parameter requests"}
+
+_LOG = logging.getLogger(__name__)
 
 
 class Session:
@@ -115,6 +118,9 @@ class Session:
             ProtocolDetected: self._tell,
         }
 
+    def __repr__(self) -> str:
+        return f"<session of {self.node.graph.node_name} on {self.transport.peer}>"
+
     @property
     def is_connected(self) -> bool:
         """Whether the transport still stands."""
@@ -122,6 +128,7 @@ class Session:
 
     def start(self) -> None:
         """Ask the board for its topics and begin to carry messages."""
+        _LOG.debug("%r: started", self)
         self.link.start(self._loop.time())
         self.transport.start(self)
         self._no_answer = self._loop.call_later(NO_ANSWER_S, self._check_answer)
@@ -320,6 +327,7 @@ class Session:
         if self._ended.done():
             return
         self._ended.set_result(error)
+        _LOG.debug("%r: ended: %s", self, error or "closed by us")
         for timer in (self._timer, self._no_answer):
             if timer is not None:
                 timer.cancel()

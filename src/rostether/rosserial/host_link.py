@@ -14,6 +14,7 @@ Nothing beyond its buffer goes to a device, nor an id not announced since its la
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 
 from rostether.rosserial import topic_id as ids
@@ -46,6 +47,8 @@ from rostether.rosserial.topic_answers import TimeRequestMeaning
 from rostether.rosserial.topic_table import TopicTable
 from rostether.rostime import Time
 
+_LOG = logging.getLogger(__name__)
+
 
 class HostLink:
     """Speaks to one device. Bytes, messages and `now_s` (any monotonic clock) in; events and bytes out.
@@ -60,8 +63,8 @@ class HostLink:
         self._table = TopicTable(self._config.max_endpoints, self._config.fixed_size)
         self._output = HostOutput(self._table, self.statistics)
         self._line: ProtocolDetector | FrameDecoder = self._listen()
-        self._negotiation = Negotiation()
-        self._presence = Presence()
+        self._negotiation = Negotiation(self._config.name)
+        self._presence = Presence(self._config.name)
         self._rate = ControlRate()
         self._announcements = Announcements(self._table, self._rate, lambda: self._line.limits_changed())
         self._is_stopped = False
@@ -281,6 +284,7 @@ class HostLink:
 
     def _learn_version(self, version: int, now_s: float, events: list[HostEvent]) -> None:
         if version != self._version:
+            _LOG.debug("%s: speaks protocol version %d", self._config.name, version)
             self._version = self._output.version = version
             events.append(ProtocolDetected(version))
         self._negotiation.set_version(version, now_s)

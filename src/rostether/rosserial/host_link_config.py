@@ -1,4 +1,4 @@
-"""The limits of a host link."""
+"""The limits of a host link, and its name in the log."""
 
 from __future__ import annotations
 
@@ -19,3 +19,5 @@ class HostLinkConfig:
     """The established library has at most 50; each costs a registration on the ROS side."""
     fixed_size: Callable[[TopicInfo], int | None] | None = None
     """Says how many bytes every message of a topic has, where its type says so; None if they differ."""
+    name: str = "a board"
+    """What the log calls the device."""

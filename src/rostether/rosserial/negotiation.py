@@ -22,12 +22,15 @@ nothing at all is asked in both protocol versions in turn.
 
 from __future__ import annotations
 
+import logging
 from enum import Enum, auto
 
 from rostether.rosserial.completeness import Completeness
 from rostether.rosserial.packets import TopicInfo
 from rostether.rosserial.topic_answers import TimeRequestMeaning, TopicAnswers
 from rostether.rosserial.topic_table import EndpointKey, key_of
+
+_LOG = logging.getLogger(__name__)
 
 QUIET_S = 0.1
 """A burst is over after this long without a sign of it: one announcement takes 0.1 s at 9600 baud."""
@@ -99,10 +102,14 @@ TRANSITIONS = {
 
 
 class Negotiation:
-    """The negotiations of one device, one after the other, driven by received frames and their times."""
+    """The negotiations of one device, one after the other, driven by received frames and their times.
 
-    def __init__(self) -> None:
+    `name` is for the log.
+    """
+
+    def __init__(self, name: str = "") -> None:
         self.phase = Phase.IDLE
+        self._name = name
         self.version: int | None = None
         self.round_trip_s: float | None = None
         self.began_s = 0.0
@@ -297,5 +304,9 @@ class Negotiation:
         following = TRANSITIONS.get((self.phase, what))
         if following is None:
             return False
+        if following is not self.phase:
+            _LOG.debug(
+                "%s: negotiation %s -> %s (%s)", self._name, self.phase.name, following.name, what.name
+            )
         self.phase = following
         return True

@@ -27,7 +27,10 @@ those of protocol version 1 too, which know no probe.
 
 from __future__ import annotations
 
+import logging
 from enum import Enum, auto
+
+_LOG = logging.getLogger(__name__)
 
 PROBE_AFTER_S = 1.0
 """A reset is found this long after the last message, so that messages flow again well within two seconds."""
@@ -110,10 +113,11 @@ _PATIENCE_S = {
 
 
 class Presence:
-    """Tracks the presence of one device from its received frames and their times."""
+    """Tracks the presence of one device from its received frames and their times; `name` is for the log."""
 
-    def __init__(self) -> None:
+    def __init__(self, name: str = "") -> None:
         self.state = State.ABSENT
+        self._name = name
         self.heard_s = 0.0
         self._changed_s = 0.0
         self._time_request_s = float("-inf")
@@ -198,6 +202,9 @@ class Presence:
         self._due_s = float("inf")
 
     def _step(self, what: Input, now_s: float) -> Verdict | None:
-        self.state, verdict = TRANSITIONS.get((self.state, what), (self.state, None))
+        before = self.state
+        self.state, verdict = TRANSITIONS.get((before, what), (before, None))
         self._changed_s = now_s
+        if self.state is not before:
+            _LOG.debug("%s: presence %s -> %s (%s)", self._name, before.name, self.state.name, what.name)
         return verdict

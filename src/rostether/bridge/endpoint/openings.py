@@ -8,6 +8,7 @@ in each turn of the loop.
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import Callable, Coroutine
 from typing import TypeAlias
 
@@ -20,6 +21,8 @@ from rostether.errors import DefinitionError, GraphError, InvalidNameError, Type
 from rostether.graph.ports import Level
 from rostether.mechanisms.backoff import Backoff
 from rostether.rosserial.events import ServiceAnnounced, ServiceRole, TopicRole
+
+_LOG = logging.getLogger(__name__)
 
 TopicEndpoint: TypeAlias = PublisherEndpoint | SubscriberEndpoint
 ServiceEndpoint: TypeAlias = ServiceServerEndpoint | ServiceClientEndpoint
@@ -49,6 +52,7 @@ class EndpointOpenings:
 
     def open(self, slot: Slot, endpoint: Endpoint) -> None:
         """Bring an endpoint into the graph as soon as the earlier ones of its slot have left it."""
+        self._log(endpoint, "opening")
         self._opening[endpoint] = self._run(self._open(endpoint, endpoint.open, self._closing.get(slot)))
 
     def renew(self, endpoint: SubscriberEndpoint) -> None:
@@ -58,6 +62,7 @@ class EndpointOpenings:
 
     def close(self, slot: Slot, endpoint: Endpoint) -> None:
         """Take an endpoint out of the graph."""
+        self._log(endpoint, "closing")
         self._unwanted.add(endpoint)
         self._refused.discard(endpoint)
         self._closing[slot] = self._run(self._close(slot, endpoint, self._closing.get(slot)))
@@ -72,6 +77,9 @@ class EndpointOpenings:
                 task.cancel()
             if late:
                 await asyncio.wait(late)
+
+    def _log(self, endpoint: Endpoint, state: str) -> None:
+        _LOG.debug("%s: %r: %s", self._notices.node, endpoint, state)
 
     def _run(self, work: Coroutine[object, object, None]) -> asyncio.Task[None]:
         task = asyncio.get_running_loop().create_task(work)
@@ -111,6 +119,7 @@ class EndpointOpenings:
             except (DefinitionError, InvalidNameError, TypeMismatchError) as error:
                 if endpoint not in self._unwanted:
                     self._refused.add(endpoint)
+                self._log(endpoint, "refused")
                 self._notices.episode(f"refused {name}", Level.ERROR, f"{name} is not bridged: {error}")
                 return
             except GraphError as error:
@@ -125,6 +134,7 @@ class EndpointOpenings:
                 return
             else:
                 self._notices.end_episode(f"refused {name}")
+                self._log(endpoint, "open")
                 return
 
     async def _close(self, slot: Slot, endpoint: Endpoint, before: asyncio.Task[None] | None) -> None:
@@ -136,6 +146,7 @@ class EndpointOpenings:
                 await asyncio.wait([opening])
             await self._take_turn()
             await endpoint.close()
+            self._log(endpoint, "closed")
         except Exception as error:  # noqa: BLE001 - what waits for this closing goes on
             self._notices.episode(
                 "withdraw", Level.WARN, f"{name_of(endpoint)} may still be listed: {reason_of(error)}"

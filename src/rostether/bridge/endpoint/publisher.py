@@ -81,6 +81,9 @@ class PublisherEndpoint:
                 del self._line.receivers[self.info.topic_id]
             self._line = None
 
+    def __repr__(self) -> str:
+        return f"<publisher {self.info.topic_name} [{self.info.message_type}] id {self.info.topic_id}>"
+
     async def open(self) -> None:
         """Advertise, then publish what came meanwhile. Raises GraphError, InvalidNameError."""
         publisher = await self._graph.advertise(

@@ -70,6 +70,9 @@ class ServiceClientEndpoint:
             self._calling.cancel()
             self._calling = None
 
+    def __repr__(self) -> str:
+        return f"<service client {self.info.name} [{self.info.type}]>"
+
     async def open(self) -> None:
         """Check that the name is legal, and be listed where the graph lists clients.
 

@@ -91,6 +91,9 @@ class ServiceServerEndpoint:
         if silence_s >= BUSY_S:
             self._end_quarantine()
 
+    def __repr__(self) -> str:
+        return f"<service server {self.info.name} [{self.info.type}]>"
+
     async def open(self) -> None:
         """Advertise. Raises GraphError, InvalidNameError."""
         self._server = await self._graph.advertise_service(self.info.name, self._type, self.call)

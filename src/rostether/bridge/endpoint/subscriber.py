@@ -65,6 +65,9 @@ class SubscriberEndpoint:
             self._dropped_before += self._lane.dropped_count
         self._line = self._lane = None
 
+    def __repr__(self) -> str:
+        return f"<subscriber {self.info.topic_name} [{self.info.message_type}] id {self.info.topic_id}>"
+
     async def open(self) -> None:
         """Subscribe. Raises GraphError, InvalidNameError."""
         subscriber = await self._graph.subscribe(

@@ -38,6 +38,7 @@ from rostether.cli.dashboard.options import dashboard_option
 from rostether.cli.dashboard.served import DashboardSettings, dashboard_beside
 from rostether.cli.gateway.options import GatewayOptions, gateway_options
 from rostether.cli.gateway.served import served_gateways
+from rostether.cli.shell.library_logs import show_debug_records
 from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -70,7 +71,7 @@ class ServeOptions:
     record_line: Path | None
     record_limit_mb: float
     limits: tuple[str, ...]
-    verbose: bool
+    verbose: int
     uvloop: bool
 
 
@@ -108,7 +109,12 @@ _serve_options = option_group(
         ),
         record_limit_option,
         limit_option({**BRIDGE_LIMITS, **GRAPH_LIMITS}),
-        click.option("-v", "--verbose", is_flag=True, help="Also show debug messages from boards."),
+        click.option(
+            "-v",
+            "--verbose",
+            count=True,
+            help="Also show debug messages from boards; -vv: also each change of their state.",
+        ),
         click.option(
             "--uvloop", is_flag=True, help="Use uvloop (install with: pip install 'rostether[uvloop]')."
         ),
@@ -173,6 +179,8 @@ def serve(
     devices = read_devices(options.config, options.probes)
     discovers = options.discover or bool(options.probes) or not addresses
     announces = check_mdns(is_wanted=options.mdns)
+    if options.verbose > 1:
+        show_debug_records()
     reporter = ConsoleReporter(lowest=Level.DEBUG if options.verbose else Level.INFO)
     serving = _Serving(
         links=links,

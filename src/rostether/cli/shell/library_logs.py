@@ -19,7 +19,7 @@ _LEVELS = {
     logging.ERROR: Level.ERROR,
     logging.CRITICAL: Level.FATAL,
 }
-_ROOMS = logging.getLogger("rostether")
+_ROSTETHER = logging.getLogger("rostether")
 _ASYNCIO = logging.getLogger("asyncio")
 # The part that identifies a message: asyncio puts the details at the end.
 _KIND_CHARACTERS = 40
@@ -48,11 +48,15 @@ class _Lines(logging.Handler):
 def show_library_logs(show: Callable[[Level, str], None] | None = None) -> None:
     """Send warnings and worse to `show`, to stderr as `WARNING: text` without one. The last call applies."""
     handler = _Lines(show or (lambda level, text: warn(f"{logging.getLevelName(_python(level))}: {text}")))
-    handler.setLevel(logging.WARNING)
-    for logger in (_ROOMS, _ASYNCIO):
+    for logger in (_ROSTETHER, _ASYNCIO):
         for earlier in [each for each in logger.handlers if isinstance(each, _Lines)]:
             logger.removeHandler(earlier)
         logger.addHandler(handler)
+
+
+def show_debug_records() -> None:
+    """Also show our packages' debug records, such as each change of the state of a board."""
+    _ROSTETHER.setLevel(logging.DEBUG)
 
 
 def _python(level: Level) -> int:

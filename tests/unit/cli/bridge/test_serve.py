@@ -95,6 +95,24 @@ async def test_end_tells_the_board_and_leaves_the_graph(number: signal.Signals) 
         await master.close()
 
 
+async def test_each_change_of_state_shows_on_request(tmp_path: Path) -> None:
+    port = free_port()
+    async with started("serve", "-vv", "tcp://:0?name=arm", "--master-port", str(port)) as serve:
+        await serve.wait_for("Waiting for boards on tcp://127.0.0.1:")
+        board_port = serve.text.rpartition("tcp://127.0.0.1:")[2].split()[0]
+        async with Device(f"tcp://127.0.0.1:{board_port}") as device:
+            device.publisher("count", "std_msgs/UInt32")
+            for line in (
+                "<session of /arm on tcp 127.0.0.1:",
+                "/arm: negotiation IDLE -> ASKED (ASK)",
+                "/arm: speaks protocol version 2",
+                "/arm: presence ABSENT -> PRESENT (SIGN)",
+                "/arm: <publisher count [std_msgs/UInt32] id 200>: opening",
+                "/arm: negotiation LISTENING -> SETTLED (ENOUGH)",
+            ):
+                await serve.wait_for(line)
+
+
 async def test_listener_on_loopback_names_the_flag() -> None:
     port = str(free_port())
     async with started("serve", "tcp://:0", "--master-port", port) as serve:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from rostether.cli.shell.library_logs import show_library_logs
+from rostether.cli.shell.library_logs import show_debug_records, show_library_logs
 from rostether.graph.ports import Level
 from rostether.mechanisms import repeat_limiter
 
@@ -84,3 +84,16 @@ def test_asyncio_does_not_fill_the_log(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(repeat_limiter, "PERIOD_S", 0.0)
     ASYNCIO.error("socket.accept() out of system resource\nsocket: %s", 1000)
     assert shown[-1] == "socket.accept() out of system resource socket: 1000"
+
+
+def test_debug_records_show_on_request() -> None:
+    shown: list[tuple[Level, str]] = []
+    show_library_logs(lambda level, text: shown.append((level, text)))
+    ROOM.debug("hidden")
+    level = ROOM.level
+    try:
+        show_debug_records()
+        ROOM.debug("presence ABSENT -> PRESENT")
+    finally:
+        ROOM.setLevel(level)
+    assert shown == [(Level.DEBUG, "presence ABSENT -> PRESENT")]
