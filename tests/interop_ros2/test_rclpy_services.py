@@ -11,6 +11,8 @@ from interop_ros2.rclpy_peer import PEER_NAME, RclpyPeer
 from rostether.errors import ServiceTimeoutError, SessionError, TypeMismatchError, UnknownTypeError
 from rostether.graph.ports import JoinGraph, ParamValue
 from rostether.msgdef.interface import MessageType, ServiceType
+from rostether.ros2.parameters.client import ParameterClient
+from rostether.ros2.parameters.typed_value import ParameterType, typed_value
 from rostether.serde.store import TypeStore
 
 pytestmark = [pytest.mark.rclpy, pytest.mark.asyncio(loop_scope="module")]
@@ -19,6 +21,19 @@ SERVICES = {
     "std_srvs/SetBool": ({"data": True}, {"success": True, "message": "äh"}),
     "std_srvs/Trigger": ({}, {"success": False, "message": "no"}),
 }
+
+
+async def test_parameters_that_are_set_are_described(join: JoinGraph) -> None:
+    node, asker = await join("/described"), await join("/asker")
+    await node.set_param("~gain", 1.5)
+    client = ParameterClient(asker, timeout_s=60)
+    # Set by another node, without having been declared.
+    await client.set("/described", {"name": typed_value("name", "arm")})
+    described = await client.describe("/described", ["gain", "name"])
+    assert [(each.name, each.type, each.dynamic_typing) for each in described] == [
+        ("gain", ParameterType.DOUBLE, True),
+        ("name", ParameterType.STRING, True),
+    ]
 
 
 def ros2_service(name: str) -> str:

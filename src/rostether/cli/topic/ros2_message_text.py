@@ -16,6 +16,7 @@ from rostether.serde.values import Message
 
 DEFAULT_TRUNCATE_LENGTH = 128
 _CUT = "..."
+_ESCAPED = "\\U000"
 _WIDE = (1 << 31) - 1
 """Columns that no line has: YAML would fold longer ones."""
 
@@ -50,16 +51,21 @@ class MessageText:
         """Return a message's YAML, which ends with a line break."""
         import yaml
 
-        dumper = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
-        text: str = yaml.dump(
-            self._fields(message, definition),
-            Dumper=dumper,
-            allow_unicode=True,
-            sort_keys=False,
-            width=_WIDE,
-            default_flow_style=self._style.flow_style,
-        )
-        return text
+        def dump(dumper: Any) -> str:
+            text: str = yaml.dump(
+                fields,
+                Dumper=dumper,
+                allow_unicode=True,
+                sort_keys=False,
+                width=_WIDE,
+                default_flow_style=self._style.flow_style,
+            )
+            return text
+
+        fields = self._fields(message, definition)
+        text = dump(getattr(yaml, "CSafeDumper", yaml.SafeDumper))
+        # libyaml is faster, but it escapes emoji and all else that needs four bytes in UTF-8.
+        return dump(yaml.SafeDumper) if _ESCAPED in text else text
 
     def csv(self, message: Message, definition: Ros2Message) -> str:
         """Return all fields of a message and of those below it, with commas between."""

@@ -53,6 +53,10 @@ async def _publish(
         form = ValueForm(tool.registry.ros2_message, lambda: Time.from_ns(time.time_ns()))
         codec, definition = tool.graph.store.codec(name), tool.registry.ros2_message(name)
         messages = [form.fill(codec, definition, each) for each in values]
+        support = tool.types.by_name(definition.full_name)
+        for message in messages:
+            # Bounds of texts and arrays: a publisher would only leave the message out.
+            support.converter.to_cdr(codec.encode(message))
         text = MessageText(tool.registry.ros2_message, TextStyle(truncate_length=None))
         is_latched = options.latch or options.qos_durability == "transient_local"
         publisher = await tool.graph.publisher(topic, name, latch=is_latched)

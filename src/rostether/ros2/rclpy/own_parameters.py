@@ -72,8 +72,19 @@ class RclpyParameters:
             self._listeners.remove(on_changes)
 
     def _note(self, parameters: list[Any]) -> None:
+        for parameter in parameters:
+            self._describe(parameter)
         changes = Changes(changed={parameter.name: _typed(parameter) for parameter in parameters})
         self._own.thread.call_in_loop(self._tell, changes)
+
+    def _describe(self, parameter: Any) -> None:
+        """Describe a parameter that was set but not declared: rclpy leaves its descriptor empty."""
+        name, kind = parameter.name, parameter.type_.value
+        if kind != ParameterType.NOT_SET and self._node.has_parameter(name):
+            described = self._node.describe_parameter(name)
+            if not described.name:
+                described.name, described.type, described.dynamic_typing = name, kind, True
+                self._node.set_descriptor(name, described)
 
     def _note_and_agree(self, parameters: list[Any]) -> Any:
         self._note(parameters)

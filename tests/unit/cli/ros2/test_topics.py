@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 from unit.cli.command_shell import Shell
 from unit.cli.ros2.zenoh_world import STORE, ZenohWorld
@@ -127,6 +128,16 @@ def test_pub(world: ZenohWorld, shell: Shell) -> None:
     )
     (payload,) = world.heard
     assert STORE.codec("geometry_msgs/Twist").decode(payload).linear.x == 2.0
+
+
+def test_pub_refuses_more_than_a_bound(world: ZenohWorld, shell: Shell, tmp_path: Path) -> None:
+    folder = tmp_path / "own_msgs" / "msg"
+    folder.mkdir(parents=True)
+    (folder / "Tag.msg").write_text("string<=3 name\nint32[<=2] numbers\n")
+    command = ("topic", "pub", "-1", "-w", "0", "--msg-path", str(tmp_path), "/tag", "own_msgs/msg/Tag")
+    assert "field 'name', and ROS 2 takes 3 at most" in shell.failure(*command, "{name: long}")
+    assert "field 'numbers', and ROS 2 takes 2 at most" in shell.failure(*command, "{numbers: [1, 2, 3]}")
+    assert "publishing #1" in shell.output(*command, "{name: arm, numbers: [1]}")
 
 
 def test_pub_fills_defaults_and_counts(world: ZenohWorld, shell: Shell) -> None:

@@ -40,6 +40,9 @@ def test_yaml() -> None:
     assert text("std_msgs/Empty", {}) == "{}\n"
     assert text("std_msgs/String", {"data": "yes"}) == "data: 'yes'\n"
     assert text("std_msgs/String", {"data": "grüße\n"}) == "data: 'grüße\n\n  '\n"
+    # Beyond 16 bits too, which libyaml escapes.
+    assert text("std_msgs/String", {"data": "😀 grüße"}) == "data: 😀 grüße\n"
+    assert text("std_msgs/String", {"data": "\\U0001F600"}) == "data: \\U0001F600\n"
     assert text("std_msgs/String", {"data": "a " * 100}, truncate_length=None) == f"data: '{'a ' * 100}'\n"
     # A byte is a text of one character in ROS 2's Python, and shown so.
     assert text("diagnostic_msgs/DiagnosticStatus", {"level": 2, "name": "arm"}) == (
