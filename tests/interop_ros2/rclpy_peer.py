@@ -23,6 +23,11 @@ class RclpyPeer:
     def __init__(self, process: subprocess.Popen[str]) -> None:
         self._process = process
 
+    @property
+    def pid(self) -> int:
+        """The process's id."""
+        return self._process.pid
+
     async def ask(self, verb: str, **words: Any) -> Any:
         """Have the peer do something, and return its answer."""
         return await asyncio.to_thread(self._ask, {"verb": verb, **words})

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import asyncio
+import os
+import signal
 from typing import Any
 
 import pytest
 
-from contract.graphs import Inbox, string, until
+from contract.graphs import STRING, Inbox, snapshot_when, string, until
 from interop_ros2.rclpy_peer import PEER_NAME, RclpyPeer
 from interop_ros2.samples import ADDED, MESSAGES, ros2_name, with_times, without_seq
 from rostether.errors import UnknownTypeError
@@ -205,3 +207,25 @@ async def test_a_type_that_is_not_installed_is_refused(join: JoinGraph) -> None:
         with pytest.raises(UnknownTypeError, match="the package my_robot_msgs is not installed") as caught:
             await attempt
         assert "\n" not in str(caught.value)
+
+
+async def test_a_publisher_waits_for_subscribers_that_do_not_know_it_yet(
+    join: JoinGraph, peer: RclpyPeer
+) -> None:
+    """A publisher may know a subscriber that does not know it yet, and so drops its messages."""
+    node = await join("/hasty")
+    await peer.ask("subscribe", topic="/hasty_text", type="std_msgs/msg/String")
+    await snapshot_when(node, lambda seen: "/hasty_text" in seen.topics, 60)
+    os.kill(peer.pid, signal.SIGSTOP)
+    try:
+        publisher = await node.advertise("/hasty_text", STRING)
+        await until(lambda: publisher.subscriber_count)
+        publisher.publish_raw([string("hello")])
+        drained = asyncio.ensure_future(publisher.drained(60))
+        await asyncio.wait({drained}, timeout=0.5)
+        assert not drained.done()
+    finally:
+        os.kill(peer.pid, signal.SIGCONT)
+    await drained
+    await publisher.close()
+    assert await peer.ask("receive", topic="/hasty_text", count=1) == [{"data": "hello"}]

@@ -28,6 +28,8 @@ WAIT_LINE_S = 1.0
 MATCH_POLL_S = 0.02
 # As ros2: what a message needs to reach the wire before the publisher goes.
 KEEP_ALIVE_S = 0.1
+# A subscriber on a busy machine may take seconds to discover the publisher; one that hangs ends the wait.
+ACKNOWLEDGE_S = 10.0
 
 
 def publish(
@@ -54,9 +56,9 @@ async def _publish(
         codec, definition = tool.graph.store.codec(name), tool.registry.ros2_message(name)
         messages = [form.fill(codec, definition, each) for each in values]
         support = tool.types.by_name(definition.full_name)
-        for message in messages:
+        for checked in messages:
             # Bounds of texts and arrays: a publisher would only leave the message out.
-            support.converter.to_cdr(codec.encode(message))
+            support.converter.to_cdr(codec.encode(checked))
         text = MessageText(tool.registry.ros2_message, TextStyle(truncate_length=None))
         is_latched = options.latch or options.qos_durability == "transient_local"
         publisher = await tool.graph.publisher(topic, name, latch=is_latched)
@@ -81,7 +83,7 @@ async def _publish(
                 break
             due_s = max(due_s + period_s, time.monotonic() - period_s)
             await asyncio.wait({leaving}, timeout=max(due_s - time.monotonic(), 0.0))
-        await publisher.drained(KEEP_ALIVE_S)
+        await publisher.drained(ACKNOWLEDGE_S)
         await asyncio.sleep(KEEP_ALIVE_S)
 
 

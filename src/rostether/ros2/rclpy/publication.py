@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+import time
 from collections.abc import Awaitable, Callable, Sequence
 from typing import Any
 
@@ -16,6 +18,9 @@ from rostether.ros2.types.type_support import MessageSupport
 
 ACKNOWLEDGE_S = 0.1
 """How long a publisher stays for subscribers that miss its last messages: time for many round trips."""
+
+
+ACKNOWLEDGE_POLL_S = 0.01
 
 
 class Publication:
@@ -59,6 +64,12 @@ class Publication:
         """How many subscribers are connected now."""
         publisher = self._publisher
         return 0 if publisher is None else int(publisher.get_subscription_count())
+
+    @property
+    def is_acknowledged(self) -> bool:
+        """Whether every reliable subscriber has acknowledged all messages; in the event loop."""
+        publisher = self._publisher
+        return publisher is None or bool(publisher.wait_for_all_acked(load_rclpy().duration.Duration()))
 
     def publish(self, payloads: Sequence[bytes]) -> None:
         """Send to every subscriber, in order; in the event loop."""
@@ -148,7 +159,15 @@ class RclpyPublisher:
         return True
 
     async def drained(self, timeout_s: float) -> None:
-        """Return: nothing waits here."""
+        """Wait until reliable subscribers have received everything, `timeout_s` at most.
+
+        A publisher may know a subscriber that does not know it yet. That one drops what comes, and the
+        middleware sends it again.
+        """
+        deadline_s = time.monotonic() + timeout_s
+        # The middleware announces no acknowledgements; asking is cheap.
+        while not self.publication.is_acknowledged and time.monotonic() < deadline_s:  # noqa: ASYNC110
+            await asyncio.sleep(ACKNOWLEDGE_POLL_S)
 
     async def close(self) -> None:
         """Unadvertise. Idempotent."""
