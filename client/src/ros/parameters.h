@@ -16,7 +16,13 @@ class ParameterRequest : public Endpoint {
  public:
   enum Kind { INTS, BOOLS, FLOATS, TEXTS, TEXT };
 
-  // `length` values at `values`; for TEXT one text of up to `length` bytes with its NUL.
+  // Asks for `name`; whether its values have been stored. `length` values at `values`; for TEXT one text of up to `length` bytes
+  // with its NUL.
+  static ROS_APART bool ask(NodeHandleBase_& node, const char* name, Kind kind, void* values, size_t length, int timeout_ms) {
+    return ParameterRequest(name, kind, values, length).ask(node, static_cast<uint32_t>(timeout_ms));
+  }
+
+ private:
   ParameterRequest(const char* name, Kind kind, void* values, size_t length)
       : Endpoint(name, &drive), values_(values), length_(length), kind_(kind), state_(WAITING) {
     id_ = ID_PARAMETER_REQUEST;
@@ -37,24 +43,33 @@ class ParameterRequest : public Endpoint {
     return false;
   }
 
- private:
   enum State { WAITING, FOUND, MISFIT };
+  enum List { INT_LIST, FLOAT_LIST, TEXT_LIST };
 
   static void drive(Endpoint& self, NodeHandleBase_& node, Reader* reader) {
     if (reader) static_cast<ParameterRequest&>(self).take(node, *reader);
   }
 
+  // The list that the values come in.
+  uint8_t list() const { return kind_ < FLOATS ? INT_LIST : kind_ == FLOATS ? FLOAT_LIST : TEXT_LIST; }
+
   void take(NodeHandleBase_& node, Reader& reader) {
-    int32_t* ints = nullptr;
-    float* floats = nullptr;
-    array_length int_count = 0;
-    array_length float_count = 0;
+    const uint8_t wanted = list();
+    // Both lists of numbers have elements of four bytes: they are read alike.
+    const uint8_t* found = nullptr;
+    size_t found_count = 0;
+    for (uint8_t list = INT_LIST; list <= FLOAT_LIST; ++list) {
+      size_t count;
+      const uint8_t* const numbers = reader.list(4, count);
+      if (list == wanted) {
+        found = numbers;
+        found_count = count;
+      }
+    }
     uint32_t text_count = 0;
-    reader.sequence(ints, int_count);
-    reader.sequence(floats, float_count);
     reader.value(text_count);
-    const bool fits = (kind_ < FLOATS ? int_count : kind_ == FLOATS ? float_count : text_count) == (kind_ == TEXT ? 1 : length_);
-    for (uint32_t i = 0; i < text_count && reader.ok(); ++i) {
+    const bool fits = wanted == TEXT_LIST ? text_count == (kind_ == TEXT ? 1 : length_) : found_count == length_;
+    for (size_t i = 0; i < text_count && reader.ok(); ++i) {
       const char* text;
       reader.string(text);
       if (fits) copyText(text, i);
@@ -62,14 +77,14 @@ class ParameterRequest : public Endpoint {
     if (!node.accept(reader)) return;
     state_ = fits ? FOUND : MISFIT;
     id_ = 0;  // the next answer is for another request
-    if (!fits) return;
-    for (size_t i = 0; i < int_count; ++i) {
+    if (!fits || wanted == TEXT_LIST) return;
+    for (size_t i = 0; i < length_; ++i, found += 4) {
       int32_t value;
-      memcpy(&value, ints + i, sizeof value);
+      memcpy(&value, found, sizeof value);
       if (kind_ == INTS) static_cast<int*>(values_)[i] = static_cast<int>(value);
       if (kind_ == BOOLS) static_cast<bool*>(values_)[i] = value != 0;
+      if (kind_ == FLOATS) memcpy(static_cast<float*>(values_) + i, found, sizeof value);
     }
-    if (kind_ == FLOATS) memcpy(values_, floats, float_count * sizeof(float));
   }
 
   void copyText(const char* text, size_t index) {
@@ -83,24 +98,24 @@ class ParameterRequest : public Endpoint {
 
   void* values_;
   size_t length_;
-  Kind kind_;
-  State state_;
+  uint8_t kind_;
+  uint8_t state_;
 };
 
 inline bool NodeHandleBase_::getParam(const char* name, int* values, int length, int timeout_ms) {
-  return ParameterRequest(name, ParameterRequest::INTS, values, length).ask(*this, timeout_ms);
+  return ParameterRequest::ask(*this, name, ParameterRequest::INTS, values, length, timeout_ms);
 }
 inline bool NodeHandleBase_::getParam(const char* name, bool* values, int length, int timeout_ms) {
-  return ParameterRequest(name, ParameterRequest::BOOLS, values, length).ask(*this, timeout_ms);
+  return ParameterRequest::ask(*this, name, ParameterRequest::BOOLS, values, length, timeout_ms);
 }
 inline bool NodeHandleBase_::getParam(const char* name, float* values, int length, int timeout_ms) {
-  return ParameterRequest(name, ParameterRequest::FLOATS, values, length).ask(*this, timeout_ms);
+  return ParameterRequest::ask(*this, name, ParameterRequest::FLOATS, values, length, timeout_ms);
 }
 inline bool NodeHandleBase_::getParam(const char* name, char** values, int length, int timeout_ms) {
-  return ParameterRequest(name, ParameterRequest::TEXTS, values, length).ask(*this, timeout_ms);
+  return ParameterRequest::ask(*this, name, ParameterRequest::TEXTS, values, length, timeout_ms);
 }
 inline bool NodeHandleBase_::getParam(const char* name, char* text, size_t text_bytes, int timeout_ms) {
-  return ParameterRequest(name, ParameterRequest::TEXT, text, text_bytes).ask(*this, timeout_ms);
+  return ParameterRequest::ask(*this, name, ParameterRequest::TEXT, text, text_bytes, timeout_ms);
 }
 
 }  // namespace ros

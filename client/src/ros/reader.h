@@ -118,6 +118,13 @@ class Reader {
     array = start;
     advance(length * 8);
   }
+  // A list's elements of `bytes` each where they lie, aligned or not; none if they are not all there.
+  const uint8_t* list(size_t bytes, size_t& count) {
+    count = announced(bytes);
+    const uint8_t* start = next_;
+    advance(count * bytes);
+    return start;
+  }
   void sequence64(unaligned_int64*& array, array_length& count) {
     array = reinterpret_cast<unaligned_int64*>(words(count));
   }
