@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import gc
+import sys
 import threading
 import time
+import traceback
+import weakref
 from asyncio import events
 
 import pytest
@@ -44,6 +47,40 @@ class CallbackWatch:
         longest_s, longest = self._longest_s, self._longest
         self._longest_s, self._longest = 0.0, ""
         assert longest_s < MAX_HELD_S, f"{what} held the loop for {longest_s * 1000:.0f} ms in {longest}"
+
+
+class FolderWatch:
+    """Notes each folder that is listed by a thread whose event loop is `loop`, from when it is made."""
+
+    def __init__(self) -> None:
+        self.listed: list[str] = []
+        """The folders, with who listed them."""
+        self._loop = asyncio.get_running_loop()
+        _folder_watches.add(self)
+        if not _is_hooked:
+            # A hook stays for good: it does nothing without a watch.
+            sys.addaudithook(_note_folder)
+            _is_hooked.append(True)
+
+    def note(self, path: object) -> None:
+        """Take a folder that is just listed."""
+        if asyncio._get_running_loop() is not self._loop:
+            return
+        callers = traceback.extract_stack(limit=12)
+        # Imports list folders too.
+        if not any("importlib" in each.filename for each in callers):
+            ours = [f"{each.filename}:{each.lineno}" for each in callers if "/rostether/" in each.filename]
+            self.listed.append(f"{path} by {ours[-1] if ours else callers[0]}")
+
+
+_folder_watches: weakref.WeakSet[FolderWatch] = weakref.WeakSet()
+_is_hooked: list[bool] = []
+
+
+def _note_folder(event: str, args: tuple[object, ...]) -> None:
+    if event in ("os.listdir", "os.scandir"):
+        for watch in list(_folder_watches):
+            watch.note(args[0])
 
 
 class LoopWatch:

@@ -18,6 +18,7 @@ from rostether.device.services import Handler, ServiceClient, ServiceServer
 from rostether.errors import ConfigError, TransportError, TransportTimeoutError
 from rostether.mechanisms.backoff import Backoff
 from rostether.msgdef.registry import Registry
+from rostether.msgdef.search_waiting import definitions_searched
 from rostether.rosserial.device_link import PUBLISHER_OVERHEAD_BYTES, DeviceLink, DeviceLinkConfig
 from rostether.rosserial.events import (
     DeviceEvent,
@@ -96,6 +97,8 @@ class Device:
 
     async def __aenter__(self) -> Self:
         """Open the line, or begin to try. Raises ConfigError."""
+        # From here on, topics of any type can be added without a search of folders.
+        await definitions_searched(self._store.registry)
         transport = await self._open()
         if transport is not None:
             self._line.attach(transport)

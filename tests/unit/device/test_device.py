@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 import rostether
+from loop_watch import FolderWatch
 from rostether.device import Device
 from rostether.errors import (
     ConfigError,
@@ -378,3 +379,18 @@ def test_the_package_offers_it() -> None:
     assert rostether.Device is Device
     with pytest.raises(AttributeError, match="Divice"):
         _ = rostether.Divice
+
+
+async def test_no_folder_is_listed_on_the_event_loop(tmp_path: Path) -> None:
+    folder = tmp_path / "my_msgs" / "msg"
+    folder.mkdir(parents=True)
+    (folder / "Mine.msg").write_text("int32 x\n")
+    mine, _ = memory_pair()
+    watch = FolderWatch()
+    async with Device(mine, msg_paths=[tmp_path], backoff=quick()) as device:
+        device.publisher("mine", "my_msgs/Mine")
+        device.publisher("chatter", "std_msgs/String")
+        device.subscriber("other", "my_msgs/Mine", lambda _: None)
+        with pytest.raises(UnknownTypeError):
+            device.publisher("none", "my_msgs/None")
+    assert watch.listed == []

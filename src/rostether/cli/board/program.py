@@ -7,6 +7,7 @@ from pathlib import Path
 
 from rostether.cli.shell.output import warn
 from rostether.errors import BoardError, SketchError
+from rostether.mechanisms.own_loop import in_own_loop
 
 _PROGRAM_SUFFIXES = (".elf", ".hex")
 
@@ -17,10 +18,14 @@ async def find_program(path: Path, board: str, msg_paths: Sequence[Path] = ()) -
         return path
     if not path.exists():  # noqa: ASYNC240 - one look
         raise BoardError(f"{path} does not exist; give a sketch, a folder with one, or an ELF or HEX file")
-    from rostether.firmware.build import BuildOptions, build_sketch, find_board
+    from rostether.firmware.build import BuildOptions, BuiltFirmware, build_sketch, find_board
+
+    async def build() -> BuiltFirmware:
+        return await build_sketch(path, find_board(board), BuildOptions(msg_paths=tuple(msg_paths)))
 
     try:
-        built = await build_sketch(path, find_board(board), BuildOptions(msg_paths=tuple(msg_paths)))
+        # A build searches folders of libraries and definitions, while a bridge serves its boards.
+        built = await in_own_loop(build)
     except SketchError as error:
         warn(error.diagnostics.rstrip())
         raise

@@ -46,11 +46,13 @@ async def _publish(
     graph_options: GraphOptions, topic: str, type_name: str, given: tuple[str, ...], options: PubOptions
 ) -> None:
     from rostether.msgdef.registry import Registry
+    from rostether.msgdef.search_waiting import definitions_at_hand
     from rostether.serde.store import TypeStore
     from rostether.serde.yaml_form import fill_message, load_arguments
 
     name = resolve(topic, read_environment(graph_options))
     store = TypeStore(Registry.from_environment(options.msg_paths))
+    await definitions_at_hand(store.registry, lambda: store.registry.message_type(type_name))
     codec = store.codec(type_name)
     values = load_arguments(given)
     text = read_text(options.file) if options.file is not None else None

@@ -18,6 +18,7 @@ from types import TracebackType
 from typing import Literal, Self
 
 from rostether.errors import BoardError
+from rostether.mechanisms.own_loop import in_own_loop
 from rostether.simulation.simavr.board_events import BoardEvent
 from rostether.simulation.simavr.compile import build_runner
 from rostether.simulation.simavr.kinds import kind_of
@@ -78,7 +79,7 @@ class SimulatedBoard:
         kind = kind_of(board)
         if link_path is not None:
             check_link(link_path)
-        runner = await build_runner()
+        runner = await in_own_loop(build_runner)
         arguments = [
             "--board",
             kind,
