@@ -87,7 +87,7 @@ function ControlOf(props: { context: PanelContext; topicName: string; type: Stru
   }
 }
 
-function PushButton({ send, label }: { send: Send; label: string }) {
+export function PushButton({ send, label }: { send: Send; label: string }) {
   const count = useSignal(0);
   return (
     <button
@@ -104,7 +104,7 @@ function PushButton({ send, label }: { send: Send; label: string }) {
   );
 }
 
-function Toggle({ field, label, send }: { field: string; label: string; send: Send }) {
+export function Toggle({ field, label, send }: { field: string; label: string; send: Send }) {
   const isOn = useSignal(false);
   return (
     <button

@@ -7,6 +7,7 @@ import type { PanelContext } from "../panel.ts";
 import { preactPanel } from "../preact_panel.tsx";
 import { Control } from "./control.tsx";
 import { controllableTopics } from "./controllable.ts";
+import { ServiceControl, tappableServices } from "./service_control.tsx";
 
 interface ControlsSettings {
   /** A card shows one topic. */
@@ -18,13 +19,19 @@ function ControlsPanel({ context }: { context: PanelContext }) {
   const { robot } = context;
   if (topic !== undefined) return <Control context={context} topicName={topic} />;
   const topics = controllableTopics(graphOf(robot), robot.info.value?.metadata?.node);
-  if (topics.length === 0)
+  const services = tappableServices(robot.services.value.values());
+  if (topics.length === 0 && services.length === 0)
     return <EmptyState icon="controls" title={texts.controls.none} text={texts.controls.noneText} />;
   return (
     <div class="controls-grid">
       {topics.map((each) => (
         <section class="control-card" key={each}>
           <Control context={context} topicName={each} />
+        </section>
+      ))}
+      {services.map((each) => (
+        <section class="control-card" key={each.name}>
+          <ServiceControl context={context} service={each} />
         </section>
       ))}
     </div>

@@ -1,0 +1,65 @@
+// A service that one tap calls: without a request a button, with one bool a switch.
+import { useSignal } from "@preact/signals";
+import type { Service } from "../../connection/protocol.ts";
+import { decoder, type Message } from "../../wire/decode.ts";
+import { parseDefinition } from "../../wire/definition.ts";
+import { encoder } from "../../wire/encode.ts";
+import type { PanelContext } from "../panel.ts";
+import { isPlumbing } from "../services/plumbing.ts";
+import { brief } from "../topics/brief.ts";
+import { PushButton, Toggle } from "./control.tsx";
+
+/** The services of the robot that need no form. */
+export function tappableServices(services: Iterable<Service>): Service[] {
+  return [...services]
+    .filter((service) => !isPlumbing(service) && tapOf(service) !== undefined)
+    .sort((a, b) => (a.name < b.name ? -1 : 1));
+}
+
+/** The bool field of the request, or "" when it has no field; undefined when it needs a form. */
+function tapOf({ request }: Service): string | undefined {
+  try {
+    const [first, second] = parseDefinition(request.schemaName, request.schema).fields;
+    if (first === undefined) return "";
+    const isBool = first.node.kind === "primitive" && first.node.type === "bool";
+    return isBool && second === undefined ? first.name : undefined;
+  } catch {
+    return undefined;
+  }
+}
+
+export function ServiceControl({ context, service }: { context: PanelContext; service: Service }) {
+  const answer = useSignal("");
+  const isProblem = useSignal(false);
+  const field = tapOf(service);
+  if (field === undefined) return null;
+  const call = async (request: Message) => {
+    const { request: asked, response: answered } = service;
+    try {
+      const payload = encoder(parseDefinition(asked.schemaName, asked.schema))(request);
+      const response = await context.robot.gateway.call(service.name, payload);
+      const message = decoder(parseDefinition(answered.schemaName, answered.schema))(response);
+      isProblem.value = message.success === false;
+      answer.value = typeof message.message === "string" ? message.message : brief(message);
+    } catch (error) {
+      isProblem.value = true;
+      answer.value = (error as Error).message;
+    }
+  };
+  return (
+    <div class="control">
+      <div class="control-head">
+        <span class="control-topic">{service.name}</span>
+        <span class="form-type">{service.type}</span>
+      </div>
+      <fieldset class="control-body" disabled={!context.robot.canCommand.value}>
+        {field === "" ? (
+          <PushButton send={() => void call({})} label={service.name.split("/").at(-1) ?? service.name} />
+        ) : (
+          <Toggle field={field} label={service.name} send={(request) => void call(request as Message)} />
+        )}
+      </fieldset>
+      {answer.value && <p class={isProblem.value ? "problem" : "empty-line"}>{answer.value}</p>}
+    </div>
+  );
+}
