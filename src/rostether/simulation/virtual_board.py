@@ -5,7 +5,7 @@
     led           std_msgs/Bool      1 Hz    the LED, and at once when it changes
     ultrasound    sensor_msgs/Range  20 Hz   an HC-SR04 before which somebody walks
     imu_data      sensor_msgs/Imu    40 Hz   the robot's turn rate, acceleration and orientation
-    /tf           tf/tfMessage       20 Hz   odom -> base_link, a circle on the floor
+    /tf           tf/tfMessage       20 Hz   odom -> base_link, a circle on the floor; base_link -> ultrasound
     count         std_msgs/UInt32    1 Hz    one more each time
 
 Services `set_led` (std_srvs/SetBool) and `test_srv` (rosserial_arduino/Test); parameters `~blink_hz`, how
@@ -36,6 +36,7 @@ LED_HZ = 1.0
 COUNT_HZ = 1.0
 
 ULTRASOUND_FRAME = "ultrasound"
+ULTRASOUND_PLACE = Vector(0.1, 0.0, 0.05)
 ODOMETRY_FRAME = "odom"
 ROBOT_FRAME = "base_link"
 # Faster than this nobody sees it blink, and a slow line would carry nothing else.
@@ -82,9 +83,13 @@ class VirtualBoard:
             linear_acceleration_covariance=_diagonal(_ACCELERATION_NOISE**2),
         )
         self._tf_message = self._tf.message_class(
-            transforms=[device.message("geometry_msgs/TransformStamped")]
+            transforms=[device.message("geometry_msgs/TransformStamped") for _ in range(2)]
         )
-        self._tf_message.transforms[0].header.frame_id = ODOMETRY_FRAME
+        robot, sensor = self._tf_message.transforms
+        robot.header.frame_id = ODOMETRY_FRAME
+        sensor.child_frame_id = ULTRASOUND_FRAME
+        _set_vector(sensor.transform.translation, ULTRASOUND_PLACE)
+        sensor.transform.rotation.w = 1.0
         device.subscriber("toggle_led", "std_msgs/Empty", lambda _message: self._set_led(not self.led))
         device.service_server("set_led", "std_srvs/SetBool", self._serve_set_led)
         device.service_server("test_srv", "rosserial_arduino/Test", self._serve_test)
@@ -191,11 +196,11 @@ class VirtualBoard:
 
     def _publish_tf(self, now_s: float) -> None:
         pose = self._drive.pose(now_s - self._booted_s)
-        stamped = self._tf_message.transforms[0]
-        stamped.header.stamp = self._device.now()
-        stamped.child_frame_id = self._frame_id
-        _set_vector(stamped.transform.translation, pose.position)
-        _set_rotation(stamped.transform.rotation, pose.orientation)
+        robot, sensor = self._tf_message.transforms
+        robot.header.stamp = sensor.header.stamp = self._device.now()
+        robot.child_frame_id = sensor.header.frame_id = self._frame_id
+        _set_vector(robot.transform.translation, pose.position)
+        _set_rotation(robot.transform.rotation, pose.orientation)
         self._tf.publish(self._tf_message)
 
     def _noisy(self, vector: Vector, deviation: float) -> Vector:

@@ -145,7 +145,9 @@ async def test_parameters_decide_blinking_and_frame(bench: Bench) -> None:
     states = [message.data for message in bench.host.messages["led"]]
     assert states.count(True) == pytest.approx(states.count(False), abs=2)
     await bench.until_counted("/tf", 20)
-    assert bench.host.messages["/tf"][-1].transforms[0].child_frame_id == "base_footprint"
+    robot, sensor = bench.host.messages["/tf"][-1].transforms
+    assert robot.child_frame_id == sensor.header.frame_id == "base_footprint"
+    assert sensor.child_frame_id == bench.host.messages["ultrasound"][-1].header.frame_id
     bench.host.params = {"~blink_hz": ((0,), (), ())}
     await bench.board.read_parameters()
     seen = len(bench.host.messages["led"])
