@@ -3,7 +3,7 @@ PYTHON ?= $(shell scripts/find-python)
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: help demo test test-fast test-pythons test-fresh check check-web web bench fuzz soak docs clean
+.PHONY: help demo test test-fast test-pythons test-fresh check check-web web bench fuzz soak soak-page docs clean
 
 help:
 	@echo "make demo   watch a simulated board become a ROS node (no hardware, no ROS, no root)"
@@ -16,6 +16,7 @@ help:
 	@echo "make bench  measure the data path, beside a bare relay"
 	@echo "make fuzz   look for inputs that break a promise, ten minutes a target (SECONDS=600)"
 	@echo "make soak   serve boards on lines that fail all the time, for MINUTES=10"
+	@echo "make soak-page  keep the dashboard's page open under load, for MINUTES=30"
 	@echo "make docs   build the documentation into site/"
 
 demo: $(VENV)/.installed
@@ -71,6 +72,9 @@ fuzz: $(VENV)/.dev
 
 soak: $(VENV)/.dev
 	$(BIN)/python -m benchmarks.soak $(or $(MINUTES),10)
+
+soak-page: web/node_modules/.installed
+	$(BIN)/python -m benchmarks.page $(or $(MINUTES),30)
 
 docs: $(VENV)/.dev
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict

@@ -47,6 +47,7 @@ const commands = {
     await session.detach();
     return usedSize;
   },
+  close: ({ page }) => pages[page].context().close(),
   seen: () => ({ hosts: [...hosts], errors }),
 };
 

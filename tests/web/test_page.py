@@ -80,3 +80,19 @@ async def test_a_phone_sees_everything_in_one_column(robot: Robot, browser: Brow
     await browser.do("click", page=page, selector=".navigation .more")
     await browser.do("click", page=page, selector='.navigation a[href="#/topics"]')
     await browser.wait_for(page, "document.querySelector('tr[data-topic]') !== null")
+
+
+async def test_the_heap_stays_flat(robot: Robot, browser: Browser) -> None:
+    page = await browser.do("open", url=robot.url)
+    await browser.wait_for(page, "document.querySelectorAll('.card-plots canvas').length > 1")
+    opened = []
+    for _ in range(4):
+        for link in ("#/topics", "#/plots", "#/boards", "#/"):
+            await browser.do("evaluate", page=page, script=f"location.hash = {link!r}")
+            await browser.wait_for(
+                page, f"document.querySelector('.page, .cards')?.childElementCount > 0 && {link!r}"
+            )
+        await browser.wait_for(page, f"!{RANGE}.isStale()")
+        opened.append(await browser.do("heap", page=page))
+    # `make soak-page` watches for half an hour; here each round of pages must free what it took.
+    assert opened[-1] < opened[1] * 1.1 + 1_000_000, opened
