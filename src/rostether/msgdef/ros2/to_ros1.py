@@ -1,21 +1,20 @@
 """A ROS 2 definition in ROS 1's words: the same fields, so that ROS 1's codec can hold any ROS 2 message.
 
 `package/msg/Name` is called `package/Name`, and `package/srv/Name_Request` `package/NameRequest`. byte and
-char are uint8, as ROS 2 means them; bounds and defaults are left out. builtin_interfaces' Time and Duration
-are messages of two numbers, and std_msgs/Header has no seq.
+char are uint8, as ROS 2 means them, and wstring is string; bounds and defaults are left out.
+builtin_interfaces' Time and Duration are messages of two numbers, and std_msgs/Header has no seq.
 """
 
 from __future__ import annotations
 
 from typing import Protocol
 
-from rostether.errors import DefinitionError
 from rostether.msgdef.resolve_types import dependencies
 from rostether.msgdef.ros2.primitives import PRIMITIVE_TYPES
 from rostether.msgdef.ros2.spec import Ros2Constant, Ros2Field, Ros2Message
 from rostether.msgdef.spec import Constant, Field, FieldType, MessageSpec
 
-_BASES = {"byte": "uint8", "char": "uint8"}
+_BASES = {"byte": "uint8", "char": "uint8", "wstring": "string"}
 
 
 class MessageSource(Protocol):
@@ -28,7 +27,7 @@ class MessageSource(Protocol):
 def express(message: Ros2Message, definitions: MessageSource) -> list[MessageSpec]:
     """Return the message in ROS 1's words, then all messages below it in the order of first use.
 
-    Raises UnknownTypeError, and DefinitionError for wstring, which ROS 1 has nothing for.
+    Raises UnknownTypeError, DefinitionError.
     """
     return [_expressed(each) for each in (message, *dependencies(message, definitions.message))]
 
@@ -41,23 +40,23 @@ def ros1_name(name: str) -> str:
 
 
 def _expressed(message: Ros2Message) -> MessageSpec:
-    fields = tuple(_field(message, field) for field in message.fields)
-    constants = tuple(_constant(message, constant) for constant in message.constants)
+    fields = tuple(_field(field) for field in message.fields)
+    constants = tuple(_constant(constant) for constant in message.constants)
     lines = [f"{constant.type} {constant.name}={constant.text}" for constant in constants]
     lines += [f"{field.type} {field.name}" for field in fields]
     package, _, name = ros1_name(message.full_name).partition("/")
     return MessageSpec(package, name, fields, constants, "".join(f"{line}\n" for line in lines))
 
 
-def _field(message: Ros2Message, field: Ros2Field) -> Field:
+def _field(field: Ros2Field) -> Field:
     old = field.type
-    base = _base(message, old.base, field.name) if old.base in PRIMITIVE_TYPES else ros1_name(old.base)
+    base = _base(old.base) if old.base in PRIMITIVE_TYPES else ros1_name(old.base)
     length_text = "" if old.length is None else str(old.length)
     return Field(FieldType(base, old.is_array, old.length, length_text), field.name)
 
 
-def _constant(message: Ros2Message, constant: Ros2Constant) -> Constant:
-    base = _base(message, constant.type, constant.name)
+def _constant(constant: Ros2Constant) -> Constant:
+    base = _base(constant.type)
     value = constant.value
     # A constant of ROS 1 ends with its line, and without the blanks around it.
     text = " ".join(value.split()) if isinstance(value, str) else _text(value)
@@ -68,9 +67,5 @@ def _text(value: float) -> str:
     return str(int(value)) if isinstance(value, bool) else repr(value)
 
 
-def _base(message: Ros2Message, base: str, name: str) -> str:
-    if base == "wstring":
-        raise DefinitionError(
-            f"{name!r} is a wstring, which has no counterpart in ROS 1; use string", file=message.full_name
-        )
+def _base(base: str) -> str:
     return _BASES.get(base, base)

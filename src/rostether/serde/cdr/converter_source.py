@@ -33,6 +33,7 @@ from rostether.serde.cdr.pair_tree import (
     Translation,
 )
 from rostether.serde.cdr.place import Place
+from rostether.serde.cdr.wide_text import narrow, widen
 from rostether.serde.generated_source import indented
 
 Convert = Callable[[bytes], bytes]
@@ -108,6 +109,8 @@ class _Source:
             "join": b"".join,
             "errors": ERRORS,
             "overrun": struct.error,
+            "widen": widen,
+            "narrow": narrow,
             **_PADS,
         }
         self._named: dict[tuple[str, int], str] = {}

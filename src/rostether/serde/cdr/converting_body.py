@@ -9,6 +9,7 @@ from rostether.serde.cdr.pair_tree import Array, Node, Plain, Record, Side, Slot
 from rostether.serde.cdr.pieces import Pieces
 from rostether.serde.cdr.place import Place
 from rostether.serde.cdr.reading_body import Functions, ReadingBody
+from rostether.serde.cdr.wide_text import UNIT_BYTES
 from rostether.serde.generated_source import indented
 
 _MAX_LOOPS: Final = 2
@@ -117,6 +118,9 @@ class ConvertingBody(ReadingBody):
 
     def _convert_text(self, text: Text) -> None:
         self._align_target(4)
+        if text.is_wide:
+            self._convert_wide_text(text)
+            return
         place, target = self.source_place, self.target_place
         count = self.read_count(text.bound if self.to_cdr else None)
         start = place.text()
@@ -132,6 +136,26 @@ class ConvertingBody(ReadingBody):
             self.pieces.add_expression(f"pack({length})")
             self.pieces.add_slice(start, stop)
         place.move(end)
+
+    def _convert_wide_text(self, text: Text) -> None:
+        place, target = self.source_place, self.target_place
+        count = self.read_count(None)
+        start = place.text()
+        if self.to_cdr:
+            end = self.line("o", f"{start} + {count}")
+            units = self.line("w", f"widen(b[{start}:{end}])")
+            if text.bound is not None:
+                self.lines.append(f"if len({units}) > {text.bound * UNIT_BYTES}: raise overrun")
+            self.pieces.add_expression(f"pack(len({units}) // {UNIT_BYTES})")
+            self.pieces.add_expression(units)
+            target.move(self.line("c", f"{target.text(4)} + len({units})"), UNIT_BYTES)
+            place.move(end)
+        else:
+            end = self.line("o", f"{start} + {count} * {UNIT_BYTES}")
+            narrow = self.line("w", f"narrow(b[{start}:{end}])")
+            self.pieces.add_expression(f"pack(len({narrow}))")
+            self.pieces.add_expression(narrow)
+            place.move(end, UNIT_BYTES)
 
     def _convert_array(self, array: Array) -> None:
         element = array.element

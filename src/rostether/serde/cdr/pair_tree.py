@@ -67,9 +67,13 @@ class Plain:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Text:
-    """A string; `bound` is the most bytes that ROS 2 takes, None for any number."""
+    """A string, or a wstring where it `is_wide`: UTF-16 in ROS 2, UTF-8 in ROS 1.
+
+    `bound` is the most bytes, or units of UTF-16, that ROS 2 takes, None for any number.
+    """
 
     bound: int | None = None
+    is_wide: bool = False
     block: None = None
     ros1_size_bytes: None = None
 

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from typing import Final, Never
 
 from rostether.errors import TypeMismatchError
+from rostether.msgdef.ros2.primitives import STRING_TYPES
 from rostether.msgdef.ros2.spec import ConstantValue, DefaultValue, Ros2Field, Ros2Message, Ros2Type
 from rostether.serde import type_tree
 from rostether.serde.cdr.pair_tree import (
@@ -26,6 +27,7 @@ from rostether.serde.cdr.pair_tree import (
     Translation,
 )
 from rostether.serde.cdr.renamed_types import RENAMED_FIELDS, RENAMED_VALUES
+from rostether.serde.cdr.wide_text import UNIT_BYTES, widen
 from rostether.serde.type_tree import MAX_DEPTH, MAX_FIXED_BYTES
 
 Lookup = Callable[[str], Ros2Message]
@@ -134,8 +136,8 @@ class _Pairing:
             if ros1.name == ros2.base or (ros1.name, ros2.base) in _SAME_NUMBERS:
                 return _number(ros1.name)
         elif isinstance(ros1, type_tree.Text):
-            if ros2.base == "string":
-                return Text(ros2.string_bound)
+            if ros2.base in STRING_TYPES:
+                return Text(ros2.string_bound, ros2.base == "wstring")
         elif isinstance(ros1, type_tree.Stamp):
             if ros2.base == _STAMPS[ros1.name]:
                 return Plain(8, 4)
@@ -153,8 +155,8 @@ class _Pairing:
 
     def _ros2_node(self, ros2: Ros2Type, path: str, depth: int) -> Node:
         element: Plain | Text | Record
-        if ros2.base == "string":
-            element = Text(ros2.string_bound)
+        if ros2.base in STRING_TYPES:
+            element = Text(ros2.string_bound, ros2.base == "wstring")
         elif ros2.base in _NUMBERS:
             element = _number(ros2.base)
         elif "/" in ros2.base:
@@ -215,6 +217,9 @@ def _default(node: Node, ros2: Ros2Type, default: DefaultValue | None) -> list[t
         return [piece for slot in node.ros2_slots for piece in slot.default]
     value: ConstantValue | None = None if isinstance(default, tuple) else default
     if isinstance(node, Text):
+        if node.is_wide:
+            units = widen(str(value or "").encode())
+            return [(4, (len(units) // UNIT_BYTES).to_bytes(4, "little")), (4, units)]
         raw = str(value or "").encode() + b"\0"
         return [(4, len(raw).to_bytes(4, "little")), (1, raw)]
     return [(node.alignment, struct.pack(f"<{_NUMBERS[ros2.base]}", value or 0))]

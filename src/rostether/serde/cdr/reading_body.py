@@ -6,6 +6,7 @@ from typing import Final, Protocol
 
 from rostether.serde.cdr.pair_tree import Array, Node, Plain, Record, Side, Text, Translation
 from rostether.serde.cdr.place import Place
+from rostether.serde.cdr.wide_text import UNIT_BYTES
 from rostether.serde.type_tree import MAX_EMPTY_ELEMENTS
 
 MAX_PARTS: Final = 256
@@ -63,7 +64,10 @@ class ReadingBody:
             place.advance(block.size_bytes if block else 1)
         elif isinstance(node, Text):
             count = self.read_count(None)
-            place.move(self.line("o", f"{place.text()} + {count}"))
+            if node.is_wide and not self.to_cdr:
+                place.move(self.line("o", f"{place.text()} + {count} * {UNIT_BYTES}"), UNIT_BYTES)
+            else:
+                place.move(self.line("o", f"{place.text()} + {count}"))
         elif isinstance(node, Array):
             self._skip_array(node)
         else:

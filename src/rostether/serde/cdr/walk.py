@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from rostether.serde.cdr.pair_tree import Array, Node, Plain, Record, Side, Text
+from rostether.serde.cdr.wide_text import UNIT_BYTES, widen
 from rostether.serde.type_tree import MAX_EMPTY_ELEMENTS
 
 ENCAPSULATION_BYTES: Final = 4
@@ -31,14 +32,27 @@ class Walk:
         if isinstance(node, Plain):
             self._number(node.size_bytes, node.alignment, path)
         elif isinstance(node, Text):
-            count = self._count(path)
-            # ROS 2 counts the NUL at a string's end.
-            self._require_bound(count, node.bound, "bytes", path)
-            self._skip(count, path)
+            self._over_text(node, path)
         elif isinstance(node, Array):
             self._over_array(node, path)
         else:
             self._over_record(node, path)
+
+    def _over_text(self, text: Text, path: str) -> None:
+        count = self._count(path)
+        if text.is_wide and self._side is Side.ROS2:
+            self._skip(count * UNIT_BYTES, path)
+            self.at -= count * UNIT_BYTES
+            for _ in range(count):
+                self._number(UNIT_BYTES, UNIT_BYTES, path)
+            return
+        self._skip(count, path)
+        if text.is_wide:
+            units = widen(bytes(self.payload[self.at - count : self.at]))
+            self._require_bound(len(units) // UNIT_BYTES, text.bound, "UTF-16 units", path)
+        else:
+            # ROS 2 counts the NUL at a string's end.
+            self._require_bound(count, text.bound, "bytes", path)
 
     def _over_record(self, record: Record, path: str) -> None:
         for slot in record.slots(self._side):

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import pytest
-
-from rostether.errors import DefinitionError
 from rostether.msgdef.parse_msg import parse_message
 from rostether.msgdef.ros2 import parse
 from rostether.msgdef.ros2.definitions import Ros2Definitions
@@ -47,7 +44,6 @@ def test_names_halves_of_services_as_ros1_does() -> None:
     assert ros1_name("std_msgs/msg/String") == "std_msgs/String"
 
 
-def test_refuses_wide_strings() -> None:
-    message = parse.parse_message("wstring text\n", package="x", name="Foo")
-    with pytest.raises(DefinitionError, match="x/msg/Foo: 'text' is a wstring"):
-        express(message, DEFINITIONS)
+def test_wide_strings_are_strings() -> None:
+    message = parse.parse_message("wstring<=3 text\nwstring[] more\n", package="x", name="Foo")
+    assert express(message, DEFINITIONS)[0].text == "string text\nstring[] more\n"

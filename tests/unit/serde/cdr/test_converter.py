@@ -44,6 +44,18 @@ PAYLOADS = {
                 u32(2) + u32(2) + b"a\0" + b"\0\0" + u32(1) + b"\0"),
     "two strings": ("string[2] a", "string[2] a", text(b"a") + text(b""),
                     u32(2) + b"a\0" + b"\0\0" + u32(1) + b"\0"),
+    # As rclpy serializes test_msgs/WStrings with "ab" and an emoji.
+    "wstring": ("string a", "wstring a", text("ab\N{GRINNING FACE}".encode()),
+                u32(4) + u32(0x61) + u32(0x62) + u32(0xD83D) + u32(0xDE00)),
+    "empty wstring": ("string a", "wstring a", u32(0), u32(0)),
+    "number behind a wstring": ("uint8 x\nstring a\nfloat64 b", "uint8 x\nwstring a\nfloat64 b",
+                                b"\7" + text("ä".encode()) + b"12345678",
+                                b"\7\0\0\0" + u32(1) + u32(0xE4) + bytes(4) + b"12345678"),
+    "wstrings": ("string[] a\nstring b", "wstring[] a\nwstring b",
+                 u32(2) + text(b"a") + text(b"") + text(b"q"),
+                 u32(2) + u32(1) + u32(0x61) + u32(0) + u32(1) + u32(0x71)),
+    "wstring in another order": ("string a\nuint16 c", "uint16 c\nwstring a",
+                                 text(b"xy") + b"\1\2", b"\1\2\0\0" + u32(2) + u32(0x78) + u32(0x79)),
     "stamp": ("time a", "builtin_interfaces/Time a", b"12345678", b"12345678"),
     "durations": ("duration[] a", "builtin_interfaces/Duration[] a", text(b"")[:4], u32(0)),
     "header without its number": ("Header h", "std_msgs/Header h", u32(0) + b"12345678" + text(b"m"),
@@ -136,6 +148,25 @@ def test_bounds() -> None:
         converter.to_cdr(text(b"abcd") + text(b""))
     with pytest.raises(SerializationError, match="3 elements in field 'b', but ROS 2 allows at most 2"):
         converter.to_cdr(text(b"") + text(b"123"))
+    wide = pair("string a", "wstring<=2 a")
+    assert wide.to_cdr(text("äö".encode()))
+    with pytest.raises(SerializationError, match="3 UTF-16 units in field 'a', but ROS 2 allows at most 2"):
+        wide.to_cdr(text("äöü".encode()))
+
+
+def test_wide_strings() -> None:
+    wide = pair("uint8 x\nstring a", 'uint8 x\nwstring a\nwstring b "hö"')
+    assert wide.to_cdr(b"\1" + text(b"q")) == (
+        HEAD + b"\1\0\0\0" + u32(1) + u32(0x71) + u32(2) + u32(0x68) + u32(0xF6)
+    )
+    big = b"\0\0\0\0" + b"\1\0\0\0" + bytes([0, 0, 0, 1, 0, 0, 0, 0x71]) + bytes(4)
+    assert wide.from_cdr(big) == b"\1" + text(b"q")
+    # What is no UTF-16: half a pair, a unit of more than 16 bits, more units than there are bytes for.
+    head = HEAD + b"\1\0\0\0"
+    assert wide.from_cdr(head + u32(1) + u32(0xD83D) + u32(0)) == b"\1" + text("\ufffd".encode())
+    for units in (u32(1) + u32(0x10000) + u32(0), u32(1 << 31) + u32(0x71)):
+        with pytest.raises(SerializationError):
+            wide.from_cdr(head + units)
 
 
 def test_odd_bools_become_true() -> None:
