@@ -23,6 +23,11 @@ def certificates_folder(environ: Mapping[str, str] | None = None) -> Path:
     return _folder(environ, "XDG_STATE_HOME", ".local/state", "LOCALAPPDATA") / "tls"
 
 
+def recordings_folder(environ: Mapping[str, str] | None = None) -> Path:
+    """Return `~/.local/share/rostether/recordings` (XDG_DATA_HOME; on Windows below LOCALAPPDATA)."""
+    return _folder(environ, "XDG_DATA_HOME", ".local/share", "LOCALAPPDATA") / "recordings"
+
+
 def _folder(environ: Mapping[str, str] | None, variable: str, below_home: str, on_windows: str) -> Path:
     environ = os.environ if environ is None else environ
     given = environ.get(variable, "")

@@ -38,6 +38,7 @@ class DashboardOptions:
     listen: str | None
     no_page: bool
     no_open: bool
+    recordings: Path | None
 
 
 _dashboard_options = option_group(
@@ -58,6 +59,12 @@ _dashboard_options = option_group(
         ),
         click.option("--no-page", is_flag=True, help="Serve the gateway without the page."),
         click.option("--no-open", is_flag=True, help="Do not open a browser."),
+        click.option(
+            "--recordings",
+            type=click.Path(path_type=Path, file_okay=False),
+            metavar="DIR",
+            help="Folder for recordings that the page makes (~/.local/share/rostether/recordings).",
+        ),
     ),
 )
 
@@ -99,6 +106,7 @@ def dashboard(
         access=replace(gateways, allow=graph.allow),
         node=node,
         has_page=not options.no_page,
+        recordings=options.recordings,
         wider="`rostether dashboard --listen 0.0.0.0`",
     )
 

@@ -24,10 +24,12 @@ from rostether.cli.gateway.options import DEFAULT_PLACE, GatewayOptions, read_pl
 from rostether.cli.shell.output import write_line
 from rostether.dashboard.authority_page import PAGE_FILE, authority_files
 from rostether.graph.ports import Level
+from rostether.ports.config_paths import recordings_folder
 from rostether.ros1.environment import LOOPBACK, is_loopback
 from rostether.transports.own_names import outward_address
 
 if TYPE_CHECKING:
+    from rostether.dashboard.recordings import Recordings
     from rostether.gateways.foxglove.gateway import FoxgloveGateway
     from rostether.gateways.websocket.site import Site
     from rostether.graph.ports import Graph
@@ -52,6 +54,7 @@ class DashboardSettings:
     access: GatewayOptions = field(default_factory=GatewayOptions)
     node: NodeWords = field(default_factory=NodeWords)
     has_page: bool = True
+    recordings: Path | None = None
     wider: str = "--dashboard 0.0.0.0:{port}"
 
 
@@ -72,7 +75,10 @@ async def served_dashboard(
     settings: DashboardSettings, graphs: ServedGraphs, msg_paths: Sequence[Path], tell: Tell
 ) -> AsyncIterator[Dashboard]:
     """Serve the dashboard until the end of the block. Raises ConfigError, GraphError."""
+    from rostether.dashboard.recordings import Recordings
+    from rostether.gateways.foxglove.dashboard_parts import DashboardParts
     from rostether.gateways.foxglove.settings import DEFAULT_PORT, FoxgloveSettings
+    from rostether.mechanisms.anonymous import anonymous_name
 
     host, port = read_place(settings.place, 0)
     if settings.place == host or settings.place.strip("[]") == host:
@@ -80,7 +86,13 @@ async def served_dashboard(
         port = await asyncio.to_thread(_free_port, host, DEFAULT_PORT)
     access = settings.access
     encryption = await asyncio.to_thread(read_encryption, access.tls, host)
-    site = await asyncio.to_thread(_load_site, encryption) if settings.has_page else None
+    on = in_ros1_words(graphs, msg_paths)
+    recordings = Recordings(
+        settings.recordings or recordings_folder(),
+        lambda: on.join(anonymous_name("record")),
+        lambda text: tell(Level.INFO, f"{NODE}: {text}"),
+    )
+    site = await asyncio.to_thread(_load_site, encryption, recordings) if settings.has_page else None
     served = FoxgloveSettings(
         host,
         port,
@@ -94,7 +106,6 @@ async def served_dashboard(
         key=encryption.key,
         metadata={"rostether_version": version("rostether")},
     )
-    on = in_ros1_words(graphs, msg_paths)
     graph = await joined_as(on, settings.node, settings.node.name_for(NODE, port, DEFAULT_PORT), tell)
 
     async def join_teleop() -> Graph:
@@ -102,7 +113,9 @@ async def served_dashboard(
         return await joined_as(on, NodeWords(namespace=settings.node.namespace), name, tell)
 
     try:
-        async with gateway_on(graph, on, served, tell, site, join_teleop) as gateway:
+        async with gateway_on(
+            graph, on, served, tell, DashboardParts(site, join_teleop, recordings)
+        ) as gateway:
             url = page_url(host, gateway.port, access.token, is_encrypted=bool(access.tls))
             if settings.has_page:
                 tell(Level.INFO, f"Dashboard: {url}")
@@ -146,12 +159,13 @@ def page_url(host: str, port: int, token: str = "", *, is_encrypted: bool = Fals
     return f"{scheme}://{f'[{host}]' if ':' in host else host}:{port}/{fragment}".removesuffix("/")
 
 
-def _load_site(encryption: Encryption) -> Site:
+def _load_site(encryption: Encryption, recordings: Recordings) -> Site:
     from rostether.dashboard.page_files import load_page
 
-    if encryption.authority is None:
-        return load_page()
-    return load_page(authority_files(encryption.authority, socket.gethostname()))
+    more = {}
+    if encryption.authority is not None:
+        more = authority_files(encryption.authority, socket.gethostname())
+    return load_page(more, recordings)
 
 
 def _free_port(host: str, wanted: int) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
+from collections.abc import AsyncIterator, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from dataclasses import replace
 from functools import partial
@@ -35,9 +35,9 @@ from rostether.names.remap import Arguments
 
 if TYPE_CHECKING:
     from rostether.cli.gateway.options import GatewayOptions
+    from rostether.gateways.foxglove.dashboard_parts import DashboardParts
     from rostether.gateways.foxglove.gateway import FoxgloveGateway
     from rostether.gateways.foxglove.settings import FoxgloveSettings, NameFilter
-    from rostether.gateways.websocket.site import Site
     from rostether.graph.ports import Graph
     from rostether.graph.typed_graph import TypedGraph
 
@@ -215,13 +215,9 @@ def gateway_on(
     on: GatewayGraph,
     settings: FoxgloveSettings,
     tell: Tell,
-    site: Site | None = None,
-    join_teleop: Callable[[], Awaitable[Graph]] | None = None,
+    dashboard: DashboardParts | None = None,
 ) -> FoxgloveGateway:
-    """Return a gateway on a node, to be used as a context manager.
-
-    `site` are files that it also serves; `join_teleop` makes the node of clients that drive.
-    """
+    """Return a gateway on a node, to be used as a context manager."""
     from rostether.gateways.foxglove.gateway import FoxgloveGateway
 
     return FoxgloveGateway(
@@ -231,8 +227,7 @@ def gateway_on(
         find_service_type=on.ask_service_type,
         find_packages=partial(_packages, on.msg_paths),
         tell=tell,
-        site=site,
-        join_teleop=join_teleop,
+        dashboard=dashboard,
     )
 
 

@@ -10,6 +10,8 @@ from rostether.errors import InvalidNameError, RemoteProtocolError
 from rostether.gateways.foxglove import client_messages as asked
 from rostether.gateways.foxglove import server_messages as told
 from rostether.gateways.foxglove.client_parameters import ClientParameters
+from rostether.gateways.foxglove.client_parser import parse_binary, parse_text
+from rostether.gateways.foxglove.client_recordings import ClientRecordings
 from rostether.gateways.foxglove.client_topics import ClientTopic, drained
 from rostether.gateways.foxglove.client_work import ClientWork
 from rostether.gateways.foxglove.driven_topic import DrivenTopic
@@ -29,7 +31,14 @@ _SLOW_STATUS = "slow-client"
 _SLOW_PERIOD_S = 5.0  # how often a client is told what it lost
 
 # What a client that may only view is refused.
-_ACTIONS = (asked.Advertise, asked.MessageData, asked.ServiceRequest, asked.SetParameters)
+_ACTIONS = (
+    asked.Advertise,
+    asked.MessageData,
+    asked.ServiceRequest,
+    asked.SetParameters,
+    asked.StartRecording,
+    asked.StopRecording,
+)
 _VIEW_ONLY = "this connection may only view: open the page with the full token to publish, call and set"
 
 _CAPABILITY_OF: dict[type, str] = {
@@ -56,6 +65,7 @@ class Client:
         self._topics: dict[int, ClientTopic | DrivenTopic] = {}
         self._work = ClientWork()
         self._parameters = ClientParameters(gateway, self._work, line.send, self.mistake)
+        self._recordings = ClientRecordings(gateway, self._work, line.send, self.mistake)
         self._fetching = asyncio.Semaphore(1)
         self._mistakes = 0
         self._dropped = 0
@@ -76,6 +86,9 @@ class Client:
             asked.SubscribeConnectionGraph: self._watch_graph,
             asked.UnsubscribeConnectionGraph: self._unwatch_graph,
             asked.FetchAsset: self._fetch,
+            asked.ListRecordings: self._recordings.follow,
+            asked.StartRecording: self._recordings.start,
+            asked.StopRecording: self._recordings.stop,
         }
 
     # the line's side
@@ -87,7 +100,7 @@ class Client:
     def received(self, message: str | bytes) -> None:
         """Do what is asked."""
         try:
-            request = asked.parse_text(message) if isinstance(message, str) else asked.parse_binary(message)
+            request = parse_text(message) if isinstance(message, str) else parse_binary(message)
         except RemoteProtocolError as error:
             self.mistake(str(error))
             return
@@ -111,6 +124,7 @@ class Client:
         if self._slow_timer is not None:
             self._slow_timer.cancel()
         self._gateway.forget(self)
+        self._recordings.close()
         self._work.cancel()
         for subscription in self._subscriptions.values():
             self._gateway.run(subscription.close())

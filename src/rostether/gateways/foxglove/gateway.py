@@ -13,7 +13,7 @@ from __future__ import annotations
 import asyncio
 import socket
 import time
-from collections.abc import Awaitable, Callable, Coroutine, Mapping, Sequence
+from collections.abc import Callable, Coroutine, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -24,8 +24,10 @@ from rostether.gateways.foxglove.assets import Assets, FindPackages
 from rostether.gateways.foxglove.channels import Channels
 from rostether.gateways.foxglove.client import Client
 from rostether.gateways.foxglove.connection_graph import ConnectionGraph
+from rostether.gateways.foxglove.dashboard_parts import DashboardParts
 from rostether.gateways.foxglove.line import HIGH_WATER_BYTES, Line
 from rostether.gateways.foxglove.parameters import Parameters
+from rostether.gateways.foxglove.recording_control import RecordingReports
 from rostether.gateways.foxglove.server_messages import Channel, OfferedService, StatusLevel
 from rostether.gateways.foxglove.services import FindServiceType, Services
 from rostether.gateways.foxglove.settings import FoxgloveSettings
@@ -35,8 +37,6 @@ from rostether.gateways.teleop.teleop import Teleop
 from rostether.gateways.websocket.admission import Rights
 from rostether.gateways.websocket.connection import Connection
 from rostether.gateways.websocket.server import WebSocketServer
-from rostether.gateways.websocket.settings import ConnectionLimits
-from rostether.gateways.websocket.site import Site
 from rostether.graph.ports import Graph, Level
 from rostether.msgdef.search_waiting import definitions_searched
 from rostether.serde.store import TypeStore
@@ -63,9 +63,9 @@ class FoxgloveGateway:
         find_service_type: FindServiceType | None = None,
         find_packages: FindPackages | None = None,
         tell: Callable[[Level, str], None] | None = None,
-        site: Site | None = None,
-        join_teleop: Callable[[], Awaitable[Graph]] | None = None,
+        dashboard: DashboardParts | None = None,
     ) -> None:
+        self._parts = parts = dashboard or DashboardParts()
         self.graph = graph
         self.store = store
         self.settings = settings
@@ -81,24 +81,18 @@ class FoxgloveGateway:
         self.connections = ConnectionGraph(self.channels.known)
         self.assets = Assets(find_packages or _no_packages, self.limits.asset_bytes)
         self.clock = SimClock(graph, self.shared, self._tell_time, self._restart_clients)
-        self.teleop = Teleop(join_teleop) if join_teleop is not None else None
+        self.teleop = Teleop(parts.join_teleop) if parts.join_teleop is not None else None
+        self.recordings = RecordingReports(parts.recordings) if parts.recordings is not None else None
         self._tell = tell or (lambda level, text: None)
         self._server = WebSocketServer(
             settings.label,
             settings,
-            ConnectionLimits(
-                clients=self.limits.clients,
-                others=self.limits.others,
-                message_bytes=self.limits.message_bytes,
-                unsent_bytes=HIGH_WATER_BYTES,
-                handshake_s=self.limits.handshake_s,
-                ping_period_s=self.limits.ping_period_s,
-            ),
+            self.limits.of_connections(HIGH_WATER_BYTES),
             self._open_client,
             self._warn,
             viewer_site=FOXGLOVE_SITE,
             subprotocols=told.SUBPROTOCOLS,
-            site=site,
+            site=parts.site,
         )
         self._clients: dict[Client, None] = {}
         self._statuses: dict[str, str] = {}
@@ -154,6 +148,8 @@ class FoxgloveGateway:
             await asyncio.wait(self._work)
         if self.teleop is not None:
             await self.teleop.close()
+        if self.recordings is not None:
+            await self.recordings.close()
         await asyncio.gather(
             self.channels.close(), self.services.close(), self.parameters.close(), self.clock.close()
         )
@@ -182,7 +178,6 @@ class FoxgloveGateway:
             for each in self.settings.capabilities
             if client.rights is Rights.FULL or each not in _CAPABILITIES_TO_ACT
         ]
-        features = ["drive"] if self.teleop is not None and client.rights is Rights.FULL else []
         if self.clock.is_simulated:
             capabilities.append(_TIME_CAPABILITY)
         send = client.line.send
@@ -195,8 +190,7 @@ class FoxgloveGateway:
                 metadata={
                     "ROS_DISTRO": "noetic",
                     "node": self.graph.node_name,
-                    "rights": client.rights.value,
-                    "features": ",".join(features),
+                    **self._parts.metadata(client.rights),
                     **self.settings.metadata,
                 },
             )

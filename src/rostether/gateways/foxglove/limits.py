@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from rostether.gateways.websocket.settings import ConnectionLimits
+
 
 @dataclass(frozen=True, slots=True)
 class FoxgloveLimits:
@@ -53,3 +55,14 @@ class FoxgloveLimits:
 
     parameters_timeout_s: float = 10.0
     """For an answer about parameters; a node that hangs on ROS 2 must not hold up all."""
+
+    def of_connections(self, unsent_bytes: int) -> ConnectionLimits:
+        """Return the limits of the WebSocket server; `unsent_bytes` is what the socket of a client holds."""
+        return ConnectionLimits(
+            clients=self.clients,
+            others=self.others,
+            message_bytes=self.message_bytes,
+            unsent_bytes=unsent_bytes,
+            handshake_s=self.handshake_s,
+            ping_period_s=self.ping_period_s,
+        )

@@ -146,6 +146,11 @@ def drive(state: Mapping[str, Any]) -> str:
     return _json(state)
 
 
+def recordings(state: Mapping[str, Any]) -> str:
+    """Return what is recorded, see `recording_control.py`; an op of ours."""
+    return _json({"op": "recordings", **state})
+
+
 def service_failure(service_id: int, call_id: int, text: str) -> str:
     """Return why a call failed."""
     return _json(

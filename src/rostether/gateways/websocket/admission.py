@@ -196,3 +196,17 @@ class Admission:
         """
         host = single_header(headers, "Host") or ""
         return None if self._pages.admits_host(host) else foreign_host(host)
+
+    def download_refusal(self, path: str, headers: Headers) -> str | None:
+        """Return why a request for a recording is refused, None when it is not.
+
+        Unlike the page, recordings need a token where there is one, and no page of others may ask for them.
+        """
+        if (reason := self.page_refusal(headers)) is not None:
+            return reason
+        if single_header(headers, "Sec-Fetch-Site") in ("cross-site", "same-site"):
+            return "pages of other sites may not download recordings"
+        is_known = self.has_token(path, headers) or self._has_view_token(path, headers)
+        if self.token.is_wanted and not is_known:
+            return "the token is missing or wrong: add ?token=TOKEN to the address"
+        return None

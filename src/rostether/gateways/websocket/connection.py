@@ -20,7 +20,7 @@ from websockets.server import ServerProtocol
 from websockets.typing import Subprotocol
 
 from rostether.gateways.websocket.connection_limiter import peer_name
-from rostether.gateways.websocket.site import Reply, refusal
+from rostether.gateways.websocket.site import Reply, Site, refusal
 
 if TYPE_CHECKING:
     from rostether.gateways.websocket.server import WebSocketServer
@@ -30,6 +30,8 @@ _CLOSE_S = 5.0
 
 # A phone on a weak network reads the largest file of the page in this time.
 _FILE_S = 30.0
+
+_CHUNK_BYTES = 256 << 10  # of a download, read by one call
 
 _ORDERLY = (CloseCode.NORMAL_CLOSURE, CloseCode.GOING_AWAY, CloseCode.NO_STATUS_RCVD)
 
@@ -76,6 +78,7 @@ class Connection(asyncio.Protocol):
         self._is_shaken = False
         self._timer: asyncio.TimerHandle | None = None
         self._is_ending = False
+        self._download: asyncio.Task[None] | None = None
         self._unanswered_pings = 0
         self._unsent_at_ping = 0
 
@@ -114,11 +117,16 @@ class Connection(asyncio.Protocol):
 
     def data_received(self, data: bytes) -> None:
         """Handle bytes."""
+        if self._download is not None:
+            # One connection, one file.
+            return
         self._websocket.receive_data(data)
         self._handle_events()
 
     def eof_received(self) -> bool:
         """Handle the end of what the client sends."""
+        if self._download is not None:
+            return True
         self._websocket.receive_eof()
         self._handle_events()
         return False
@@ -127,6 +135,8 @@ class Connection(asyncio.Protocol):
         """Report the end to the user."""
         if self._timer is not None:
             self._timer.cancel()
+        if self._download is not None:
+            self._download.cancel()
         self._is_shaken = False
         self.has_room.set()
         user, self._user = self._user, None
@@ -233,14 +243,35 @@ class Connection(asyncio.Protocol):
         assert self._server.site is not None
         # Before websockets 17 only GET comes here, and requests have no method.
         method = getattr(request, "method", "GET")
-        reason = self._server.page_refusal(self, request)
-        if reason is not None:
+        is_download = self._server.site.is_download(method, request.path)
+        refused = self._server.download_refusal if is_download else self._server.page_refusal
+        if (reason := refused(self, request)) is not None:
             reply = refusal(HTTPStatus.FORBIDDEN, reason)
+        elif is_download:
+            self._is_ending = True
+            self._set_timer(_FILE_S, self.abort)
+            self._download = asyncio.ensure_future(self._send_download(self._server.site, request.path))
+            return
         else:
             reply = self._server.site.reply(method, request.path, request.headers)
         self._websocket.send_response(_response(reply))
         self._is_ending = True
         self._set_timer(_FILE_S, self.abort)
+
+    async def _send_download(self, site: Site, path: str) -> None:
+        reply, file = await asyncio.to_thread(site.open_download, path)
+        assert self._transport is not None
+        self._transport.write(_response(reply).serialize())
+        if file is not None:
+            with file:
+                while chunk := await asyncio.to_thread(file.read, _CHUNK_BYTES):
+                    self._transport.write(chunk)
+                    # A client that reads nothing for so long is gone.
+                    self._set_timer(_FILE_S, self.abort)
+                    await self.has_room.wait()
+        self._set_timer(_FILE_S, self.abort)
+        # What was written is sent before.
+        self._transport.close()
 
     def _handle_frame(self, frame: Frame) -> None:
         self._unanswered_pings = 0

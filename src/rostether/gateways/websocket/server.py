@@ -183,6 +183,13 @@ class WebSocketServer:
             self._report_refused(connection, reason)
         return reason
 
+    def download_refusal(self, connection: Connection, request: Request) -> str | None:
+        """Return why a request for a recording is refused, None when it is not."""
+        reason = self.admission.download_refusal(request.path, request.headers)
+        if reason is not None:
+            self._report_refused(connection, reason)
+        return reason
+
     def _report_refused(self, connection: Connection, reason: str) -> None:
         self._limiter.report_refusal(self._connections[connection], reason)
 

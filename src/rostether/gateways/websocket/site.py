@@ -9,15 +9,17 @@ from __future__ import annotations
 import gzip
 import hashlib
 import mimetypes
+import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from http import HTTPStatus
 from pathlib import Path
-from typing import Protocol
+from typing import BinaryIO, Protocol
 
 from rostether.errors import ConfigError
 
 INDEX = "index.html"
+DOWNLOADS = "/recordings/"
 
 # The dashboard has about ten files with one megabyte; a folder beyond these limits is another folder.
 MAX_FILES = 1000
@@ -35,6 +37,7 @@ _ALWAYS = (
     ("X-Content-Type-Options", "nosniff"),
     ("Referrer-Policy", "no-referrer"),
     ("Cache-Control", "no-cache"),
+    ("Cross-Origin-Resource-Policy", "same-origin"),
 )
 # The system's table of types may lack these or name them differently.
 _TYPES = {
@@ -91,16 +94,26 @@ class SiteFile:
         )
 
 
+class Downloads(Protocol):
+    """Files that are too large for memory, and that only clients with the token get."""
+
+    def find(self, name: str) -> Path | None:
+        """Return the file of a name, None if there is none; may read a folder."""
+
+
 class Site:
     """A fixed set of files by their paths without the leading slash; `/` is `index.html`."""
 
-    def __init__(self, files: Mapping[str, bytes]) -> None:
+    def __init__(self, files: Mapping[str, bytes], downloads: Downloads | None = None) -> None:
+        self._downloads = downloads
         self._files = {f"/{name}": SiteFile.of(name, content) for name, content in files.items()}
         if index := self._files.get(f"/{INDEX}"):
             self._files["/"] = index
 
     @classmethod
-    def of_folder(cls, folder: Path, more: Mapping[str, bytes] | None = None) -> Site:
+    def of_folder(
+        cls, folder: Path, more: Mapping[str, bytes] | None = None, downloads: Downloads | None = None
+    ) -> Site:
         """Read all files of a folder, and add more; takes a while. Raises ConfigError."""
         try:
             files = dict(_read_files(folder))
@@ -110,7 +123,30 @@ class Site:
             raise ConfigError(
                 f"the page in {folder} is incomplete: {INDEX} is missing; install rostether again"
             )
-        return cls(files | dict(more or {}))
+        return cls(files | dict(more or {}), downloads)
+
+    def is_download(self, method: str, path: str) -> bool:
+        """Tell whether a request is one for `open_download`."""
+        return self._downloads is not None and method == "GET" and path.startswith(DOWNLOADS)
+
+    def open_download(self, path: str) -> tuple[Reply, BinaryIO | None]:
+        """Return the head of the response and the open file that follows it; reads a folder."""
+        assert self._downloads is not None
+        name = path.removeprefix(DOWNLOADS).partition("?")[0]
+        found = self._downloads.find(name)
+        try:
+            opened = found.open("rb") if found is not None else None
+        except OSError:
+            opened = None
+        if opened is None:
+            return refusal(HTTPStatus.NOT_FOUND, "there is no such recording"), None
+        size = os.fstat(opened.fileno()).st_size
+        headers = (
+            *_ALWAYS,
+            ("Content-Type", "application/octet-stream"),
+            ("Content-Disposition", f'attachment; filename="{name}"'),
+        )
+        return Reply(HTTPStatus.OK, headers, b"", size), opened
 
     def reply(self, method: str, path: str, headers: RequestHeaders) -> Reply:
         """Return the response to a request that asks for no WebSocket."""

@@ -96,8 +96,8 @@ async def test_pages_may_look_or_drive_by_their_token() -> None:
                     assert "/web_teleop" in master.api.registrations.nodes
                 await client.close()
             assert {each: (rights[each]["rights"], rights[each]["features"]) for each in rights} == {
-                "full": ("full", "drive"),
-                "look": ("view", ""),
+                "full": ("full", "drive,record"),
+                "look": ("view", "record"),
             }
     finally:
         await master.close()
@@ -124,6 +124,38 @@ async def test_it_encrypts_with_a_certificate_of_its_own(tmp_path: Path) -> None
             viewer = await connect(uri, ssl=trust, subprotocols=[Subprotocol("foxglove.sdk.v1")], proxy=None)
             assert "serverInfo" in str(await viewer.recv())
             await viewer.close()
+    finally:
+        await master.close()
+
+
+async def test_a_page_records_and_downloads(tmp_path: Path) -> None:
+    master = await MasterServer.start(host="127.0.0.1", port=0)
+    arguments = ("dashboard", "-p", "0", "--recordings", str(tmp_path / "bags"), "--master", master.uri)
+    try:
+        async with started(*arguments) as alone:
+            url, _ = await fetched(alone)
+            client = ProtocolClient(
+                await connect(
+                    url.replace("http:", "ws:"), subprotocols=[Subprotocol("foxglove.sdk.v1")], proxy=None
+                )
+            )
+            assert (await client.wait("serverInfo"))["metadata"]["features"] == "drive,record"
+            await client.say("listRecordings")
+            await client.wait("recordings")
+            await client.say("startRecording", format="bag")
+            await client.wait("recordings", lambda state: state["active"])
+            await client.say("stopRecording")
+            state = await client.wait("recordings", lambda state: state["files"])
+            (file,) = state["files"]
+            await client.close()
+
+            def read() -> bytes:
+                with urllib.request.urlopen(f"{url}/recordings/{file['name']}", timeout=60) as reply:
+                    return bytes(reply.read())
+
+            content = await asyncio.to_thread(read)
+            assert content.startswith(b"#ROSBAG V2.0\n")
+            assert content == (tmp_path / "bags" / file["name"]).read_bytes()
     finally:
         await master.close()
 

@@ -6,7 +6,7 @@ import asyncio
 import contextlib
 import json
 import struct
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -15,10 +15,14 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosedError
 from websockets.typing import Subprotocol
 
+from rostether.gateways.foxglove.dashboard_parts import DashboardParts
 from rostether.gateways.foxglove.gateway import FoxgloveGateway
+from rostether.gateways.foxglove.recording_control import RecordingControl
 from rostether.gateways.foxglove.settings import FoxgloveSettings
+from rostether.gateways.websocket.site import Site
 from rostether.graph.memory_graph import MemoryGraph
 from rostether.graph.memory_network import MemoryNetwork
+from rostether.graph.ports import Graph
 from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore
 
@@ -129,7 +133,12 @@ class Stage:
 
 @asynccontextmanager
 async def stage(
-    settings: FoxgloveSettings | None = None, network: MemoryNetwork | None = None, **options: Any
+    settings: FoxgloveSettings | None = None,
+    network: MemoryNetwork | None = None,
+    site: Site | None = None,
+    join_teleop: Callable[[], Awaitable[Graph]] | None = None,
+    recordings: RecordingControl | None = None,
+    **options: Any,
 ) -> AsyncIterator[Stage]:
     """Run a gateway on a free port."""
     network, store, told = network or MemoryNetwork(), TypeStore(Registry()), list[str]()
@@ -140,6 +149,7 @@ async def stage(
             store,
             settings or FoxgloveSettings(port=0),
             tell=lambda _, text: told.append(text),
+            dashboard=DashboardParts(site, join_teleop, recordings),
             **options,
         ) as gateway:
             yield Stage(gateway, store, network, robot, told)

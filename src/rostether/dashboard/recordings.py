@@ -1,0 +1,161 @@
+"""Recordings that pages of the dashboard start, stop and download: bags in one folder."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import re
+import shutil
+import time
+from collections.abc import Awaitable, Callable, Mapping, Sequence
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+from rostether.errors import ConfigError, RecordingError, RostetherError
+from rostether.graph.ports import Graph
+from rostether.recording.files import create_recording
+from rostether.recording.recorder import Recorder
+from rostether.recording.recording_plan import RecordLimits, TopicChoice
+
+FORMS = ("bag", "mcap")
+
+# A page must not fill the robot's disk: one recording, all of them, and what others need.
+MAX_FILE_BYTES = 1 << 30
+MAX_FOLDER_BYTES = 10 << 30
+MIN_FREE_BYTES = 1 << 30
+
+# Names of topics; a robot has some hundred.
+MAX_TOPICS = 1000
+
+# The newest ones are listed.
+MAX_LISTED = 200
+_NAME = re.compile(r"[\w.-]+\.(?:bag|mcap)")
+
+
+class Recordings:
+    """One folder of recordings; `join` makes the node that records."""
+
+    def __init__(
+        self, folder: Path, join: Callable[[], Awaitable[Graph]], report: Callable[[str], None]
+    ) -> None:
+        self._folder = folder
+        self._join = join
+        self._report = report
+        self._turn = asyncio.Lock()
+        self._recorder: Recorder | None = None
+        self._task: asyncio.Task[None] | None = None
+        self._began_s = 0.0
+        self._name = ""
+        self._failure = ""
+
+    @property
+    def is_active(self) -> bool:
+        """Whether a recording runs."""
+        return self._task is not None and not self._task.done()
+
+    async def start(self, topics: Sequence[str], form: str) -> None:
+        """Record topics, all without any. Raises ConfigError, GraphError."""
+        async with self._turn:
+            if self.is_active:
+                raise ConfigError(f"{self._name} is being recorded already; stop it first")
+            if form not in FORMS:
+                raise ConfigError(f"a recording is a {' or a '.join(FORMS)}, not {form[:20]!r}")
+            if len(topics) > MAX_TOPICS:
+                raise ConfigError(f"at most {MAX_TOPICS} topics can be chosen; choose none to record all")
+            await asyncio.to_thread(self._check_space)
+            graph = await self._join()
+            self._name = datetime.now().astimezone().strftime(f"%Y-%m-%d-%H-%M-%S.{form}")
+            self._began_s, self._failure = time.monotonic(), ""
+            self._recorder = Recorder(
+                graph,
+                TopicChoice(names=tuple(map(graph.resolve, topics)), is_all=not topics),
+                RecordLimits(size_bytes=MAX_FILE_BYTES),
+                create=create_recording,
+                name=lambda _: self._folder / self._name,
+                tell=lambda _: None,
+                repeat_latched=True,
+            )
+            started = asyncio.Event()
+            self._task = asyncio.ensure_future(self._record(graph, self._recorder, started))
+            waiting = asyncio.ensure_future(started.wait())
+            await asyncio.wait([self._task, waiting], return_when=asyncio.FIRST_COMPLETED)
+            waiting.cancel()
+            if self._failure:
+                raise RecordingError(self._failure)
+            self._report(f"recording {self._folder / self._name}")
+
+    async def stop(self) -> None:
+        """End the recording; its file is complete then. Raises ConfigError when none runs."""
+        async with self._turn:
+            if self._task is None or self._task.done():
+                raise ConfigError("nothing is being recorded")
+            self._task.cancel()
+            await asyncio.wait([self._task])
+            self._report(f"recorded {self._folder / self._name}")
+
+    async def state(self) -> Mapping[str, Any]:
+        """Return the running recording and the finished files, as JSON has them."""
+        state: dict[str, Any] = {
+            "active": None,
+            "files": await asyncio.to_thread(self._files),
+            "folder": str(self._folder),
+        }
+        if self._failure:
+            state["error"] = self._failure
+        if self.is_active and self._recorder is not None:
+            state["active"] = {
+                "name": self._name,
+                "seconds": round(time.monotonic() - self._began_s, 1),
+                "messages": self._recorder.progress.message_count,
+                "topics": self._recorder.topic_count,
+                "bytes": self._recorder.size_bytes,
+            }
+        return state
+
+    def find(self, name: str) -> Path | None:
+        """Return the file of a finished recording, None if there is none; reads the folder."""
+        # Only names that this folder lists: no path leads out of it.
+        return next((file for file in self._finished() if file.name == name), None)
+
+    async def _record(self, graph: Graph, recorder: Recorder, started: asyncio.Event) -> None:
+        try:
+            await recorder.run(started.set)
+        except RostetherError as error:
+            self._failure = str(error)
+        finally:
+            with contextlib.suppress(RostetherError):
+                await graph.close()
+
+    def _check_space(self) -> None:
+        try:
+            self._folder.mkdir(parents=True, exist_ok=True)
+            free_bytes = shutil.disk_usage(self._folder).free
+            used_bytes = sum(file.stat().st_size for file in self._finished())
+        except OSError as error:
+            raise ConfigError(f"{self._folder} cannot be used: {error.strerror}") from None
+        if free_bytes < MIN_FREE_BYTES + MAX_FILE_BYTES:
+            raise ConfigError(f"only {free_bytes >> 20} MB are free in {self._folder}; delete some files")
+        if used_bytes > MAX_FOLDER_BYTES:
+            raise ConfigError(
+                f"the recordings in {self._folder} have {used_bytes >> 30} GB; delete or move some of them"
+            )
+
+    def _finished(self) -> list[Path]:
+        try:
+            return [
+                file
+                for file in self._folder.iterdir()
+                if _NAME.fullmatch(file.name) and file.is_file() and not file.is_symlink()
+            ]
+        except OSError:
+            return []
+
+    def _files(self) -> list[dict[str, Any]]:
+        newest = sorted(self._finished(), key=lambda file: file.name, reverse=True)[:MAX_LISTED]
+        files = []
+        for file in newest:
+            with contextlib.suppress(OSError):
+                facts = file.stat()
+                files.append({"name": file.name, "bytes": facts.st_size, "time": round(facts.st_mtime, 3)})
+        return files

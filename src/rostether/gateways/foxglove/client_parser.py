@@ -1,0 +1,189 @@
+"""Reads what Foxglove clients say, checked: JSON objects named by `op`, and binary messages behind an opcode.
+
+Source: the Foxglove WebSocket protocol, https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md.
+"""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import json
+import struct
+from collections.abc import Callable
+from typing import Any
+
+from rostether.errors import RemoteProtocolError
+from rostether.gateways.foxglove.client_messages import (
+    Advertise,
+    ClientChannel,
+    ClientMessage,
+    FetchAsset,
+    GetParameters,
+    GivenParameter,
+    ListRecordings,
+    MessageData,
+    ServiceRequest,
+    SetParameters,
+    StartRecording,
+    StopRecording,
+    Subscribe,
+    SubscribeConnectionGraph,
+    SubscribeParameters,
+    Unadvertise,
+    Unsubscribe,
+    UnsubscribeConnectionGraph,
+    UnsubscribeParameters,
+)
+
+MAX_ITEMS = 10_000
+"""Subscriptions, channels or names in one message; a large system has some thousand topics."""
+
+MAX_TEXT_CHARACTERS = 4096
+"""Of a name, an encoding or an id; ROS names are below 256."""
+
+_MESSAGE_DATA, _SERVICE_REQUEST = 0x01, 0x02
+_CHANNEL_ID = struct.Struct("<BI")
+_SERVICE_HEADER = struct.Struct("<BIII")
+_MAX_ID = (1 << 32) - 1
+
+
+def parse_binary(data: bytes) -> MessageData | ServiceRequest:
+    """Return a binary message. Raises RemoteProtocolError."""
+    opcode = data[0] if data else -1
+    if opcode == _MESSAGE_DATA and len(data) >= _CHANNEL_ID.size:
+        return MessageData(_CHANNEL_ID.unpack_from(data)[1], data[_CHANNEL_ID.size :])
+    if opcode == _SERVICE_REQUEST and len(data) >= _SERVICE_HEADER.size:
+        _, service_id, call_id, encoding_bytes = _SERVICE_HEADER.unpack_from(data)
+        start = _SERVICE_HEADER.size + encoding_bytes
+        if encoding_bytes <= MAX_TEXT_CHARACTERS and start <= len(data):
+            encoding = data[_SERVICE_HEADER.size : start].decode("utf-8", "replace")
+            return ServiceRequest(service_id, call_id, encoding, data[start:])
+    raise RemoteProtocolError(
+        f"a binary message of {len(data)} bytes with opcode {opcode} is none that the protocol has"
+    )
+
+
+def parse_text(text: str) -> ClientMessage:
+    """Return a JSON message. Raises RemoteProtocolError that says what is wrong with it."""
+    try:
+        message = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise RemoteProtocolError(f"a text message is no JSON: {error}") from None
+    if not isinstance(message, dict):
+        raise RemoteProtocolError("a text message is no JSON object with an op")
+    op = message.get("op")
+    parse = _PARSERS.get(op) if isinstance(op, str) else None
+    if parse is None:
+        raise RemoteProtocolError(f"there is no op {_shown(op)}; this server knows {', '.join(_PARSERS)}")
+    return parse(_Fields(str(op), message))
+
+
+class _Fields:
+    """The fields of one JSON object, each taken by the type that it must have."""
+
+    def __init__(self, where: str, fields: dict[str, Any]) -> None:
+        self._where = where
+        self._fields = fields
+
+    def id(self, name: str) -> int:
+        value = self._fields.get(name)
+        if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= _MAX_ID:
+            raise self._wrong(name, "an unsigned 32 bit number")
+        return value
+
+    def ids(self, name: str) -> tuple[int, ...]:
+        return tuple(_Fields(self._where, {name: each}).id(name) for each in self._list(name))
+
+    def text(self, name: str) -> str:
+        value = self._fields.get(name)
+        if not isinstance(value, str) or len(value) > MAX_TEXT_CHARACTERS:
+            raise self._wrong(name, "a text")
+        return value
+
+    def optional_text(self, name: str) -> str | None:
+        return None if self._fields.get(name) is None else self.text(name)
+
+    def texts(self, name: str) -> tuple[str, ...]:
+        return tuple(_Fields(self._where, {name: each}).text(name) for each in self._list(name))
+
+    def objects(self, name: str) -> list[_Fields]:
+        objects = self._list(name)
+        if not all(isinstance(each, dict) for each in objects):
+            raise self._wrong(name, "a list of objects")
+        return [_Fields(f"{self._where}.{name}", each) for each in objects]
+
+    def value(self, name: str) -> Any:
+        return self._fields.get(name)
+
+    def schema(self) -> str:
+        value = self._fields.get("schema")
+        if value is None:
+            return ""
+        if not isinstance(value, str):
+            raise self._wrong("schema", "a text")
+        if self._fields.get("schemaEncoding") != "ros1msg" and self._fields.get("encoding") != "ros1":
+            return ""
+        return value
+
+    def _list(self, name: str) -> list[Any]:
+        value = self._fields.get(name)
+        if not isinstance(value, list) or len(value) > MAX_ITEMS:
+            raise self._wrong(name, f"a list of at most {MAX_ITEMS}")
+        return value
+
+    def _wrong(self, name: str, wanted: str) -> RemoteProtocolError:
+        return RemoteProtocolError(f"{self._where} wants {wanted} as {name}, not {self._shown(name)}")
+
+    def _shown(self, name: str) -> str:
+        return _shown(self._fields.get(name))
+
+
+def _shown(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 40 else f"{text[:37]}..."
+
+
+def _client_channel(fields: _Fields) -> ClientChannel:
+    return ClientChannel(
+        fields.id("id"),
+        fields.text("topic"),
+        fields.text("encoding"),
+        fields.text("schemaName"),
+        fields.schema(),
+        fields.optional_text("driver"),
+    )
+
+
+def _given_parameter(fields: _Fields) -> GivenParameter:
+    name, value, kind = fields.text("name"), fields.value("value"), fields.optional_text("type")
+    if kind == "byte_array" and value is not None:
+        try:
+            value = base64.b64decode(value, validate=True)
+        except (binascii.Error, ValueError, TypeError):
+            raise RemoteProtocolError(f"parameter {name[:80]} is no byte_array: no base64") from None
+    return GivenParameter(name, value, kind)
+
+
+_PARSERS: dict[str, Callable[[_Fields], ClientMessage]] = {
+    "subscribe": lambda fields: Subscribe(
+        tuple((each.id("id"), each.id("channelId")) for each in fields.objects("subscriptions"))
+    ),
+    "unsubscribe": lambda fields: Unsubscribe(fields.ids("subscriptionIds")),
+    "advertise": lambda fields: Advertise(tuple(map(_client_channel, fields.objects("channels")))),
+    "unadvertise": lambda fields: Unadvertise(fields.ids("channelIds")),
+    "getParameters": lambda fields: GetParameters(fields.texts("parameterNames"), fields.optional_text("id")),
+    "setParameters": lambda fields: SetParameters(
+        tuple(map(_given_parameter, fields.objects("parameters"))), fields.optional_text("id")
+    ),
+    "subscribeParameterUpdates": lambda fields: SubscribeParameters(fields.texts("parameterNames")),
+    "unsubscribeParameterUpdates": lambda fields: UnsubscribeParameters(fields.texts("parameterNames")),
+    "subscribeConnectionGraph": lambda _: SubscribeConnectionGraph(),
+    "unsubscribeConnectionGraph": lambda _: UnsubscribeConnectionGraph(),
+    "listRecordings": lambda _: ListRecordings(),
+    "startRecording": lambda fields: StartRecording(
+        fields.texts("topics") if fields.value("topics") is not None else (),
+        fields.optional_text("format") or "bag",
+    ),
+    "stopRecording": lambda _: StopRecording(),
+    "fetchAsset": lambda fields: FetchAsset(fields.text("uri"), fields.id("requestId")),
+}

@@ -1,0 +1,84 @@
+"""What one client asks about recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+from rostether.errors import RostetherError
+from rostether.gateways.foxglove import server_messages as told
+from rostether.gateways.foxglove.client_messages import ListRecordings, StartRecording, StopRecording
+from rostether.gateways.foxglove.client_work import ClientWork
+from rostether.gateways.foxglove.recording_control import RecordingControl
+
+if TYPE_CHECKING:
+    from rostether.gateways.foxglove.gateway import FoxgloveGateway
+
+# Requests of one client at once; a person makes one.
+MAX_REQUESTS = 4
+
+
+class ClientRecordings:
+    """The recordings as one client sees them; `send` sends a message, `mistake` a line."""
+
+    def __init__(
+        self,
+        gateway: FoxgloveGateway,
+        work: ClientWork,
+        send: Callable[[str], None],
+        mistake: Callable[[str], None],
+    ) -> None:
+        self._gateway = gateway
+        self._work = work
+        self._send = send
+        self._mistake = mistake
+        self._changes = 0
+
+    def follow(self, _: ListRecordings) -> None:
+        """Report the recordings, now and when they change."""
+        if (reports := self._gateway.recordings) is None:
+            self._refuse()
+            return
+        reports.follow(self._report)
+        self._work.ask(reports.report, self._mistake, MAX_REQUESTS, "requests about recordings")
+
+    def start(self, request: StartRecording) -> None:
+        """Begin a recording."""
+        self._change(lambda control: control.start(request.topics, request.form))
+
+    def stop(self, _: StopRecording) -> None:
+        """End the recording."""
+        self._change(lambda control: control.stop())
+
+    def close(self) -> None:
+        """Report no more."""
+        if self._gateway.recordings is not None:
+            self._gateway.recordings.unfollow(self._report)
+
+    def _change(self, change: Callable[[RecordingControl], Awaitable[None]]) -> None:
+        reports = self._gateway.recordings
+        if reports is None:
+            self._refuse()
+            return
+        if self._changes >= MAX_REQUESTS:
+            self._mistake(f"more than {MAX_REQUESTS} changes of the recording at once")
+            return
+        self._changes += 1
+
+        async def work() -> None:
+            try:
+                await change(reports.control)
+            except RostetherError as error:
+                self._mistake(str(error))
+            finally:
+                self._changes -= 1
+            await reports.report()
+
+        # It is finished even if the client leaves.
+        self._gateway.run(work())
+
+    def _refuse(self) -> None:
+        self._mistake("this gateway does not record")
+
+    def _report(self, state: Mapping[str, Any]) -> None:
+        self._send(told.recordings(state))

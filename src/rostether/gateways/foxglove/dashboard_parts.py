@@ -1,0 +1,31 @@
+"""What a gateway of the dashboard has beside Foxglove's protocol."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+
+from rostether.gateways.foxglove.recording_control import RecordingControl
+from rostether.gateways.websocket.admission import Rights
+from rostether.gateways.websocket.site import Site
+from rostether.graph.ports import Graph
+
+
+@dataclass(frozen=True, slots=True)
+class DashboardParts:
+    """All parts are optional.
+
+    `site` are files that it serves, `join_teleop` makes the node of clients that drive, `recordings` records
+    for clients.
+    """
+
+    site: Site | None = None
+    join_teleop: Callable[[], Awaitable[Graph]] | None = None
+    recordings: RecordingControl | None = None
+
+    def metadata(self, rights: Rights) -> dict[str, str]:
+        """Return what a client of these rights learns about the parts."""
+        features = ["drive"] if self.join_teleop is not None and rights is Rights.FULL else []
+        if self.recordings is not None:
+            features.append("record")
+        return {"rights": rights.value, "features": ",".join(features)}

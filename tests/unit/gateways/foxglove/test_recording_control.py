@@ -1,0 +1,147 @@
+"""Recording on a client's demand, over real sockets."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rostether.errors import ConfigError
+from rostether.gateways.foxglove import recording_control
+from rostether.gateways.foxglove.settings import FoxgloveSettings
+from rostether.gateways.websocket.site import Site
+from unit.gateways.foxglove.protocol_client import LIMIT_S, Stage, stage, until
+
+FREE = FoxgloveSettings(port=0)
+
+
+class FakeRecordings:
+    """Records nothing, and says what was asked."""
+
+    def __init__(self) -> None:
+        self.is_active = False
+        self.calls: list[object] = []
+        self.count = 0
+
+    async def start(self, topics: Sequence[str], form: str) -> None:
+        if self.is_active:
+            raise ConfigError("it runs already")
+        self.calls.append((tuple(topics), form))
+        self.is_active = True
+
+    async def stop(self) -> None:
+        self.calls.append("stop")
+        self.is_active = False
+
+    async def state(self) -> Mapping[str, Any]:
+        self.count += 1
+        return {"active": {"messages": self.count} if self.is_active else None, "files": []}
+
+
+async def test_a_client_starts_watches_and_stops(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(recording_control, "PERIOD_S", 0.01)
+    recordings = FakeRecordings()
+    async with stage(FREE, recordings=recordings) as there, there.client() as client, there.client() as other:
+        assert "record" in client.of("serverInfo")[0]["metadata"]["features"].split(",")
+        await client.say("listRecordings")
+        assert (await client.wait("recordings"))["active"] is None
+        await other.say("startRecording", topics=["/a"], format="mcap")
+        await client.wait("recordings", lambda state: state["active"] and state["active"]["messages"] > 4)
+        assert not other.of("recordings")
+        await other.say("startRecording")
+        await other.wait("status", lambda status: "it runs already" in status["message"])
+        await client.say("stopRecording")
+        await until(lambda: client.of("recordings")[-1]["active"] is None)
+        assert recordings.calls == [(("/a",), "mcap"), "stop"]
+        await client.say("startRecording", topics=[])
+        await until(lambda: recordings.is_active)
+    # The gateway has ended.
+    assert recordings.calls[2:] == [((), "bag"), "stop"]
+
+
+@pytest.mark.parametrize("op", ["startRecording", "stopRecording", "listRecordings"])
+async def test_without_recordings_it_is_said(op: str) -> None:
+    async with stage(FREE) as there, there.client() as client:
+        await client.say(op)
+        assert "does not record" in (await client.wait("status"))["message"]
+
+
+async def test_a_client_that_may_only_view_starts_no_recording() -> None:
+    recordings = FakeRecordings()
+    settings = replace(FREE, token="full", view_token="look")
+    async with stage(settings, recordings=recordings) as there, there.client(path="/?token=look") as viewer:
+        await viewer.say("startRecording")
+        await viewer.say("stopRecording")
+        await until(lambda: len(viewer.of("status")) == 2)
+        assert all("may only view" in each["message"] for each in viewer.of("status"))
+        await viewer.say("listRecordings")
+        await viewer.wait("recordings")
+        assert recordings.calls == []
+
+
+class Folder:
+    """Downloads from a folder."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def find(self, name: str) -> Path | None:
+        return self._folder / name if name == "drive.bag" else None
+
+
+async def fetched(there: Stage, path: str, more: str = "") -> bytes:
+    reader, writer = await asyncio.open_connection("127.0.0.1", there.gateway.port)
+    writer.write(f"GET {path} HTTP/1.1\r\nHost: localhost\r\n{more}\r\n".encode())
+    try:
+        return await asyncio.wait_for(reader.read(-1), LIMIT_S)
+    finally:
+        writer.close()
+
+
+async def test_a_recording_is_downloaded_whole(tmp_path: Path) -> None:
+    content = bytes(range(256)) * 20_000
+    (tmp_path / "drive.bag").write_bytes(content)
+    async with stage(FREE, site=Site({"index.html": b""}, Folder(tmp_path))) as there:
+        head, _, body = (await fetched(there, "/recordings/drive.bag")).partition(b"\r\n\r\n")
+        assert head.startswith(b"HTTP/1.1 200 OK\r\n")
+        assert b'attachment; filename="drive.bag"' in head
+        assert f"Content-Length: {len(content)}".encode() in head
+        assert body == content
+        assert (await fetched(there, "/recordings/none.bag")).startswith(b"HTTP/1.1 404 ")
+        assert (await fetched(there, "/recordings/../index.html")).startswith(b"HTTP/1.1 404 ")
+        await until(lambda: there.gateway.connection_count == 0)
+
+
+@pytest.mark.parametrize(
+    ("path", "more", "status"),
+    [
+        ("?token=full", "", 200),
+        ("?token=look", "", 200),
+        ("", "Authorization: Bearer full\r\n", 200),
+        ("", "", 403),
+        ("?token=wrong", "", 403),
+        ("?token=full", "Sec-Fetch-Site: cross-site\r\n", 403),
+        ("?token=full", "Sec-Fetch-Site: same-origin\r\n", 200),
+    ],
+)
+async def test_recordings_need_the_token(tmp_path: Path, path: str, more: str, status: int) -> None:
+    (tmp_path / "drive.bag").write_bytes(b"content")
+    settings = replace(FREE, token="full", view_token="look")
+    async with stage(settings, site=Site({"index.html": b""}, Folder(tmp_path))) as there:
+        reply = await fetched(there, f"/recordings/drive.bag{path}", more)
+        assert reply.startswith(f"HTTP/1.1 {status} ".encode())
+        assert (b"content" in reply) is (status == 200)
+
+
+async def test_a_client_that_goes_away_in_the_middle_leaves_nothing(tmp_path: Path) -> None:
+    (tmp_path / "drive.bag").write_bytes(bytes(50 << 20))
+    async with stage(FREE, site=Site({"index.html": b""}, Folder(tmp_path))) as there:
+        reader, writer = await asyncio.open_connection("127.0.0.1", there.gateway.port)
+        writer.write(b"GET /recordings/drive.bag HTTP/1.1\r\nHost: localhost\r\n\r\n")
+        await reader.readexactly(1000)
+        writer.transport.abort()
+        await until(lambda: there.gateway.connection_count == 0)
