@@ -14,7 +14,6 @@ from rostether.cli.access.ros1_access import joining_ros1
 from rostether.cli.access.ros2_access import ros2_access
 from rostether.graph.joint_join import JointJoin
 from rostether.graph.ports import JoinGraph
-from rostether.msgdef.search_waiting import definitions_searched
 from rostether.ros1.environment import RosEnvironment
 
 if TYPE_CHECKING:
@@ -62,7 +61,7 @@ async def served_graphs(
             joins.append(access.join)
             types = access.types
             # Other nodes may bring any type; do not search folders for it in the event loop.
-            await definitions_searched(types.registry)
+            await types.searched()
             lines.append(access.line)
         join = joins[0] if len(joins) == 1 else JointJoin(joins)
         yield ServedGraphs(join, used_environment, tuple(lines), types)

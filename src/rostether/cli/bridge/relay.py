@@ -29,7 +29,6 @@ from rostether.errors import ConfigError, UnknownTypeError
 from rostether.graph.ports import Level
 from rostether.mechanisms.anonymous import anonymous_name
 from rostether.msgdef.interface import ANY_TYPE, ServiceType
-from rostether.msgdef.search_waiting import definitions_searched
 from rostether.relay.choice import Choice, Direction, Services, Topics
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.leftovers import Leftovers
@@ -154,7 +153,7 @@ async def relay_between(
     ):
         for line in (used.line, access.line):
             reporter.line(Level.INFO, line)
-        await definitions_searched(access.types.registry)
+        await access.types.searched()
 
         async def probe(service: str) -> str:
             async with master_client(used.environment) as client:

@@ -62,23 +62,38 @@ class InstalledPackages:
     def __init__(self, prefixes: Iterable[Path]) -> None:
         self._prefixes = list(prefixes)
         self._roots: dict[str, list[Path]] | None = None
+        self._is_searched = False
         self._listings: dict[tuple[str, Kind], dict[str, Path]] = {}
 
     def packages(self) -> list[str]:
         """Return all packages that have definitions."""
         return [
-            name for name in self._all_roots() if self.of(name, Kind.MESSAGE) or self.of(name, Kind.SERVICE)
+            name
+            for name in self._all_roots()
+            if any([self.of(name, Kind.MESSAGE), self.of(name, Kind.SERVICE)])
         ]
 
     def of(self, package: str, kind: Kind) -> Mapping[str, Path]:
         """Return a package's files of one kind by type name; earlier prefixes win."""
         listing = self._listings.get((package, kind))
         if listing is None:
-            listing = self._listings[package, kind] = {}
+            # Kept when it is complete: a search in a thread may do the same.
+            listing = {}
             for root in self._all_roots().get(package, ()):
                 for name, file in _listing(root / kind, kind).items():
                     listing.setdefault(name, file)
+            self._listings[package, kind] = listing
         return listing
+
+    @property
+    def is_searched(self) -> bool:
+        """Whether all folders have been listed."""
+        return self._is_searched or not self._prefixes
+
+    def search(self) -> None:
+        """List all folders now. It may take seconds."""
+        self.packages()
+        self._is_searched = True
 
     def has_only_idl(self, package: str, kind: Kind, name: str) -> bool:
         """Tell whether the package was written in IDL, which leaves no .msg text."""
@@ -86,12 +101,13 @@ class InstalledPackages:
 
     def _all_roots(self) -> dict[str, list[Path]]:
         if self._roots is None:
-            self._roots = {}
+            roots: dict[str, list[Path]] = {}
             for prefix in self._prefixes:
                 # colcon's own prefix holds one further prefix a package, unless it installs them merged.
                 for share in (prefix / "share", *sorted(prefix.glob("*/share"))):
                     for name in _subfolders(share):
-                        self._roots.setdefault(name, []).append(share / name)
+                        roots.setdefault(name, []).append(share / name)
+            self._roots = roots
         return self._roots
 
 

@@ -82,6 +82,18 @@ class Ros2Definitions:
         # What pip installed is of a distribution of its own: it only adds types.
         return cls(paths, prefixes=install_prefixes(environ), last_prefixes=python_prefixes(), distro=distro)
 
+    @property
+    def is_searched(self) -> bool:
+        """Whether every type is found without a search of folders."""
+        is_on_path = self._found is not None or not self._paths
+        return is_on_path and self._installed.is_searched and self._installed_last.is_searched
+
+    def search(self) -> None:
+        """Search all folders now. It may take seconds."""
+        self._on_path()
+        self._installed.search()
+        self._installed_last.search()
+
     def message(self, name: str) -> Ros2Message:
         """Return a message by `package/msg/Name`, or half a service by `package/srv/Name_Request`.
 

@@ -48,11 +48,12 @@ class NativeRegistry(Registry):
         )
 
     def is_at_hand(self, look: Callable[[], object]) -> bool:
-        """Whether `look` has its answer or error without a search of ROS 1's folders."""
-        return self._ros1.is_at_hand(look)
+        """Whether `look` has its answer or error without a search of folders."""
+        return self.definitions.is_searched and self._ros1.is_at_hand(look)
 
     def search(self) -> None:
-        """Search ROS 1's folders now. It may take seconds."""
+        """Search all folders now. It may take seconds."""
+        self.definitions.search()
         self._ros1.search()
 
     def ros2_message(self, name: str) -> Ros2Message:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from dataclasses import dataclass
 
 from rostether.errors import DefinitionError, TypeMismatchError
@@ -10,6 +11,7 @@ from rostether.msgdef.md5sum import digest
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definition_text import full_text
 from rostether.msgdef.ros2.definitions import Ros2Definitions
+from rostether.msgdef.search_waiting import definitions_searched
 from rostether.ros2.types.paired_definitions import NativeView, PairedDefinitions, native_service_type
 from rostether.ros2.types.type_hash import message_hash, service_hash
 from rostether.serde.cdr.converter import CdrConverter
@@ -54,6 +56,12 @@ class Ros2Types:
         self._services_by_name: dict[str, ServiceSupport] = {}
         self._native_messages: dict[str, MessageSupport] = {}
         self._native_services: dict[str, ServiceSupport] = {}
+
+    async def searched(self) -> None:
+        """Wait until all folders of definitions of both ROS have been searched, in threads."""
+        await definitions_searched(self.registry)
+        if not self.definitions.is_searched:
+            await asyncio.to_thread(self.definitions.search)
 
     def message(self, message_type: MessageType) -> MessageSupport:
         """Return what a ROS 1 message type is in ROS 2; its own definition counts, not that of its name here.

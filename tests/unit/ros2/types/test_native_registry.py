@@ -4,9 +4,11 @@ from pathlib import Path
 
 import pytest
 
+from loop_watch import FolderWatch
 from rostether.errors import UnknownTypeError
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
+from rostether.msgdef.search_waiting import definitions_at_hand
 from rostether.ros2.types.native_registry import NativeRegistry, short_name
 from rostether.ros2.types.native_types import NativeTypes
 from rostether.ros2.types.type_support import Ros2Types
@@ -95,3 +97,27 @@ def test_unknown_types_say_what_to_do() -> None:
         REGISTRY.message("std_msgs/msg/Strin")
     with pytest.raises(UnknownTypeError):
         REGISTRY.service("std_srvs/srv/SetBol")
+
+
+def installed(folder: Path) -> Path:
+    messages = folder / "share" / "my_msgs" / "msg"
+    messages.mkdir(parents=True)
+    (messages / "Mine.msg").write_text("int32 x\n")
+    return folder
+
+
+async def test_a_search_lists_no_folder_on_the_event_loop(tmp_path: Path) -> None:
+    registry = NativeRegistry(Ros2Definitions(prefixes=[installed(tmp_path)]), Registry())
+    watch = FolderWatch()
+    await definitions_at_hand(registry, lambda: registry.message_type("my_msgs/Mine"))
+    assert registry.message("my_msgs/Mine").fields[0].name == "x"
+    assert [each for each in watch.listed if str(tmp_path) in each] == []
+
+
+async def test_types_are_searched_in_both_ros(tmp_path: Path) -> None:
+    types = Ros2Types(Registry(), Ros2Definitions(prefixes=[installed(tmp_path)]))
+    watch = FolderWatch()
+    await types.searched()
+    assert types.definitions.message("my_msgs/msg/Mine").full_name == "my_msgs/msg/Mine"
+    assert not types.definitions.has("my_msgs/msg/None")
+    assert [each for each in watch.listed if str(tmp_path) in each] == []
