@@ -21,6 +21,7 @@ REVIEWED_LONG_FILES = {
     "cli/param/ros2_params.py",
     "firmware/elf.py",
     "firmware/footprint.py",
+    "gateways/foxglove/gateway.py",
     "gateways/websocket/connection.py",
     "recording/mcap/content.py",
     "rospy/bag/bag.py",

@@ -12,7 +12,7 @@ import re
 from rostether.names.graph_name import join as join_names
 from rostether.ports.board_identity import BoardIdentity
 from rostether.ports.settings import NO_SETTINGS, DeviceSettings
-from rostether.transports.address import Address, PtyAddress, SerialAddress
+from rostether.transports.address import Address, PtyAddress, SerialAddress, UdpAddress
 from rostether.transports.board_keys import NO_PROOF, Proof
 
 _ILLEGAL = re.compile(r"[^A-Za-z0-9_]+")
@@ -44,28 +44,23 @@ def node_base_name(
         return _legal(re.split(r"[/\\]", address.path)[-1])
     if isinstance(address, PtyAddress):
         return _legal(address.link.rsplit("/", 1)[-1])
-    kind, _, place = peer.partition(" ")
-    return _legal(f"{kind}_{network_address(peer) or place}")
+    return _legal(peer if identity.address is None else f"{_protocol(address)}_{identity.address}")
 
 
-def identify_peer(peer: str, proof: Proof = NO_PROOF) -> BoardIdentity:
-    """Return what can be known of a board that is no serial port."""
-    return BoardIdentity(address=network_address(peer), psk=proof.psk, certificate=proof.certificate)
+def identify_peer(remote: str | None, proof: Proof = NO_PROOF) -> BoardIdentity:
+    """Return what can be known of a board that is no serial port; `remote` is its transport's."""
+    return BoardIdentity(address=remote, psk=proof.psk, certificate=proof.certificate)
 
 
-def network_address(peer: str) -> str | None:
-    """Return the address of a network peer, without the port it has for this one connection."""
-    kind, _, place = peer.partition(" ")
-    if kind not in ("tcp", "udp"):
-        return None
-    return place.rpartition(":")[0].strip("[]") or place
-
-
-def hardware_id(identity: BoardIdentity, peer: str) -> str:
-    """Return what stays the same when the board comes back."""
-    kind, _, place = peer.partition(" ")
-    peer = f"{kind} {place.rpartition(':')[0]}" if kind in ("tcp", "udp") else peer
+def hardware_id(address: Address, peer: str, identity: BoardIdentity) -> str:
+    """Return what stays the same when the board comes back; `peer` is the transport's."""
+    if identity.address is not None:
+        return f"{_protocol(address)} {identity.address}"
     return identity.own_serial_number or identity.usb_location or peer
+
+
+def _protocol(address: Address) -> str:
+    return "udp" if isinstance(address, UdpAddress) else "tcp"
 
 
 def numbered(base_name: str, number: int) -> str:

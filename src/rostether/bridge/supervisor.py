@@ -39,8 +39,7 @@ from rostether.ports.device_book import DeviceBook
 from rostether.ports.known_boards import KnownBoards
 from rostether.ports.settings import DeviceSettings
 from rostether.serde.store import TypeStore
-from rostether.transports.address import Address, SerialAddress, TcpAddress, UdpAddress, XbeeAddress
-from rostether.transports.board_keys import NO_PROOF
+from rostether.transports.address import Address, SerialAddress, TcpAddress, XbeeAddress
 from rostether.transports.opening import listen, open_transport
 from rostether.transports.peers import PeerEntry
 from rostether.transports.transport import Listener, Transport
@@ -202,9 +201,7 @@ class Supervisor:
 
     async def _serve_peer(self, address: Address, transport: Transport) -> None:
         self._door.line(Level.INFO, f"Connection from {transport.peer}")
-        # Only connections of TCP can prove anything.
-        proof = getattr(transport, "proof", NO_PROOF)
-        error = await self._serve(address, transport, identify_peer(transport.peer, proof))
+        error = await self._serve(address, transport, identify_peer(transport.remote, transport.proof))
         self._door.line(Level.INFO, str(error) if error is not None else f"{transport.peer} is closed")
 
     async def _serve(
@@ -213,7 +210,7 @@ class Supervisor:
         """Serve one connection until it ends; returns why. Raises SessionError, InvalidNameError."""
         device = self._devices.settings_for(address.name, identity)
         name = node_name(address, transport.peer, identity, device)
-        is_remote = isinstance(address, TcpAddress | UdpAddress) and not _is_loopback(transport.peer)
+        is_remote = transport.remote is not None and not _is_loopback(transport.remote)
         try:
             board = await self._boards.claim(name, replaces_silent=is_remote and address.listens)
         except SessionError:
@@ -223,7 +220,7 @@ class Supervisor:
         timer: asyncio.TimerHandle | None = None
         try:
             node = board.node or await self._give_node(address, board, device)
-            node.hardware_id = hardware_id(identity, transport.peer)
+            node.hardware_id = hardware_id(address, transport.peer, identity)
             baud = address.baud if isinstance(address, SerialAddress | XbeeAddress) else None
             if self._tap is not None:
                 transport = self._tap(transport)
@@ -324,6 +321,5 @@ def _is_stranger(session: Session | None) -> bool:
     return session is not None and session.link.version is None and not any(session.node.endpoints)
 
 
-def _is_loopback(peer: str) -> bool:
-    place = peer.partition(" ")[2]
-    return place.startswith(("127.", "[::1]"))
+def _is_loopback(remote: str) -> bool:
+    return remote.startswith("127.") or remote == "::1"

@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from rostether.errors import ConfigError, TransportError
+from rostether.transports.board_keys import Proof
 from rostether.transports.capture import FIRST_LINK
 from rostether.transports.transport import Receiver, Transport
 
@@ -153,6 +154,16 @@ class RecordedTransport:
     def peer(self) -> str:
         """Who is on the other side, for people."""
         return self._inner.peer
+
+    @property
+    def remote(self) -> str | None:
+        """The network address of the other side, without a port; None where it is on no network."""
+        return self._inner.remote
+
+    @property
+    def proof(self) -> Proof:
+        """The key and the certificate of a single board that the other side has proven to have."""
+        return self._inner.proof
 
     @property
     def can_pause(self) -> bool:

@@ -13,6 +13,7 @@ from enum import Enum
 from typing import TypeAlias
 
 from rostether.errors import TransportClosedError, TransportError
+from rostether.transports.board_keys import NO_PROOF, Proof
 from rostether.transports.transport import Receiver
 
 # The same marks as asyncio's sockets have, so that what works here works there.
@@ -48,6 +49,9 @@ def memory_pair(
 
 class MemoryTransport:
     """One end of a pair; made by `memory_pair`."""
+
+    remote: str | None = None
+    proof: Proof = NO_PROOF
 
     def __init__(
         self, peer: str, direction: Direction, manipulator: Manipulator | None, *, can_pause: bool

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 from rostether.errors import TransportClosedError, TransportError
+from rostether.transports.board_keys import NO_PROOF, Proof
 from rostether.transports.refusals import RefusalLog
 from rostether.transports.transport import Receiver, Transport
 
@@ -47,7 +48,12 @@ class _Candidate:
 class PeerTransport(Generic[PeerKey]):
     """One peer of a shared medium as a `Transport`; made by a `PeerTable`."""
 
-    def __init__(self, table: PeerTable[PeerKey], key: PeerKey, peer: str, *, expires: bool) -> None:
+    proof: Proof = NO_PROOF
+
+    def __init__(
+        self, table: PeerTable[PeerKey], key: PeerKey, peer: str, remote: str | None, *, expires: bool
+    ) -> None:
+        self.remote = remote
         self.key = key
         self.expires = expires
         self.heard_at_s = table.now_s()
@@ -188,6 +194,7 @@ class PeerTable(Generic[PeerKey]):
         *,
         send: Callable[[PeerKey, bytes | bytearray | memoryview], None],
         show: Callable[[PeerKey], str],
+        host_of: Callable[[PeerKey], str | None] = lambda _key: None,
         write_buffer_bytes: Callable[[], int],
         max_peers: int = MAX_PEERS,
         idle_limit_s: float = IDLE_LIMIT_S,
@@ -204,6 +211,7 @@ class PeerTable(Generic[PeerKey]):
         self._on_transport = on_transport
         self._on_forget = on_forget
         self._show = show
+        self._host_of = host_of
         self._max_peers = max_peers
         self._idle_limit_s = idle_limit_s
         self._peers: dict[PeerKey, PeerTransport[PeerKey]] = {}
@@ -270,7 +278,7 @@ class PeerTable(Generic[PeerKey]):
 
     def add(self, key: PeerKey, *, expires: bool = True) -> PeerTransport[PeerKey]:
         """Make a peer's transport and announce it; one that is known beforehand need not expire."""
-        peer = PeerTransport(self, key, self._show(key), expires=expires)
+        peer = PeerTransport(self, key, self._show(key), self._host_of(key), expires=expires)
         self._peers[key] = peer
         if expires and self._sweep_timer is None:
             self._schedule_sweep()

@@ -17,6 +17,7 @@ from pathlib import Path
 
 from rostether.errors import ConfigError, TransportOpenError
 from rostether.transports.address import PtyAddress
+from rostether.transports.board_keys import NO_PROOF, Proof
 from rostether.transports.pty_link import check_link, place_link, remove_link
 from rostether.transports.sockets import explain_reason
 from rostether.transports.stream import FLUSH_LIMIT_S
@@ -66,6 +67,9 @@ def open_pty(address: PtyAddress) -> PtyTransport:
 
 class PtyTransport:
     """Our side of a pseudo-terminal; made by `open_pty`."""
+
+    remote: str | None = None
+    proof: Proof = NO_PROOF
 
     def __init__(self, master: int, terminal: str, link: Path) -> None:
         self._loop = asyncio.get_running_loop()

@@ -6,6 +6,7 @@ import asyncio
 from typing import TYPE_CHECKING, cast
 
 from rostether.errors import PeerClosedError, TransportClosedError, TransportError
+from rostether.transports.board_keys import NO_PROOF, Proof
 from rostether.transports.sockets import explain_reason
 from rostether.transports.tls import HANDSHAKE_LIMIT_S
 from rostether.transports.transport import Receiver
@@ -22,6 +23,9 @@ READ_CHUNK_BYTES = 64 * 1024
 
 class StreamTransport(asyncio.BaseProtocol):
     """One open byte stream as a `Transport`; made by the rooms beside it, never directly."""
+
+    remote: str | None = None
+    proof: Proof = NO_PROOF
 
     def __init__(self, peer: str, *, can_pause: bool) -> None:
         self._peer = peer

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from rostether.errors import RostetherError, TransportOpenError, TransportTimeoutError
 from rostether.transports.address import TcpAddress, show_endpoint
 from rostether.transports.allow_list import AllowList
-from rostether.transports.board_keys import NO_KEYS, NO_PROOF, BoardKeys
+from rostether.transports.board_keys import NO_KEYS, BoardKeys
 from rostether.transports.read_turn import MIN_READ_BYTES, ReadTurn
 from rostether.transports.refusals import RefusalLog
 from rostether.transports.sockets import (
@@ -57,7 +57,6 @@ class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
         self._turn = ReadTurn(READ_CHUNK_BYTES)
         self._on_lost = on_lost
         self._socket: socket.socket | None = None
-        self.proof = NO_PROOF
         self.host = ""
         self.own_host = ""
 
@@ -68,7 +67,7 @@ class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
         tune_stream(transport.get_extra_info("socket"))
         peer_name = transport.get_extra_info("peername")
         if peer_name:
-            self.host = peer_name[0]
+            self.host = self.remote = peer_name[0]
             self.own_host = transport.get_extra_info("sockname")[0]
             self._peer = f"tcp {show_endpoint(*peer_name[:2])}"
 

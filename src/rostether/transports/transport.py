@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import Protocol
 
 from rostether.errors import TransportError
+from rostether.transports.board_keys import Proof
 
 
 class Receiver(Protocol):
@@ -32,6 +33,14 @@ class Transport(Protocol):
     @property
     def peer(self) -> str:
         """Who is on the other side, for people: `/dev/ttyACM0`, `tcp 192.168.1.7:51234`."""
+
+    @property
+    def remote(self) -> str | None:
+        """The network address of the other side, without a port; None where it is on no network."""
+
+    @property
+    def proof(self) -> Proof:
+        """The key and the certificate of a single board that the other side has proven to have."""
 
     @property
     def can_pause(self) -> bool:

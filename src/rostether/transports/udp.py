@@ -107,6 +107,7 @@ class UdpListener(_DatagramSocket):
             on_transport,
             send=self.send,
             show=_show_peer,
+            host_of=lambda peer: peer[0],
             write_buffer_bytes=self.write_buffer_bytes,
             max_peers=max_peers,
             idle_limit_s=idle_limit_s,
@@ -172,6 +173,7 @@ class _UdpClient(_DatagramSocket):
             lambda _transport: None,
             send=self._send_connected,
             show=_show_peer,
+            host_of=lambda peer: peer[0],
             write_buffer_bytes=self.write_buffer_bytes,
             on_forget=self.close_wire,
         )

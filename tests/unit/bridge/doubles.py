@@ -11,6 +11,7 @@ from rostether.bridge.outbound.topic_queue import TopicQueue
 from rostether.bridge.settings import DEFAULT_SETTINGS, BridgeSettings
 from rostether.errors import LocalProtocolError
 from rostether.graph.ports import Level
+from rostether.transports.board_keys import NO_PROOF
 from rostether.transports.transport import Receiver
 
 
@@ -88,6 +89,8 @@ class FakeTransport:
     def __init__(self, *, can_pause: bool = True) -> None:
         self.can_pause = can_pause
         self.peer = "fake board"
+        self.remote: str | None = None
+        self.proof = NO_PROOF
         self.writes: list[bytes] = []
         self.write_buffer_bytes = 0
 

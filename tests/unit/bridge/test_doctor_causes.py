@@ -19,6 +19,7 @@ from rostether.errors import TransportOpenError
 from rostether.rosserial.device_link import DeviceLinkConfig
 from rostether.rosserial.frame import encode_frame
 from rostether.transports.address import Address, SerialAddress, parse_address
+from rostether.transports.board_keys import NO_PROOF
 from rostether.transports.memory import memory_pair
 from rostether.transports.port_facts import PortFacts
 from rostether.transports.transport import Transport
@@ -38,6 +39,9 @@ class SlowLine:
     can_pause = False
     has_baud = False
     write_buffer_bytes = 0
+
+    remote: str | None = None
+    proof = NO_PROOF
 
     def __init__(self, wire: Transport, baud: int) -> None:
         self._wire = wire

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from rostether.bridge.identity import identify_peer, network_address, node_base_name, node_name, numbered
+from rostether.bridge.identity import hardware_id, identify_peer, node_base_name, node_name, numbered
 from rostether.names.graph_name import is_legal_name
 from rostether.ports.board_identity import BoardIdentity
 from rostether.ports.settings import DeviceSettings
@@ -28,7 +28,8 @@ from rostether.transports.address import parse_address
     ],
 )
 def test_name_of_a_board(address: str, peer: str, serial_number: str | None, name: str) -> None:
-    identity = BoardIdentity(serial_number=serial_number, address=network_address(peer))
+    remote = peer.partition(" ")[2].rpartition(":")[0].strip("[]") if ":" in peer else None
+    identity = BoardIdentity(serial_number=serial_number, address=remote)
     found = node_base_name(parse_address(address), peer, identity)
     assert found == name
     assert is_legal_name(found)
@@ -56,7 +57,21 @@ def test_a_file_names_boards_that_the_address_does_not() -> None:
     assert node_name(parse_address("/dev/ttyACM0"), "", nobody) == "/ttyACM0"
 
 
-def test_a_network_board_is_known_by_its_address_without_the_port() -> None:
-    assert identify_peer("tcp 192.168.1.7:51234").key == identify_peer("tcp 192.168.1.7:51235").key
-    assert identify_peer("tcp [fe80::1]:51234").address == "fe80::1"
-    assert identify_peer("xbee 0x0001").address is None
+@pytest.mark.parametrize(
+    ("address", "peer", "identity", "lasting"),
+    [
+        ("tcp://:1", "tcp 192.168.1.7:51234", BoardIdentity(address="192.168.1.7"), "tcp 192.168.1.7"),
+        ("udp://:1", "udp [fe80::1]:5", BoardIdentity(address="fe80::1"), "udp fe80::1"),
+        ("xbee:/dev/ttyUSB0", "xbee 0x0001", BoardIdentity(), "xbee 0x0001"),
+        ("/dev/ttyACM0", "/dev/ttyACM0", BoardIdentity(usb_location="1-2"), "1-2"),
+    ],
+)
+def test_what_stays_when_a_board_comes_back(
+    address: str, peer: str, identity: BoardIdentity, lasting: str
+) -> None:
+    assert hardware_id(parse_address(address), peer, identity) == lasting
+
+
+def test_a_network_board_is_known_by_its_address() -> None:
+    assert identify_peer("192.168.1.7").address == "192.168.1.7"
+    assert identify_peer(None).address is None

@@ -93,7 +93,8 @@ class Site:
     def connect(self, peer: str = "tcp 127.0.0.1:5000") -> RawBoard:
         """A board connects to the first listener."""
         ours, theirs = memory_pair()
-        named = type("Peer", (NamedTransport,), {"name": peer})
+        remote = peer.partition(" ")[2].rpartition(":")[0].strip("[]") or None
+        named = type("Peer", (NamedTransport,), {"name": peer, "remote": remote})
         ours.__class__ = named
         board = RawBoard(theirs, *self.announcements)
         self.boards.append(board)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from rostether.errors import TransportError
+from rostether.transports.board_keys import NO_PROOF
 from rostether.transports.transport import Receiver, Transport
 from unit.rosserial.uart_line import garbled
 
@@ -13,6 +14,9 @@ class UartPort:
     can_pause = False
     has_baud = True
     write_buffer_bytes = 0
+
+    remote: str | None = None
+    proof = NO_PROOF
 
     def __init__(self, wire: Transport, baud: int, board_baud: int, peer: str = "/dev/ttyACM0") -> None:
         self.peer = peer

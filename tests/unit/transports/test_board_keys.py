@@ -124,10 +124,10 @@ def test_devices_toml_names_them(tmp_path: Path) -> None:
     book = parse_devices_toml(
         f"[devices.arm]\npsk = '{file}'\naddress = '10.0.0.1'\n[devices.leg]\npsk = 'x'"
     )
-    arm = identify_peer("tcp 10.0.0.1:40000", Proof(file))
+    arm = identify_peer("10.0.0.1", Proof(file))
     assert book.settings_of(arm).name == "arm"
-    assert book.settings_of(identify_peer("tcp 10.0.0.1:40000")).name is None, "the address alone is no proof"
-    assert book.settings_of(identify_peer("tcp 10.0.0.2:40000", Proof(file))).name is None
-    assert book.settings_of(identify_peer("tcp 10.0.0.2:40000", Proof("x"))).name == "leg"
+    assert book.settings_of(identify_peer("10.0.0.1")).name is None, "the address alone is no proof"
+    assert book.settings_of(identify_peer("10.0.0.2", Proof(file))).name is None
+    assert book.settings_of(identify_peer("10.0.0.2", Proof("x"))).name == "leg"
     with pytest.raises(ConfigError, match="psk=x: the key cannot be read"):
         book.board_keys()

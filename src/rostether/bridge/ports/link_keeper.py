@@ -65,7 +65,7 @@ class LinkKeeper:
         while True:
             address, identity, transport = await self._open()
             try:
-                error = await self._serve(address, transport, identity or identify_peer(transport.peer))
+                error = await self._serve(address, transport, identity or identify_peer(transport.remote))
             except NodeEndedError:
                 if self._finder is None:
                     raise
