@@ -159,7 +159,7 @@ async def test_topics_go_into_a_namespace_of_the_board_if_asked() -> None:
 async def test_a_port_that_is_not_there_is_waited_for(site: Site, tmp_path: Path) -> None:
     port = tmp_path / "ttyACM0"
     await site.start(str(port))
-    await until(lambda: site.reporter.having("is not there"), "the line")
+    await until(lambda: site.reporter.having("does not exist"), "the line")
     assert site.opened == []
     port.touch()
     await site.serving("/ttyACM0")
