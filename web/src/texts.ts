@@ -21,6 +21,7 @@ export const texts = {
     simulation: "Simulated boards",
   },
   shell: {
+    viewOnly: "View only",
     more: "More",
     navigation: "Panels",
     connected: "Connected",
@@ -223,6 +224,23 @@ export const texts = {
     call: "Call",
     calling: "Calling",
     answered: (ms: number) => `Answered in ${ms < 10 ? ms.toFixed(1) : ms.toFixed(0)} ms`,
+  },
+  recording: {
+    start: "Record all topics",
+    stop: "Stop recording",
+    format: "Format",
+    bag: "ROS 1 bag",
+    mcap: "MCAP",
+    idle: "Nothing is being recorded.",
+    active: (name: string, seconds: string, messages: number, topics: number, size: string) =>
+      `${name}: ${seconds}, ${messages} messages of ${topics} topics, ${size}`,
+    folder: (folder: string) => `Recordings are files of the robot, in ${folder}`,
+    files: "Recordings",
+    none: "No recordings yet",
+    noneText: "A recording holds all topics. Replay it with rostether bag play.",
+    download: (name: string) => `Download ${name}`,
+    notOffered: "This server does not record",
+    notOfferedText: "The dashboard of rostether serve, launch, demo and dashboard records.",
   },
   console: {
     level: "Level",

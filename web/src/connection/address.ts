@@ -11,6 +11,12 @@ export function keepToken(): void {
   history.replaceState(null, "", location.pathname + location.search + rest);
 }
 
+/** The address of a finished recording; it carries the token, as a download sends no other. */
+export function recordingUrl(name: string): string {
+  const token = sessionStorage.getItem(TOKEN_KEY);
+  return `/recordings/${encodeURIComponent(name)}${token ? `?token=${encodeURIComponent(token)}` : ""}`;
+}
+
 /** The gateway's address; `?ws=ws://HOST:PORT` in the page's address names another than the page's own server. */
 export function gatewayUrl(): string {
   const given = new URLSearchParams(location.search).get("ws");

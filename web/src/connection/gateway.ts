@@ -7,6 +7,7 @@ import {
   type Lease,
   messageData,
   type Parameter,
+  type Recordings,
   type ServerBinary,
   type ServerInfo,
   type ServerText,
@@ -28,6 +29,7 @@ export interface GatewayHandlers {
   onStatus(status: Status): void;
   onStatusRemoved(ids: string[]): void;
   onTime(timeNs: bigint): void;
+  onRecordings(recordings: Recordings): void;
 }
 
 interface Waiting<T> {
@@ -53,6 +55,7 @@ export class Gateway {
   private readonly advertised = new Map<number, ClientChannel>();
   private readonly leases = new Map<number, (lease: Lease) => void>();
   private readonly watched = new Set<string>();
+  private followsRecordings = false;
   private nextId = 1;
 
   constructor(handlers: GatewayHandlers) {
@@ -75,6 +78,7 @@ export class Gateway {
         if (this.watched.size > 0) {
           this.command.send({ op: "subscribeParameterUpdates", parameterNames: [...this.watched] });
         }
+        if (this.followsRecordings) this.command.send({ op: "listRecordings" });
         handlers.onCommandConnection(true);
       },
       onText: (message) => this.onCommandText(message),
@@ -165,6 +169,21 @@ export class Gateway {
     this.command.send({ op: "unsubscribeParameterUpdates", parameterNames: names });
   }
 
+  /** Reports recordings to `onRecordings`, now and at every change; again after a reconnection. */
+  followRecordings(): void {
+    this.followsRecordings = true;
+    this.command.send({ op: "listRecordings" });
+  }
+
+  /** Begins a recording; no topics means all. */
+  startRecording(topics: string[], format: "bag" | "mcap"): void {
+    this.command.send({ op: "startRecording", topics, format });
+  }
+
+  stopRecording(): void {
+    this.command.send({ op: "stopRecording" });
+  }
+
   /** Fetches a file of the robot, such as `package://arm/meshes/base.stl`. */
   fetchAsset(uri: string): Promise<Uint8Array> {
     const requestId = this.nextId++;
@@ -230,6 +249,9 @@ export class Gateway {
         for (const [name, each] of this.commandServices) {
           if (message.serviceIds.includes(each.id)) this.commandServices.delete(name);
         }
+        break;
+      case "recordings":
+        this.handlers.onRecordings(message);
         break;
       case "drive":
         this.leases.get(message.channelId)?.({ state: message.state, driver: message.driver });

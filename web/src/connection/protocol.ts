@@ -59,6 +59,14 @@ export interface ClientChannel {
   schema: string;
   driver?: string;
 }
+/** What the gateway records and has recorded (an extension of our gateway). */
+export interface Recordings {
+  folder: string;
+  active: { name: string; seconds: number; messages: number; topics: number; bytes: number } | null;
+  files: { name: string; bytes: number; time: number }[];
+  /** Why the last recording failed. */
+  error?: string;
+}
 export type ServerText =
   | ({ op: "serverInfo" } & ServerInfo)
   | ({ op: "status" } & Status)
@@ -69,6 +77,7 @@ export type ServerText =
   | { op: "unadvertiseServices"; serviceIds: number[] }
   | { op: "parameterValues"; parameters: Parameter[]; id?: string }
   | ({ op: "connectionGraphUpdate" } & GraphUpdate)
+  | ({ op: "recordings" } & Recordings)
   | ({ op: "drive"; channelId: number } & Lease)
   | { op: "serviceCallFailure"; serviceId: number; callId: number; message: string };
 

@@ -11,6 +11,7 @@ import { mapPanel } from "./map/map.ts";
 import type { Panel } from "./panel.ts";
 import { parametersPanel } from "./parameters/parameters.ts";
 import { plotsPanel } from "./plots/plots.ts";
+import { recordingPanel } from "./recording/recording.ts";
 import { scenePanel } from "./scene/scene.ts";
 import { servicesPanel } from "./services/services.ts";
 import { topicsPanel } from "./topics/topics.ts";
@@ -30,4 +31,5 @@ export const panels: readonly Panel[] = [
   consolePanel,
   diagnosticsPanel,
   framesPanel,
+  recordingPanel,
 ];

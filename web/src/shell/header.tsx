@@ -24,6 +24,7 @@ export function Header({ robot }: { robot: Robot }) {
             <Badge level="warning">{texts.shell.simulatedTime}</Badge>
           )}
         </span>
+        {robot.info.value?.metadata?.rights === "view" && <Badge level="stale">{texts.shell.viewOnly}</Badge>}
         <span class="spring" />
         <StopButton robot={robot} />
         <IconButton

@@ -6,7 +6,7 @@ import { texts } from "../texts.ts";
 import { Icon } from "./icons.tsx";
 
 export function StopButton({ robot }: { robot: Robot }) {
-  const canDrive = useComputed(() => drivableTopics(robot).length > 0).value;
+  const canDrive = useComputed(() => robot.mayAct.value && drivableTopics(robot).length > 0).value;
   if (!canDrive) return null;
   return (
     <button type="button" class="stop" onPointerDown={() => stopAll(robot)} onClick={() => stopAll(robot)}>

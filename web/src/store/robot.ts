@@ -1,7 +1,7 @@
 // What the page knows of the robot, as signals, and the subscriptions that its panels share.
 import { batch, computed, type ReadonlySignal, type Signal, signal } from "@preact/signals";
 import { Gateway } from "../connection/gateway.ts";
-import type { GraphUpdate, ServerInfo, Service, Status } from "../connection/protocol.ts";
+import type { GraphUpdate, Recordings, ServerInfo, Service, Status } from "../connection/protocol.ts";
 import { Feed, type Listener } from "./feed.ts";
 import { frameTask } from "./frames.ts";
 import { Parameters } from "./parameters.ts";
@@ -31,6 +31,11 @@ export class Robot {
   /** Why the connection was lost, in the server's words; may be empty. */
   readonly lostReason = signal("");
   readonly canCommand = signal(false);
+  /** Whether this page may publish, call, set and record; false without a connection too. */
+  readonly mayAct: ReadonlySignal<boolean> = computed(
+    () => this.canCommand.value && this.info.value?.metadata?.rights !== "view",
+  );
+  readonly recordings: Signal<Recordings | undefined> = signal(undefined);
   readonly info: Signal<ServerInfo | undefined> = signal(undefined);
   /**
    * Topics by name, also those that only have subscribers (`isPublished` is false).
@@ -88,6 +93,9 @@ export class Robot {
       },
       onStatusRemoved: (ids) => {
         this.statuses.value = this.statuses.value.filter((each) => !each.id || !ids.includes(each.id));
+      },
+      onRecordings: (recordings) => {
+        this.recordings.value = recordings;
       },
       onTime: (timeNs) => {
         this.simulatedTimeNs.value = timeNs;

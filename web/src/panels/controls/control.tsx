@@ -31,7 +31,7 @@ export function Control({ context, topicName }: { context: PanelContext; topicNa
   }, [topic?.name, topic?.definition]);
   useEffect(() => () => publisher?.publisher.dispose(), [publisher]);
   if (publisher === undefined) return problem.value ? <p class="problem">{problem.value}</p> : null;
-  const isReadOnly = !robot.canCommand.value;
+  const isReadOnly = !robot.mayAct.value;
   const send: Send = (message, smoothly) => {
     try {
       if (smoothly) publisher.publisher.publishSmoothly(message);

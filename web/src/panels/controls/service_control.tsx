@@ -52,7 +52,7 @@ export function ServiceControl({ context, service }: { context: PanelContext; se
         <span class="control-topic">{service.name}</span>
         <span class="form-type">{service.type}</span>
       </div>
-      <fieldset class="control-body" disabled={!context.robot.canCommand.value}>
+      <fieldset class="control-body" disabled={!context.robot.mayAct.value}>
         {field === "" ? (
           <PushButton send={() => void call({})} label={service.name.split("/").at(-1) ?? service.name} />
         ) : (

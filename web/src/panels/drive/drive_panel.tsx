@@ -76,7 +76,7 @@ function Drive(props: {
     };
   };
   const lease = driver.lease.value;
-  const isReadOnly = !context.robot.canCommand.value;
+  const isReadOnly = !context.robot.mayAct.value;
   return (
     <fieldset class="drive-body" disabled={isReadOnly}>
       <p class={lease.state === "taken" ? "drive-state problem" : "drive-state"}>

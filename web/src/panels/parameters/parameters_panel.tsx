@@ -94,7 +94,7 @@ function Row({ name, parameter, context }: { name: string; parameter: Parameter;
     }
   };
   const text = valueText(value);
-  const isReadOnly = !context.robot.canCommand.value;
+  const isReadOnly = !context.robot.mayAct.value;
   return (
     <div class="parameter">
       {/* biome-ignore lint/a11y/noLabelWithoutControl: one of the fields below is the control. */}

@@ -120,11 +120,7 @@ function CallForm({ context, service }: { context: PanelContext; service: Servic
           draft.value = next;
         }}
       />
-      <button
-        type="submit"
-        class="button primary"
-        disabled={isCalling.value || !context.robot.canCommand.value}
-      >
+      <button type="submit" class="button primary" disabled={isCalling.value || !context.robot.mayAct.value}>
         {isCalling.value ? texts.services.calling : texts.services.call}
       </button>
       {current && "error" in current && <p class="problem">{current.error}</p>}
