@@ -76,6 +76,7 @@ export const texts = {
     loadOf: (percent: number, baud: number) => `${percent} % of ${baud.toLocaleString("en-US")} baud`,
     topic: "Topic or service",
     buffer: "Buffer",
+    sizeOf: (bytes: number, buffer: string) => `${bytes} of ${buffer}`,
     roles: {
       publisher: "The board publishes",
       subscriber: "The board subscribes",

@@ -69,21 +69,21 @@ class Session:
     ) -> None:
         self.node = node
         self.transport = transport
+        self.baud = None if transport.can_pause else baud
+        """The speed of its line, None if it has none: what pauses us is a network or a pseudo-terminal."""
         self.link = HostLink(link_config or node.link_config())
         self.receivers: dict[int, Callable[[list[bytes]], None]] = {}
         self.unbridged_count = 0
         self._loop = asyncio.get_running_loop()
         self.heard_at_s = self._loop.time()
         self._notices = node.notices
-        # A link that pauses us needs no model of its speed.
-        pace = None if transport.can_pause else baud
         self.outbox = Outbox(
             transport,
             self.link,
             self._loop,
             on_dropped=self._report_dropped,
             settings=node.settings,
-            baud=pace,
+            baud=self.baud,
         )
         self._parameters = ParameterRelay(
             self.link, node.graph, node.notices, node.settings, self.outbox.flush, node.device.access

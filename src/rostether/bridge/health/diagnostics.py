@@ -48,6 +48,7 @@ class BoardView:
     unbridged_count: int
     damaged_frames: int = 0
     round_trip_s: float | None = None
+    baud: int | None = None
 
 
 def view_board(node: BoardNode, session: Session | None) -> BoardView:
@@ -95,4 +96,5 @@ def view_board(node: BoardNode, session: Session | None) -> BoardView:
         session.unbridged_count,
         statistics.damaged_frames,
         statistics.shortest_round_trip_s,
+        session.baud,
     )

@@ -54,6 +54,8 @@ class StatusWriter:
         yield "peer", view.peer
         yield "connected [s]", _scaled(connected_s, 1, ".0f")
         yield "protocol version", str(view.protocol_version or UNKNOWN)
+        if view.baud is not None:
+            yield "line speed [baud]", str(view.baud)
         yield "received [bytes]", str(view.received_bytes)
         yield "received [bytes/s]", f"{rates.get('received', 0.0):.0f}"
         yield "sent [bytes]", str(view.sent_bytes)
@@ -73,6 +75,7 @@ class StatusWriter:
             yield f"{name} [messages]", str(endpoint.message_count)
             yield f"{name} [Hz]", f"{rates.get(name, 0.0):.1f}"
             yield f"{name} dropped", str(endpoint.dropped_count)
+            yield f"{name} buffer [bytes]", str(endpoint.buffer_bytes)
             if endpoint.misfit_count:
                 yield f"{name} misfit", str(endpoint.misfit_count)
         for finding in findings:

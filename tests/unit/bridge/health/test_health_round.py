@@ -61,7 +61,7 @@ def test_a_healthy_board_once_a_second() -> None:
     async def main() -> None:
         world = Rounds()
         await world.begin()
-        wire = await world.connect()
+        wire = await world.connect(115200)
         board = SketchBoard(wire, turn=every(0.05, publish("range", stamped)))
         board.publisher("range", "sensor_msgs/Range").subscriber("led").plug_in()
         arrays = await world.statuses()
@@ -72,6 +72,8 @@ def test_a_healthy_board_once_a_second() -> None:
         told = values(status)
         assert told["state"] == "connected"
         assert told["protocol version"] == "2"
+        assert told["line speed [baud]"] == "115200"
+        assert int(told["publisher range buffer [bytes]"]) > 0
         assert told["checksum errors"] == "0"
         assert told["reconnects"] == "0"
         assert float(told["publisher range [Hz]"]) == pytest.approx(20, abs=2)
@@ -194,7 +196,7 @@ def test_a_defect_is_told_once_and_ends_nothing(monkeypatch: pytest.MonkeyPatch)
         world = Rounds()
         await world.begin()
         await asyncio.sleep(4.0)
-        assert len(world.reporter.having("diagnostics broke down (ZeroDivisionError")) == 1
+        assert len(world.reporter.having("diagnostics failed (ZeroDivisionError")) == 1
         await world.end()
 
     def fail(*_arguments: object) -> None:

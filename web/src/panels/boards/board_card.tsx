@@ -4,6 +4,7 @@ import { Icon } from "../../shell/icons.tsx";
 import { Badge, type Level } from "../../shell/parts.tsx";
 import { linkTo } from "../../shell/route.ts";
 import { Sparkline } from "../../shell/sparkline.tsx";
+import type { Robot } from "../../store/robot.ts";
 import { texts } from "../../texts.ts";
 import { type Board, HISTORY_LENGTH, type HistoryKey, isStale } from "./board_history.ts";
 import { type Endpoint, type Finding, numberOf } from "./board_status.ts";
@@ -37,7 +38,7 @@ export function lineLoad(board: Board): { share: number; baud: number } | undefi
   return { share: Math.min(1, (busier * BITS_PER_BYTE) / baud), baud };
 }
 
-export function BoardCard({ board, nowMs }: { board: Board; nowMs: number }) {
+export function BoardCard({ board, nowMs, robot }: { board: Board; nowMs: number; robot: Robot }) {
   const { status } = board;
   const { values } = status;
   const level = boardLevel(board, nowMs);
@@ -82,7 +83,7 @@ export function BoardCard({ board, nowMs }: { board: Board; nowMs: number }) {
         <Count name={t.resets} value={numberOf(values, "resets")} isBad />
         <Count name={t.queued} value={numberOf(values, "queued [bytes]")} unit=" B" />
       </div>
-      {status.endpoints.length > 0 && <Endpoints board={board} />}
+      {status.endpoints.length > 0 && <Endpoints board={board} robot={robot} />}
     </section>
   );
 }
@@ -144,7 +145,7 @@ function Count(props: { name: string; value: number | undefined; unit?: string; 
   );
 }
 
-function Endpoints({ board }: { board: Board }) {
+function Endpoints({ board, robot }: { board: Board; robot: Robot }) {
   const namespace = board.status.name.includes("/") ? board.status.name.replace(/[^/]*$/, "") : "";
   const hasBuffers = board.status.endpoints.some((each) => each.bufferBytes !== undefined);
   return (
@@ -169,7 +170,11 @@ function Endpoints({ board }: { board: Board }) {
             </td>
             <td class="muted wide">{each.type}</td>
             <td class="number">{formatRate(each.hertz)}</td>
-            {hasBuffers && <td class="number">{bufferUse(each)}</td>}
+            {hasBuffers && (
+              <td class="number">
+                {bufferUse(each, robot.feed(topicOf(each, namespace)).last?.payload.length)}
+              </td>
+            )}
             <td class={each.dropped > 0 ? "number bad" : "number"}>{each.dropped.toLocaleString("en-US")}</td>
           </tr>
         ))}
@@ -180,15 +185,19 @@ function Endpoints({ board }: { board: Board }) {
 
 function EndpointName({ endpoint, namespace }: { endpoint: Endpoint; namespace: string }) {
   if (endpoint.role.startsWith("service")) return <span>{endpoint.topic}</span>;
-  const topic = endpoint.topic.startsWith("/") ? endpoint.topic : `/${namespace}${endpoint.topic}`;
+  const topic = topicOf(endpoint, namespace);
   return <a href={linkTo("topics", { topic })}>{endpoint.topic}</a>;
 }
 
-function bufferUse({ bufferBytes, messageBytes }: Endpoint): string {
+/** The topic's name on the graph: boards announce it relative to their namespace. */
+function topicOf({ topic }: Endpoint, namespace: string): string {
+  return topic.startsWith("/") ? topic : `/${namespace}${topic}`;
+}
+
+/** The last message's size where the page receives the topic, of the buffer that the board announced. */
+function bufferUse({ bufferBytes }: Endpoint, lastBytes: number | undefined): string {
   if (bufferBytes === undefined) return "–";
-  return messageBytes === undefined
-    ? formatBytes(bufferBytes)
-    : `${messageBytes} of ${formatBytes(bufferBytes)}`;
+  return lastBytes === undefined ? formatBytes(bufferBytes) : t.sizeOf(lastBytes, formatBytes(bufferBytes));
 }
 
 function signed(value: number, digits: number): string {

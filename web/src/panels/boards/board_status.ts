@@ -13,7 +13,6 @@ export interface Endpoint {
   dropped: number;
   misfit: number;
   bufferBytes: number | undefined;
-  messageBytes: number | undefined;
 }
 
 export interface Finding {
@@ -79,7 +78,6 @@ function endpoints(values: ReadonlyMap<string, string>): Endpoint[] {
       dropped: number("dropped") ?? 0,
       misfit: number("misfit") ?? 0,
       bufferBytes: number("buffer [bytes]"),
-      messageBytes: number("message [bytes]"),
     });
   }
   return found;

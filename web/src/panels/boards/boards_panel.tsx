@@ -46,7 +46,7 @@ function BoardsPanel({ context }: { context: PanelContext }) {
   return (
     <div class="boards">
       {shown.map((each) => (
-        <BoardCard key={each.status.name} board={each} nowMs={nowMs} />
+        <BoardCard key={each.status.name} board={each} nowMs={nowMs} robot={context.robot} />
       ))}
     </div>
   );
