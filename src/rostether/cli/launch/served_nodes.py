@@ -65,16 +65,18 @@ SERVED_NODES: dict[tuple[str, str], tuple[str, ...]] = {
 }
 
 _WINDOWS = {
-    "rviz": "`rostether tf monitor` and `rostether topic echo` show the robot's frames in the terminal",
-    "rqt_graph": "`rostether graph` shows nodes and topics",
-    "rqt_plot": "`rostether plot TOPIC/field` shows values over time",
-    "rqt_console": "`rostether topic echo /rosout` shows logs",
-    "rqt_topic": "`rostether topic list -v` and `rostether topic echo` show topics",
-    "rqt_gui": "`rostether monitor`, `graph` and `plot` show the graph in the terminal",
-    "rqt_publisher": "`rostether topic pub -r` publishes",
-    "rqt_service_caller": "`rostether service call` calls services",
-    "rqt_reconfigure": "`rostether param set` sets parameters",
-    "rqt_robot_steering": "`rostether topic pub -r 10 /cmd_vel geometry_msgs/Twist` drives",
+    "rviz": "`rostether dashboard` shows the robot in 3D in a browser",
+    "rviz2": "`rostether dashboard` shows the robot in 3D in a browser",
+    "rqt_graph": "`rostether graph` and `rostether dashboard` show nodes and topics",
+    "rqt_plot": "`rostether plot TOPIC/field` and `rostether dashboard` show values over time",
+    "rqt_image_view": "`rostether dashboard` shows pictures in a browser",
+    "rqt_console": "`rostether topic echo /rosout` and `rostether dashboard` show logs",
+    "rqt_topic": "`rostether topic list -v` and `rostether dashboard` show topics",
+    "rqt_gui": "`rostether dashboard` shows plots, pictures, logs and 3D in a browser",
+    "rqt_publisher": "`rostether topic pub -r` and `rostether dashboard` publish",
+    "rqt_service_caller": "`rostether service call` and `rostether dashboard` call services",
+    "rqt_reconfigure": "`rostether param set` and `rostether dashboard` set parameters",
+    "rqt_robot_steering": "`rostether dashboard` drives a robot with a stick",
 }
 
 
@@ -95,7 +97,7 @@ def replacement_line(package: str, environ: Mapping[str, str]) -> str | None:
         return None
     if window_program(package, package, environ) is not None:
         return None
-    instead = _WINDOWS.get(package, "`rostether monitor`, `graph` and `plot` show the graph in the terminal")
+    instead = _WINDOWS.get(package, "`rostether dashboard` shows the robot in a browser")
     return f"{package} is not installed here; {instead}"
 
 
