@@ -273,6 +273,14 @@ def zenoh_table() -> Table:
             "",
             "p50 1 ms",
         )
+    bare = zenoh_flows.bare_round_trips(100, 500)
+    table.add_row(
+        "the same without the library, 100 Hz",
+        f"p50 {bare.percentile_ms(50):.2f} ms, p99 {bare.percentile_ms(99):.2f} ms",
+        str(bare.sent - len(bare.times_s)),
+        "",
+        "",
+    )
     for payload_bytes in (8, 64):
         trips = zenoh_line.round_trips(payload_bytes, 300)
         table.add_row(

@@ -7,11 +7,12 @@ import struct
 import subprocess
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 
 import zenoh
 
+from benchmarks import bare_zenoh
 from benchmarks.flood_device import PUBLISHER_ID, SUBSCRIBER_ID, announcement, answer_requests, connect
 from benchmarks.processes import Bench, cpu_s, first_line, output, say
 from benchmarks.round_trip import FRAME_BYTES, PAYLOAD, RoundTrips
@@ -113,12 +114,51 @@ def round_trips(rate_hz: float, count: int) -> RoundTrips:
         _bridged(bench, "echo_board") as (_, device_port, zenoh_port),
         ExitStack() as stack,
     ):
-        peers = _Peers(stack, device_port, zenoh_port)
-        times: list[float] = []
-        started = time.perf_counter()
-        for index in range(count):
-            taken_s = peers.round_trip_s()
-            if taken_s is not None:
-                times.append(taken_s)
-            time.sleep(max(0.0, started + (index + 1) / rate_hz - time.perf_counter()))
-        return RoundTrips(count, tuple(sorted(times)))
+        return _timed(_Peers(stack, device_port, zenoh_port).round_trip_s, rate_hz, count)
+
+
+def bare_round_trips(rate_hz: float, count: int) -> RoundTrips:
+    """Time the same way through a process that only hands bytes on: what is left is the library's."""
+    device_port, zenoh_port = free_port(), free_port()
+    came = threading.Event()
+
+    def take(_: zenoh.Sample) -> None:
+        came.set()
+
+    with ZenohBench() as bench, ExitStack() as stack:
+        if first_line(bench.module("bare_zenoh", str(device_port), str(zenoh_port))) != ["serving"]:
+            raise RuntimeError("the process between did not start")
+        device = stack.enter_context(socket.create_connection(("127.0.0.1", device_port)))
+        device.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        threading.Thread(target=_echo_bytes, args=(device,), daemon=True).start()
+        session = stack.enter_context(open_session(str(zenoh_port)))
+        session.declare_subscriber(bare_zenoh.OUT, zenoh.handlers.Callback(take, indirect=False))
+        publisher = session.declare_publisher(bare_zenoh.IN)
+        time.sleep(1.0)
+
+        def round_trip_s() -> float | None:
+            came.clear()
+            started = time.perf_counter()
+            publisher.put(_CDR)
+            return time.perf_counter() - started if came.wait(LOST_S) else None
+
+        return _timed(round_trip_s, rate_hz, count)
+
+
+def _echo_bytes(device: socket.socket) -> None:
+    try:
+        while data := device.recv(65536):
+            device.sendall(data)
+    except OSError:
+        return
+
+
+def _timed(round_trip_s: Callable[[], float | None], rate_hz: float, count: int) -> RoundTrips:
+    times: list[float] = []
+    started = time.perf_counter()
+    for index in range(count):
+        taken_s = round_trip_s()
+        if taken_s is not None:
+            times.append(taken_s)
+        time.sleep(max(0.0, started + (index + 1) / rate_hz - time.perf_counter()))
+    return RoundTrips(count, tuple(sorted(times)))
