@@ -1,7 +1,7 @@
 """Runs every benchmark and prints a table: what we reach, what was asked, and the bare relay of the same run.
 
-python -m benchmarks [throughput|round-trip|footprint|crowd|scale|frames|codec|cdr|cycles|sizes|gateways|
-    zenoh ...]
+python -m benchmarks [throughput|round-trip|footprint|crowd|scale|flooding|frames|codec|cdr|cycles|sizes|
+    gateways|zenoh ...]
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from rich.table import Table
 from benchmarks import (
     cdr_conversion,
     crowd,
+    flooding_boards,
     footprint,
     gateways,
     recording,
@@ -143,6 +144,24 @@ def scale_table() -> Table:
             f"{seen.cpu_percent:.0f} %",
             f"{seen.resident_mb:.0f}",
             "0, p99 10 ms",
+        )
+    return table
+
+
+def flooding_table() -> Table:
+    """Measure boards that all flood one roscpp subscriber, in ten rounds each."""
+    rounds = 10
+    columns = "boards", "lost in each round", "messages a round", "messages/s", "wanted"
+    table = Table(*columns, title="Flooding boards, 64 B, one roscpp subscriber")
+    for boards in (1, 8, 32):
+        found = [flooding_boards.flooding_boards(boards, 200_000) for _ in range(rounds)]
+        rates = sorted(each.received / each.seconds for each in found)
+        table.add_row(
+            str(boards),
+            " ".join(str(each.lost) for each in found),
+            f"{found[0].sent:,}",
+            f"{rates[rounds // 2]:,.0f}",
+            "0 lost",
         )
     return table
 
@@ -299,6 +318,7 @@ TABLES = {
     "footprint": footprint_table,
     "crowd": crowd_table,
     "scale": scale_table,
+    "flooding": flooding_table,
     "frames": frames_table,
     "codec": codec_table,
     "cdr": cdr_table,

@@ -20,7 +20,7 @@ class Clock {
  public:
   // Time at `now_ms`. Moves the reference along, so that the millisecond counter may overflow after 49 days.
   //
-  // It never goes back: after an answer that says less than was told before, it stands still until the host has caught
+  // It never goes back: after an answer below the time last returned, it stands still until the host has caught
   // up. Only a host whose clock itself was set back, by more than MAX_HOLD_S, is followed back.
   ROS_APART const Moment& at(uint32_t now_ms) {
     uint32_t elapsed_ms = now_ms - moment_ms_;
@@ -35,16 +35,16 @@ class Clock {
     normalizeSecNSec(sec, nsec);
     moment_.sec = sec;
     moment_.nsec = nsec;
-    // A second ahead of the one told is billions behind it.
-    const uint32_t behind_s = told_.sec - sec;
-    if (behind_s >= MAX_HOLD_S || (behind_s == 0 && nsec >= told_.nsec)) told_ = moment_;
-    return told_;
+    // Negative differences wrap to billions.
+    const uint32_t behind_s = returned_.sec - sec;
+    if (behind_s >= MAX_HOLD_S || (behind_s == 0 && nsec >= returned_.nsec)) returned_ = moment_;
+    return returned_;
   }
 
   void set(const Time& moment, uint32_t then_ms) {
     moment_.sec = moment.sec;
     moment_.nsec = moment.nsec;
-    told_.sec = 0;
+    returned_.sec = 0;
     moment_ms_ = then_ms;
   }
 
@@ -56,12 +56,12 @@ class Clock {
   }
 
  private:
-  // Longer than any round trip, shorter than a user would put up with a clock that stands still.
+  // Longer than any round trip, and short enough for a clock to stand still.
   static const uint32_t MAX_HOLD_S = 10;
 
   Moment moment_;
-  // The latest time that was told.
-  Moment told_;
+  // The latest time that was returned.
+  Moment returned_;
   uint32_t moment_ms_;
 };
 

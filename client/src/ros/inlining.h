@@ -1,4 +1,4 @@
-// What the compiler is told of where to put code, against its own guess.
+// Attributes that choose where the compiler puts code.
 #ifndef ROS_INLINING_H_
 #define ROS_INLINING_H_
 

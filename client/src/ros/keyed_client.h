@@ -44,7 +44,7 @@ class KeyedClient : public NetworkClient {
   void setKey(const __FlashStringHelper* key, uint32_t chance = 0) { set(KeyText(key), chance); }
 
   // Why the last connection did not come about, if it was the hello: the host said nothing in time or hung up, spoke
-  // without asking for a key, or could not prove that it has ours.
+  // without asking for a key, or could not prove that it has this board's key.
   Refusal refusal() const { return refusal_; }
 
   int connect(IPAddress server, uint16_t port) { return greeted(NetworkClient::connect(server, port)); }
@@ -72,8 +72,8 @@ class KeyedClient : public NetworkClient {
   Refusal greet() {
     char theirs[NONCE_HEX + 1], ours[NONCE_HEX + 1], proof[PROOF_HEX + 1], said[PROOF_HEX + 1];
     const uint32_t began_ms = millis();
-    Refusal heard = readLine(theirs, NONCE_HEX, began_ms);
-    if (heard != NONE) return heard;
+    Refusal refusal = readLine(theirs, NONCE_HEX, began_ms);
+    if (refusal != NONE) return refusal;
     makeNonce(theirs, ours);
     prove("connector ", theirs, ours, proof);
     char line[WORD + NONCE_HEX + 1 + PROOF_HEX + 1];
@@ -84,8 +84,8 @@ class KeyedClient : public NetworkClient {
     line[sizeof line - 1] = '\n';
     NetworkClient::write(reinterpret_cast<const uint8_t*>(line), sizeof line);
     prove("listener ", theirs, ours, proof);
-    heard = readLine(said, PROOF_HEX, began_ms);
-    if (heard != NONE) return heard;
+    refusal = readLine(said, PROOF_HEX, began_ms);
+    if (refusal != NONE) return refusal;
     uint8_t differing = 0;
     for (uint8_t i = 0; i < PROOF_HEX; ++i) differing |= static_cast<uint8_t>(said[i] ^ proof[i]);
     return differing ? WRONG_KEY : NONE;

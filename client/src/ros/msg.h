@@ -1,6 +1,6 @@
 // Messages whose headers an older generator wrote, or a person: virtual functions and no bounds.
 //
-// Sketches that bring such headers along compile and work as before. Generate them anew where possible: what these read is only
+// Sketches that bring such headers along compile and work as before. Generate them again where possible: what these read is only
 // checked after they have read it, and what they write goes through a buffer on the stack.
 #ifndef ROS_MSG_H_
 #define ROS_MSG_H_
@@ -41,7 +41,7 @@ class Msg {
   }
 
  protected:
-  // Not virtual: nobody deletes a message through this, and an AVR would link the heap for it.
+  // Not virtual: no code deletes a message through this, and an AVR would link the heap for it.
   ~Msg() {}
 };
 

@@ -20,7 +20,7 @@ namespace ros {
 // A Hardware that also has `int writable()`, the bytes that write would take at once, is never waited for: while its
 // transmitter is full, the node goes on reading. One that connects again by itself has `bool relinked()`: whether the
 // link was lost or replaced since the last call. It lets no byte in or out between the change and that call, after
-// which the node introduces itself anew.
+// which the node introduces itself again.
 //
 // INPUT_SIZE is the longest message that can come in. There are as many publishers and subscribers as the sketch has,
 // and messages go out without a buffer: the other sizes have no effect.
@@ -54,7 +54,7 @@ class NodeHandle_ : public NodeHandleBase_ {
       if (byte < 0) {
         if (relinked(hardware_, 0)) {
           window_.forget();
-          contactAnew();
+          contactAgain();
         }
         return restless(milliseconds()) ? rest(false) : SPIN_OK;
       }
@@ -66,7 +66,7 @@ class NodeHandle_ : public NodeHandleBase_ {
   uint32_t time() override { return static_cast<uint32_t>(hardware_.time()); }
 
  private:
-  // A transmitter that takes no byte for this long has nobody behind it: at 9600 baud one byte takes 1 ms.
+  // A transmitter that accepts no byte for this long is not connected: at 9600 baud one byte takes 1 ms.
   static const uint16_t STALL_MS = 100;
 
   template <class H>
@@ -141,7 +141,7 @@ class NodeHandle_ : public NodeHandleBase_ {
       const int byte = hardware_.read();
       if (byte < 0) return;
       window_.appendBacklog(static_cast<uint8_t>(byte));
-      heardNow();
+      noteReceived();
     }
   }
 

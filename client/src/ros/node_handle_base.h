@@ -35,7 +35,7 @@ class NodeHandleBase_ : public FrameWriter {
   // SPIN_TIMEOUT when it ended with bytes left because its time was over.
   virtual int spinOnce() = 0;
 
-  // Whether a host is there that was told of this node's topics.
+  // Whether a host is there and has this node's topics.
   bool connected() const { return connected_; }
 
   // Longest time in ms that spinOnce goes on reading a line that never pauses; 0 for the usual one.
@@ -186,14 +186,14 @@ class NodeHandleBase_ : public FrameWriter {
 
   NodeHandleBase_() { spin_timeout_ms_ = SPIN_TIMEOUT_MS; }
 
-  // Starts anew: the next spinOnce introduces the node.
+  // Starts again: the next spinOnce introduces the node.
   ROS_APART void start(uint8_t* buffer, uint16_t buffer_bytes) {
     window_.open(buffer, buffer_bytes);
-    contactAnew();
+    contactAgain();
   }
 
-  // Takes what is at the other end for a stranger, to be told of this node at once.
-  void contactAnew() {
+  // Expects another host at the other end, and introduces the node to it at once.
+  void contactAgain() {
     connected_ = false;
     unanswered_ = 0;
     due_ = NOTHING_DUE;
@@ -223,22 +223,22 @@ class NodeHandleBase_ : public FrameWriter {
   }
 
   // What is to be done when no byte waits: what spinOnce should return.
-  ROS_APART int8_t rest(bool heard) {
+  ROS_APART int8_t rest(bool received) {
     const uint16_t now_ms = shortTime();
-    if (heard) {
-      heard_ms_ = now_ms;
-    } else if (!window_.empty() && since(heard_ms_, now_ms) >= GAP_MS) {
+    if (received) {
+      received_ms_ = now_ms;
+    } else if (!window_.empty() && since(received_ms_, now_ms) >= GAP_MS) {
       window_.drop();
       work(window_.examine(), now_ms);
     }
     return contactIsDue(now_ms) ? keepInTouch(now_ms) : SPIN_OK;
   }
-  // Whether `rest` is needed if no byte was heard.
+  // Whether `rest` is needed if no byte was received.
   bool restless(uint16_t now_ms) const { return !window_.empty() || contactIsDue(now_ms); }
 
   // Does what the host waits for. What it asked several times it is answered once: a sketch that sleeps finds all its
   // requests at once, and an answer to each would look like one reset after the other. Without a request, asks for the
-  // time; a host that answers and does not ask for the topics is there, and has not seen that the board started anew.
+  // time; a host that answers and does not ask for the topics is there, and has not seen that the board was reset.
   ROS_APART int8_t keepInTouch(uint16_t now_ms) {
     const uint8_t due = due_;
     due_ = NOTHING_DUE;
@@ -262,7 +262,7 @@ class NodeHandleBase_ : public FrameWriter {
   bool contactIsDue(uint16_t now_ms) const { return due_ || since(requested_ms_, now_ms) >= SYNC_PERIOD_MS; }
 
   // For bytes that come in while the node transmits.
-  void heardNow() { heard_ms_ = shortTime(); }
+  void noteReceived() { received_ms_ = shortTime(); }
 
  private:
   enum Due { NOTHING_DUE, PROBED, INTRODUCTION_DUE, ANSWER_DUE };
@@ -270,7 +270,7 @@ class NodeHandleBase_ : public FrameWriter {
   // With SYNC_PERIOD_MS: 11 s without an answer, and the host is gone.
   static const uint8_t MAX_UNANSWERED = 4;
   // A gap of this length within a frame means that the rest was lost: longer than a network's hiccups, short enough
-  // that a wrong length does not deafen the board for a time one would notice.
+  // that after a wrong length the board soon receives again.
   static const uint16_t GAP_MS = 200;
   // A host that looks for boards sends wrong version bytes, and noise has them; one answer is enough for a burst.
   static const uint8_t ANSWER_PAUSE_MS = 20;

@@ -45,7 +45,7 @@ struct NodeState {
   Reader reader_;
   uint16_t spin_timeout_ms_;
   uint16_t requested_ms_;
-  uint16_t heard_ms_;
+  uint16_t received_ms_;
   uint8_t unanswered_;
   uint8_t depth_;
   uint8_t due_;

@@ -36,7 +36,7 @@ class Sha256 {
 
   // Ends it: nothing more can be added.
   void finish(uint8_t (&digest)[DIGEST_BYTES]) {
-    // The length has 64 bits; ours is below 2^32.
+    // The length has 64 bits, of which 32 are used.
     const uint32_t bits = bytes_ * 8;
     const uint8_t zero = 0;
     add(static_cast<uint8_t>(0x80));

@@ -30,11 +30,11 @@ class Subscriber : public Endpoint {
 
  private:
   static void drive(Endpoint& self, NodeHandleBase_& node, Reader* reader) {
-    if (reader) return static_cast<Subscriber&>(self).hear(node, *reader);
+    if (reader) return static_cast<Subscriber&>(self).receive(node, *reader);
     node.announce(self, ID_SUBSCRIBER, WireFormat<M>::names());
   }
   // Apart, so that an announcement has no message on the stack.
-  ROS_NOINLINE void hear(NodeHandleBase_& node, Reader& reader) {
+  ROS_NOINLINE void receive(NodeHandleBase_& node, Reader& reader) {
     M message;
     WireFormat<M>::read(reader, message);
     if (node.accept(reader)) callback_(message);

@@ -40,7 +40,7 @@ class ArduinoUdpHardware {
     while (unread_ <= 0) {
       unread_ = udp_.parsePacket();
       if (unread_ <= 0) return -1;
-      // Anybody may send here; only the host is heard.
+      // Any program may send to this port; packets of others than the host are dropped.
       if (!(udp_.remoteIP() == server_) || udp_.remotePort() != port_) unread_ = 0;
     }
     const int byte = udp_.read();

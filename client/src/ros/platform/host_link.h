@@ -12,7 +12,7 @@ namespace ros {
 
 enum PipeState { PIPE_FAILED, PIPE_PENDING, PIPE_OPEN };
 
-// The hardware of a program under an operating system: bytes through a Pipe, made anew whenever it breaks, never blocking.
+// The hardware of a program under an operating system: bytes through a Pipe, which is opened again whenever it breaks; never blocking.
 //
 // A Pipe has
 //   PipeState open(uint32_t wait_ms)        begins or goes on opening, for about so long
@@ -21,7 +21,7 @@ enum PipeState { PIPE_FAILED, PIPE_PENDING, PIPE_OPEN };
 //   void wait(uint32_t wait_ms)             until it takes or gives bytes again, or so long
 //   void close()
 //   const char* name(), const char* reason()  what is opened, and why that failed
-//   static uint32_t milliseconds()          of a clock that nobody sets
+//   static uint32_t milliseconds()          of a clock that is never set
 // A copy of it is closed.
 template <class Pipe>
 class HostLink {

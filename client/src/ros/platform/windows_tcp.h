@@ -42,7 +42,7 @@ struct WindowsSockets {
   static PipeState connected(SOCKET handle, uint32_t wait_ms) {
     Sets sets(handle);
     struct timeval limit = {0, static_cast<long>(wait_ms * 1000)};
-    // A connection that is refused is only told of as an exception.
+    // A refused connection is reported only as an exception.
     if (select(0, nullptr, &sets.writable, &sets.failed, &limit) <= 0) return PIPE_PENDING;
     return FD_ISSET(handle, &sets.writable) ? PIPE_OPEN : PIPE_FAILED;
   }
