@@ -1,6 +1,6 @@
 // Builds the page into src/rostether/dashboard/page. The same sources give the same bytes.
 import { mkdirSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
-import { dirname, join, relative, resolve } from "node:path";
+import { basename, dirname, join, relative, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
 import { gzipSync } from "node:zlib";
 import * as esbuild from "esbuild";
@@ -34,7 +34,54 @@ async function build() {
   const files = new Map(result.outputFiles.map((each) => [relative(page, each.path), each.contents]));
   files.set("index.html", readFileSync(join(here, "src/index.html")));
   files.set("licenses.txt", Buffer.from(licenses(Object.keys(result.metafile.inputs))));
-  return { files, outputs: result.metafile.outputs };
+  return withStableNames(files, result.metafile.outputs);
+}
+
+/**
+ * Names each chunk by its main module instead of its hash: a change of one module then changes few files.
+ * The server sends a tag of each file's version, so that browsers notice new ones.
+ */
+function withStableNames(files, outputs) {
+  const paths = Object.keys(outputs)
+    .filter((path) => /\/chunks\/[^/]+\.js$/.test(path))
+    .sort(byMainModule);
+  const renamed = new Map();
+  const taken = new Set();
+  for (const path of paths) {
+    let name = basename(mainModule(path)).replace(/\.\w+$/, "");
+    for (let number = 2; taken.has(name); number++) name = `${name.replace(/-\d+$/, "")}-${number}`;
+    taken.add(name);
+    renamed.set(basename(path), `${name}.js`);
+  }
+  function mainModule(path) {
+    const { entryPoint, inputs } = outputs[path];
+    // The largest; of two as large the first by name.
+    const largest = Object.entries(inputs).sort(
+      ([a, { bytesInOutput: x }], [b, { bytesInOutput: y }]) => y - x || (a < b ? -1 : 1),
+    )[0];
+    return entryPoint ?? largest?.[0] ?? "empty";
+  }
+  function byMainModule(a, b) {
+    const [x, y] = [mainModule(a), mainModule(b)];
+    return x === y ? (a < b ? -1 : 1) : x < y ? -1 : 1;
+  }
+  const pattern = new RegExp([...renamed.keys()].map((each) => each.replaceAll(".", "\\.")).join("|"), "g");
+  const rename = (text) => text.replace(pattern, (old) => renamed.get(old));
+  const stable = new Map();
+  for (const [path, contents] of files) {
+    const isScript = path.endsWith(".js");
+    stable.set(
+      rename(path),
+      isScript ? Buffer.from(rename(Buffer.from(contents).toString("utf8"))) : contents,
+    );
+  }
+  const renamedOutputs = Object.fromEntries(
+    Object.entries(outputs).map(([path, each]) => [
+      rename(path),
+      { ...each, imports: each.imports.map((one) => ({ ...one, path: rename(one.path) })) },
+    ]),
+  );
+  return { files: stable, outputs: renamedOutputs };
 }
 
 /** Returns the licenses of the packages whose code is in the page, as they ask for. */
@@ -72,8 +119,18 @@ function kilobytes(contents) {
   return gzipSync(contents, { level: 9 }).length / 1000;
 }
 
+/** Returns the page with its core's chunks named, so that the browser loads them at once. */
+function withPreloads(html, core) {
+  const links = [...core]
+    .filter((path) => path.endsWith(".js"))
+    .sort()
+    .map((path) => `<link rel="modulepreload" href="${path}" />`);
+  return Buffer.from(html.toString("utf8").replace("<!-- preloads -->", links.join("\n    ")));
+}
+
 const { files, outputs } = await build();
 const core = coreFiles(outputs);
+files.set("index.html", withPreloads(files.get("index.html"), core));
 let coreSize = 0;
 for (const [path, contents] of [...files].sort(([a], [b]) => (a < b ? -1 : 1))) {
   const size = kilobytes(contents);
