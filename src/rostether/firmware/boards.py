@@ -28,6 +28,9 @@ _ALIASES = {
 }
 """What people call boards that boards.txt calls otherwise."""
 
+_OTHER_PLATFORMS = {"opencr": "OpenCR:OpenCR:OpenCR"}
+"""Boards of robots that people name without their platform."""
+
 _SHOWN = ("uno", "mega", "leonardo", "nano", "micro", "promini", "mini", "ethernet")
 """The boards that an error names: those most people have; all 26 do not fit a line."""
 
@@ -122,10 +125,15 @@ class BoardTable:
         return f"no board {name!r}; known are {', '.join(shown)} and more in boards.txt"
 
 
-def names_other_platform(name: str) -> bool:
-    """Tell whether a name is an FQBN of a platform other than Arduino's AVR boards (`esp32:esp32:esp32`)."""
+def other_platform_board(name: str) -> str | None:
+    """Return the FQBN of a board that only arduino-cli builds for, by FQBN (`esp32:esp32:esp32`) or by name.
+
+    None for Arduino's AVR boards and unknown names.
+    """
     parts = name.split(":")
-    return len(parts) >= 3 and tuple(parts[:2]) != _PLATFORM
+    if len(parts) >= 3 and tuple(parts[:2]) != _PLATFORM:
+        return name
+    return _OTHER_PLATFORMS.get(_plain(name))
 
 
 def foreign_board(fqbn: str) -> Board:

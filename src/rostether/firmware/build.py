@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from rostether.errors import FirmwareError, SketchError
-from rostether.firmware.boards import Board, foreign_board, names_other_platform
+from rostether.firmware.boards import Board, foreign_board, other_platform_board
 from rostether.firmware.cache import BuildCache, cache_folder, digest
 from rostether.firmware.libraries import SIMULATION_LIBRARIES, Origin
 from rostether.firmware.ros_library import RosLibrary
@@ -79,8 +79,8 @@ _CONTENT_VERSION = 1
 
 def find_board(name: str) -> Board:
     """Return a board by name. Raises ConfigError for an unknown one, FirmwareError without a core."""
-    if names_other_platform(name):
-        return foreign_board(name)
+    if (fqbn := other_platform_board(name)) is not None:
+        return foreign_board(fqbn)
     return find_avr_toolchain().boards.find(name)
 
 
@@ -119,7 +119,7 @@ class _Build:
         self._options = options
         self._toolchain = toolchain
         self._cache = BuildCache(cache_folder())
-        self._ros = RosLibrary(self._cache, _definition_folders(sketch, options))
+        self._ros = RosLibrary(self._cache, definition_folders(sketch, options))
 
     async def run(self) -> BuiltFirmware:
         started_s = time.monotonic()
@@ -162,7 +162,7 @@ class _Build:
             self._board.fqbn,
             [self._sketch.folder, *self._sketch.inos, *self._sketch.sources],
             list(self._options.libraries),
-            list(_definition_folders(self._sketch, self._options)),
+            list(definition_folders(self._sketch, self._options)),
             list(self._options.defines),
             self._options.warnings,
             str(SIMULATION_LIBRARIES),
@@ -192,7 +192,7 @@ class _Build:
         )
 
 
-def _definition_folders(sketch: Sketch, options: BuildOptions) -> tuple[Path, ...]:
+def definition_folders(sketch: Sketch, options: BuildOptions) -> tuple[Path, ...]:
     """Return where messages are looked for first: --msg-path, then the package that the sketch is in."""
     package = package_around(sketch.folder.resolve())
     return options.msg_paths if package is None else (*options.msg_paths, package)

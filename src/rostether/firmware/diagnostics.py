@@ -9,9 +9,17 @@ from pathlib import Path
 
 from rostether.firmware.ino import read_ino
 from rostether.firmware.sketch import Sketch
-from rostether.firmware.typography import find_typographic
+from rostether.firmware.typography import MAX_REPORTED, find_typographic
 
 _MISSING_HEADER = re.compile(r"fatal error: (\S+): No such file or directory")
+_UNDECLARED = re.compile(r"'(\w+)' was not declared")
+# A second directive, or code, behind an #include; behind a comment, what every sketch has.
+_JOINED = re.compile(
+    r"^[ \t]*#[ \t]*include[ \t]*(?:<[^<>\n]+>|\"[^\"\n]+\")[ \t]*(?P<rest>(?!//|/\*)\S.*)$"
+    r"|^[ \t]*#[ \t]*define[ \t].*?(?P<second>#[ \t]*(?:include|define)[ \t].*)$"
+    r"|^[^\"\n]*//.*?(?P<code>void[ \t]+(?:setup|loop)[ \t]*\(.*)$",
+    re.MULTILINE,
+)
 _TYPE_HEADER = re.compile(r"\w+_(?:msgs|srvs)/\w+\.h")
 
 
@@ -25,12 +33,36 @@ def explain(output: str, sketch: Sketch, skipped: Sequence[str] = ()) -> str:
         for path in [*sketch.inos, *sketch.sources]:
             text = read_ino(path).text
             lines += [each.explain(str(path)) for each in find_typographic(text)]
+    if "error" in output or "undefined reference" in output:
+        for path in [*sketch.inos, *sketch.sources]:
+            lines += _joined_lines(read_ino(path).text, str(path))
     lines += output.splitlines()
+    lines += [_explain_pin(name) for name in dict.fromkeys(_UNDECLARED.findall(output)) if _is_opencr(name)]
     missing = dict.fromkeys(_MISSING_HEADER.findall(output))
     lines += [_explain_header(header) for header in missing]
     lines += [f"note: {each}" for each in skipped if missing]
     text = "".join(f"{line}\n" for line in lines)
     return _shorten(text, sketch.folder)
+
+
+def _joined_lines(text: str, path: str) -> list[str]:
+    """Return a line for each line of a sketch that holds several; a web page's copy button makes them."""
+    found = []
+    for match in _JOINED.finditer(text):
+        group = next(name for name in ("rest", "second", "code") if match[name])
+        line = text.count("\n", 0, match.start()) + 1
+        place = f"{path}:{line}:{match.start(group) - match.start() + 1}"
+        what = "a web page joined several lines into this one; begin a new line before"
+        found.append(f"{place}: error: {what} `{match[group][:30].strip()}`")
+    return found[:MAX_REPORTED]
+
+
+def _is_opencr(name: str) -> bool:
+    return name.startswith("BDPIN_")
+
+
+def _explain_pin(name: str) -> str:
+    return f"note: {name} is a pin of the OpenCR; build with --board opencr, or name a pin here: -D {name}=13"
 
 
 def _explain_header(header: str) -> str:

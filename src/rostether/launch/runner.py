@@ -104,7 +104,7 @@ class _Launch:
                     self._report(Level.WARN if succeeded else Level.ERROR, line)
                     return succeeded
         if self._options.stays:
-            self._report(Level.INFO, "no node is left; the master runs until Ctrl-C")
+            self._report(Level.INFO, "no node is left; the launch runs until Ctrl-C")
             await asyncio.Event().wait()
         return True
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import TypeAlias
@@ -10,6 +11,11 @@ from xml.parsers import expat
 # Robots, launch files and package descriptions nest a few levels; the limit keeps a hostile file from
 # growing the stack.
 MAX_DEPTH = 64
+
+# Names and the end of a value are found within this; more would not fit into a line.
+_CAUSE_BYTES = 120
+_CLOSING_TAG = re.compile(r"</([^\s>]{1,60})")
+_BARE_AND = re.compile(r"&\w*[^\w;#]")
 
 MakeError: TypeAlias = Callable[[str, int], Exception]
 """Takes what is wrong and its line (from 1; 0: the whole file), and returns the error to raise."""
@@ -88,9 +94,36 @@ class _Builder:
         try:
             self._parser.Parse(data, True)
         except expat.ExpatError as error:
-            raise self._make_error(f"not XML: {expat.ErrorString(error.code)}", error.lineno) from None
+            cause = self._cause(expat.ErrorString(error.code), data, self._parser.ErrorByteIndex)
+            text = f"not XML: {expat.ErrorString(error.code)} at column {error.offset + 1}"
+            raise self._make_error(f"{text}: {cause}" if cause else text, error.lineno) from None
         assert self._root is not None
         return self._root
+
+    def _cause(self, error: str, data: bytes, place: int) -> str:
+        """Return what to change, where it can be told; `place` is the byte at which the parser stopped."""
+        before = data[max(place - _CAUSE_BYTES, 0) : place].decode(errors="replace")
+        after = data[place : place + _CAUSE_BYTES].decode(errors="replace")
+        last = self._open[-1] if self._open else None
+        if last is not None and error in ("mismatched tag", "no element found", "unclosed token"):
+            opened = f"<{last.tag}> of line {last.line} is not closed"
+            closing = _CLOSING_TAG.match(before[before.rfind("<") :] + after)
+            return f"{opened} before </{closing[1]}>" if closing else opened
+        if error == "undefined entity":
+            return "of the words between & and ; only &amp; &lt; &gt; &quot; and &apos; are known"
+        if error == "junk after document element":
+            return "only one element may be outermost"
+        if error != "not well-formed (invalid token)":
+            return ""
+        if before.rstrip().endswith("&") or _BARE_AND.search(before[before.rfind("&") :] + after[:1]):
+            return "write &amp; for &"
+        if after.startswith("<"):
+            return "write &lt; for < in an attribute"
+        if before.rstrip().endswith("="):
+            return f"the value of an attribute must be in quotes, at {after.split()[0][:30]!r}"
+        if before.endswith("--"):
+            return "a comment must not contain --"
+        return f"at {after.splitlines()[0][:30]!r}" if after.strip() else ""
 
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
         element = XmlElement(

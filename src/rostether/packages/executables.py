@@ -7,17 +7,22 @@ anywhere below the package's own folder and need no building.
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from rostether.errors import ConfigError
 from rostether.packages.locate import workspace_of
+from rostether.packages.python_scripts import is_module
 from rostether.packages.search_path import walk
 
 SYSTEM_LIBRARY_FOLDER = Path("/usr/lib")
 """Where Debian's packages have their programs, without a word in the environment."""
 
 _BUILD_FOLDER = "build"
+_MAX_CMAKE_BYTES = 1 << 20  # those of large packages have some 50 KB
+_COMPILED = (".cpp", ".cc", ".cxx", ".c")
+_EXECUTABLE = re.compile(r"\badd_executable\s*\(\s*([^\s)]+)\s*([^)]*)\)", re.IGNORECASE)
 _MAX_SHEBANG_BYTES = 256  # Linux itself reads no more of a first line
 _PYTHON_SUFFIX = ".py"
 
@@ -56,12 +61,20 @@ def find_program(package: str, name: str, folder: Path | None, environ: Mapping[
 
 def programs(folder: Path) -> list[Path]:
     """Return the executable files and Python scripts below a package's folder that can be nodes, sorted."""
-    found = []
-    for file in _files(folder):
-        is_known = file.suffix == _PYTHON_SUFFIX and file.name not in ("setup.py", "__init__.py")
-        if os.access(file, os.X_OK) or (is_known and shebang(file)):
-            found.append(file)
-    return sorted(found)
+    return sorted(
+        file
+        for file in _files(folder)
+        if (_is_script(file) if file.suffix == _PYTHON_SUFFIX else os.access(file, os.X_OK))
+    )
+
+
+def _is_script(file: Path) -> bool:
+    """Tell a Python program from a module: copies of a checkout often mark all files executable."""
+    if file.name in ("setup.py", "__init__.py") or (file.parent / "__init__.py").exists():
+        return False
+    if not shebang(file) and not os.access(file, os.X_OK):
+        return False
+    return not is_module(file)
 
 
 def library_folders(package: str, folder: Path | None, environ: Mapping[str, str]) -> Iterator[Path]:
@@ -97,6 +110,28 @@ def shebang(file: Path) -> str:
     return line[2:].decode(errors="replace").strip() if line.startswith(b"#!") else ""
 
 
+def compiled_source(folder: Path, name: str) -> str:
+    """Return the source, below a package's folder, that a program is compiled from; empty for none."""
+    try:
+        with (folder / "CMakeLists.txt").open("rb") as file:
+            text = file.read(_MAX_CMAKE_BYTES).decode(errors="replace")
+    except OSError:
+        text = ""
+    text = re.sub(r"#.*", "", text)
+    project = re.search(r"\bproject\s*\(\s*([\w.-]+)", text, re.IGNORECASE)
+    if project is not None:
+        text = text.replace("${PROJECT_NAME}", project[1])
+    renamed = {
+        match[2]: match[1] for match in re.finditer(r"\(\s*(\S+)\s+PROPERTIES\s+OUTPUT_NAME\s+\"?(\w+)", text)
+    }
+    for target, sources in _EXECUTABLE.findall(text):
+        if target == renamed.get(name, name):
+            words = sources.split()
+            return next((each for each in words if Path(each).suffix in _COMPILED), words[0] if words else "")
+    files = sorted(each.relative_to(folder) for suffix in _COMPILED for each in _below(folder, name + suffix))
+    return str(files[0]) if files else ""
+
+
 def _given_path(package: str, name: str, folder: Path | None) -> Path:
     if folder is None:
         raise ConfigError(
@@ -127,6 +162,11 @@ def _files(folder: Path) -> Iterator[Path]:
 def _explain_missing(package: str, name: str, folder: Path) -> str:
     from difflib import get_close_matches
 
+    if source := compiled_source(folder, name):
+        return (
+            f"package {package} has no program {name} yet: it is compiled from {source}; build the workspace "
+            "with catkin_make of a ROS 1 installation, then programs in its devel folder are used"
+        )
     there = [each.name for each in programs(folder)]
     near = get_close_matches(name, there)
     if near:

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from rostether.errors import ConfigError
-from rostether.firmware.boards import BoardTable, names_other_platform
+from rostether.firmware.boards import BoardTable, other_platform_board
 from rostether.firmware.build import find_board
 
 BOARDS_TXT = """
@@ -77,10 +77,12 @@ def test_an_unknown_processor_names_those_that_there_are(table: BoardTable) -> N
 
 
 def test_other_platforms_are_left_to_arduino_cli() -> None:
-    assert names_other_platform("esp32:esp32:esp32")
-    assert not names_other_platform("arduino:avr:uno")
-    assert not names_other_platform("nano:atmega328old")
+    assert other_platform_board("esp32:esp32:esp32") == "esp32:esp32:esp32"
+    assert other_platform_board("OpenCR") == "OpenCR:OpenCR:OpenCR"
+    assert other_platform_board("arduino:avr:uno") is None
+    assert other_platform_board("nano:atmega328old") is None
     assert not find_board("esp32:esp32:esp32").is_avr
+    assert find_board("opencr").fqbn == "OpenCR:OpenCR:OpenCR"
 
 
 @pytest.mark.avr

@@ -111,3 +111,29 @@ def test_a_link_and_what_it_leads_to_are_one_program(arm: Path) -> None:
     (arm / "nodes").mkdir()
     (arm / "nodes" / "move.py").symlink_to(script)
     assert find(arm, "move.py").resolve() == script
+
+
+def test_a_compiled_program_that_is_not_built_names_its_source(arm: Path) -> None:
+    (arm / "CMakeLists.txt").write_text(
+        "project(arm)\n# add_executable(old src/old.cpp)\n"
+        "add_executable(${PROJECT_NAME}_driver include/a.h src/driver.cpp src/b.cpp)\n"
+        "ADD_EXECUTABLE(long_name\n  src/short.cc)\n"
+        "set_target_properties(long_name PROPERTIES OUTPUT_NAME short)\n"
+    )
+    write(arm / "src" / "alone.cpp", "int main() {}", executable=False)
+    for name, source in (("arm_driver", "driver.cpp"), ("short", "short.cc"), ("alone", "alone.cpp")):
+        with pytest.raises(ConfigError, match=f"no program {name} yet: it is compiled from src/{source};"):
+            find(arm, name)
+    with pytest.raises(ConfigError, match="has no program old"):
+        find(arm, "old")
+    built = write(arm.parents[1] / "devel" / "lib" / "arm" / "arm_driver", "\x7fELF")
+    assert find(arm, "arm_driver") == built
+
+
+def test_modules_are_no_programs(arm: Path) -> None:
+    script = write(arm / "scripts" / "move.py")
+    write(arm / "scripts" / "helper.py", "#!/usr/bin/env python3\ndef f():\n    pass\n")
+    write(arm / "src" / "arm" / "__init__.py", "")
+    write(arm / "src" / "arm" / "parts.py", "#!/usr/bin/env python3\nprint('x')\n")
+    write(arm / "setup.py")
+    assert programs(arm) == [script]

@@ -13,7 +13,7 @@ import click
 
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.dashboard.options import dashboard_option
-from rostether.cli.gateway.options import GatewayOptions, viewer_access_options
+from rostether.cli.gateway.options import DEFAULT_PLACE, GatewayOptions, viewer_access_options
 from rostether.cli.shell.input_files import STDIN, read_bytes
 from rostether.cli.shell.option_group import ignored_options, option_group
 from rostether.cli.shell.output import warn, write_line
@@ -232,6 +232,8 @@ def launch(  # noqa: C901, PLR0912, PLR0915 - one branch for each thing that it 
         )
         if options.pid_file is not None:
             options.pid_file.write_text(f"{os.getpid()}\n")
+        # Windows of rviz and rqt that are not installed are views of the dashboard.
+        place = DEFAULT_PLACE if dashboard is None and _wants_views(plan) else dashboard
         try:
             run(
                 _launch(
@@ -243,7 +245,7 @@ def launch(  # noqa: C901, PLR0912, PLR0915 - one branch for each thing that it 
                     is_chosen=graph.master is not None,
                     port=options.port,
                     wait=options.wait,
-                    dashboard=DashboardSettings(dashboard, gateways) if dashboard is not None else None,
+                    dashboard=DashboardSettings(place, gateways) if place is not None else None,
                 ),
                 is_service=True,
             )
@@ -308,6 +310,12 @@ def _nearest(packages: Mapping[str, Path]) -> dict[str, Path]:
     return found
 
 
+def _wants_views(plan: LaunchPlan) -> bool:
+    from rostether.cli.launch.served_nodes import replacement_line
+
+    return any(replacement_line(node.package, os.environ) for node in plan.nodes)
+
+
 def _warn(plan: LaunchPlan, sources: LaunchSources) -> None:
     for line in plan.warnings:
         warn(f"warning: {line}")
@@ -352,7 +360,7 @@ async def _launch(  # noqa: PLR0913 - each is an independent setting
                     environ=environ,
                     locate=locate,
                     report=_report,
-                    options=replace(options, stays=used.is_ours),
+                    options=replace(options, stays=used.is_ours or dashboard is not None),
                 )
         except MasterUnreachableError as error:
             raise no_master(used.environment, error) from error

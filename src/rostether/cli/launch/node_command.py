@@ -10,6 +10,7 @@ from rostether.cli.launch.python_choice import python_for
 from rostether.cli.launch.served_nodes import served_nodes, window_program
 from rostether.errors import ConfigError
 from rostether.packages.executables import find_program, is_python, library_folders
+from rostether.packages.python_scripts import explain_python2
 
 
 def node_command(
@@ -30,7 +31,12 @@ def node_command(
         if not any((each / program).is_file() for each in library_folders(package, None, environ)):
             raise ConfigError(explain_unknown_package(package, program, packages))
     found = find_program(package, program, folder, environ)
-    return [*(python_for(found, environ) if is_python(found) else ()), str(found)]
+    if not is_python(found):
+        return [str(found)]
+    python = python_for(found, environ)
+    if not Path(python[0]).name.startswith("python2") and (reason := explain_python2(found)):
+        raise ConfigError(reason)
+    return [*python, str(found)]
 
 
 def explain_unknown_package(package: str, program: str, packages: Mapping[str, Path]) -> str:

@@ -11,6 +11,8 @@ from rostether.cli.shell.failures import EXIT_FAILED
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import RostetherError
+from rostether.packages.executables import programs
+from rostether.packages.python_scripts import explain_python2
 
 if TYPE_CHECKING:
     from rostether.msgdef.registry import Registry
@@ -18,6 +20,15 @@ if TYPE_CHECKING:
 
 
 _OF_CMAKE = ("-D", "-G", "-j", "-l", "-W")
+# Targets that people type, and what takes their place.
+_TARGETS = {
+    "install": "no install folder is made; packages are used where they are",
+    "run_tests": "no tests are built or run; run those of Python with pytest",
+    "test": "no tests are built or run; run those of Python with pytest",
+    "tests": "no tests are built or run; run those of Python with pytest",
+    "clean": "nothing was built, so nothing is removed",
+    "doxygen": "no documentation is built",
+}
 
 
 @click.command("init-workspace", cls=Verb, examples="cd ~/catkin_ws/src\nrostether pkg init-workspace")
@@ -84,6 +95,9 @@ def make(directory: Path | None, ignored: tuple[str, ...], as_json: bool) -> Non
         write_line(f"{count} in {workspace / SOURCE_FOLDER}; nothing needs to be built")
         if any(file.name == "setup.bash" for file in written):
             write_line(f"In other shells, run `source {workspace / 'devel' / 'setup.bash'}`")
+    for word in ignored:
+        if word in _TARGETS:
+            warn(f"{word}: {_TARGETS[word]}")
     if has_problems:
         raise click.exceptions.Exit(EXIT_FAILED)
 
@@ -126,5 +140,5 @@ def _show(contents: PackageContents, problems: list[str], workspace: Path, *, as
             write_line(f"  {what}: {', '.join(names)}")
     if contents.compiled_sources:
         write_line(f"  need a real ROS to build: {', '.join(contents.compiled_sources)}")
-    for line in problems:
+    for line in (*problems, *filter(None, map(explain_python2, programs(contents.folder)))):
         warn(f"  {line}")

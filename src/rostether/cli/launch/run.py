@@ -12,7 +12,7 @@ import click
 from rostether.cli.launch.completions import complete_package_folders, complete_programs
 from rostether.cli.launch.node_command import node_command
 from rostether.cli.launch.packages_here import packages_here
-from rostether.cli.launch.served_nodes import replacement_line, served_nodes
+from rostether.cli.launch.served_nodes import replacement_line, served_nodes, view_command
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
@@ -43,9 +43,9 @@ def run(prefix: str, debug: bool, package: str, program: str, arguments: tuple[s
     such as serial_node.py, relay and robot_state_publisher are built in. All arguments after the node's name
     go to the node.
     """
-    if line := replacement_line(package, os.environ):
+    if line := replacement_line(package, os.environ, in_terminal=True):
         warn(line)
-        return
+        become(view_command(package, arguments), os.environ)
     # To look through a home directory takes its time, and our own nodes are in no folder.
     is_ours = (package, program) in served_nodes()
     packages = {} if is_ours else packages_here()

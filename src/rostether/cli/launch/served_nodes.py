@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 import shutil
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from rostether.packages.executables import library_folders
@@ -65,19 +65,23 @@ SERVED_NODES: dict[tuple[str, str], tuple[str, ...]] = {
 }
 
 _WINDOWS = {
-    "rviz": "`rostether dashboard` shows the robot in 3D in a browser",
-    "rviz2": "`rostether dashboard` shows the robot in 3D in a browser",
-    "rqt_graph": "`rostether graph` and `rostether dashboard` show nodes and topics",
-    "rqt_plot": "`rostether plot TOPIC/field` and `rostether dashboard` show values over time",
-    "rqt_image_view": "`rostether dashboard` shows pictures in a browser",
-    "rqt_console": "`rostether topic echo /rosout` and `rostether dashboard` show logs",
-    "rqt_topic": "`rostether topic list -v` and `rostether dashboard` show topics",
-    "rqt_gui": "`rostether dashboard` shows plots, pictures, logs and 3D in a browser",
-    "rqt_publisher": "`rostether topic pub -r` and `rostether dashboard` publish",
-    "rqt_service_caller": "`rostether service call` and `rostether dashboard` call services",
-    "rqt_reconfigure": "`rostether param set` and `rostether dashboard` set parameters",
-    "rqt_robot_steering": "`rostether dashboard` drives a robot with a stick",
+    "rviz": "the robot in 3D",
+    "rviz2": "the robot in 3D",
+    "rqt_graph": "nodes and topics",
+    "rqt_plot": "values over time",
+    "rqt_image_view": "pictures",
+    "rqt_gui": "plots, pictures, logs and 3D",
+    "rqt_console": "logs",
+    "rqt_topic": "topics and their messages",
+    "rqt_publisher": "topics and publishes on them",
+    "rqt_service_caller": "services and calls them",
+    "rqt_reconfigure": "parameters and sets them",
+    "rqt_robot_steering": "a joystick that drives the robot",
 }
+"""What the dashboard shows in place of a window."""
+
+# In a terminal these show the same at once.
+_TERMINAL_VIEWS = {"rqt_graph": ("graph",), "rqt_plot": ("role", "rqt-plot")}
 
 
 def served_nodes() -> dict[tuple[str, str], list[str]]:
@@ -91,14 +95,25 @@ def our_command(*words: str) -> list[str]:
     return [sys.executable, "-P", "-m", "rostether", *words]
 
 
-def replacement_line(package: str, environ: Mapping[str, str]) -> str | None:
-    """Return what to tell a user whose rviz or rqt program is not installed; None for every other package."""
+def replacement_line(package: str, environ: Mapping[str, str], *, in_terminal: bool = False) -> str | None:
+    """Return what takes the place of an rviz or rqt program that is not installed; None for others."""
     if package not in _WINDOWS and not package.startswith("rqt_"):
         return None
     if window_program(package, package, environ) is not None:
         return None
-    instead = _WINDOWS.get(package, "`rostether dashboard` shows the robot in a browser")
-    return f"{package} is not installed here; {instead}"
+    shown = _WINDOWS.get(package, "the robot")
+    if in_terminal and package in _TERMINAL_VIEWS:
+        return f"{package} is not installed here; `rostether {package.removeprefix('rqt_')}` shows {shown}"
+    return f"{package} is not installed here; the dashboard shows {shown}"
+
+
+def view_command(package: str, arguments: Sequence[str]) -> list[str]:
+    """Return our command line that shows what a window of rviz or rqt would, given its arguments."""
+    if package in _TERMINAL_VIEWS:
+        names = [each for each in arguments if ":=" not in each and not each.startswith("-")]
+        return our_command(*_TERMINAL_VIEWS[package], *names)
+    # A window's own options, such as rviz's `-d FILE`, mean nothing here.
+    return our_command("dashboard", *(each for each in arguments if ":=" in each and each[0] != "-"))
 
 
 def window_program(package: str, name: str, environ: Mapping[str, str]) -> Path | None:

@@ -283,6 +283,24 @@ def test_arguments_that_nobody_takes_are_warned_of(arm: Path, graph: LiveGraph) 
     assert "warning: x:= has no value" in output
 
 
+def test_windows_that_are_not_installed_are_views_of_the_dashboard(arm: Path, graph: LiveGraph) -> None:
+    (arm / "launch" / "view.launch").write_text(
+        '<launch><node name="view" pkg="rviz" type="rviz" args="-d a.rviz" required="true"/>'
+        '<node name="graph" pkg="rqt_graph" type="rqt_graph" required="true"/></launch>'
+    )
+    with launched("arm", "view.launch", master_uri=graph.uri, cwd=arm.parent) as process:
+        text = ""
+        assert process.stdout is not None
+        while "no node is left; the launch runs until Ctrl-C" not in text:
+            line = process.stdout.readline()
+            assert line, text
+            text += line
+        assert re.search(r"Dashboard: http://127\.0\.0\.1:\d+", text)
+        assert "rviz is not installed here; the dashboard shows the robot in 3D" in text
+        process.send_signal(signal.SIGINT)
+        assert process.wait(LIMIT_S) == 130
+
+
 def test_served_node_runs_with_its_remaps(arm: Path, graph: LiveGraph) -> None:
     (arm / "served.launch").write_text(
         '<launch><node name="relayed" pkg="rosserial_python" type="serial_node.py" args="tcp 0"/></launch>'

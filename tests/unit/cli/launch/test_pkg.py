@@ -78,7 +78,7 @@ def test_make_says_what_there_is_and_writes_the_setup_file(arm: Path, shell: She
     (arm / "msg" / "Angles.msg").write_text("int16 a\n")
     workspace = arm.parents[1]
     # As typed for catkin_make.
-    text = shell.output("pkg", "make", "-j4", "-DCMAKE_BUILD_TYPE=Release", "--pkg", "arm", "install")
+    text = shell.output("pkg", "make", "-j4", "-DCMAKE_BUILD_TYPE=Release", "--pkg", "arm")
     assert text.splitlines() == [
         "arm (src/arm)",
         "  messages: Angles",
@@ -131,3 +131,13 @@ def test_init_workspace(workspace: Path, shell: Shell, monkeypatch: pytest.Monke
 def test_a_folder_that_is_no_workspace(tmp_path: Path, shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     assert "has no folder src" in shell.failure("pkg", "make")
+
+
+def test_make_says_which_targets_it_does_not_make_and_which_scripts_are_old(arm: Path, shell: Shell) -> None:
+    (arm / "old.py").write_text("#!/usr/bin/env python\nprint 'hello'\n")
+    (arm / "old.py").chmod(0o755)
+    result = shell("pkg", "make", "install", "run_tests")
+    assert result.code == 0
+    assert "install: no install folder is made; packages are used where they are" in result.err
+    assert "run_tests: no tests are built or run" in result.err
+    assert "old.py:2: written for Python 2" in result.err

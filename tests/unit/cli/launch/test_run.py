@@ -11,7 +11,7 @@ import pytest
 
 from rostether.cli.launch.node_command import node_command
 from rostether.cli.launch.python_choice import PYTHON_VARIABLE, python_for
-from rostether.cli.launch.served_nodes import SERVED_NODES, replacement_line, served_nodes
+from rostether.cli.launch.served_nodes import SERVED_NODES, replacement_line, served_nodes, view_command
 from rostether.cli.launch.shims import SHIM_MARK
 from rostether.errors import ConfigError
 from unit.cli.command_shell import Shell
@@ -124,9 +124,20 @@ def test_windows_that_are_not_installed_have_a_line(
     tmp_path: Path, shell: Shell, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
-    result = shell("run", "rviz", "rviz", "-d", "x.rviz")
-    assert (result.code, result.out) == (0, "")
-    assert result.err.startswith("rviz is not installed here; ")
+    assert replacement_line("rviz", {"PATH": str(tmp_path)}) == (
+        "rviz is not installed here; the dashboard shows the robot in 3D"
+    )
+    assert view_command("rviz", ["-d", "x.rviz", "__name:=view"])[4:] == ["dashboard", "__name:=view"]
+    assert view_command("rqt_graph", ["-x", "__name:=g", "/arm"])[4:] == ["graph", "/arm"]
+    assert view_command("rqt_plot", ["/a/data"])[4:] == ["role", "rqt-plot", "/a/data"]
+    # It becomes our view, which finds no master here.
+    done = run(
+        "rqt_graph", "rqt_graph", cwd=tmp_path, PATH=str(tmp_path), ROS_MASTER_URI="http://127.0.0.1:1"
+    )
+    first, second = done.stderr.splitlines()[:2]
+    assert first == "rqt_graph is not installed here; `rostether graph` shows nodes and topics"
+    assert "no ROS master" in second or "master" in second
+    assert done.returncode == 1
     assert replacement_line("rqt_unheard_of", {}) is not None
     assert replacement_line("arm", {}) is None
     shims = tmp_path / "shims"
@@ -158,3 +169,12 @@ def test_which_python_runs_a_script(tmp_path: Path) -> None:
     write(tmp_path / "python2", "#!/bin/sh\necho False\n")
     assert python_for(write(tmp_path / "e.py", "#!/usr/bin/env python2\n"), path) == [sys.executable]
     assert python_for(script, {**path, PYTHON_VARIABLE: "/opt/python"}) == ["/opt/python"]
+
+
+def test_a_script_for_python_2_is_refused_with_what_to_type(arm: Path) -> None:
+    script = write(arm / "old.py", "#!/usr/bin/env python\nprint 'hello'\n")
+    with pytest.raises(ConfigError, match=r"old\.py:2: written for Python 2; convert it with `2to3 -w"):
+        node_command("arm", "old.py", packages={"arm": arm}, environ={})
+    # Where Python 2 itself is chosen, it runs.
+    environ = {PYTHON_VARIABLE: "/usr/bin/python2.7"}
+    assert node_command("arm", "old.py", packages={"arm": arm}, environ=environ)[-1] == str(script)

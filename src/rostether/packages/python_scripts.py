@@ -1,0 +1,74 @@
+"""What the text of a Python file tells: whether it is a module, and whether it was written for Python 2."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import ast
+
+# A longer script is generated; parsing it would hold up its start.
+_MAX_BYTES = 1 << 20
+
+# What Python says of statements and literals that only Python 2 has.
+_OF_PYTHON_2 = re.compile(
+    r"Missing parentheses in call to '(print|exec)'|multiple exception types must be parenthesized|"
+    r"leading zeros in decimal integer literals|inconsistent use of tabs"
+)
+_ONLY_PYTHON_2 = re.compile(
+    r"^\s*(print\b(?!\s*[(=.,])|raise\s+[\w.]+\s*,|exec\s+[\"'\w]|except\s+[\w.]+\s*,\s*\w+\s*:)"
+    r"|`\w+`|<>|\bur[\"']"
+)
+
+
+def explain_python2(script: Path) -> str:
+    """Return what to do with a script for Python 2; an empty string for every other file."""
+    data = _read(script)
+    try:
+        _parse(data)
+    except SyntaxError as error:
+        line = error.lineno or 1
+        lines = data.decode(errors="replace").splitlines()
+        text = lines[line - 1] if line <= len(lines) else ""
+        if _OF_PYTHON_2.search(error.msg) or _ONLY_PYTHON_2.search(text):
+            return f"{script}:{line}: written for Python 2; convert it with `2to3 -w {script}`"
+    except ValueError:  # a zero byte
+        return ""
+    return ""
+
+
+def is_module(file: Path) -> bool:
+    """Whether a file only defines: functions or classes, and nothing but definitions at its left margin."""
+    import ast
+
+    try:
+        body = _parse(_read(file)).body
+    except (SyntaxError, ValueError):
+        return False
+    definitions = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
+    quiet = (*definitions, ast.Import, ast.ImportFrom, ast.Assign, ast.AnnAssign)
+    return any(isinstance(each, definitions) for each in body) and all(
+        isinstance(each, quiet) or (isinstance(each, ast.Expr) and isinstance(each.value, ast.Constant))
+        for each in body
+    )
+
+
+def _read(file: Path) -> bytes:
+    try:
+        with file.open("rb") as stream:
+            data = stream.read(_MAX_BYTES + 1)
+    except OSError:
+        return b""
+    return data if len(data) <= _MAX_BYTES else b""
+
+
+def _parse(data: bytes) -> ast.Module:
+    import ast
+
+    with warnings.catch_warnings():
+        # Of escapes that are no escapes, which run all the same.
+        warnings.simplefilter("ignore")
+        return ast.parse(data)

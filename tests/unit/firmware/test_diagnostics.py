@@ -1,0 +1,43 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rostether.firmware.diagnostics import explain
+from rostether.firmware.sketch import open_sketch
+from unit.firmware.sketches import write_sketch
+
+
+def _explained(folder: Path, text: str, output: str) -> str:
+    return explain(output, open_sketch(write_sketch(folder, "S", text)))
+
+
+@pytest.mark.parametrize(
+    ("text", "place", "rest"),
+    [
+        ("#include <ros.h> #include <std_msgs/Empty.h>\n", "1:18", "#include <std_msgs/Empty.h>"),
+        ("int a;\n#include <ros.h> ros::NodeHandle nh;\n", "2:18", "ros::NodeHandle nh;"),
+        ("#define A 1 #define B 2\n", "1:13", "#define B 2"),
+        ("// My sketch void setup() { } void loop() { }\n", "1:14", "void setup() { } void loop() {"),
+    ],
+)
+def test_lines_that_a_web_page_joined_are_named(tmp_path: Path, text: str, place: str, rest: str) -> None:
+    first = _explained(tmp_path, text, "S.ino:9:1: error: nonsense").splitlines()[0]
+    assert f"S.ino:{place}: error: a web page joined several lines into this one" in first
+    assert first.endswith(f"begin a new line before `{rest}`")
+
+
+def test_lines_as_they_should_be_are_not(tmp_path: Path) -> None:
+    text = (
+        "#include <ros.h> // the library\n#include <a.h> /* another */\n#define A(x) x\n"
+        'void setup() { f("// void loop() {"); } // void has no value\nvoid loop() {}\n'
+    )
+    assert "web page" not in _explained(tmp_path, text, "S.ino:9:1: error: nonsense")
+
+
+def test_pins_of_the_opencr_have_a_hint(tmp_path: Path) -> None:
+    output = "S.ino:3:8: error: 'BDPIN_LED_USER_1' was not declared in this scope\n" * 2
+    text = _explained(tmp_path, "void setup() {}\n", output)
+    assert text.count("note:") == 1
+    assert "build with --board opencr, or name a pin here: -D BDPIN_LED_USER_1=13" in text
