@@ -113,17 +113,7 @@ class _Builder:
             return "of the words between & and ; only &amp; &lt; &gt; &quot; and &apos; are known"
         if error == "junk after document element":
             return "only one element may be outermost"
-        if error != "not well-formed (invalid token)":
-            return ""
-        if before.rstrip().endswith("&") or _BARE_AND.search(before[before.rfind("&") :] + after[:1]):
-            return "write &amp; for &"
-        if after.startswith("<"):
-            return "write &lt; for < in an attribute"
-        if before.rstrip().endswith("="):
-            return f"the value of an attribute must be in quotes, at {after.split()[0][:30]!r}"
-        if before.endswith("--"):
-            return "a comment must not contain --"
-        return f"at {after.splitlines()[0][:30]!r}" if after.strip() else ""
+        return _cause_of_token(before, after) if error == "not well-formed (invalid token)" else ""
 
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
         element = XmlElement(
@@ -147,3 +137,15 @@ class _Builder:
         raise self._make_error(
             "declares a DTD or an entity, which is not allowed; remove it", self._parser.CurrentLineNumber
         )
+
+
+def _cause_of_token(before: str, after: str) -> str:
+    if before.rstrip().endswith("&") or _BARE_AND.search(before[before.rfind("&") :] + after[:1]):
+        return "write &amp; for &"
+    if after.startswith("<"):
+        return "write &lt; for < in an attribute"
+    if before.rstrip().endswith("="):
+        return f"the value of an attribute must be in quotes, at {after.split()[0][:30]!r}"
+    if before.endswith("--"):
+        return "a comment must not contain --"
+    return f"at {after.splitlines()[0][:30]!r}" if after.strip() else ""

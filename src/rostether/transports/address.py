@@ -281,6 +281,8 @@ def _split_scheme(text: str, place: str) -> tuple[str, str]:
             f"not a link address: {text!r}; write tcp://{place}?connect=yes to connect there, "
             f"or tcp://{place} to listen there"
         )
+    if _is_number(place):
+        raise ConfigError(f"not a link address: {place!r}; to listen on that TCP port, write tcp://:{place}")
     raise ConfigError(f"not a link address: {text!r}; write a serial port with its path, /dev/{place}")
 
 

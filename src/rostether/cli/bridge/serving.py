@@ -12,6 +12,7 @@ from rostether.ros1.environment import LOOPBACK, RosEnvironment, is_loopback
 from rostether.transports.address import Address, TcpAddress, UdpAddress, parse_address
 from rostether.transports.descriptors import shortage
 from rostether.transports.opening import listen
+from rostether.transports.typed_port import check_typed_port
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -30,9 +31,12 @@ def read_links(text: str, hosts: Sequence[str] = (LOOPBACK,), allowed: tuple[str
     A listener without its own `allow=` accepts boards from the networks `allowed` (from --allow).
 
     ROS_IP and ROS_HOSTNAME do not allow boards from the network: scripts set them for the graph. Raises
-    ConfigError.
+    ConfigError, also for a serial port that was typed wrongly.
     """
+    from rostether.transports.serial import list_ports
+
     link = parse_address(text)
+    check_typed_port(link, list_ports)
     if isinstance(link, TcpAddress | UdpAddress) and link.listens and not link.allow:
         link = replace(link, allow=allowed)
     if isinstance(link, TcpAddress | UdpAddress) and link.listens and "://:" in text:

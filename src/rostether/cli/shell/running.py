@@ -49,9 +49,8 @@ def run(main: Coroutine[Any, Any, T], *, is_service: bool = False, uvloop: bool 
     try:
         with asyncio.Runner(loop_factory=loop_factory) as runner:
             return runner.run(ending.run(main))
-    except (KeyboardInterrupt, asyncio.CancelledError) as error:
-        if ending.exit_code is None and isinstance(error, asyncio.CancelledError):
-            raise
+    except (KeyboardInterrupt, asyncio.CancelledError):
+        # Without an exit code, Ctrl-C came before our handlers were there, and asyncio's own cancelled all.
         raise click.exceptions.Exit(
             EXIT_INTERRUPTED if ending.exit_code is None else ending.exit_code
         ) from None

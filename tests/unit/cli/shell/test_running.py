@@ -6,9 +6,11 @@ import signal
 import subprocess
 import sys
 
+import click
 import pytest
 
 from rostether.cli.main import main
+from rostether.cli.shell.failures import EXIT_INTERRUPTED
 from rostether.cli.shell.running import run
 from rostether.errors import ConfigError
 from unit.cli.command_shell import LiveGraph
@@ -142,3 +144,12 @@ def test_a_signal_interrupts_what_computes(
     finally:
         process.kill()
     assert (process.returncode, output, errors) == (code, "left\n", "")
+
+
+def test_a_cancellation_before_our_handlers_are_there_is_an_interrupt() -> None:
+    async def cancelled_by_asyncio() -> None:
+        raise asyncio.CancelledError
+
+    with pytest.raises(click.exceptions.Exit) as caught:
+        run(cancelled_by_asyncio())
+    assert caught.value.exit_code == EXIT_INTERRUPTED

@@ -1,0 +1,58 @@
+"""Serial ports as people type them wrongly: what was meant, said at once instead of waiting for the port."""
+
+from __future__ import annotations
+
+import re
+import stat
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Protocol
+
+from rostether.errors import ConfigError
+from rostether.transports.address import Address, SerialAddress, XbeeAddress
+
+_NUMBERED = re.compile(r"/?dev/(tty)?(ACM|USB|AMA|S)([0-9OIl]*)", re.IGNORECASE)
+_DIGITS = str.maketrans("OoIl", "0011")
+_WINDOWS_PORT = re.compile(r"(?:\\\\\.\\)?COM[0-9]+", re.IGNORECASE)
+
+
+class _Port(Protocol):
+    @property
+    def path(self) -> str: ...
+
+
+def check_typed_port(address: Address, list_ports: Callable[[], Sequence[_Port]]) -> None:
+    """Raise ConfigError for a serial port that no plugging in can bring: a typing error, a file, a folder."""
+    if not isinstance(address, SerialAddress | XbeeAddress) or sys.platform == "win32":
+        return
+    path = address.path
+    try:
+        mode = Path(path).stat().st_mode
+    except OSError:
+        if _WINDOWS_PORT.fullmatch(path):
+            raise ConfigError(
+                f"{path} is a port's name on Windows; here it is {_there(list_ports())}"
+            ) from None
+        if (meant := _meant(path)) is not None:
+            raise ConfigError(f"no serial port {path}; did you mean {meant}?") from None
+        return
+    if stat.S_ISREG(mode) or stat.S_ISDIR(mode):
+        kind = "folder" if stat.S_ISDIR(mode) else "file"
+        raise ConfigError(f"{path} is a {kind}, not a serial port; write {_there(list_ports())}")
+
+
+def _meant(path: str) -> str | None:
+    match = _NUMBERED.fullmatch(path)
+    if match is None:
+        return None
+    meant = f"/dev/tty{match[2].upper()}{match[3].translate(_DIGITS) or '0'}"
+    if meant == path:
+        return None
+    return f"{meant} (with a zero)" if "O" in match[3].upper() else meant
+
+
+def _there(ports: Sequence[_Port]) -> str:
+    # Those of the mainboard are there on every PC, and no board is behind them.
+    plugged_in = [each.path for each in ports if not each.path.startswith("/dev/ttyS")]
+    return " or ".join(plugged_in[:3]) or "/dev/ttyACM0 or /dev/ttyUSB0 (none is plugged in now)"

@@ -1,0 +1,55 @@
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from rostether.errors import ConfigError
+from rostether.transports.address import parse_address
+from rostether.transports.typed_port import check_typed_port
+
+PORTS = [SimpleNamespace(path="/dev/ttyS0"), SimpleNamespace(path="/dev/ttyACM7")]
+
+
+def _refused(address: str) -> str:
+    with pytest.raises(ConfigError) as caught:
+        check_typed_port(parse_address(address), lambda: PORTS)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("typed", "meant"),
+    [
+        ("/dev/ttyACMO", "/dev/ttyACM0 (with a zero)"),
+        ("/dev/ttyUSBo?baud=115200", "/dev/ttyUSB0 (with a zero)"),
+        ("/dev/ttyUSBl", "/dev/ttyUSB1"),
+        ("/dev/ttyACM", "/dev/ttyACM0"),
+        ("/dev/ttyusb98", "/dev/ttyUSB98"),
+        ("/dev/ACM98", "/dev/ttyACM98"),
+        ("dev/ttyACM98", "/dev/ttyACM98"),
+        ("xbee:/dev/ttyUSBO", "/dev/ttyUSB0 (with a zero)"),
+    ],
+)
+def test_what_was_meant_is_said(typed: str, meant: str) -> None:
+    assert _refused(typed).endswith(f"; did you mean {meant}?")
+
+
+def test_files_folders_and_names_of_windows_are_no_ports(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    assert f"{tmp_path}/file is a file, not a serial port; write /dev/ttyACM7" in _refused(f"{tmp_path}/file")
+    assert f"{tmp_path} is a folder, not a serial port" in _refused(str(tmp_path))
+    assert _refused("COM3") == "COM3 is a port's name on Windows; here it is /dev/ttyACM7"
+
+
+@pytest.mark.parametrize(
+    "address", ["/dev/ttyACM98", "/dev/ttyO9", "/dev/serial/by-id/x", "/no/where", "/dev/null", "tcp://:0"]
+)
+def test_what_may_be_plugged_in_later_is_waited_for(address: str) -> None:
+    check_typed_port(parse_address(address), lambda: PORTS)
+
+
+def test_a_number_is_a_tcp_port() -> None:
+    with pytest.raises(ConfigError, match=re.escape("to listen on that TCP port, write tcp://:11411")):
+        parse_address("11411?name=x")
