@@ -2,7 +2,7 @@
 
 The header of a DWARF 5 line program has tables of folders and files. A table says how many entries it has,
 and which forms each entry consists of. Entries of no form take no byte, so a damaged header of 40 bytes could
-make a reader loop for ever. It is read here first, to see that its tables are in the file.
+make a reader loop forever. It is read here first, to see that its tables are in the file.
 """
 
 from __future__ import annotations
