@@ -18,12 +18,13 @@ from fuzz.grammar import near
 from fuzz.lowering import lowered
 from rostether.gateways.foxglove import client as client_module
 from rostether.gateways.foxglove.client import Client
+from rostether.gateways.foxglove.dashboard_parts import DashboardParts
 from rostether.gateways.foxglove.gateway import FoxgloveGateway
 from rostether.gateways.foxglove.limits import FoxgloveLimits
 from rostether.gateways.foxglove.server_messages import StatusLevel
 from rostether.gateways.foxglove.settings import FoxgloveSettings
 from rostether.graph.memory_network import MemoryNetwork
-from rostether.graph.ports import Level
+from rostether.graph.ports import Graph, Level
 from rostether.graph.typed_graph import TypedGraph
 from rostether.msgdef.registry import Registry
 from rostether.rostime import Time
@@ -63,6 +64,17 @@ def seeds() -> list[bytes]:
             '{"op":"advertise","channels":[{"id":1,"topic":"/a","encoding":"ros1","schemaName":"std_msgs/String"}]}',
             "!" + (struct.pack("<BI", 1, 1) + b"\1\0\0\0x").hex(),
             '{"op":"unadvertise","channelIds":[1]}',
+        ],
+        [
+            '{"op":"advertise","channels":[{"id":3,"topic":"/cmd","encoding":"ros1","schemaName":"geometry_msgs/Twist","driver":"page"}]}',
+            "!" + (struct.pack("<BI6d", 1, 3, 0.5, 0, 0, 0, 0, 0)).hex(),
+            "!" + (struct.pack("<BI6d", 1, 3, float("nan"), 0, 0, 0, 0, 0)).hex(),
+            '{"op":"unadvertise","channelIds":[3]}',
+        ],
+        [
+            '{"op":"listRecordings"}',
+            '{"op":"startRecording","topics":["/a"],"format":"mcap"}',
+            '{"op":"stopRecording"}',
         ],
         [
             '{"op":"advertise","channels":[{"id":2,"topic":"/b","encoding":"json","schemaName":"my/Own",'
@@ -133,7 +145,7 @@ class _Line:
     """Stands for a connection: looks at what the client hears."""
 
     def __init__(self) -> None:
-        self.is_open = True
+        self.peer = "a client"
         self.answered = asyncio.Event()
         self.mistakes = 0
 
@@ -200,7 +212,14 @@ async def _converse(lines: list[str]) -> None:
     await talker.serve("/enable", "std_srvs/SetBool", _enable)
     await talker.set_param("/speed", 1.5)
     graph = await network.join("/gateway")
-    gateway = FoxgloveGateway(graph, _STORE, _SETTINGS, find_packages=_find_packages, tell=_tell)
+
+    async def join_teleop() -> Graph:
+        return await network.join("/web_teleop")
+
+    parts = DashboardParts(join_teleop=join_teleop)
+    gateway = FoxgloveGateway(
+        graph, _STORE, _SETTINGS, find_packages=_find_packages, tell=_tell, dashboard=parts
+    )
     snapshot = await graph.snapshot()
     gateway.channels.update(snapshot)
     gateway.services.update(snapshot)
