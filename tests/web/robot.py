@@ -40,11 +40,18 @@ class Robot:
         self._board = await self._run("demo", "--ros1")
         await self.start_dashboard()
 
-    async def start_dashboard(self) -> None:
+    @property
+    def master(self) -> str:
+        """The address of the board's master."""
+        return self._master
+
+    async def start_dashboard(self, *options: str) -> None:
         """Start the dashboard, the second time at the same address, and wait until it answers."""
         port = str(self._port)
+        recordings = str(self._home / "recordings")
         self._dashboard = await self._run(
-            "dashboard", "--port", port, "--no-open", "--ros1", "--master", self._master
+            *("dashboard", "--port", port, "--no-open", "--ros1", "--master", self._master),
+            *("--recordings", recordings, *options),
         )
         async with asyncio.timeout(PATIENCE_S):
             while not await asyncio.to_thread(self._answers):

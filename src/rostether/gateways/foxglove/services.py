@@ -22,7 +22,7 @@ MAX_SERVICES = 20_000
 """More than any graph has: a ROS 1 node of roscpp has two, one of ROS 2 seven."""
 
 _ASKED_AT_ONCE = 8
-_RETRY_S = (1.0, 5.0, 30.0)
+_RETRY_S = (1.0, 2.0, 5.0, 10.0, 30.0)
 """A node that has just registered may not answer yet; one that is gone never does."""
 
 

@@ -1,0 +1,74 @@
+"""What people do on the page reaches the robot, and stops with the page."""
+
+from __future__ import annotations
+
+import asyncio
+
+import rostether
+from web.browser import Browser
+from web.robot import Robot
+
+PATIENCE_S = 60.0
+LED = "rostether.feed('/led').lastMessage()?.data"
+
+
+async def test_a_tap_toggles_the_led(robot: Robot, browser: Browser) -> None:
+    page = await browser.do("open", url=robot.url + "#/controls")
+    await browser.do("evaluate", page=page, script="void rostether.subscribe('/led')")
+    await browser.wait_for(page, f"{LED} !== undefined")
+    before = await browser.do("evaluate", page=page, script=LED)
+    await browser.do("click", page=page, selector=".push")
+    await browser.wait_for(page, f"{LED} === {str(not before).lower()}")
+
+
+async def test_a_switch_calls_a_service(robot: Robot, browser: Browser) -> None:
+    page = await browser.do("open", url=robot.url + "#/controls")
+    switch = '.switch[aria-label="/set_led"]'
+    await browser.wait_for(page, f"document.querySelector({switch!r}) !== null")
+    await browser.do("click", page=page, selector=switch)
+    await browser.wait_for(page, "document.querySelector('.controls-grid').innerText.includes('LED on')")
+
+
+async def test_the_robot_stops_when_the_tab_is_killed(robot: Robot, browser: Browser) -> None:
+    async with rostether.join("driven", master=robot.master) as graph:
+        commands: list[float] = []
+
+        async def follow() -> None:
+            async for message in graph.messages("/cmd_vel", "geometry_msgs/Twist"):
+                commands.append(message.linear.x)
+
+        following = asyncio.ensure_future(follow())
+        page = await browser.do("open", url=robot.url + "#/drive")
+        await browser.wait_for(page, "document.querySelector('.stick-pad') !== null")
+        await browser.do(
+            "evaluate", page=page, script="void dispatchEvent(new KeyboardEvent('keydown', { code: 'KeyW' }))"
+        )
+        async with asyncio.timeout(PATIENCE_S):
+            while not commands or commands[-1] <= 0:
+                await asyncio.sleep(0.02)
+        await browser.close()
+        async with asyncio.timeout(PATIENCE_S):
+            while commands[-1] != 0:
+                await asyncio.sleep(0.02)
+        assert max(commands) <= 0.3
+        following.cancel()
+
+
+async def test_a_recording_is_made_and_listed(robot: Robot, browser: Browser) -> None:
+    page = await browser.do("open", url=robot.url + "#/recording")
+    await browser.do("click", page=page, selector=".recording .primary")
+    await browser.wait_for(
+        page, "/[1-9]\\d* messages/.test(document.querySelector('.recording-state').innerText)"
+    )
+    await browser.do("click", page=page, selector=".recording .button")
+    await browser.wait_for(page, "document.querySelector('.recording-files a[download$=\".bag\"]') !== null")
+
+
+async def test_a_page_that_may_only_view_cannot_act(robot: Robot, browser: Browser) -> None:
+    await robot.kill_dashboard()
+    await robot.start_dashboard("--token", "all", "--view-token", "look")
+    page = await browser.do("open", url=robot.url + "#token=look")
+    await browser.do("evaluate", page=page, script="void (location.hash = '#/controls')")
+    await browser.wait_for(page, "document.querySelector('.push')?.matches(':disabled')")
+    await browser.do("evaluate", page=page, script="void rostether.subscribe('/ultrasound')")
+    await browser.wait_for(page, "rostether.feed('/ultrasound').last !== undefined")
