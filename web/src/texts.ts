@@ -56,7 +56,7 @@ export const texts = {
       negotiating: "Negotiating topics",
     },
     noReport: (age: string) => `No report for ${age}`,
-    connectedFor: (age: string) => `connected for ${age}`,
+    connectedFor: (age: string) => `up ${age}`,
     topics: (count: number) => (count === 1 ? "1 topic" : `${count} topics`),
     lost: (dropped: number, damaged: number) =>
       dropped + damaged === 0 ? "nothing lost" : `${dropped} dropped, ${damaged} damaged`,
@@ -85,11 +85,11 @@ export const texts = {
     },
   },
   plots: {
-    add: "Add a number",
+    add: "Add",
     search: "Search numbers",
     noNumbers: "No number matches",
     none: "No number is plotted",
-    noneText: "Choose any number of any message with “Add a number”.",
+    noneText: "Choose any number of any message with “Add”.",
     span: "Span of time",
     lastSpan: (seconds: number) => (seconds < 120 ? `Last ${seconds} s` : `Last ${seconds / 60} min`),
     live: "Go on",

@@ -54,11 +54,21 @@ test("columns keep the least and the greatest value", () => {
   assert.equal(Math.max(...cells.map((each) => each ?? 0)), 50);
 });
 
-test("a gap breaks the line", () => {
+test("a gap breaks the line up to the next value", () => {
   const buffer = filled(100, 0.05, 0);
   buffer.push(30, 1);
-  const cells = cellsOf(buffer, gridOf(0, 40, 400), false);
-  assert.equal(cells.filter((each) => each === null).length, 1);
+  const grid = gridOf(0, 40, 400);
+  const cells = cellsOf(buffer, grid, false);
+  const times = gridTimes(grid);
+  const broken = times.filter((_, index) => cells[index] === null);
+  assert.ok(broken[0]! < 5.2 && broken.at(-1)! > 29.8, `${broken[0]} to ${broken.at(-1)}`);
+  assert.equal(broken.length, cells.lastIndexOf(null) - cells.indexOf(null) + 1);
+});
+
+test("a window that begins within a gap begins without a line", () => {
+  const buffer = filled(100, 0.05, 0);
+  buffer.push(30, 1);
+  assert.equal(cellsOf(buffer, gridOf(10, 40, 400), false)[0], null);
 });
 
 test("a window between two values shows the line between them", () => {

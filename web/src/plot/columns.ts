@@ -34,7 +34,10 @@ export function cellsOf(buffer: SeriesBuffer, grid: Grid, isStepped: boolean): C
   const cells: Cell[] = new Array(1 + 2 * grid.columns).fill(undefined);
   const first = buffer.indexAt(grid.fromS);
   const end = buffer.length;
-  if (first > 0 && first < end) cells[0] = edgeValue(buffer, first, grid.fromS, isStepped);
+  // The cell after which the line is broken; all up to the next value are null, since uPlot joins undefined ones.
+  let brokenAt = -1;
+  if (first > 0 && first < end && Number.isNaN(buffer.value(first - 1))) brokenAt = 0;
+  else if (first > 0 && first < end) cells[0] = edgeValue(buffer, first, grid.fromS, isStepped);
   else if (first > 0 && isStepped) cells[0] = finite(buffer.value(end - 1));
   const columnOf = (index: number) => Math.floor(buffer.time(index) / grid.stepS) - grid.firstColumn;
   let index = first;
@@ -64,11 +67,14 @@ export function cellsOf(buffer: SeriesBuffer, grid: Grid, isStepped: boolean): C
     }
     const at = 1 + 2 * Math.max(0, column);
     if (low <= high) {
+      if (brokenAt >= 0) cells.fill(null, brokenAt, at);
+      brokenAt = -1;
       cells[at] = isLowFirst ? low : high;
       cells[at + 1] = isLowFirst ? high : low;
       if (isStepped && !Number.isNaN(last)) cells[at + 1] = last;
     }
-    if (breaks) cells[Number.isNaN(last) || low > high ? at + 1 : at] = null;
+    // A break after the column's last value is drawn; one between its values is too small to see.
+    if (breaks && Number.isNaN(last)) brokenAt = low <= high ? at + 2 : at;
   }
   return cells;
 }

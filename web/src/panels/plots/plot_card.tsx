@@ -40,7 +40,7 @@ function Values({ context, series }: { context: PanelContext; series: readonly S
         const isFresh = each.buffer.length > 0 && !feed.isStale(now);
         return (
           <div key={each.id} class={isFresh ? "plots-value" : "plots-value stale"}>
-            {series.length > 1 && <span class={`plots-key series-${(index % 8) + 1}`}>{names[index]}</span>}
+            {series.length > 1 && <span class={`plots-name series-${(index % 8) + 1}`}>{names[index]}</span>}
             <span class="plots-number">
               {valueText(each)}
               {each.unit && isUnitAt(index) && <span class="plots-unit"> {each.unit}</span>}

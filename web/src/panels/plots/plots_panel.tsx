@@ -193,7 +193,11 @@ function Legend({ context, series, cursorS, own, onRemove, onOwnAxis }: LegendPr
         const isFresh = cursorS !== undefined || !context.robot.feed(each.topicName).isStale(now);
         return (
           <li key={each.id}>
-            <span class={`plots-key series-${(index % 8) + 1}`}>{each.id}</span>
+            <span class={`plots-key series-${(index % 8) + 1}`} title={each.id}>
+              <span class="plots-id">
+                {each.path} <small>{each.topicName}</small>
+              </span>
+            </span>
             <span class={isFresh ? "plots-legend-value" : "plots-legend-value stale"}>
               {each.error ||
                 (each.isArray ? texts.topics.elements(each.lastArray.length) : valueAt(each, cursorS))}
