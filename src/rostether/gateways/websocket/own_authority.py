@@ -1,7 +1,7 @@
 """Certificates for a robot's own web pages, signed by an authority that this machine makes for itself.
 
 A device that installs the authority's certificate trusts the page of this machine, and no other site: the
-authority may only sign for this machine's names and for addresses of local networks.
+authority may only sign for this machine's names and addresses, and for addresses of local networks.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def own_certificate(folder: Path, names: Iterable[str] = ()) -> OwnCertificate:
     made = OwnCertificate(folder / "server.pem", folder / "server.key", folder / "authority.pem")
     try:
         folder.mkdir(parents=True, exist_ok=True, mode=0o700)
-        authority, key = _authority(folder, wanted_names)
+        authority, key = _authority(folder, wanted_names, addresses)
         if not _is_good(made, authority, wanted_names, addresses):
             _make_server(made, authority, key, wanted_names, addresses)
     except OSError as error:
@@ -88,12 +88,17 @@ def _identities(names: Iterable[str]) -> tuple[set[str], set[_Address]]:
         except ValueError:
             if name:
                 hosts.add(name.lower())
-    # The authority signs for no other networks, see above.
-    local = [ipaddress.ip_network(each) for each in _LOCAL_NETWORKS]
-    return hosts, {each for each in addresses if any(each in network for network in local)}
+    # Public addresses of IPv6 change from day to day, and each would need another authority.
+    return hosts, {each for each in addresses if each.version == 4 or _is_local(each)}
 
 
-def _authority(folder: Path, names: set[str]) -> tuple[x509.Certificate, EllipticCurvePrivateKey]:
+def _is_local(address: _Address) -> bool:
+    return any(address in ipaddress.ip_network(network) for network in _LOCAL_NETWORKS)
+
+
+def _authority(
+    folder: Path, names: set[str], addresses: set[_Address]
+) -> tuple[x509.Certificate, EllipticCurvePrivateKey]:
     from cryptography import x509
     from cryptography.hazmat.primitives import hashes
     from cryptography.hazmat.primitives.asymmetric import ec
@@ -107,12 +112,13 @@ def _authority(folder: Path, names: set[str]) -> tuple[x509.Certificate, Ellipti
         if not isinstance(key, ec.EllipticCurvePrivateKey):
             raise ValueError("its key is of another kind")
         is_valid = certificate.not_valid_after_utc > _now() + datetime.timedelta(days=_SERVER_DAYS)
-        if is_valid and names <= _permitted_names(certificate):
+        if is_valid and _may_sign(certificate, names, addresses):
             return certificate, key
     key = ec.generate_private_key(ec.SECP256R1())
     name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, f"rostether on {socket.gethostname()}"[:64])])
     permitted: list[x509.GeneralName] = [x509.DNSName(each) for each in sorted(names)]
-    permitted += [x509.IPAddress(ipaddress.ip_network(each)) for each in _LOCAL_NETWORKS]
+    own = [str(each) for each in sorted(addresses, key=str) if not _is_local(each)]
+    permitted += [x509.IPAddress(ipaddress.ip_network(each)) for each in (*_LOCAL_NETWORKS, *own)]
     certificate = (
         x509.CertificateBuilder()
         .subject_name(name)
@@ -189,14 +195,23 @@ def _is_good(
     )
 
 
-def _permitted_names(certificate: x509.Certificate) -> set[str]:
+def _may_sign(authority: x509.Certificate, names: set[str], addresses: set[_Address]) -> bool:
     from cryptography import x509
 
     try:
-        constraints = certificate.extensions.get_extension_for_class(x509.NameConstraints).value
+        constraints = authority.extensions.get_extension_for_class(x509.NameConstraints).value
     except x509.ExtensionNotFound:
-        return set()
-    return {each.value for each in constraints.permitted_subtrees or () if isinstance(each, x509.DNSName)}
+        return False
+    permitted = constraints.permitted_subtrees or []
+    hosts = {each.value for each in permitted if isinstance(each, x509.DNSName)}
+    networks = [each.value for each in permitted if isinstance(each, x509.IPAddress)]
+    return names <= hosts and all(
+        any(
+            isinstance(network, ipaddress.IPv4Network | ipaddress.IPv6Network) and address in network
+            for network in networks
+        )
+        for address in addresses
+    )
 
 
 def _key_usage(*, signs_certificates: bool) -> x509.KeyUsage:

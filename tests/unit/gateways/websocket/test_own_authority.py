@@ -53,18 +53,27 @@ def test_other_users_cannot_read_the_keys(tmp_path: Path) -> None:
     assert stat.S_IMODE((tmp_path / "tls").stat().st_mode) == 0o700
 
 
-def test_the_authority_signs_for_this_machine_and_local_networks_alone(tmp_path: Path) -> None:
-    made = own_certificate(tmp_path, ["203.0.113.9"])
+def test_the_authority_signs_for_this_machine_and_local_networks_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    own = {ipaddress.ip_address(each) for each in ("127.0.0.1", "203.0.113.9", "2001:4860::1")}
+    monkeypatch.setattr(own_authority, "own_addresses", lambda: own)
+    made = own_certificate(tmp_path)
     authority = x509.load_pem_x509_certificate(made.authority.read_bytes())
     constraints = authority.extensions.get_extension_for_class(x509.NameConstraints)
     assert constraints.critical
     permitted = constraints.value.permitted_subtrees or []
-    networks = [each.value for each in permitted if isinstance(each, x509.IPAddress)]
-    assert networks
-    assert all(each.is_private or each == ipaddress.ip_network("100.64.0.0/10") for each in networks)
+    networks = [str(each.value) for each in permitted if isinstance(each, x509.IPAddress)]
+    assert set(networks) - set(own_authority._LOCAL_NETWORKS) == {"203.0.113.9/32"}
     server = x509.load_pem_x509_certificate(made.certificate.read_bytes())
     names = server.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
-    assert ipaddress.ip_address("203.0.113.9") not in names.get_values_for_type(x509.IPAddress)
+    assert set(names.get_values_for_type(x509.IPAddress)) == {
+        ipaddress.ip_address("127.0.0.1"),
+        ipaddress.ip_address("203.0.113.9"),
+    }
+    own.add(ipaddress.ip_address("203.0.113.10"))
+    other = own_certificate(tmp_path)
+    assert x509.load_pem_x509_certificate(other.authority.read_bytes()) != authority
 
 
 def test_it_stays_until_something_changes(tmp_path: Path) -> None:
