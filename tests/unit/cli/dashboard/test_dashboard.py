@@ -40,7 +40,7 @@ async def test_it_serves_the_page_and_the_graph_until_its_node_ends() -> None:
             url, page = await fetched(alone)
             assert page.startswith("<!doctype html>")
             await offers(url.replace("http:", "ws:"), "/rosout")
-            assert "dashboard: this machine only; `rostether dashboard --listen 0.0.0.0`" in alone.text
+            assert "this machine only; `rostether dashboard --listen 0.0.0.0` allows" in alone.text
             async with started("node", "kill", "/dashboard", "--master", master.uri) as kill:
                 await kill.wait_for("killed")
             await alone.wait_for("its node was shut down")
