@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Iterable
 
 # Control characters except line ends and tabs, what is invisible or changes the direction of writing, and
 # half characters (bytes that were not UTF-8), which a terminal's encoding rejects.
@@ -32,3 +33,11 @@ def escape_line(text: str, max_chars: int | None = None) -> str:
 def fold_line(text: str, max_chars: int | None = None) -> str:
     """Return the text as one line, with one space for each run of white space; else as `escape_line`."""
     return escape_line(" ".join(text.split()), max_chars)
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """Return `did you mean X?` with the most similar of the known names; empty if none is similar."""
+    from difflib import get_close_matches
+
+    near = get_close_matches(name, list(known), n=1)
+    return f"did you mean {near[0]}?" if near else ""

@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import Any
 
 from rostether.errors import ConfigError, SerializationError
+from rostether.mechanisms.text import did_you_mean
 from rostether.msgdef.spec import FieldType
 from rostether.serde.codec import Codec
 from rostether.serde.type_tree import Array, Member, Struct
@@ -62,7 +63,8 @@ def _member(tree: Struct, name: str) -> Member:
         if member.name == name:
             return member
     known = ", ".join(member.name for member in tree.members) or "no fields"
-    raise ConfigError(f"{tree.name} has no field {name!r}; it has {known}")
+    hint = did_you_mean(name, [member.name for member in tree.members])
+    raise ConfigError(f"{tree.name} has no field {name!r}; it has {known}{hint and f'; {hint}'}")
 
 
 def _inside(member: Member, index: int | slice | None, *, last: bool) -> Struct | None:

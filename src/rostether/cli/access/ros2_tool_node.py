@@ -13,6 +13,7 @@ from rostether.cli.access.ros2_access import ros2_access
 from rostether.cli.access.ros2_view import GraphView, is_hidden
 from rostether.cli.access.ros_choice import Middleware
 from rostether.cli.shell.output import warn
+from rostether.errors import GraphError
 from rostether.mechanisms.anonymous import anonymous_name
 
 if TYPE_CHECKING:
@@ -82,9 +83,15 @@ def _looks_complete(view: GraphView) -> bool:
 
 @asynccontextmanager
 async def tool_node(
-    options: GraphOptions, msg_paths: Iterable[Path] = (), *, is_quiet: bool = False
+    options: GraphOptions,
+    msg_paths: Iterable[Path] = (),
+    *,
+    is_quiet: bool = False,
+    needs_router: bool = False,
 ) -> AsyncIterator[ToolNode]:
     """Run a hidden node until the end of the block; a quiet one gives no advice.
+
+    With `needs_router`, a missing zenoh router is an error, not a warning.
 
     Raises ConfigError, GraphError with advice.
     """
@@ -101,7 +108,7 @@ async def tool_node(
     types = NativeTypes(registry)
     async with ros2_access(middleware, reach=reach, types=types) as access:
         if middleware is Middleware.ZENOH and not is_quiet:
-            await warn_without_router()
+            await warn_without_router(is_error=needs_router)
         graph = await access.join(
             options.arguments.get("__name") or anonymous_name(HIDDEN_NAME),
             namespace=options.arguments.get("__ns", "/"),
@@ -112,16 +119,22 @@ async def tool_node(
             await graph.close()
 
 
-async def warn_without_router() -> None:
-    """Give advice if no zenoh router answers: nodes cannot be found without one."""
+async def warn_without_router(*, is_error: bool = False) -> None:
+    """Give advice if no zenoh router answers: nodes cannot be found without one.
+
+    Raises GraphError with the advice if `is_error`.
+    """
     from rostether.ros2.environment import Ros2Environment
     from rostether.ros2.zenoh.configuration import ROUTER_ENDPOINT, is_router_there, names_its_own_place
 
     if not names_its_own_place(Ros2Environment.read()) and not await is_router_there():
-        warn(
+        advice = (
             f"no zenoh router answers at {ROUTER_ENDPOINT}, so nodes cannot be found; start one with "
             f"`rostether core --ros2 zenoh`, `rostether serve --ros2 zenoh`, or ROS 2's rmw_zenohd"
         )
+        if is_error:
+            raise GraphError(advice)
+        warn(advice)
 
 
 def asked(options: GraphOptions, question: Callable[[ToolNode], Awaitable[T]]) -> T:
@@ -129,7 +142,8 @@ def asked(options: GraphOptions, question: Callable[[ToolNode], Awaitable[T]]) -
     from rostether.cli.shell.running import run
 
     async def ask() -> T:
-        async with tool_node(options) as tool:
+        # A list without a router would be empty, as if no node ran.
+        async with tool_node(options, needs_router=True) as tool:
             return await question(tool)
 
     return run(ask())

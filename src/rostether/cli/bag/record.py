@@ -96,7 +96,11 @@ _record_options = option_group(
         click.option("-x", "--exclude", metavar="REGEX", help="Leave out the topics that match."),
         click.option("--node", metavar="NODE", help="Record all topics that a node subscribes to."),
         click.option(
-            "-O", "--output-name", metavar="FILE", help="Write to this .bag, .mcap, .db3, or folder."
+            "-O",
+            "--output",
+            "output_name",
+            metavar="FILE",
+            help="The .bag, .mcap or .db3 file, or folder.",
         ),
         click.option(
             "-o",
@@ -126,7 +130,8 @@ _record_options = option_group(
         ),
         click.option(
             "-l",
-            "--limit",
+            "--count",
+            "limit",
             type=click.IntRange(min=1),
             metavar="COUNT",
             help="Record at most COUNT messages of each topic.",
@@ -173,6 +178,7 @@ _record_options = option_group(
 @click.command(
     "record",
     cls=Verb,
+    old_options={"--output-name": "--output", "--limit": "--count"},
     examples="""
     rostether bag record --all
     rostether bag record -O drive.bag /ultrasound /imu_data

@@ -37,11 +37,12 @@ class _Start:
 
 @click.command(
     cls=Verb,
+    old_options={"--for": "--duration"},
     examples="""
     rostether board run blink.ino --watch D13
     rostether board run Ultrasound.ino --link /tmp/board --range 0.5
     rostether board run imu.elf --board mega --attitude "10 0 90" --json
-    rostether board run test.elf --fast --for 2s
+    rostether board run test.elf --fast --duration 2s
     """,
 )
 @click.argument("program", type=click.Path(path_type=Path))
@@ -90,8 +91,7 @@ class _Start:
 )
 @click.option("--fast", is_flag=True, help="Run as fast as possible instead of in real time.")
 @click.option(
-    "--for",
-    "duration",
+    "--duration",
     metavar="TIME",
     help="Stop after this simulated time, e.g. 2s, 20ms or 160000 cycles.",
 )

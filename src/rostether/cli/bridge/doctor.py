@@ -25,10 +25,11 @@ if TYPE_CHECKING:
 @click.command(
     "doctor",
     cls=Verb,
+    old_options={"--seconds": "--duration"},
     examples="""
     rostether doctor                              the board that is plugged in
     rostether doctor /dev/ttyACM0
-    rostether doctor "/dev/ttyUSB0?baud=115200" --seconds 30
+    rostether doctor "/dev/ttyUSB0?baud=115200" --duration 30
     rostether doctor tcp://0.0.0.0:11411          a board on the network that should connect to us
     rostether doctor sim:blink.ino                a sketch on a simulated board
     rostether doctor /dev/ttyACM0 --json
@@ -37,7 +38,8 @@ if TYPE_CHECKING:
 )
 @click.argument("port", required=False, metavar="[PORT]")
 @click.option(
-    "--seconds",
+    "--duration",
+    "seconds",
     type=click.FloatRange(min=1.0, max=3600.0),
     help="Watch a connected board for this many seconds (8); 60 or more show restart loops and clock "
     "drift better.",
@@ -64,7 +66,7 @@ def doctor(
     """
     if ros2 is not None:
         if port is not None or seconds is not None:
-            raise click.UsageError("with --ros2, doctor examines no board: leave out PORT and --seconds")
+            raise click.UsageError("with --ros2, doctor examines no board: leave out PORT and --duration")
         return run(_ros2_doctor(ros2, as_json))
     return run(_doctor(port, seconds, msg_paths, as_json))
 

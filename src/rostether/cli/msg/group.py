@@ -16,6 +16,7 @@ from rostether.cli.access.options import msg_path_option
 from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.verbs import LazyGroup, Verb, VerbEntry
 from rostether.errors import UnknownTypeError
+from rostether.mechanisms.text import did_you_mean
 
 if TYPE_CHECKING:
     from rostether.msgdef.registry import Registry
@@ -247,9 +248,10 @@ def _package_verb(kind: _Kind) -> click.Command:
     ) -> None:
         registry = _registry(msg_paths, graph)
         if package not in registry.packages():
+            meant = did_you_mean(package, registry.packages())
             raise UnknownTypeError(
-                f"no package {package!r} with definitions is known; give its folder with --msg-path; "
-                f"`rostether {kind.group} packages` lists the known ones"
+                f"no package {package!r} with definitions is known; {meant and f'{meant} Otherwise, '}"
+                f"give its folder with --msg-path; `rostether {kind.group} packages` lists the known ones"
             )
         write_line((" " if single_line else "\n").join(kind.names(registry, package)))
 

@@ -22,10 +22,11 @@ if TYPE_CHECKING:
 @click.command(
     "graph",
     cls=Verb,
+    old_options={"--save": "--output"},
     examples="""
     rostether graph
-    rostether graph --save graph.svg
-    rostether graph --nodes-only --save graph.png
+    rostether graph --output graph.svg
+    rostether graph --nodes-only --output graph.png
     rostether graph /arm /joint_states --format dot
     """,
 )
@@ -34,11 +35,11 @@ if TYPE_CHECKING:
     "--format",
     "format_name",
     type=click.Choice(["text", "dot", "svg"]),
-    help="The output format (text); use --save for pictures.",
+    help="The output format (text); use --output for pictures.",
 )
 @click.option(
     "-o",
-    "--save",
+    "--output",
     "file",
     metavar="FILE",
     type=click.Path(path_type=Path, dir_okay=False),
@@ -66,7 +67,7 @@ def show_graph(
     topics as boxes; PNG needs `pip install 'rostether[pictures]'`.
     """
     if sum([format_name is not None, file is not None, as_json]) > 1:
-        raise click.UsageError("give one of --format, --save and --json")
+        raise click.UsageError("give one of --format, --output and --json")
     kind = "json" if as_json else format_name or "text"
     if file is not None:
         kind = picture_format(file)

@@ -50,11 +50,12 @@ class _Options:
 @click.command(
     "plot",
     cls=Verb,
+    old_options={"--for": "--duration", "--save": "--output"},
     examples="""
     rostether plot /ultrasound/range
     rostether plot /imu_data/angular_velocity/x:y:z
     rostether plot "/joint_states/position[0:4]" --window 30
-    rostether plot /joint_states/position --for 20 --save joints.png
+    rostether plot /joint_states/position --duration 20 --output joints.png
     """,
 )
 @click.argument(
@@ -69,7 +70,7 @@ class _Options:
     help=f"Show the last SECONDS (default: {DEFAULT_WINDOW_S:g}; in a file, everything).",
 )
 @click.option(
-    "--for",
+    "--duration",
     "duration_s",
     type=click.FloatRange(min=0, min_open=True),
     metavar="SECONDS",
@@ -77,7 +78,7 @@ class _Options:
 )
 @click.option(
     "-o",
-    "--save",
+    "--output",
     "file",
     metavar="FILE",
     type=click.Path(path_type=Path, dir_okay=False),

@@ -30,7 +30,7 @@ MAX_RATE_HZ = 1_000.0
 @click.argument("parent")
 @click.argument("child")
 @click.argument("rate", type=click.FloatRange(0, MAX_RATE_HZ, min_open=True), default=1.0)
-@click.option("-n", "count", type=click.IntRange(min=1), metavar="COUNT", help="Stop after COUNT transforms.")
+@click.option("-n", "--count", type=click.IntRange(min=1), metavar="COUNT", help="Stop after COUNT.")
 @click.option(
     "--timeout",
     "timeout_s",

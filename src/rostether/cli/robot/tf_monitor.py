@@ -31,7 +31,7 @@ REPORT_PERIOD_S = 1.0
     """,
 )
 @click.argument("frames", nargs=-1, metavar="[PARENT CHILD]")
-@click.option("-n", "count", type=click.IntRange(min=1), metavar="COUNT", help="Stop after COUNT reports.")
+@click.option("-n", "--count", type=click.IntRange(min=1), metavar="COUNT", help="Stop after COUNT reports.")
 @json_option
 @graph_options(ros=False, allow=TOOL_ALLOW)
 def monitor(frames: tuple[str, ...], count: int | None, as_json: bool, graph: GraphOptions) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import import_module
 from textwrap import dedent
+from types import MappingProxyType
 from typing import Any
 
 import click
@@ -28,20 +29,39 @@ class VerbEntry:
 
 
 class Verb(click.Command):
-    """A command whose help ends with examples to copy."""
+    """A command whose help ends with examples to copy.
 
-    def __init__(self, *args: Any, examples: str = "", **kwargs: Any) -> None:
+    `old_options` maps former names of options, which stay accepted, to the present ones.
+    """
+
+    def __init__(
+        self,
+        *args: Any,
+        examples: str = "",
+        old_options: Mapping[str, str] = MappingProxyType({}),
+        **kwargs: Any,
+    ) -> None:
         super().__init__(*args, **_with_our_settings(kwargs))
+        self.old_options = old_options
         self.examples = dedent(examples).strip("\n")
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Read the arguments; `–once`, as books and PDFs print it, is `--once`."""
         known = {option for parameter in self.get_params(ctx) for option in parameter.opts}
-        plain = [_plain_dashes(each, known) for each in args]
+        plain = [_plain_dashes(each, {*known, *self.old_options}) for each in args]
+        plain = self._renamed(plain)
         for parameter in self.get_params(ctx):
             if isinstance(parameter, OptionalValueOption):
                 plain = parameter.insert_value(plain)
         return super().parse_args(ctx, plain)
+
+    def _renamed(self, arguments: list[str]) -> list[str]:
+        end = arguments.index("--") if "--" in arguments else len(arguments)
+        renamed = []
+        for each in arguments[:end]:
+            name, equals, value = each.partition("=")
+            renamed.append(self.old_options.get(name, name) + equals + value)
+        return renamed + arguments[end:]
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the examples below the options, line by line as given."""
@@ -75,6 +95,11 @@ class LazyGroup(click.Group):
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """Find the given verb, or fail and suggest similar ones."""
         name = args[0]
+        if name == "help" and name not in self.verbs:
+            if not args[1:]:
+                click.echo(ctx.get_help())
+                ctx.exit()
+            return self.resolve_command(ctx, [*args[1:], "--help"])
         if name not in self.verbs and not name.startswith("-") and not ctx.resilient_parsing:
             from difflib import get_close_matches
 

@@ -19,7 +19,7 @@ _echo_options = option_group(
     EchoOptions,
     (
         click.option(
-            "-n", "count", type=click.IntRange(min=1), metavar="COUNT", help="Stop after COUNT messages."
+            "-n", "--count", type=click.IntRange(min=1), metavar="COUNT", help="Stop after COUNT messages."
         ),
         click.option("--once", is_flag=True, help="Stop after one message."),
         click.option("-p", "plot", is_flag=True, help="Print comma-separated values, for plotting."),

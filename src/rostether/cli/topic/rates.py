@@ -34,7 +34,7 @@ from rostether.cli.topic.windows import (
 NOTHING_NEW = "no new messages"
 
 _count_option = click.option(
-    "-n", "count", type=click.IntRange(min=1), metavar="COUNT", help="Stop after COUNT reports."
+    "-n", "--count", type=click.IntRange(min=1), metavar="COUNT", help="Stop after COUNT reports."
 )
 _nodelay_option = click.option("--tcpnodelay", is_flag=True, help="Accepted; always on.")
 

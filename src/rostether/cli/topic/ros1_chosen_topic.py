@@ -11,6 +11,7 @@ from rostether.cli.access.ros1_access import resolve
 from rostether.cli.shell.output import warn
 from rostether.cli.topic.ros1_view import TopicView, fetch_topics
 from rostether.errors import ConfigError, DefinitionError
+from rostether.mechanisms.text import did_you_mean
 from rostether.ros1.environment import RosEnvironment
 from rostether.serde.field_path import FieldPath
 
@@ -57,7 +58,10 @@ def choose_topic(name: str, topics: Sequence[TopicView], store: TypeStore) -> Ch
 
 
 async def wait_for_topic(name: str, store: TypeStore, environment: RosEnvironment) -> ChosenTopic:
-    """Return the topic that a full name means, as soon as its type is known."""
+    """Return the topic that a full name means, as soon as its type is known.
+
+    Raises ConfigError for a field that a topic's type does not have.
+    """
     reported = False
     while True:
         topics = await fetch_topics(environment)
@@ -66,18 +70,23 @@ async def wait_for_topic(name: str, store: TypeStore, environment: RosEnvironmen
             return chosen
         if not reported:
             reported = True
-            warn(f"WARNING: topic [{name}] does not appear to be published yet")
-            _explain_wrong_field(name, topics, store)
+            _refuse_wrong_field(name, topics, store)
+            names = [topic.name for topic in topics if topic.known_type is not None]
+            hint = did_you_mean(name.partition("[")[0], names)
+            warn(f"WARNING: topic [{name}] does not appear to be published yet{hint and f'; {hint}'}")
         await asyncio.sleep(POLL_S)
 
 
-def _explain_wrong_field(name: str, topics: Sequence[TopicView], store: TypeStore) -> None:
+def _refuse_wrong_field(name: str, topics: Sequence[TopicView], store: TypeStore) -> None:
+    """Raise ConfigError for a field that the messages of a topic do not have."""
     for topic in topics:
         if topic.known_type is None or not name.startswith(f"{topic.name}/"):
             continue
+        if any(each.name.startswith(f"{topic.name}/") for each in topics):
+            continue  # what was typed may become one of the topics below this one
         try:
             FieldPath(store.codec(topic.type), name[len(topic.name) + 1 :])
         except ConfigError as error:
-            warn(f"WARNING: in {topic.name}, {error}")
+            raise ConfigError(f"in {topic.name}, {error}") from None
         except DefinitionError:
             continue

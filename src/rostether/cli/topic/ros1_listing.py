@@ -111,11 +111,12 @@ def info(graph: GraphOptions, topic: str, *, as_json: bool) -> None:
 
 async def _fetch_one(topic: str, environment: RosEnvironment) -> tuple[TopicView, dict[str, str | None]]:
     name = resolve(topic, environment)
-    for view in await fetch_topics(environment):
+    views = await fetch_topics(environment)
+    for view in views:
         if view.name == name:
             async with master_client(environment) as client:
                 return view, await node_uris(client, {*view.publishers, *view.subscribers})
-    raise unknown_topic(name)
+    raise unknown_topic(name, (view.name for view in views))
 
 
 def type_of(graph: GraphOptions, topic: str, msg_paths: tuple[Path, ...]) -> None:
@@ -127,9 +128,10 @@ def type_of(graph: GraphOptions, topic: str, msg_paths: tuple[Path, ...]) -> Non
     environment = read_environment(graph)
     name = resolve_with_field(topic, environment)
     store = TypeStore(Registry.from_environment(msg_paths))
-    chosen = choose_topic(name, run(fetch_topics(environment)), store)
+    views = run(fetch_topics(environment))
+    chosen = choose_topic(name, views, store)
     if chosen is None:
-        raise unknown_topic(name)
+        raise unknown_topic(name, (view.name for view in views))
     if not chosen.field:
         write_line(chosen.type)
     else:

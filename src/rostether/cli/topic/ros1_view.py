@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from rostether.cli.access.ros1_access import master_client
 from rostether.errors import UnknownNameError
+from rostether.mechanisms.text import did_you_mean
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.master_client import MasterClient
 
@@ -51,8 +52,7 @@ async def node_uris(client: MasterClient, nodes: Iterable[str]) -> dict[str, str
     return uris
 
 
-def unknown_topic(name: str) -> UnknownNameError:
-    """Return the error for a topic without publishers and subscribers."""
-    return UnknownNameError(
-        f"topic {name} has no publisher and no subscriber; `rostether topic list` shows all topics"
-    )
+def unknown_topic(name: str, known: Iterable[str]) -> UnknownNameError:
+    """Return the error for a topic without publishers and subscribers; `known` are those there are."""
+    hint = did_you_mean(name, known) or "`rostether topic list` shows all topics"
+    return UnknownNameError(f"topic {name} has no publisher and no subscriber; {hint}")

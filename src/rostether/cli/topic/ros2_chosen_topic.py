@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from rostether.cli.access.ros2_view import GraphView
 from rostether.cli.shell.output import warn
 from rostether.errors import ConfigError, DefinitionError, TypeMismatchError
+from rostether.mechanisms.text import did_you_mean
 from rostether.msgdef.ros2.primitives import PRIMITIVE_TYPES
 from rostether.msgdef.ros2.spec import Ros2Message, Ros2Type
 from rostether.ros2.endpoint_info import EndpointKind
@@ -56,7 +57,8 @@ async def choose_topic(
     view = await tool.snapshot_when(lambda seen: _published(seen, wanted) is not None)
     found = _published(view, wanted)
     if found is None:
-        warn(f"WARNING: topic [{wanted}] does not appear to be published yet")
+        hint = did_you_mean(name, view.names([EndpointKind.PUBLISHER]))
+        warn(f"WARNING: topic [{wanted}] does not appear to be published yet{hint and f'; {hint}'}")
     while found is None:
         await asyncio.sleep(POLL_S)
         view = await tool.snapshot()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import asdict
 from typing import Any
 
@@ -11,7 +12,7 @@ from rostether.cli.access.ros2_view import TOPIC_KINDS, GraphView
 from rostether.cli.shell.output import write_json, write_line
 from rostether.cli.topic.requests import TopicListing
 from rostether.errors import UnknownNameError
-from rostether.mechanisms.text import escape_line
+from rostether.mechanisms.text import did_you_mean, escape_line
 from rostether.names.graph_name import namespace_of
 from rostether.ros2.endpoint_info import EndpointInfo, EndpointKind
 from rostether.ros2.types.native_registry import short_name
@@ -75,16 +76,14 @@ def _view_of(graph: GraphOptions, topic: str) -> tuple[str, GraphView]:
 
     asked(graph, ask)
     if resolved not in view.topics(with_hidden=True):
-        raise unknown_topic(resolved)
+        raise unknown_topic(resolved, view.topics())
     return resolved, view
 
 
-def unknown_topic(name: str) -> UnknownNameError:
-    """Return the error for a topic without publishers and subscribers."""
-    return UnknownNameError(
-        f"Unknown topic '{name}': it has no publisher and no subscriber; "
-        "`rostether topic list` shows all topics"
-    )
+def unknown_topic(name: str, known: Iterable[str]) -> UnknownNameError:
+    """Return the error for a topic without publishers and subscribers; `known` are those there are."""
+    hint = did_you_mean(name, known) or "`rostether topic list` shows all topics"
+    return UnknownNameError(f"Unknown topic '{name}': it has no publisher and no subscriber; {hint}")
 
 
 def info(graph: GraphOptions, topic: str, *, verbose: bool, as_json: bool) -> None:

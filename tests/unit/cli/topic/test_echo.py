@@ -123,19 +123,40 @@ def test_a_topic_that_is_not_there_yet_is_waited_for(
     assert result.err == "WARNING: topic [/late] does not appear to be published yet\n"
 
 
-def test_a_wrong_field_of_a_topic_is_explained(
+def test_a_wrong_field_ends_the_command(graph: LiveGraph, shell: Shell) -> None:
+    publish(graph, "/r", "sensor_msgs/Range")
+    error = shell.failure("topic", "echo", "/r/rnage")
+    assert "in /r, sensor_msgs/Range has no field 'rnage'; it has header, " in error
+    assert error.rstrip().endswith("did you mean range?")
+
+
+def test_a_topic_below_a_topic_may_come_later(
     graph: LiveGraph, shell: Shell, warned: threading.Event
 ) -> None:
     publish(graph, "/r", "sensor_msgs/Range")
+    publish(graph, "/r/raw", "std_msgs/Bool")
 
     def appear() -> None:
         assert warned.wait(20)
-        publish(graph, "/r/rnage", "std_msgs/Bool", {"data": True})
+        publish(graph, "/r/later", "std_msgs/Bool", {"data": True})
 
     in_background(appear)
-    result = shell("topic", "echo", "-n", "1", "/r/rnage")
-    assert result.code == 0
-    assert "in /r, sensor_msgs/Range has no field 'rnage'; it has header, radiation_type" in result.err
+    assert shell("topic", "echo", "-n", "1", "/r/later").code == 0
+
+
+def test_a_topic_of_a_similar_name_is_suggested(
+    graph: LiveGraph, shell: Shell, warned: threading.Event
+) -> None:
+    publish(graph, "/ultrasound", "sensor_msgs/Range")
+
+    def appear() -> None:
+        assert warned.wait(20)
+        publish(graph, "/ultrasond", "sensor_msgs/Range", {})
+
+    in_background(appear)
+    result = shell("topic", "echo", "-n", "1", "/ultrasond")
+    assert "[/ultrasond] does not appear to be published yet; did you mean /ultrasound?" in result.err
+    assert "did you mean /ultraso" in shell.failure("topic", "info", "/ultrasonnd")
 
 
 def test_echo_ends_when_its_node_is_shut_down(graph: LiveGraph, shell: Shell) -> None:
