@@ -3,12 +3,13 @@ PYTHON ?= $(shell scripts/find-python)
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: help demo test test-fast test-pythons test-fresh check check-web web bench fuzz soak soak-page docs clean
+.PHONY: help demo test test-fast coverage test-pythons test-fresh check check-web web bench fuzz soak soak-page docs clean
 
 help:
 	@echo "make demo   watch a simulated board become a ROS node (no hardware, no ROS, no root)"
 	@echo "make test   install what the tests need and run them all"
 	@echo "make test-fast  the tests that need no other program: no compiler, simulator or ROS"
+	@echo "make coverage  check that tests cover every branch of the protocols without I/O"
 	@echo "make test-pythons  the unit, property and contract tests under every Python here, from 3.11 on"
 	@echo "make test-fresh  what CI does, in a new Debian 12 made by mmdebstrap (root, 20 minutes)"
 	@echo "make check  ruff, mypy, import-linter, reuse, the words of our texts and the dashboard's page"
@@ -32,6 +33,10 @@ test test-fast: export PYTHONDONTWRITEBYTECODE :=
 test-fast: $(VENV)/.dev
 	$(BIN)/python -m pytest tests/architecture tests/unit tests/property tests/contract \
 		-m "not (arm or avr or clang or gcc or mingw or qemu or simavr)" -n auto --dist worksteal $(ARGS)
+
+coverage: $(VENV)/.dev
+	$(BIN)/python -m pytest tests/unit/rosserial tests/unit/serde tests/unit/tcpros tests/unit/xmlrpc \
+		-n auto --dist worksteal --cov --cov-report=term-missing:skip-covered $(ARGS)
 
 test-pythons:
 	scripts/test-pythons $(ARGS)

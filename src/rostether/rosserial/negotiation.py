@@ -280,8 +280,7 @@ class Negotiation:
         self._unanswered = 0
 
     def _send(self, why: Input, now_s: float) -> None:
-        if not self._advance(why):
-            return
+        self._advance(why)
         if self.version is None:
             step = self._search_step
             if step >= len(SEARCH_STEPS):

@@ -47,7 +47,7 @@ class Codec:
         message = self.conform(value)
         try:
             return self._encode(message)
-        except ENCODE_ERRORS as error:
+        except ENCODE_ERRORS as error:  # pragma: no cover - `conform` refuses what it can know
             raise SerializationError(f"{self.tree.name} cannot be encoded: {error}") from error
 
     def decode(self, payload: bytes) -> Message:

@@ -284,3 +284,10 @@ def test_a_board_that_answers_without_announcing_any_more_is_left_in_peace() -> 
         now_s, done = tick(negotiation)
     assert negotiation.requests <= MAX_ROUNDS
     assert len(negotiation.complete) == 1
+
+
+def test_an_announcement_before_the_first_request_changes_nothing() -> None:
+    negotiation = Negotiation()
+    negotiation.announced(ids.PUBLISHER, INFO, 0.0)
+    assert negotiation.phase is Phase.IDLE
+    assert negotiation.get_timer() is None

@@ -90,3 +90,14 @@ def test_abandon_gives_what_is_left() -> None:
         b"text",
         frame(ids.TIME, bytes(8))[:9],
     ]
+
+
+def test_new_limits_apply_to_headers_seen_before() -> None:
+    refused_above: dict[int | None, int] = {}
+    one = ProtocolDetector(max_payload_bytes=65535, limits=CONTROL_LIMITS, refused_above=refused_above)
+    one.feed(frame(125, bytes(300), 1), 0.0)
+    refused_above.update({None: 100})
+    one.limits_changed()
+    message = frame(125, bytes(300), 2)
+    one.feed(message, 0.0)
+    assert one.decoder is None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import struct
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
@@ -11,6 +12,7 @@ import pytest
 from rostether.errors import SerializationError
 from rostether.msgdef.registry import Registry
 from rostether.rostime import Duration, Time
+from rostether.serde.encoder_source import to_bytes
 from rostether.serde.store import TypeStore
 from rostether.serde.type_tree import MAX_EMPTY_ELEMENTS
 from unit.serde.definitions import store_of
@@ -276,3 +278,34 @@ def test_elements_without_content_are_limited() -> None:
     assert len(nested.decode(u32(MAX_EMPTY_ELEMENTS // 3)).pairs) == MAX_EMPTY_ELEMENTS // 3
     with pytest.raises(SerializationError, match="over the limit"):
         nested.decode(u32(MAX_EMPTY_ELEMENTS))
+
+
+def test_the_class_of_a_part_of_a_message() -> None:
+    codec = STORE.codec("geometry_msgs/Twist")
+    assert isinstance(codec.message_class().linear, codec.class_of(codec.tree.members[0].node))  # type: ignore[arg-type]
+
+
+def test_an_array_of_length_zero_has_no_bytes() -> None:
+    codec = store_of(Kind="int8[0] x\nint8 y").codec("test/Kind")
+    assert codec.encode({"x": [], "y": 7}) == b"\7"
+
+
+class ArrayLike:
+    """Converts to a list, as a numpy array does; no sequence to Python."""
+
+    def __array__(self) -> None: ...
+
+    def __iter__(self) -> Iterator[int]:
+        return iter((1, 2, 3))
+
+
+def test_bytes_of_an_array() -> None:
+    assert to_bytes(ArrayLike()) == b"\1\2\3"
+
+
+def test_short_arrays_of_numbers_in_a_part() -> None:
+    store = store_of(Part="float64[3] x\nint8[] y\nstring z", Kind="test/Part[] parts")
+    parts = [{"x": [1.0, 2.0, 3.0], "y": [4, 5], "z": "six"}]
+    codec = store.codec("test/Kind")
+    (part,) = codec.decode(codec.encode({"parts": parts})).parts
+    assert (part.x, part.y, part.z) == ([1.0, 2.0, 3.0], [4, 5], "six")

@@ -173,3 +173,21 @@ def test_types_within_types_do_not_double_the_source() -> None:
     assert not store.layout("test/L14").accepts(payload + b"\0")
     codec = store.codec("test/L14")
     assert codec.encode(codec.decode(payload)) == payload
+
+
+@pytest.mark.parametrize(
+    ("field", "size_bytes"),
+    [
+        ("float64 x", 8),
+        ("string x", 4),
+        ("string[] x", 4),
+        ("string[3] x", 12),
+        ("Header x\nint8 y", 17),
+        ("std_msgs/String[2] x", 8),
+    ],
+)
+def test_smallest_size(field: str, size_bytes: int) -> None:
+    layout = store_of(Kind=field).layout("test/Kind")
+    assert layout.type_name == "test/Kind"
+    assert layout.smallest_size_bytes == size_bytes
+    assert layout.accepts(bytes(size_bytes))

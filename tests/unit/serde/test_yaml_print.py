@@ -101,3 +101,14 @@ def test_selected_values(value: Any, field_type: FieldType, printed: str) -> Non
 def test_selected_message_is_printed_like_a_whole_one() -> None:
     vector = STORE.codec("geometry_msgs/Vector3").message_class()
     assert format_value(vector, FieldType("geometry_msgs/Vector3")) == "x: 0.0\ny: 0.0\nz: 0.0"
+
+
+def test_widths_of_lists_and_stamps() -> None:
+    style = EchoStyle(number_width=5)
+    assert format_value([1.5, 2.25], FieldType("float64", is_array=True), style) == "[1.500, 2.250]"
+    assert "  secs:    12\n  nsecs:    34" in text_of("std_msgs/Header", style, stamp=Time(12, 34))
+
+
+def test_strings_of_a_fixed_number_are_not_left_out() -> None:
+    style = EchoStyle(no_strings=True)
+    assert format_value(["a", "b"], FieldType("string", True, 2), style) == "\n- a\n- b"

@@ -70,3 +70,9 @@ def test_garbage_is_refused_or_read_but_nothing_else_happens(data: bytes) -> Non
         fields = decode_fields(data)
         # A key that comes twice has its last value; the others come back.
         assert decode_fields(encode_header(fields)[4:]) == fields
+
+
+def test_the_bytes_of_an_unfinished_header_are_counted() -> None:
+    decoder = HeaderDecoder()
+    decoder.feed(encode_header(FIELDS)[:-1])
+    assert decoder.held_bytes == len(encode_header(FIELDS)) - 1

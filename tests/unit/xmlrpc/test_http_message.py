@@ -357,3 +357,17 @@ def test_a_request_to_another_machines_name_is_refused() -> None:
     server = HttpServerSide(is_own_host=lambda host: host == "robot:11311")
     server.receive_data(request.replace(b"rebound.example", b"robot"))
     assert server.next_request() == b""
+
+
+def test_the_bytes_of_an_unfinished_body_are_counted() -> None:
+    server = HttpServerSide()
+    server.receive_data(REQUESTS["roscpp"][:-3])
+    assert server.next_request() is None
+    assert server.body_bytes == len("<call/>") - 3
+
+
+def test_a_stream_that_ends_before_the_answer() -> None:
+    client = HttpClientSide("localhost")
+    client.send_request(b"<call/>")
+    with pytest.raises(RemoteProtocolError, match="the answer is not HTTP"):
+        client.receive_data(b"")
