@@ -89,7 +89,7 @@ def test_links_of_the_readme_work_on_a_package_index(wheel: zipfile.ZipFile) -> 
             kind, _, path = target.removeprefix(f"{HOME}/").partition("/main/")
             assert kind in ("blob", "raw")
             assert (REPOSITORY / path.partition("#")[0]).exists(), target
-    assert f"{HOME}/raw/main/docs/pictures/demo.svg" in targets
+    assert f"{HOME}/raw/main/docs/pictures/dashboard.png" in targets
 
 
 def test_the_repository_has_one_address() -> None:
