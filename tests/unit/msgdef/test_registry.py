@@ -32,6 +32,7 @@ PACKAGES = {
     "stereo_msgs",
     "tf",
     "tf2_msgs",
+    "tf2_web_republisher",
     "topic_tools",
     "trajectory_msgs",
     "turtlebot3_msgs",

@@ -54,6 +54,7 @@ SERVED_NODES: dict[tuple[str, str], tuple[str, ...]] = {
     ("rosbridge_server", "rosbridge_websocket"): ("role", "rosbridge-websocket"),
     ("rosbridge_server", "rosbridge_websocket.py"): ("role", "rosbridge-websocket"),
     ("rosapi", "rosapi_node"): ("role", "rosapi-node"),
+    ("tf2_web_republisher", "tf2_web_republisher"): ("role", "tf2-web-republisher"),
     ("joy", "joy_node"): ("role", "joy-node"),
     ("topic_tools", "relay"): ("role", "relay"),
     ("topic_tools", "throttle"): ("role", "throttle"),

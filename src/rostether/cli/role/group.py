@@ -59,6 +59,9 @@ ROLES = {
     "rosbridge-websocket": VerbEntry(
         "rostether.cli.gateway.rosbridge:rosbridge_websocket", "Serve web pages, like rosbridge_websocket."
     ),
+    "tf2-web-republisher": VerbEntry(
+        "rostether.cli.role.tf_web:tf2_web_republisher", "Send web pages the transforms they ask for."
+    ),
     "rqt-plot": VerbEntry("rostether.cli.plot.rqt_plot:rqt_plot", "Plot fields of topics, like rqt_plot."),
 }
 

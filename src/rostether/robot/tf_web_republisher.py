@@ -1,0 +1,231 @@
+"""tf2_web_republisher: sends web pages the transforms that they ask for, at their rate, when they change.
+
+A page asks by the service `republish_tfs`, which answers with a topic of the page's own, or by the action
+`tf2_web_republisher`, as roslibjs' `TFClient` does: its feedback has the transforms.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from rostether.errors import ConfigError, GraphError, TransformError
+from rostether.graph.ports import Level
+from rostether.graph.typed_graph import TypedGraph, TypedPublisher
+from rostether.robot.tf_buffer import TransformBuffer
+from rostether.robot.tf_listener import tf_listener
+from rostether.robot.tf_messages import to_message
+from rostether.robot.transform import StampedTransform, Transform
+
+NODE_NAME = "tf2_web_republisher"
+SERVICE = "republish_tfs"
+PACKAGE = "tf2_web_republisher"
+ACTION = f"{PACKAGE}/TFSubscriptionAction"
+
+MAX_REQUESTS = 256
+"""Each page has one request or a few; each costs lookups at its rate."""
+
+MAX_FRAMES = 1_000
+"""Robots have a hundred frames; each is looked up at the request's rate."""
+
+MAX_RATE_HZ = 100.0
+DEFAULT_RATE_HZ = 10.0
+"""Screens show 60 pictures a second; without a rate ten are enough to follow a robot."""
+
+IDLE_S = 15.0
+"""How long requests outlive the last page that hears them: pages that are closed take nothing back."""
+
+STATUS_PERIOD_S = 1.0
+_ACTIVE, _PREEMPTED, _REJECTED = 1, 2, 5
+"""States of actionlib_msgs/GoalStatus."""
+
+
+@dataclass(slots=True)
+class Request:
+    """What a page asks for, and what it has got of each frame."""
+
+    target: str
+    sources: tuple[str, ...]
+    angle_rad: float
+    distance_m: float
+    period_s: float
+    sent: dict[str, Transform] = field(default_factory=dict)
+
+    @classmethod
+    def read(cls, message: Any) -> Request:
+        """Read a goal or a service's request. Raises ConfigError."""
+        if len(message.source_frames) > MAX_FRAMES:
+            raise ConfigError(
+                f"{len(message.source_frames)} frames are too many: ask for {MAX_FRAMES} at most"
+            )
+        rate_hz = message.rate if message.rate > 0 else DEFAULT_RATE_HZ
+        return cls(
+            message.target_frame.removeprefix("/"),
+            tuple(dict.fromkeys(each.removeprefix("/") for each in message.source_frames)),
+            message.angular_thres,
+            message.trans_thres,
+            1 / min(rate_hz, MAX_RATE_HZ),
+        )
+
+    def news(self, buffer: TransformBuffer) -> list[StampedTransform]:
+        """Return the frames that have moved further than asked for since they were sent, and new ones."""
+        found = []
+        for source in self.sources:
+            try:
+                stamped = buffer.lookup(self.target, source)
+            except TransformError:
+                continue  # Not known yet, or not any more.
+            if self._is_news(source, stamped.transform):
+                self.sent[source] = stamped.transform
+                found.append(stamped)
+        return found
+
+    def _is_news(self, source: str, now: Transform) -> bool:
+        before = self.sent.get(source)
+        if before is None or self.angle_rad <= 0 or self.distance_m <= 0:
+            return True
+        cosine = abs(sum(a * b for a, b in zip(before.rotation, now.rotation, strict=True)))
+        angle_rad = 2 * math.acos(min(1.0, cosine))
+        return angle_rad > self.angle_rad or math.dist(before.translation, now.translation) > self.distance_m
+
+
+async def republish_for_web(graph: TypedGraph, report: Callable[[str], None]) -> None:
+    """Serve pages until cancelled; `report` gets a line about each request that is refused."""
+    async with tf_listener(graph) as listener:
+        republisher = _Republisher(graph, listener.buffer, report)
+        try:
+            await republisher.run()
+        finally:
+            await republisher.close()
+
+
+class _Republisher:
+    def __init__(self, graph: TypedGraph, buffer: TransformBuffer, report: Callable[[str], None]) -> None:
+        self._graph = graph
+        self._buffer = buffer
+        self._report = report
+        self._count = 0
+        self._tasks: set[asyncio.Task[None]] = set()
+        # By goal id; the oldest first.
+        self._goals: dict[str, asyncio.Task[None]] = {}
+        self._goal_ids: dict[str, Any] = {}
+
+    async def run(self) -> None:
+        graph = self._graph
+        self._feedback = await graph.publisher(f"{NODE_NAME}/feedback", f"{ACTION}Feedback")
+        self._result = await graph.publisher(f"{NODE_NAME}/result", f"{ACTION}Result")
+        self._status = await graph.publisher(f"{NODE_NAME}/status", "actionlib_msgs/GoalStatusArray")
+        await graph.serve(SERVICE, f"{PACKAGE}/RepublishTFs", self._serve)
+        await asyncio.gather(self._follow_goals(), self._follow_cancels(), self._publish_status())
+
+    async def close(self) -> None:
+        tasks = [*self._tasks]
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
+    async def _serve(self, message: Any) -> dict[str, str]:
+        request = Request.read(message)
+        if len(self._tasks) - len(self._goals) >= MAX_REQUESTS:
+            raise GraphError(f"{MAX_REQUESTS} requests are served already: close some pages")
+        self._count += 1
+        publisher = await self._graph.publisher(f"tf_repub_{self._count}", f"{PACKAGE}/TFArray")
+        timeout_s = message.timeout.to_ns() / 1e9
+        self._start(self._serve_topic(publisher, request, timeout_s if timeout_s > 0 else IDLE_S))
+        return {"topic_name": publisher.topic}
+
+    async def _serve_topic(self, publisher: TypedPublisher, request: Request, timeout_s: float) -> None:
+        try:
+            await self._send(request, publisher, timeout_s, lambda fields: publisher.publish(fields))
+        finally:
+            await publisher.close()
+
+    async def _follow_goals(self) -> None:
+        async for goal in self._graph.messages(f"{NODE_NAME}/goal", f"{ACTION}Goal"):
+            self._take_goal(goal)
+
+    def _take_goal(self, message: Any) -> None:
+        goal_id = message.goal_id
+        try:
+            request = Request.read(message.goal)
+        except ConfigError as error:
+            self._report(str(error))
+            self._end_goal(goal_id, _REJECTED, str(error))
+            return
+        self._cancel(goal_id.id)
+        if len(self._goals) >= MAX_REQUESTS:
+            self._cancel(next(iter(self._goals)))
+
+        def send(fields: dict[str, Any]) -> None:
+            status = {"goal_id": goal_id, "status": _ACTIVE, "text": ""}
+            self._feedback.publish(header=self._header(), status=status, feedback=fields)
+
+        self._goal_ids[goal_id.id] = goal_id
+        self._goals[goal_id.id] = self._start(self._serve_goal(goal_id.id, request, send))
+
+    async def _serve_goal(
+        self, name: str, request: Request, send: Callable[[dict[str, Any]], object]
+    ) -> None:
+        await self._send(request, self._feedback, IDLE_S, send)
+        self._cancel(name)
+
+    async def _follow_cancels(self) -> None:
+        async for goal_id in self._graph.messages(f"{NODE_NAME}/cancel", "actionlib_msgs/GoalID"):
+            # As in actionlib: without an id, all goals up to a time; pages give an id, or mean all.
+            for name in [goal_id.id] if goal_id.id else list(self._goals):
+                self._cancel(name)
+
+    def _cancel(self, name: str) -> None:
+        task = self._goals.pop(name, None)
+        if task is not None:
+            task.cancel()
+            self._end_goal(self._goal_ids.pop(name), _PREEMPTED, "")
+
+    def _end_goal(self, goal_id: Any, status: int, text: str) -> None:
+        self._result.publish(
+            header=self._header(), status={"goal_id": goal_id, "status": status, "text": text}, result={}
+        )
+
+    async def _publish_status(self) -> None:
+        while True:
+            active = [
+                {"goal_id": goal_id, "status": _ACTIVE, "text": ""} for goal_id in self._goal_ids.values()
+            ]
+            self._status.publish(header=self._header(), status_list=active)
+            await asyncio.sleep(STATUS_PERIOD_S)
+
+    async def _send(
+        self,
+        request: Request,
+        publisher: TypedPublisher,
+        timeout_s: float,
+        send: Callable[[dict[str, Any]], object],
+    ) -> None:
+        """Send what has moved until nobody has listened for a time."""
+        loop = asyncio.get_running_loop()
+        heard_s = loop.time()
+        while loop.time() - heard_s < timeout_s:
+            if publisher.subscriber_count:
+                heard_s = loop.time()
+                # What is sent to nobody would be missing later.
+                news = request.news(self._buffer)
+                if news:
+                    send(to_message(news))
+            await asyncio.sleep(request.period_s)
+
+    def _header(self) -> dict[str, Any]:
+        return {"stamp": self._graph.now()}
+
+    def _start(self, work: Any) -> asyncio.Task[None]:
+        task: asyncio.Task[None] = asyncio.get_running_loop().create_task(work)
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+        return task
+
+
+def report_to(graph: TypedGraph) -> Callable[[str], None]:
+    """Return what reports a refused request on /rosout."""
+    return lambda problem: graph.log(Level.WARN, problem)

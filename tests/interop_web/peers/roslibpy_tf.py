@@ -1,0 +1,31 @@
+"""roslibpy's TFClient, which asks tf2_web_republisher by its service: prints where a frame is, once.
+
+roslibpy_tf.py PORT
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import threading
+
+import roslibpy
+import roslibpy.tf
+
+came = threading.Event()
+client = roslibpy.Ros("127.0.0.1", int(sys.argv[1]))
+client.run(60)
+
+
+def take(transform: dict[str, object]) -> None:
+    """Print the first one."""
+    if not came.is_set():
+        print(json.dumps(transform), flush=True)
+        came.set()
+
+
+tf = roslibpy.tf.TFClient(client, fixed_frame="/world", topic_timeout=60_000.0)
+tf.subscribe("/arm", take)
+is_there = came.wait(60)
+client.terminate()
+sys.exit(0 if is_there else 1)
