@@ -97,7 +97,7 @@ export class Chart {
     });
     return {
       ...sizeOf(this.host),
-      padding: [8, options.isSmall ? 4 : 12, options.isSmall ? 6 : 0, 0],
+      padding: [8, options.isSmall ? 4 : 28, options.isSmall ? 6 : 0, 0],
       scales,
       axes,
       legend: { show: false },
