@@ -19,8 +19,8 @@ from rostether.errors import (
     UnknownFrameError,
 )
 from rostether.robot.tf_buffer import TransformBuffer
-from rostether.robot.tf_report import frames_as_string, frames_as_yaml
 from rostether.robot.transform import StampedTransform, Transform
+from tf2_reports import frames_as_string, frames_as_yaml
 
 pytestmark = pytest.mark.robot
 

@@ -1,6 +1,6 @@
-"""Forward kinematics: where links stand when joints do.
+"""The transforms of joints at given positions.
 
-Computed as KDL computes it, rotation matrices and all, so that robot_state_publisher's numbers come out.
+The computation is that of KDL, with rotation matrices, so the numbers equal those of robot_state_publisher.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from rostether.robot.transform import (
 
 
 def joint_transform(joint: Joint, position: float = 0.0) -> Transform:
-    """Return where a joint's child stands in its parent; in radians or metres, where it has a position."""
+    """Return the transform from a joint's parent to its child, for a position in radians or metres."""
     turn = matrix_from_quaternion(joint.origin.rotation)
     place = joint.origin.translation
     if joint.type in (JointType.REVOLUTE, JointType.CONTINUOUS):
@@ -32,23 +32,6 @@ def joint_transform(joint: Joint, position: float = 0.0) -> Transform:
         x, y, z = _unit(matrix_times_vector(turn, joint.axis))
         place = (place[0] + x * position, place[1] + y * position, place[2] + z * position)
     return Transform(place, quaternion_from_matrix(turn))
-
-
-def forward_kinematics(model: RobotModel, positions: Mapping[str, float]) -> dict[str, Transform]:
-    """Return where every link stands in the root link; joints that are not given stand at zero.
-
-    Joints that mimic another follow it, unless they are given themselves. Raises RobotModelError when they
-    mimic each other in a circle.
-    """
-    complete = with_mimics(model, positions)
-    stands = {model.root: Transform()}
-    waiting = [model.root]
-    while waiting:
-        link = waiting.pop()
-        for joint in model.joints_below(link):
-            stands[joint.child] = stands[link] @ joint_transform(joint, complete.get(joint.name, 0.0))
-            waiting.append(joint.child)
-    return stands
 
 
 def with_mimics(model: RobotModel, positions: Mapping[str, float]) -> dict[str, float]:

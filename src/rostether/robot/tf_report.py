@@ -49,26 +49,6 @@ def frame_facts(buffer: TransformBuffer) -> list[FrameFacts]:
     return facts
 
 
-def frames_as_yaml(buffer: TransformBuffer) -> str:
-    """Return tf2's all_frames_as_yaml."""
-    text = "".join(
-        f"{each.frame}: \n"
-        f"  parent: '{each.parent}'\n"
-        f"  broadcaster: '{each.broadcaster}'\n"
-        f"  rate: {each.rate_hz:.3f}\n"
-        f"  most_recent_transform: {each.latest_s:.3f}\n"
-        f"  oldest_transform: {each.oldest_s:.3f}\n"
-        f"  buffer_length: {each.buffer_length_s:.3f}\n"
-        for each in frame_facts(buffer)
-    )
-    return text or "{}"
-
-
-def frames_as_string(buffer: TransformBuffer) -> str:
-    """Return tf2's all_frames_as_string."""
-    return "".join(f"Frame {each.frame} exists with parent {each.parent}.\n" for each in frame_facts(buffer))
-
-
 def frames_as_dot(buffer: TransformBuffer) -> str:
     """Return the tree as view_frames draws it, in the language of graphviz."""
     lines = ["digraph G {"]

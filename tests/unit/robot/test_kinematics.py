@@ -4,8 +4,9 @@ import math
 
 import pytest
 
+from robot_poses import forward_kinematics
 from rostether.errors import RobotModelError
-from rostether.robot.kinematics import forward_kinematics, joint_transform, with_mimics
+from rostether.robot.kinematics import joint_transform, with_mimics
 from rostether.robot.urdf import parse_urdf
 from unit.robot.robots import ARM, GRIPPER, LIMIT, joint, robot
 

@@ -8,8 +8,6 @@ from rostether.robot.tf_report import (
     frame_facts,
     frame_tree,
     frames_as_dot,
-    frames_as_string,
-    frames_as_yaml,
 )
 from rostether.robot.transform import StampedTransform, Transform, quaternion_from_rpy
 
@@ -40,14 +38,6 @@ def test_frames_in_a_loop_are_shown_as_such() -> None:
     lines = list(frame_tree(buffer))
     assert "loop" in lines[0]
     assert len(lines) == 3
-
-
-def test_yaml_and_text_as_tf2_writes_them(buffer: TransformBuffer) -> None:
-    assert frames_as_yaml(buffer).startswith(
-        "b: \n  parent: 'root'\n  broadcaster: '/moving'\n  rate: 2.000\n"
-    )
-    assert frames_as_string(buffer).splitlines()[0] == "Frame b exists with parent root."
-    assert frames_as_yaml(TransformBuffer()) == "{}"
 
 
 def test_dot_quotes_names(buffer: TransformBuffer) -> None:

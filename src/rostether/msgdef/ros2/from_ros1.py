@@ -13,14 +13,12 @@ from rostether.msgdef import primitives
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.resolve_types import dependencies
 from rostether.msgdef.ros2.parse import (
-    REQUEST_SUFFIX,
-    RESPONSE_SUFFIX,
     is_constant_name,
     is_field_name,
 )
 from rostether.msgdef.ros2.primitives import INTEGER_RANGES
-from rostether.msgdef.ros2.spec import Ros2Constant, Ros2Field, Ros2Message, Ros2Service, Ros2Type
-from rostether.msgdef.spec import Constant, Field, MessageSpec, ServiceSpec
+from rostether.msgdef.ros2.spec import Ros2Constant, Ros2Field, Ros2Message, Ros2Type
+from rostether.msgdef.spec import Constant, Field, MessageSpec
 
 _TIME = "builtin_interfaces/msg/Time"
 _DURATION = "builtin_interfaces/msg/Duration"
@@ -44,18 +42,6 @@ def derive(spec: MessageSpec, registry: Registry) -> Ros2Message:
     """
     dependencies(spec, registry.message)
     return _derived(spec, "msg", spec.name)
-
-
-def derive_service(spec: ServiceSpec, registry: Registry) -> Ros2Service:
-    """Return the ROS 2 form of a ROS 1 service. Raises as `derive`."""
-    for half in (spec.request, spec.response):
-        dependencies(half, registry.message)
-    return Ros2Service(
-        spec.package,
-        spec.name,
-        _derived(spec.request, "srv", spec.name + REQUEST_SUFFIX),
-        _derived(spec.response, "srv", spec.name + RESPONSE_SUFFIX),
-    )
 
 
 def ros2_field_name(name: str) -> str:

@@ -45,10 +45,6 @@ class CdrConverter:
         """Convert a batch. Raises SerializationError for the first that does not fit."""
         return list(map(self.to_cdr, payloads))
 
-    def from_cdr_all(self, payloads: Sequence[bytes]) -> list[bytes]:
-        """Convert a batch. Raises SerializationError for the first that does not fit."""
-        return list(map(self.from_cdr, payloads))
-
     def _refuse_ros1(self, payload: bytes) -> bytes:
         walk = Walk(payload, Side.ROS1)
         try:

@@ -6,10 +6,9 @@ import pytest
 
 from rostether.errors import DefinitionError, UnknownTypeError
 from rostether.msgdef.parse_msg import parse_message
-from rostether.msgdef.parse_srv import parse_service
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
-from rostether.msgdef.ros2.from_ros1 import derive, derive_service, ros2_field_name
+from rostether.msgdef.ros2.from_ros1 import derive, ros2_field_name
 from rostether.msgdef.ros2.parse import parse_message as parse_ros2
 from rostether.msgdef.ros2.spec import Ros2Constant, Ros2Message
 
@@ -69,16 +68,6 @@ def test_finds_again_what_ros2_made_of_the_common_types() -> None:
         if definitions.has(ros2_name) and definitions.message(ros2_name).fields != message.fields:
             changed.add(name)
     assert changed == CHANGED
-
-
-def test_derives_services() -> None:
-    spec = parse_service("time when\n---\nint8 frameId\n", package="my_msgs", name="Ask")
-    service = derive_service(spec, REGISTRY)
-    assert service.full_name == "my_msgs/srv/Ask"
-    assert service.request.full_name == "my_msgs/srv/Ask_Request"
-    assert service.request.fields[0].type.base == "builtin_interfaces/msg/Time"
-    assert service.response.fields[0].name == "frame_id"
-    assert service.response.full_name == "my_msgs/srv/Ask_Response"
 
 
 def test_refuses_what_ros2_cannot_say() -> None:
