@@ -1,4 +1,4 @@
-// As <ArduinoHardware.h>, with the board's network in place of its serial port.
+// As <ArduinoHardware.h>, with the board's network instead of its serial port.
 #if !defined(ROSSERIAL_ARDUINO_TCP)
 #define ROSSERIAL_ARDUINO_TCP
 #endif

@@ -114,7 +114,7 @@ def load_all(text: str, loader: Any = None) -> Iterator[Any]:
 
 
 def has_alias(text: str) -> bool:
-    """Tell whether a text uses an alias. Raises YamlError."""
+    """Return whether a text uses an alias. Raises YamlError."""
     import yaml
 
     events = yaml.parse(text, Loader=safe_loader())

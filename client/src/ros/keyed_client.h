@@ -43,8 +43,8 @@ class KeyedClient : public NetworkClient {
   void setKey(const char* key, uint32_t chance = 0) { set(KeyText(key), chance); }
   void setKey(const __FlashStringHelper* key, uint32_t chance = 0) { set(KeyText(key), chance); }
 
-  // Why the last connection did not come about, if it was the hello: the host said nothing in time or hung up, spoke
-  // without asking for a key, or could not prove that it has this board's key.
+  // The reason why the hello of the last connection failed: the host sent nothing in time or closed the connection,
+  // did not ask for a key, or could not prove that it has this board's key.
   Refusal refusal() const { return refusal_; }
 
   int connect(IPAddress server, uint16_t port) { return greeted(NetworkClient::connect(server, port)); }
@@ -91,7 +91,7 @@ class KeyedClient : public NetworkClient {
     return differing ? WRONG_KEY : NONE;
   }
 
-  // Reads "RSPSK1 " and so many hex digits, and no byte beyond the end of the line: what follows is ROS.
+  // Reads "RSPSK1 " and the hex digits, and no byte after the end of the line, where rosserial starts.
   Refusal readLine(char* hex, uint8_t digits, uint32_t began_ms) {
     for (uint8_t at = 0; at <= WORD + digits; ++at) {
       int byte = NetworkClient::read();

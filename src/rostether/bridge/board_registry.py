@@ -15,10 +15,10 @@ from rostether.graph.ports import Level
 
 # Leaving the graph must not hang on a master that does not answer.
 NODE_CLOSE_LIMIT_S = 0.8
-# A healthy board speaks every 2.5 s. A connection that was silent for longer, while the same host connects
-# anew, belongs to a board that was switched off without a word.
+# A healthy board speaks every 2.5 s. A connection that was silent for longer, while the same host opens a new
+# connection, belongs to a board that was switched off.
 HALF_OPEN_S = 3.0
-# A board that hangs up and connects again at once is the same one: news of both may come in one turn.
+# A board that disconnects and reconnects at once is the same one: both events may arrive together.
 FAREWELL_S = 0.02
 
 

@@ -15,12 +15,12 @@ _ANSWERS = frozenset({*ids.ANNOUNCEMENTS, ids.PARAMETER})
 
 
 def holds_frame(data: bytes) -> bool:
-    """Tell whether a sound frame of either protocol version is in `data`."""
+    """Return whether a sound frame of either protocol version is in `data`."""
     return bool(_frames_in(data))
 
 
 def holds_answer(data: bytes) -> bool:
-    """Tell whether `data` has what boards send only after the host was heard.
+    """Return whether `data` has what boards send only after the host was heard.
 
     That is an announcement, or the request for a parameter of a board without topics.
     """

@@ -8,7 +8,7 @@ from __future__ import annotations
 import asyncio
 import gc
 
-# A full collection of so many boards' objects takes less than 10 ms.
+# A full collection of the objects of that many boards takes less than 10 ms.
 FEW_BOARDS = 30
 # Boards that connect one after the other are followed by one freeze.
 FREEZE_AFTER_S = 0.5

@@ -139,7 +139,7 @@ class Session:
         return await asyncio.shield(self._ended)
 
     async def stop(self) -> None:
-        """Tell the board to stop sending, then hang up."""
+        """Ask the board to stop sending, then close the connection."""
         if self.is_connected:
             self.link.stop()
             self.outbox.flush()
@@ -191,11 +191,11 @@ class Session:
         self._after_link()
 
     def call_started(self) -> None:
-        """Tell that the board itself waits for a response."""
+        """Note that the board itself waits for a response."""
         self.link.service_call_started(self._loop.time())
 
     def call_finished(self) -> None:
-        """Tell that the response is on its way or given up."""
+        """Note that the response was sent or given up."""
         self.link.service_call_finished(self._loop.time())
         self._after_link()
 
@@ -205,7 +205,7 @@ class Session:
         due_s = self.link.get_timer()
         if due_s is None:
             return
-        # A timer that is set too early costs one look; setting it anew for each chunk would cost more.
+        # A timer that fires too early costs one check; resetting it for each chunk would cost more.
         if self._timer is None or due_s < self._timer_due_s:
             if self._timer is not None:
                 self._timer.cancel()

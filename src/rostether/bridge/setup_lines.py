@@ -19,9 +19,9 @@ from rostether.rosserial.events import (
 
 # Lines said at once: twice those of the largest board, which has 256 endpoints.
 SAVED_LINES = 600
-# Beyond them, one line in so many seconds.
+# After that limit, one line per this many seconds.
 LINE_PERIOD_S = 5.0
-# Once lines are left out, so many must have been saved up again: a part of a board's topics tells nothing.
+# After lines were omitted, this many must be available again: a part of a board's topics is not useful.
 RESUME_LINES = 60
 # How often it is said how many lines were left out.
 SUMMARY_PERIOD_S = 60.0

@@ -317,7 +317,7 @@ def _end_if_speechless(session: Session) -> None:
 
 
 def _is_stranger(session: Session | None) -> bool:
-    """Tell whether no frame has come, now or earlier: scanners must not leave a node each behind them."""
+    """Return whether no frame has come, now or earlier: scanners must not leave a node each behind them."""
     return session is not None and session.link.version is None and not any(session.node.endpoints)
 
 

@@ -59,7 +59,7 @@ def write_library(
     packages: Collection[str] | None = None,
     search: Iterable[Path] = (),
 ) -> WrittenLibrary:
-    """Write the library to `directory`/ros_lib, in place of an older generated one, and as a whole.
+    """Write the library to `directory`/ros_lib, replacing an older generated one as a whole.
 
     Takes what `render_library` takes and raises what it raises, and CodegenError if something else stands
     there or it cannot be written.

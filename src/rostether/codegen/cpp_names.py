@@ -85,7 +85,7 @@ def name_members(spec: MessageSpec) -> MemberNames:
 
 
 def _name_fields(fields: tuple[Field, ...], taken: set[str]) -> tuple[str, ...]:
-    # The length of an array is a member too; the array that was there first is told apart by its own name.
+    # The length of an array is a member too; an array that was declared first keeps its name.
     lengths = {f"{field.name}_length" for field in fields if is_variable_array(field)}
     free = {field.name for field in fields if not (_is_unusable(field.name) or field.name in taken | lengths)}
     taken |= free | lengths
@@ -101,7 +101,7 @@ def _new_name(field: Field, taken: set[str]) -> str:
 
 
 def is_variable_array(field: Field) -> bool:
-    """Tell whether the field is an array whose length each message says."""
+    """Return whether the field is an array whose length each message says."""
     return field.type.is_array and field.type.length is None
 
 

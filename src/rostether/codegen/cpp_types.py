@@ -22,7 +22,7 @@ _ZEROS = {"bool": "false", "string": '""', "time": "", "duration": ""}
 
 
 def is_message(base: str) -> bool:
-    """Tell whether a field's type is a message, not a primitive."""
+    """Return whether a field's type is a message, not a primitive."""
     return base not in PRIMITIVE_TYPES
 
 

@@ -47,12 +47,12 @@ def platform_macros() -> frozenset[str]:
 
 
 def is_macro(name: str) -> bool:
-    """Tell whether some supported platform replaces the name by something else."""
+    """Return whether some supported platform replaces the name by something else."""
     return name in arduino_macros() or name in platform_macros() or _is_binary_literal(name)
 
 
 def is_macro_in_sketches(name: str) -> bool:
-    """Tell whether sketches cannot use the name: the same, but for lower-case macros of PCs.
+    """Return whether sketches cannot use the name: the same, but for lower-case macros of PCs.
 
     `near` is a macro on Windows, `linux` on Linux; sketches have fields of these names.
     """

@@ -15,14 +15,14 @@ class TypeIndex:
         self._services: dict[str, frozenset[str]] = {}
 
     def is_message(self, name: str) -> bool:
-        """Tell whether `package/Name` is a message of its own, not half of a service."""
+        """Return whether `package/Name` is a message of its own, not half of a service."""
         package = name.partition("/")[0]
         if package not in self._messages:
             self._messages[package] = frozenset(self.registry.messages(package))
         return name in self._messages[package]
 
     def is_service(self, name: str) -> bool:
-        """Tell whether `package/Name` is a service."""
+        """Return whether `package/Name` is a service."""
         package = name.partition("/")[0]
         if package not in self._services:
             self._services[package] = frozenset(self.registry.services(package))

@@ -38,7 +38,7 @@ class ParameterRequests:
             self._finish(event.name, value)
 
     def timed_out(self, event: ParameterTimedOut) -> None:
-        """Tell who waits longest that no answer came."""
+        """Report to the longest waiting request that no answer came."""
         self._finish(
             event.name,
             TransportTimeoutError(f"the host did not answer for parameter {event.name}; ask again"),

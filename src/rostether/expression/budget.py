@@ -95,7 +95,7 @@ class Budget:
         owner = getattr(function, "__self__", None)
         if type(owner) is str:
             if function.__name__ == "join":
-                # Of an iterator only this tells how many items there are.
+                # Only this gives the number of items of an iterator.
                 arguments = [list(argument) for argument in arguments]
             self._spend_for_method(owner, function.__name__, arguments)
         elif isinstance(function, Hashable):

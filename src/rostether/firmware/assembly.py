@@ -126,7 +126,7 @@ class Assembly:
 
 
 async def _all(compiling: Iterable[Coroutine[Any, Any, Compiled]]) -> list[Compiled]:
-    """Compile all, also when one fails: whoever has two files with errors wants to see both."""
+    """Compile all files even if one fails, to report the errors of all."""
     results = await asyncio.gather(*compiling, return_exceptions=True)
     failures = [each for each in results if isinstance(each, SketchError)]
     if failures:

@@ -1,7 +1,7 @@
 """What kind of pointer an AVR program calls through: a slot of a virtual table, or a plain one.
 
 A virtual call loads the table's address from the object, then the function's address from the table. A plain
-pointer is loaded once. The last two loads of r30 before the call tell which it is.
+pointer is loaded once. The last two loads of r30 before the call show which kind it is.
 """
 
 from __future__ import annotations

@@ -147,7 +147,7 @@ class BuildCache:
         for used_s, size, entry in sorted(entries):
             if total <= PRUNE_TO_BYTES or now_s - used_s < RECENT_S:
                 break
-            # Gone at once, not file by file: nobody may find a part of it.
+            # Remove it in one step, not file by file: no other process may find a part of it.
             doomed = entry.with_name(f".old-{entry.name}")
             with contextlib.suppress(OSError):
                 entry.rename(doomed)

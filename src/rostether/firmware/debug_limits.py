@@ -41,7 +41,7 @@ class Budget:
 
 
 def lines_are_bounded(lines: IO[bytes], offset: int) -> bool:
-    """Tell whether the tables of the line program at `offset` are in the file; older ones always are."""
+    """Return whether the tables of the line program at `offset` are in the file; older ones always are."""
     lines.seek(offset)
     header = lines.read(_MAX_HEADER_BYTES)
     if int.from_bytes(header[4:6], "little") != _VERSION:

@@ -135,7 +135,7 @@ def _closing(tokens: Sequence[Token], opening: int) -> int:
 
 
 def _ends_with_its_body(head: Sequence[Token]) -> bool:
-    """Tell whether `}` ends the statement: a function's or namespace's, not `struct S { } s;`, `= { };`."""
+    """Return whether `}` ends the statement: a function's or namespace's, not `struct S { } s;`, `= { };`."""
     texts = [token.text for token in head]
     if "namespace" in texts[:2]:
         return True
@@ -194,7 +194,7 @@ def _skip_template(head: Sequence[Token]) -> int:
 
 
 def _fits_before(tokens: Sequence[Token]) -> bool:
-    """Tell whether what stands before a name can be a return type."""
+    """Return whether what stands before a name can be a return type."""
     last = tokens[-1]
     if any(token.text == "operator" for token in tokens) or last.text == "::":
         return False
@@ -202,7 +202,7 @@ def _fits_before(tokens: Sequence[Token]) -> bool:
 
 
 def _fits_behind(tokens: Sequence[Token], *, allow_initialisers: bool = False) -> bool:
-    """Tell whether what stands behind the parameters can be the rest of a function's head."""
+    """Return whether what stands behind the parameters can be the rest of a function's head."""
     index = 0
     while index < len(tokens):
         token = tokens[index]

@@ -132,7 +132,7 @@ class ElfFile:
         return b"" if section is None else section.data
 
     def in_memory(self, section: Section) -> bool:
-        """Tell whether a section takes flash or RAM."""
+        """Return whether a section takes flash or RAM."""
         is_elsewhere = self.is_avr and section.address >= _AVR_NO_MEMORY
         return section.is_allocated and section.size > 0 and not is_elsewhere
 
@@ -155,7 +155,7 @@ class ElfFile:
             raise self._broken() from error
 
     def read_at(self, address: int, size: int) -> bytes:
-        """Return bytes that the file has for an address; fewer when it has not so many."""
+        """Return the file's bytes at an address; fewer if it has fewer."""
         for section in self.sections:
             if self.in_memory(section) and section.address <= address < section.address + section.size:
                 start = address - section.address

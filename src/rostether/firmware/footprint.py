@@ -204,7 +204,7 @@ class _Count:
         self._items.append(Item(_plain(shorten(name)), group, flash, ram))
 
     def _group_of_code(self, start: int, name: str) -> str:
-        """Return whose a function is: of whoever wrote its first line, whatever is inlined in it."""
+        """Return the group of a function: that of the file of its first line, whatever is inlined in it."""
         first = next(self._ranges_between(start, start + 1), None)
         by_file = None if first is None else self._origins.of_file(first.file)
         runtime = START if _START_SYMBOLS.match(name) else RUNTIME

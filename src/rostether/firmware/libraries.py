@@ -46,7 +46,7 @@ class Library:
     fits_architecture: bool
 
     def serves(self, header: str) -> bool:
-        """Tell whether `#include <header>` finds something here."""
+        """Return whether `#include <header>` finds something here."""
         return any((folder / header).is_file() for folder in self.include_folders)
 
     def sources(self) -> list[Path]:

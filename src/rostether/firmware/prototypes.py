@@ -97,7 +97,7 @@ def _name_token(function: Function) -> Token:
 
 
 def _is_declared(function: Function, before: Sequence[Statement]) -> bool:
-    """Tell whether the sketch itself declares the function in time."""
+    """Return whether the sketch itself declares the function in time."""
     return any(
         each.function is not None
         and each.function.name == function.name

@@ -44,7 +44,7 @@ class RosLibrary:
         return Registry.from_environment(msg_paths=self._msg_paths)
 
     def wants(self, header: str) -> bool:
-        """Tell whether a header that was found nowhere is one of this library; takes its package in then."""
+        """Return whether a header that was not found belongs to this library; if so, adds its package."""
         match = _TYPE_HEADER.fullmatch(header)
         is_type = match is not None and self._knows(match[1], match[2])
         if match is not None and is_type:

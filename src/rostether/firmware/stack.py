@@ -14,7 +14,7 @@ from rostether.firmware.call_graph import CallGraph
 from rostether.firmware.elf import ElfFile
 
 MAX_WAYS = 50_000
-"""Half a second of looking. Only programs with many callbacks that call back in turn have so many ways."""
+"""Half a second of search. Only programs with many nested callbacks have more paths."""
 
 
 _KEPT_OF_A_SHAPE = 2

@@ -121,7 +121,7 @@ def _step(  # noqa: C901, PLR0911, PLR0912 - one branch for each kind of instruc
         case Op.CALL:
             if instruction.target == following:  # rcall .+0 makes room for a frame
                 return [(following, (depth + code.return_bytes, frame))]
-            if instruction.target:  # else nobody has defined the function, and the call is never reached
+            if instruction.target:  # otherwise the function is undefined, and the call is never reached
                 _add(found.calls, instruction.target, depth + code.return_bytes, found)
             return [(following, state)]
         case Op.INDIRECT_CALL:

@@ -166,7 +166,7 @@ class JointGraph:
         await self._first_of(delete, RostetherError)
 
     async def has_param(self, name: str) -> bool:
-        """Tell whether a parameter is set in any graph."""
+        """Return whether a parameter is set in any graph."""
         return await self._any(lambda graph: graph.has_param(name), bool) or False
 
     async def search_param(self, name: str) -> str | None:

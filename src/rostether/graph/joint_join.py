@@ -28,7 +28,7 @@ class JointJoin:
     def __init__(self, joins: Sequence[JoinGraph]) -> None:
         self._joins = tuple(joins)
         self._mark = new_joint_mark()
-        # By name, how many of ours there are: one may come before its predecessor has left.
+        # The number of nodes of this process by name: a node may join before its predecessor has left.
         self._own_nodes: Counter[str] = Counter()
         self._seen = MarkedNodes()
         self._joint_nodes: set[str] = set()

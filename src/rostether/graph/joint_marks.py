@@ -35,7 +35,7 @@ def new_joint_mark() -> str:
 
 
 def is_mark(topic: str) -> bool:
-    """Tell whether a topic marks nodes, and carries nothing."""
+    """Return whether a topic marks nodes, and carries nothing."""
     return topic.startswith((_RELAY, _JOINT))
 
 

@@ -145,7 +145,7 @@ def retry_backoff() -> Backoff:
 
 
 def _rank(fault: RostetherError) -> int:
-    """Tell what to say first: what we did wrong, then what is worth another try."""
+    """Return the order of reports: own errors first, then failures worth a retry."""
     return 0 if isinstance(fault, TypeMismatchError) else 1 if _is_passing(fault) else 2
 
 

@@ -55,7 +55,7 @@ async def follow_each(  # noqa: C901 - its two inner functions share its variabl
                 latest[graph] = snapshot
                 news.set()
         except GraphError:
-            latest.pop(graph, None)  # What nobody can see is not part of the picture.
+            latest.pop(graph, None)  # Hidden parts are not in the snapshot.
         finally:
             news.set()
 

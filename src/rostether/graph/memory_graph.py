@@ -140,7 +140,7 @@ class MemoryGraph:
         self._network.parameters.delete(self.resolve(name))
 
     async def has_param(self, name: str) -> bool:
-        """Tell whether a parameter is set."""
+        """Return whether a parameter is set."""
         try:
             self._network.parameters.get(self.resolve(name))
         except UnknownNameError:

@@ -19,7 +19,7 @@ from rostether.names.graph_name import join, validate_name
 from rostether.rostime import Time
 
 MAX_LOGS = 1000
-"""Logs kept for whoever asks afterwards; a test looks at a handful."""
+"""The number of logs kept for later reads; a test reads a handful."""
 
 
 class MemoryNetwork:

@@ -50,7 +50,7 @@ class TopicInfo:
 class ServiceInfo:
     """One service in a snapshot, with the nodes that provide it.
 
-    `type` is `*` where the graph does not tell it: a ROS 1 master does not know.
+    `type` is `*` if the graph does not report it: a ROS 1 master does not know it.
     """
 
     name: str
@@ -208,7 +208,7 @@ class Graph(Protocol):
         """Delete a parameter. Raises UnknownNameError."""
 
     async def has_param(self, name: str) -> bool:
-        """Tell whether a parameter is set."""
+        """Return whether a parameter is set."""
 
     async def search_param(self, name: str) -> str | None:
         """Find the nearest parameter of that name, upward from the node itself."""
@@ -243,7 +243,7 @@ class Graph(Protocol):
 
 @runtime_checkable
 class ListsClients(Protocol):
-    """A `Graph` that tells which nodes call a service before they do: ROS 2. ROS 1 knows none of them."""
+    """A `Graph` that lists the clients of services, as ROS 2 does; ROS 1 does not know them."""
 
     async def list_client(self, service: str, service_type: ServiceType) -> ServiceClient:
         """Be listed as a client of a service, which need not be there. Raises as `Graph.advertise` does."""

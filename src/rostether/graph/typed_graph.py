@@ -178,7 +178,7 @@ class TypedGraph:
         await self.raw.delete_param(name)
 
     async def has_param(self, name: str) -> bool:
-        """Tell whether a parameter is set."""
+        """Return whether a parameter is set."""
         return await self.raw.has_param(name)
 
     async def search_param(self, name: str) -> str | None:

@@ -21,7 +21,7 @@ from rostether.launch.tag_reader import TagReader
 from rostether.mechanisms.xml_tree import XmlElement
 
 MAX_INCLUDE_DEPTH = 50  # files include themselves to count down; one that does so without end stops here
-MAX_INCLUDES = 10_000  # two includes in each of fifty files would go on for ever
+MAX_INCLUDES = 10_000  # two includes in each of fifty files would run practically forever
 STDIN_NAME = "<stdin>"
 
 
@@ -39,10 +39,10 @@ def load_launch(
     """Read launch files one after the other into one plan.
 
     `arguments` are those of the command line; `packages` are folders by name. `text` is a launch file that
-    has no path, read last. `programs` are command lines of ours for (package, program), as
-    `$(find xacro)/xacro` names them where the package is not installed; $(find) knows it then, and
-    `served_packages`. Without `runs_commands` parameters with `command=` are empty texts, and nothing is
-    executed. Raises LaunchError with file and line.
+    has no path, read last. `programs` are built-in command lines for (package, program), as `$(find
+    xacro)/xacro` names them where the package is not installed; $(find) knows it then, and `served_packages`.
+    Without `runs_commands` parameters with `command=` are empty texts, and nothing is executed. Raises
+    LaunchError with file and line.
     """
     programs = programs or {}
     served = frozenset(served_packages) | {package for package, _ in programs}

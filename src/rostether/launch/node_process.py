@@ -97,7 +97,7 @@ class NodeProcess:
         try:
             await asyncio.shield(creating)
         finally:
-            # Who is told to stop in this very moment has a process to stop.
+            # A stop request at this moment finds a process to stop.
             self._process = await creating
             self._group = self._process.pid
 

@@ -29,7 +29,7 @@ _SCRIPT_SUFFIX = ".py"
 
 
 class ParameterTags:
-    """Reads both tags; `programs` are command lines of ours for programs of packages that we serve.
+    """Reads both tags; `programs` are built-in command lines for programs of built-in packages.
 
     Without `runs_commands` a parameter with `command=` is an empty text.
 

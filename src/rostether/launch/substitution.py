@@ -28,9 +28,9 @@ _EVAL_PREFIX = "$(eval "
 
 @dataclass(frozen=True, slots=True)
 class LaunchContext:
-    """What a launch file may ask of the machine.
+    """The access of a launch file to the machine.
 
-    `packages` are folders by package name. `served` are packages of ours that are no folders: they are found
+    `packages` are folders by package name. `served` are built-in packages without folders: their path is
     below SERVED_ROOT, where no file is.
     """
 

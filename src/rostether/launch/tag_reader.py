@@ -106,7 +106,7 @@ class TagReader:
             raise LaunchError(f"{name}={text!r} is not a number") from None
 
     def is_meant(self, element: XmlElement, scope: Scope) -> bool:
-        """Tell whether an element's if= or unless= lets it count."""
+        """Return whether an element's if= or unless= lets it count."""
         on, off = (self.optional(element, scope, name) for name in _CONDITIONS)
         if on is not None and off is not None:
             raise LaunchError(f"<{element.tag}> has both if= and unless=; keep one of them")

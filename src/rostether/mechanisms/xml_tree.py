@@ -101,7 +101,7 @@ class _Builder:
         return self._root
 
     def _cause(self, error: str, data: bytes, place: int) -> str:
-        """Return what to change, where it can be told; `place` is the byte at which the parser stopped."""
+        """Return a hint what to change, if there is one; `place` is the byte at which the parser stopped."""
         before = data[max(place - _CAUSE_BYTES, 0) : place].decode(errors="replace")
         after = data[place : place + _CAUSE_BYTES].decode(errors="replace")
         last = self._open[-1] if self._open else None

@@ -34,7 +34,7 @@ _KIND_FOLDERS = frozenset(Kind)
 
 
 def is_type_name(name: str) -> bool:
-    """Tell whether a message, service or action may be called so, without its package."""
+    """Return whether a message, service or action may be called so, without its package."""
     return _TYPE_NAME.fullmatch(name) is not None
 
 

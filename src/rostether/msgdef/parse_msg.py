@@ -24,7 +24,7 @@ _FIELD_TYPE = re.compile(r"([A-Za-z]\w*(?:/[A-Za-z]\w*)?)(\[([0-9]*)\])?", re.AS
 _HEADER = "Header"
 _HEADER_FULL_NAME = "std_msgs/Header"
 _BOOLS = {"True": True, "False": False, "1": True, "0": False}
-_MAX_BOOL_CHARACTERS = 100  # a bool constant may be any Python literal, but nobody needs a long one
+_MAX_BOOL_CHARACTERS = 100  # a bool constant may be any Python literal, but none needs to be long
 
 
 def parse_message(text: str, *, package: str, name: str, file: str = "", first_line: int = 1) -> MessageSpec:

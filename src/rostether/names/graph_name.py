@@ -18,17 +18,17 @@ _MAX_QUOTED_CHARACTERS = 80  # a board can announce any bytes as a name; the err
 
 
 def is_global(name: str) -> bool:
-    """Tell whether the name starts at the root, as `/a`."""
+    """Return whether the name starts at the root, as `/a`."""
     return name.startswith(SEPARATOR)
 
 
 def is_private(name: str) -> bool:
-    """Tell whether the name belongs to a node, as `~a`."""
+    """Return whether the name belongs to a node, as `~a`."""
     return name.startswith(PRIVATE)
 
 
 def is_legal_name(name: str) -> bool:
-    """Tell whether ROS accepts the name; the empty name is legal and means the namespace."""
+    """Return whether ROS accepts the name; the empty name is legal and means the namespace."""
     return not name or (_LEGAL.fullmatch(name) is not None and "//" not in name)
 
 

@@ -95,7 +95,7 @@ def library_folders(package: str, folder: Path | None, environ: Mapping[str, str
 
 
 def is_python(file: Path) -> bool:
-    """Tell whether a file is a Python script, by its first line, or by its suffix where it has none."""
+    """Return whether a file is a Python script, by its first line, or by its suffix where it has none."""
     line = shebang(file)
     return "python" in line if line else file.suffix == _PYTHON_SUFFIX
 

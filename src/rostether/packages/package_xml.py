@@ -39,7 +39,7 @@ class PackageXml:
 
 
 def is_package_name(name: str) -> bool:
-    """Tell whether a package may be called so: a letter, then letters, digits, `_` and `-`."""
+    """Return whether a package may be called so: a letter, then letters, digits, `_` and `-`."""
     return _PACKAGE_NAME.fullmatch(name) is not None
 
 

@@ -74,7 +74,7 @@ def find_packages(roots: Iterable[Path], *, on_namesake: OnNamesake | None = Non
 
 
 def _is_source(package: Path) -> bool:
-    """Tell whether a package is where it was written, not where catkin has put a copy of it."""
+    """Return whether a package is where it was written, not where catkin has put a copy of it."""
     return not any((folder / _CATKIN_MARK).exists() for folder in [*package.parents][:_COPY_DEPTH])
 
 

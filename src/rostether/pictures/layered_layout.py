@@ -24,7 +24,7 @@ MAX_VERTICES = 2_000
 
 _ROW_GAP = 16.0
 _BEND_HEIGHT = 6.0
-_TURNED_SHIFT = 6.0  # down, for edges that lead back: so that they can be told from those that lead on
+_TURNED_SHIFT = 6.0  # down, for backward edges: distinguishes them from forward edges
 _ORDERING_SWEEPS = 12
 _PLACING_SWEEPS = 8
 
@@ -77,7 +77,7 @@ def _without_cycles(sizes: Mapping[str, Size], edges: Sequence[Ends]) -> list[En
             entered[target] += 1
     turned: set[Ends] = set()
     done: set[str] = set()
-    # Those nobody leads to first: then only true cycles are cut.
+    # Vertices without incoming edges first: then only true cycles are cut.
     for start in sorted(sizes, key=lambda key: entered[key] > 0):
         if start in done:
             continue

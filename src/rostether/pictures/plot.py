@@ -10,7 +10,8 @@ from itertools import pairwise
 from rostether.pictures.axis import Axis
 from rostether.pictures.scene import Anchor, Color, Point, Scene, rectangle, text_width
 
-# Okabe and Ito's colors without yellow, which white paper swallows: told apart by color-blind people too.
+# Okabe and Ito's colors without yellow, which is invisible on white paper; color-blind people can distinguish
+# them.
 COLORS: Sequence[Color] = (
     (0, 114, 178),
     (213, 94, 0),

@@ -18,7 +18,7 @@ WHITE: Color = (255, 255, 255)
 ADVANCE = 0.6
 """The width of a character, in font sizes: that of the usual monospaced faces."""
 
-_ELLIPSE_POINTS = 64  # corners that nobody sees at the sizes of labels
+_ELLIPSE_POINTS = 64  # corners that are invisible at the sizes of labels
 
 
 class Anchor(StrEnum):

@@ -35,7 +35,7 @@ def _line(line: Line) -> str:
 
 
 def _text(text: Text) -> str:
-    # The length is told, as a browser may know none of the faces.
+    # The length is given, because a browser may have none of the fonts.
     shown = _FORBIDDEN.sub("\ufffd", text.text)
     return (
         f'<text x="{_number(text.x)}" y="{_number(text.y)}" font-size="{_number(text.size)}" '

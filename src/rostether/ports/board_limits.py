@@ -30,5 +30,5 @@ BOARD_LIMITS = {
 
 
 def may_be_broken(key: str) -> bool:
-    """Tell whether a limit is a time or a rate, which may have a fraction."""
+    """Return whether a limit is a time or a rate, which may have a fraction."""
     return key.endswith(("_s", "_hz"))

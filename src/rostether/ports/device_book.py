@@ -64,7 +64,7 @@ class DeviceBook:
 
 
 def fits(match: DeviceMatch, identity: BoardIdentity) -> bool:
-    """Tell whether a board has all the marks that are given."""
+    """Return whether a board has all the marks that are given."""
     pairs = (
         (match.serial_number, identity.serial_number),
         (match.usb_id, identity.usb_id),

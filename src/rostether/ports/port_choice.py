@@ -23,7 +23,7 @@ class Choice(Enum):
     LISTEN = auto()
     """Probably a board: listen first, and ask only if nothing else speaks there."""
     OFFER = auto()
-    """On USB, but nothing tells what it is: not opened; say how to allow it."""
+    """On USB, but of an unknown kind: not opened; the report says how to allow it."""
     LEAVE = auto()
     """Not opened and not worth a line: no USB device, or the user wants it ignored."""
 

@@ -17,22 +17,22 @@ _WINDOWS_PORT = re.compile(r"COM[0-9*?]+", re.IGNORECASE)
 
 
 def is_usb_id(text: str) -> bool:
-    """Tell whether a text is a vendor and product id as `rostether ports` shows it."""
+    """Return whether a text is a vendor and product id as `rostether ports` shows it."""
     return _USB_ID.fullmatch(text.lower()) is not None
 
 
 def is_port_pattern(text: str) -> bool:
-    """Tell whether a text is a port's path or pattern."""
+    """Return whether a text is a port's path or pattern."""
     return "/" in text or _WINDOWS_PORT.fullmatch(text) is not None
 
 
 def is_entry(text: str) -> bool:
-    """Tell whether a text is one that `fits_entry` understands."""
+    """Return whether a text is one that `fits_entry` understands."""
     return text == ALL or is_usb_id(text) or is_port_pattern(text)
 
 
 def fits_port(port: str, pattern: str) -> bool:
-    """Tell whether a port is the one that a path, a link to it, or a pattern of either means."""
+    """Return whether a port is the one that a path, a link to it, or a pattern of either means."""
     if fnmatchcase(port, pattern):
         return True
     real_port = os.path.realpath(port)
@@ -40,7 +40,7 @@ def fits_port(port: str, pattern: str) -> bool:
 
 
 def fits_entry(identity: BoardIdentity, entry: str) -> bool:
-    """Tell whether a port is meant by an entry: `all`, a USB id, a path or a pattern."""
+    """Return whether a port is meant by an entry: `all`, a USB id, a path or a pattern."""
     if entry == ALL:
         return True
     if is_usb_id(entry):

@@ -24,7 +24,7 @@ class NameRule:
     deny: tuple[str, ...] = ()
 
     def permits(self, name: str) -> bool:
-        """Tell whether a resolved name may be used."""
+        """Return whether a resolved name may be used."""
         return self.refusal(name) is None
 
     def refusal(self, name: str) -> str | None:

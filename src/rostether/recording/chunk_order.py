@@ -19,7 +19,7 @@ MAX_OPEN_BYTES = 256 << 20
 """What open chunks hold unpacked; files written in order have one open, or a few."""
 
 MAX_LISTED_BYTES = 8 << 20
-"""Larger chunks are walked over twice in place of listing their messages: a list takes more than they do."""
+"""Larger chunks are read twice, because a list of their messages would take more memory than the chunks."""
 
 _ENTRY_BYTES = 220
 """What a listed message takes: a tuple of four numbers."""

@@ -143,12 +143,12 @@ def locked(path: Path) -> AbstractContextManager[object]:
 
 
 def is_mcap(path: Path) -> bool:
-    """Tell whether a file is MCAP, by what it begins with; a file that cannot be read is none."""
+    """Return whether a file is MCAP, by what it begins with; a file that cannot be read is none."""
     return _begins_with(path, MCAP_MAGIC)
 
 
 def is_bag(path: Path) -> bool:
-    """Tell whether a file is a bag of ROS 1, by what it begins with."""
+    """Return whether a file is a bag of ROS 1, by what it begins with."""
     return _begins_with(path, MAGIC)
 
 

@@ -34,7 +34,7 @@ END_DRAIN_S = 5.0
 """How long the end waits for subscribers that still take what was played: 50 MB on a busy machine."""
 
 SAMPLE_MESSAGES = 2000
-"""How many messages are read to know their sizes, where a queue is asked for that holds so and so many."""
+"""How many messages are read to estimate their size, if a queue of a number of messages is requested."""
 
 MAX_QUEUE_BYTES = 1 << 30
 """How large a queue gets at most, whatever is asked for."""

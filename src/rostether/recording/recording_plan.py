@@ -25,7 +25,7 @@ class TopicChoice:
         return self.is_all or bool(self.patterns) or bool(self.node)
 
     def includes(self, topic: str, subscribers: Sequence[str]) -> bool:
-        """Tell whether a topic that was found is recorded."""
+        """Return whether a topic that was found is recorded."""
         if self.exclude is not None and self.exclude.search(topic):
             return False
         return (

@@ -26,7 +26,7 @@ UNFINISHED_SUFFIX = ".unfinished"
 
 @dataclass(frozen=True, slots=True)
 class Mended:
-    """What was found in a recording, and why it needed to be mended (an empty string: it was whole)."""
+    """The contents of a recording, and why it needed a repair (empty if it was complete)."""
 
     damage: str
     message_count: int
@@ -87,7 +87,7 @@ def _unfinished(path: Path, output: Path) -> Iterator[Path]:
     """Give the path to write to before it becomes `output`."""
     name = output.name.removesuffix(".active")
     if path.is_dir():
-        # The files in a ROS 2 bag's folder bear its name.
+        # The files in a ROS 2 bag's folder have its name.
         with tempfile.TemporaryDirectory(prefix=f"{UNFINISHED_SUFFIX}.", dir=output.parent) as folder:
             yield Path(folder) / name
         return

@@ -63,7 +63,7 @@ def profiles_text(profiles: list[dict[str, Any]]) -> str:
 
 
 def is_latching(profiles: list[dict[str, Any]]) -> bool:
-    """Tell whether a publisher was what ROS 1 calls latched."""
+    """Return whether a publisher was what ROS 1 calls latched."""
     return any(each.get("durability") == "transient_local" for each in profiles)
 
 

@@ -22,7 +22,7 @@ class Ros2Topics:
         self._convert: dict[Connection, Callable[[bytes], bytes]] = {}
 
     def connection(self, topic: str, origin: Ros2Origin, qos: object) -> Connection | None:
-        """Return a topic as a connection, None when its type cannot be read: `unreadable` tells why."""
+        """Return a topic as a connection, None if its type cannot be read: `unreadable` has the reason."""
         profiles = read_profiles(qos)
         origin = Ros2Origin(
             origin.type_name, origin.type_hash, origin.encoding, origin.definition, profiles_text(profiles)

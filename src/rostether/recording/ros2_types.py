@@ -63,7 +63,7 @@ class RecordedDefinitions(Ros2Definitions):
         return self._others.service(name)
 
     def has(self, name: str) -> bool:
-        """Tell whether a message or service is known."""
+        """Return whether a message or service is known."""
         return name in self._texts or self._others.has(name)
 
 

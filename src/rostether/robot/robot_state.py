@@ -1,8 +1,8 @@
 """From joint positions to transforms, as robot_state_publisher makes them. No clock and no graph in here.
 
 Joints that cannot move, and planar ones, which one number does not describe, are fixed; floating ones are
-left to whoever knows where the robot is. Moving joints are published as soon as a state tells them, but not
-more often than `publish_frequency_hz`.
+left to the localization. Moving joints are published as soon as a state contains them, but not more often
+than `publish_frequency_hz`.
 """
 
 from __future__ import annotations

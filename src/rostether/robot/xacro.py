@@ -26,7 +26,7 @@ _XACRO = re.compile(rb"<xacro:|xmlns:xacro")
 
 
 def is_xacro(data: bytes) -> bool:
-    """Tell whether a robot description is xacro, to be expanded before it is read."""
+    """Return whether a robot description is xacro, to be expanded before it is read."""
     return _XACRO.search(data) is not None
 
 

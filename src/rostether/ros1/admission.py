@@ -27,7 +27,7 @@ class Admission:
         return self._refusals.count
 
     def admits(self, transport: asyncio.BaseTransport) -> bool:
-        """Tell whether a connection may stay; one that may not is ended here, before a byte of it is read."""
+        """Return whether a connection may stay; otherwise it is closed before a byte of it is read."""
         if not self._allow.is_limiting:
             return True
         peer = transport.get_extra_info("peername")

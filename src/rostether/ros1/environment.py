@@ -61,7 +61,7 @@ def format_uri(host: str, port: int, *, scheme: str = "http") -> str:
 
 
 def is_loopback(host: str) -> bool:
-    """Tell whether a host name or address is loopback, without asking a resolver."""
+    """Return whether a host name or address is loopback, without asking a resolver."""
     return host in ("localhost", "::1") or bool(re.fullmatch(r"127(\.\d{1,3}){3}", host))
 
 

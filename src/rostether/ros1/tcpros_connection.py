@@ -107,7 +107,7 @@ class HandshakeProtocol(asyncio.Protocol):
             successor.data_received(self._decoder.rest)
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """The peer hung up before its header was complete."""
+        """The peer closed the connection before its header was complete."""
         self._fail(
             exc
             or RemoteProtocolError("the peer closed the connection before its connection header was complete")
@@ -126,7 +126,7 @@ class HandshakeProtocol(asyncio.Protocol):
         self._timeout.cancel()
         if not self.outcome.done():
             self.outcome.set_exception(error)
-            # Incoming connections have nobody who waits for it.
+            # No caller waits for the failure of an incoming connection.
             self.outcome.exception()
         if self._transport is not None:
             self._transport.close()

@@ -204,7 +204,7 @@ class _Connection(asyncio.Protocol):
 
     def _feed(self, data: bytes) -> None:
         if self._answer is None or self._answer.done():
-            # Nobody waits: the server closes a kept connection, or talks out of turn.
+            # No call is waiting: the server closes a kept connection, or sends data without a request.
             self.close()
             return
         try:

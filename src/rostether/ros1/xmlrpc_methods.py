@@ -29,7 +29,7 @@ from rostether.xmlrpc.values import FaultError, XmlRpcValue
 Method: TypeAlias = Callable[..., Any]
 Dispatch: TypeAlias = Mapping[str, Method]
 
-# A multicall sets the parameters of one launch file; a larger one would hold up everybody else.
+# A multicall sets the parameters of one launch file; a larger one would delay all other clients.
 MAX_MULTICALL = 10_000
 # Registrations have some 700 bytes. One of this size takes half a millisecond; more is read in slices.
 AT_ONCE_BYTES = 4 * 1024

@@ -8,7 +8,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 PACKAGES_VARIABLE = "ROSTETHER_PACKAGE_FOLDERS"
-"""Folders of packages that whoever starts a script has found, besides those of ROS_PACKAGE_PATH."""
+"""Package folders found by the program that starts a script, besides those of ROS_PACKAGE_PATH."""
 
 IMPORT_VARIABLE = "ROSTETHER_IMPORT_PATH"
 """Where this Python has rostether and what our rospy needs, for scripts that name another Python."""

@@ -29,7 +29,7 @@ LOSSY_CONFIRMATIONS = 3
 """At 5 % loss an announcement is missed four times in a row once in 160,000 cases."""
 
 EQUAL_ROUNDS = 4
-"""What none of so many equal rounds repeats was not lost: the device no longer has it."""
+"""An announcement missing in this many equal rounds was not lost: the device no longer has it."""
 
 EMPTY_CONFIRMATIONS = 2
 """A device without endpoints is rare, one whose only announcement was lost is not."""

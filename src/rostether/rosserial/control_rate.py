@@ -1,8 +1,8 @@
 """How often a device may cause work that its line could bring in any number: what control frames ask for.
 
 Each costs 20 µs to 1 ms, against a fraction of a microsecond for a message: one device that sends nothing
-else would take the time of all others. What is beyond the rate is dropped unread and counted. What is lost so
-is asked for again by whoever meant it: announcements by us, the time and parameters by the device.
+else would take the time of all others. What is beyond the rate is dropped unread and counted. Dropped frames
+are requested again: announcements by the host, the time and parameters by the device.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from rostether.rosserial import topic_id as ids
 
 
 class Allowance(NamedTuple):
-    """So many a second, and `saved` of them at once after a pause."""
+    """This many per second, and `saved` of them at once after a pause."""
 
     per_s: float
     saved: int

@@ -35,7 +35,9 @@ MAX_LOOK_S = 1.0
 """Looks get rarer, so that hostile input costs little; this bounds how late a swallowed frame is found."""
 
 TELLING_FRAMES = 3
-"""So many sound frames on end are traffic that a header has swallowed; by chance one in 65,536 is sound."""
+"""This many valid frames in a row are traffic that a false header has covered; by chance one in 65,536 is
+sound.
+"""
 
 VAIN_LOOKS_PER_S = 20_000
 """Places where no frame begins after all, 2.5 to 6 µs each: a tenth of a CPU. At a megabaud no more than
@@ -60,7 +62,7 @@ class FrameDecoder:
     """Cuts one direction of a line into frames of one protocol version; linear in what it is fed.
 
     `limits` maps the topic ids that make sense to their largest payload; it may change at any time. Frames
-    outside it are delivered all the same, it only tells which unfinished frame deserves patience.
+    outside it are delivered all the same, it only decides which unfinished frames are waited for.
     `refused_above` says what cannot be a frame, as `FrameScanner` has it; tell `limits_changed` of changes.
     After `abandon_after_s` without a byte an unfinished frame is given up, whatever it holds (None: never).
     """

@@ -174,11 +174,11 @@ class HostLink:
         self._output.parameter(ParameterResponse(tuple(ints), tuple(floats), tuple(strings)))
 
     def service_call_started(self, now_s: float) -> None:
-        """Tell that the board itself waits for a service response: time answers are held back."""
+        """Note that the board itself waits for a service response: time answers are held back."""
         self._output.call_started()
 
     def service_call_finished(self, now_s: float) -> None:
-        """Tell that the response was sent or given up; call it after encode_message of the response."""
+        """Note that the response was sent or given up; call it after encode_message of the response."""
         self._output.call_finished(now_s)
 
     def stop(self) -> None:

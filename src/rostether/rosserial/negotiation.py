@@ -42,7 +42,9 @@ MAX_QUIET_S = 1.0
 """Announcements further apart than this are taken for answers to two requests."""
 
 MAX_ROUNDS = 12
-"""At 30 % loss one announcement in two million is missed each time; whoever still differs is left alone."""
+"""At 30 % loss one announcement in two million is missed each time; a device that still differs is left as it
+is.
+"""
 
 SEARCH_STEPS = ((2, 0.2), (2, 0.2), (1, 0.3), (2, 0.3), (1, 0.5), (2, 0.5))
 """(version to ask in, wait after it) while nothing is heard; the last two go on forever.

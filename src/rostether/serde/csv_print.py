@@ -70,6 +70,6 @@ def _shown_fields(message: Message, style: EchoStyle) -> Iterator[tuple[str, Any
 
 
 def _has_header(message: Message) -> bool:
-    """Tell whether the first header is named `header`: then it is the message's own."""
+    """Return whether the first header is named `header`: then it is the message's own."""
     names = [name for name, field_type in message._fields if field_type == _HEADER_TYPE]
     return names[:1] == ["header"]

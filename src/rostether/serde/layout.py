@@ -23,10 +23,10 @@ class Layout:
     __slots__ = ("_tree", "accepts", "accepts_all", "fixed_size_bytes")
 
     accepts: Callable[[bytes], bool]
-    """Tell whether a payload is exactly one message: all of it, and nothing more."""
+    """Return whether a payload is exactly one message: all of it, and nothing more."""
 
     accepts_all: Callable[[Sequence[bytes]], bool]
-    """Tell whether every payload of a batch is exactly one message; an empty batch is."""
+    """Return whether every payload of a batch is exactly one message; an empty batch is."""
 
     def __init__(self, tree: Struct) -> None:
         self._tree = tree

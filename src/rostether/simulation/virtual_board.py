@@ -39,7 +39,7 @@ ULTRASOUND_FRAME = "ultrasound"
 ULTRASOUND_PLACE = Vector(0.1, 0.0, 0.05)
 ODOMETRY_FRAME = "odom"
 ROBOT_FRAME = "base_link"
-# Faster than this nobody sees it blink, and a slow line would carry nothing else.
+# Faster blinking is invisible, and would fill a slow line.
 MAX_BLINK_HZ = 50.0
 
 # An MPU-6050's noise at that rate.

@@ -4,9 +4,9 @@ The side that connects says what it wants; the other answers with its own fields
 and the end of the connection. What the first header makes of a connection:
 
     field present            purpose          answered, then
-    topic                    SUBSCRIBE        messages flow to the peer until one side hangs up
-    service, probe=1         PROBE            the peer hangs up; it only wanted to know that we live
-    service, persistent=1    CALL_PERSISTENT  requests and answers alternate until one side hangs up
+    topic                    SUBSCRIBE        messages flow to the peer until one side closes the connection
+    service, probe=1         PROBE            the peer closes; it only checked that the service is there
+    service, persistent=1    CALL_PERSISTENT  requests and answers alternate until one side closes the connection
     service                  CALL_ONCE        one request, one answer, end
 
 A md5sum or type of `*` agrees with every other. Names of types are only compared to explain why md5sums
@@ -41,7 +41,7 @@ _PURPOSES: tuple[tuple[str, str, Purpose], ...] = (
 
 
 def is_true(fields: Mapping[str, str], key: str) -> bool:
-    """Tell whether a flag of a header is set."""
+    """Return whether a flag of a header is set."""
     return fields.get(key, "").strip().lower() in ("1", "true")
 
 
@@ -162,7 +162,7 @@ def check_server(fields: Mapping[str, str], service: str, service_type: ServiceT
 
 
 def agree(left: str, right: str) -> bool:
-    """Tell whether two md5sums, or two type names, agree: `*` does with all."""
+    """Return whether two md5sums, or two type names, agree: `*` does with all."""
     return left == right or ANY_MD5SUM in (left, right)
 
 

@@ -10,7 +10,7 @@ from rostether.errors import ConfigError
 if TYPE_CHECKING:
     from ipaddress import IPv4Network, IPv6Network
 
-# This machine's own programs: whoever can run one here needs no network to do harm.
+# This machine's own programs: an attacker who can run one here needs no network.
 ALWAYS_ALLOWED = ("127.0.0.0/8", "::1/128")
 
 
@@ -42,7 +42,7 @@ class AllowList:
             self.is_limiting = True
 
     def allows(self, host: str) -> bool:
-        """Tell whether a numeric address may connect; an IPv4 address mapped into IPv6 counts as IPv4."""
+        """Return whether a numeric address may connect; an IPv4 address mapped into IPv6 counts as IPv4."""
         if not self.is_limiting:
             return True
         from ipaddress import IPv6Address, ip_address
@@ -56,5 +56,5 @@ class AllowList:
         return any(address in network for network in self._networks)
 
     def allows_connection(self, host: str, own_host: str) -> bool:
-        """Tell whether a connection may stay; one between two ends of one address comes from this machine."""
+        """Return whether a connection may stay; if both ends have one address, it is from this machine."""
         return host == own_host or self.allows(host)

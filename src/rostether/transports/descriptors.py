@@ -38,7 +38,7 @@ def boards_that_fit(most: int) -> int:
 
 
 def shortage(boards: int) -> str | None:
-    """Return a line about what is missing for so many boards; None when they fit."""
+    """Return a line about missing open files for this many boards; None if they fit."""
     fitting = boards_that_fit(boards)
     if fitting >= boards:
         return None

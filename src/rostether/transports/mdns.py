@@ -1,4 +1,4 @@
-"""Announces TCP listeners by mDNS as `_rosserial._tcp`, so that boards need no address of ours.
+"""Announces TCP listeners by mDNS as `_rosserial._tcp`, so that boards need no configured address.
 
 Needs zeroconf, which is an extra: `pip install rostether[mdns]`.
 """
@@ -23,7 +23,7 @@ _ANY = ("0.0.0.0", "::", "")  # noqa: S104 - only compared with
 
 
 def is_reachable(host: str) -> bool:
-    """Tell whether boards on the network can reach a listener at this host."""
+    """Return whether boards on the network can reach a listener at this host."""
     try:
         return not ipaddress.ip_address(host).is_loopback
     except ValueError:
@@ -68,7 +68,7 @@ class Announcement:
         zeroconf: AsyncZeroconf | None = None
         try:
             zeroconf = AsyncZeroconf(interfaces=addresses, ip_version=version)
-            # Two bridges on one machine are told apart by a number.
+            # A number distinguishes two bridges on one machine.
             await zeroconf.async_register_service(info, allow_name_change=True)
         except (OSError, NonUniqueNameException) as error:
             if zeroconf is not None:

@@ -24,7 +24,7 @@ class OwnNames:
         self._names = {_plain(name) for name in names if name}
 
     def include(self, host: str) -> bool:
-        """Tell whether a Host header (`name`, `name:port`, `[::1]:port`, an address) means this machine."""
+        """Return whether a Host header (`name`, `name:port`, `[::1]:port`, an address) means this machine."""
         name = host.strip()
         if name.count(":") == 1 or "]:" in name:
             name = name.rpartition(":")[0]
@@ -39,7 +39,7 @@ class OwnNames:
 
 
 def is_address(host: str) -> bool:
-    """Tell whether a host is an IP address; an IPv6 one may be in brackets."""
+    """Return whether a host is an IP address; an IPv6 one may be in brackets."""
     try:
         ipaddress.ip_address(host[1:-1] if host.startswith("[") and host.endswith("]") else host)
     except ValueError:

@@ -87,7 +87,7 @@ class PeerTransport(Generic[PeerKey]):
         return 0 if self._lost else self._table.write_buffer_bytes()
 
     def is_replaceable(self, now_s: float) -> bool:
-        """Tell whether it has been silent for so long that a new peer may take its place."""
+        """Return whether it has been silent for so long that a new peer may take its place."""
         limit_s = SILENT_LIMIT_S if self.has_answered else UNANSWERED_LIMIT_S
         return self.expires and now_s - self.heard_at_s >= limit_s
 
@@ -245,7 +245,7 @@ class PeerTable(Generic[PeerKey]):
         peer.deliver(data)
 
     def _has_spoken(self, key: PeerKey, candidate: _Candidate, data: bytes, entry: PeerEntry) -> bool:
-        """Tell whether a sender has said a frame; ask it for one until then."""
+        """Return whether a sender has said a frame; ask it for one until then."""
         candidate.data += data
         del candidate.data[:-_CANDIDATE_BYTES]
         # A datagram mostly begins with a frame, whatever came before it.

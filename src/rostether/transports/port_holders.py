@@ -35,7 +35,7 @@ def find_holders(path: str) -> list[Holder]:
 
 
 def is_open_here(path: str) -> bool:
-    """Tell whether this very process has a port open."""
+    """Return whether this very process has a port open."""
     return os.path.realpath(path) in _open_files(os.getpid()).values()
 
 
@@ -120,7 +120,7 @@ def _socket_inodes(port: int, kind: str) -> set[str]:
 
 
 def is_character_device(path: str) -> bool:
-    """Tell whether a path is a device file, as serial ports are."""
+    """Return whether a path is a device file, as serial ports are."""
     try:
         return stat.S_ISCHR(Path(path).stat().st_mode)
     except OSError:

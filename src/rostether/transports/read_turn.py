@@ -1,7 +1,7 @@
 """How much of one connection is read at a time, so that the others get their turn soon.
 
-A byte of a flood of messages costs 0.1 µs, one of hostile bytes a few. What was read last tells: as much is
-read as costs a turn's time at the highest price of late, and at most twice as much as the last time.
+A byte of a flood of messages costs 0.1 µs, one of hostile bytes a few. The size follows from the last reads:
+as much as costs one turn at the highest recent cost, and at most twice the last size.
 """
 
 from __future__ import annotations

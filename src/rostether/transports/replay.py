@@ -41,7 +41,7 @@ class CaptureListener:
         self._boards: dict[int, _PlayedBoard] = {}
 
     async def play(self) -> None:
-        """Play the capture to its end and hang up. Raises ConfigError for what is no capture."""
+        """Play the capture to its end and close. Raises ConfigError for what is no capture."""
         loop = asyncio.get_running_loop()
         began_s = loop.time()
         try:
@@ -67,7 +67,7 @@ class CaptureListener:
             await self.close()
 
     async def close(self) -> None:
-        """Hang up. Idempotent."""
+        """Close the link. Idempotent."""
         for link in list(self._boards):
             self._unplug(link)
 
@@ -106,7 +106,7 @@ class _PlayedBoard:
         """Ignore received bytes."""
 
     def connection_lost(self, _error: TransportError | None) -> None:
-        """Learn that the host hung up."""
+        """Handle that the host closed the link."""
         self._is_gone = True
         self.has_room.set()
 

@@ -26,7 +26,7 @@ class _Port(Protocol):
 
 
 def is_pseudo_terminal(path: str) -> bool:
-    """Tell whether a path is a pseudo-terminal's slave, perhaps through links."""
+    """Return whether a path is a pseudo-terminal's slave, perhaps through links."""
     return _PTY_NAME.fullmatch(os.path.realpath(path)) is not None
 
 

@@ -94,7 +94,7 @@ class StreamTransport(asyncio.BaseProtocol):
                 ssl_handshake_timeout=HANDSHAKE_LIMIT_S,
             )
         finally:
-            # Until the handshake is over asyncio tells nobody that the connection was lost.
+            # Until the handshake ends, asyncio does not report that the connection was lost.
             if wire is None:
                 self.connection_lost(None)
         assert wire is not None  # asyncio's stubs say it may be; it raises instead
@@ -163,7 +163,7 @@ class StreamTransport(asyncio.BaseProtocol):
             self._receiver.connection_lost(self._error)
 
     def eof_received(self) -> bool:
-        """Answer the peer's hang-up with our own; who hangs up while we write may never read again."""
+        """Close this side when the peer closes: it may never read again."""
         if self._flush_limit is None and self._wire is not None:
             self._flush_limit = asyncio.get_running_loop().call_later(FLUSH_LIMIT_S, self._wire.abort)
         return False

@@ -30,7 +30,7 @@ from rostether.transports.transport import Transport
 MAX_CONNECTIONS = 256
 # One host may run a hundred simulated boards, but must leave room for the boards of others.
 MAX_CONNECTIONS_PER_HOST = 128
-# Connections that have not proven their key yet, of one address and of all; the oldest gives way to the next.
+# Connections that have not proven their key yet, of one address and in total; a new one replaces the oldest.
 MAX_UNPROVEN_PER_HOST = 16
 MAX_UNPROVEN = 128
 # Accepted in one turn of the event loop.

@@ -41,7 +41,7 @@ def listener_context(files: TlsFiles, certificates: Iterable[bytes] = ()) -> ssl
     context.minimum_version = ssl.TLSVersion.TLSv1_2
     _load(context, files)
     for certificate in certificates:
-        # Whoever has signed it: it is that board's.
+        # Regardless of its issuer: it identifies that board.
         context.verify_flags |= ssl.VERIFY_X509_PARTIAL_CHAIN
         context.verify_mode = ssl.CERT_OPTIONAL
         context.load_verify_locations(cadata=certificate)

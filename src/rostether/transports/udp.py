@@ -203,7 +203,7 @@ async def connect_udp(address: UdpAddress) -> Transport:
         ) from error
     except OSError as error:
         raise explain_connect_error(place, error) from error
-    # Any of our addresses will do: a connected socket hears its peer alone.
+    # Any address of this machine: a connected socket receives only from its peer.
     any_host = "::" if family == socket.AF_INET6 else "0.0.0.0"  # noqa: S104
     try:
         sock = _make_socket(family, local=(any_host, address.bind))

@@ -26,7 +26,7 @@ class BoardLine(Protocol):
         """Handle what noise has swallowed: the frames in a message that does not have its type's layout."""
 
     def call_started(self) -> None:
-        """Tell that the board itself waits for a response."""
+        """Note that the board itself waits for a response."""
 
     def call_finished(self) -> None:
-        """Tell that the response is on its way or given up."""
+        """Note that the response was sent or given up."""

@@ -1,4 +1,4 @@
-"""How many messages a board may bring into the graph: so many a second, and those of one second at a time."""
+"""Limits how many messages a board may publish per second, with bursts of up to one second's messages."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 
 class MessageRate:
-    """Tells how many of the next messages may pass; a board that was silent may bring `per_s` at once."""
+    """Returns how many of the next messages may pass; after a silence, a board may send `per_s` at once."""
 
     def __init__(self, per_s: float, clock: Callable[[], float]) -> None:
         self.per_s = per_s

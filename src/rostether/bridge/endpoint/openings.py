@@ -1,8 +1,7 @@
-"""Endpoints on their way into the graph and out of it, each name's old one out before its new one is in.
+"""Opens and closes endpoints in the graph; for each name, the old endpoint closes before the new one opens.
 
-An opening waits for the closings of its name that began before it, a closing for the opening of its own
-endpoint: whoever waits, waits for something older, so that nothing waits for itself. One begins
-in each turn of the loop.
+An opening waits for earlier closings of its name, and a closing waits for the opening of its endpoint. Each
+waits only for something older, so there is no deadlock. Each turn of the event loop starts one of them.
 """
 
 from __future__ import annotations

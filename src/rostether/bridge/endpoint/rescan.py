@@ -9,7 +9,8 @@ from rostether.rosserial.host_link import HostLink
 
 MAX_DEPTH = 2
 """Looks inside what a look found. Noise within noise passes its checksum once in 65,536 times, and a board
-that sends nothing else makes us read each byte so many times more."""
+that sends only noise makes the scanner read each byte that many more times.
+"""
 
 
 class Rescan:

@@ -39,7 +39,7 @@ from rostether.rosserial.packets import TopicInfo
 _Key: TypeAlias = tuple[Role, str, int]
 
 
-# As many as endpoints; a board that makes up ever new ones is not remembered for ever.
+# As many as endpoints; a board that keeps inventing new ones must not fill the memory.
 MAX_REFUSED = 256
 
 
@@ -54,8 +54,8 @@ class EndpointTable:
         self._openings = EndpointOpenings(notices)
         self.refused: dict[str, RostetherError] = {}
         """By name: why what the board announced on this connection is not served."""
-        # What gave way to another type of its name and was not withdrawn yet: until the negotiation is over
-        # nobody knows whether the board still has it.
+        # Endpoints replaced by another type of the same name but not withdrawn yet: until the negotiation
+        # ends, it is unknown whether the board still has them.
         self._displaced: dict[_Key, Endpoint] = {}
 
     def __iter__(self) -> Iterator[tuple[Role, Endpoint]]:

@@ -44,7 +44,7 @@ class Announcements:
             return
         packet = event.topic_id, payload
         self._garbled[packet] = self._garbled.get(packet, 0) + 1
-        # Noise does not come twice alike.
+        # Noise does not repeat itself.
         if event.reason is DiscardReason.PACKET and self._garbled[packet] >= MIN_COUNT:
             self._garbled_count += 1
         while len(self._garbled) > MAX_KEPT:
@@ -88,7 +88,7 @@ class Announcements:
 
 
 def is_overwritten(info: TopicInfo) -> bool:
-    """Tell whether a sound frame's announcement holds what no compiler has put there."""
+    """Return whether a sound frame's announcement holds what no compiler has put there."""
     texts = (info.topic_name, info.message_type, info.md5sum)
     return any(map(_has_damage, texts)) or not info.md5sum or not info.message_type
 

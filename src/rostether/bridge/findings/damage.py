@@ -1,4 +1,4 @@
-"""How many of the frames of late came damaged."""
+"""Counts how many recent frames were damaged."""
 
 from __future__ import annotations
 
@@ -39,7 +39,9 @@ class Damage:
             self._last_s = now_s
 
     def find(self, frame_count: int, now_s: float, reset_count: int = 0) -> Finding | None:
-        """Judge, about once a second; `frame_count` sound ones have come so far, `reset_count` is of late."""
+        """Evaluate the counts, about once a second: `frame_count` valid frames so far, `reset_count` recent
+        resets.
+        """
         looks = self._looks
         looks.append((now_s, self._count, frame_count))
         while len(looks) > 2 and now_s - looks[0][0] > WINDOW_S:

@@ -50,8 +50,7 @@ class Code(StrEnum):
 class Finding:
     """One thing that is wrong; `subject` tells findings of one code apart (a topic, a type), else empty.
 
-    `seen` and `next_step` are one line each, without a full stop. `reported`: whoever found it has
-    already reported it.
+    `seen` and `next_step` are one line each, without a full stop. `reported`: it has already been reported.
     """
 
     code: Code

@@ -122,7 +122,7 @@ class LineWatch:
         if self.was_alive:
             damage = self._damage.find(self._statistics.frames_received, now_s, self._resets.count(now_s))
         resets = self._find_resets(now_s, damage)
-        # A board that starts again begins to count anew: its requests are late for that.
+        # A board that restarts also restarts its period, which makes its request late.
         slow = None if resets else self.loop_speed.find(is_listener=self._is_listener)
         found = [
             self._find_absence(now_s),

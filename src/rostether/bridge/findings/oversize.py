@@ -12,7 +12,7 @@ MIN_COUNT = 3
 """A damaged header that passes its check, one in 256, claims three times the same of no topic."""
 
 RECENT_S = 30.0
-"""What was mended is over after a while."""
+"""After a while, a corrected problem is no longer reported."""
 
 REST_GAP_S = 0.1
 """The rest of one frame comes within this at 9600 baud, a few bytes at a time."""
@@ -56,7 +56,7 @@ class Oversizes:
         return True
 
     def of(self, topic_id: int, now_s: float) -> Oversize | None:
-        """Return what came of late on an id, if that is the rule there."""
+        """Return the recent oversized messages of a topic id, if most of its messages are oversized."""
         found = self._found.get(topic_id)
         if found is None or found.count < MIN_COUNT or now_s - found.last_s > RECENT_S:
             return None

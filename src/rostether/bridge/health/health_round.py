@@ -1,4 +1,4 @@
-"""Looks at every board once a second: tells what is wrong, and publishes /diagnostics.
+"""Checks every board once a second: reports problems, and publishes /diagnostics.
 
 Each board's own node publishes its status, as the established host's does, so that nothing more joins the
 graph. Without a subscriber no message is made.

@@ -20,7 +20,7 @@ from rostether.serde.store import TypeStore
 from rostether.transports.transport import Transport
 
 WATCH_S = 8.0
-"""Three time requests come in it, which tell how fast loop() is, and enough frames for a percentage."""
+"""It includes three time requests, which show the speed of loop(), and enough frames for a percentage."""
 
 UNREST_S = 20.0
 """How long to watch a board that was reset, or whose time request was late: the rule shows by then."""

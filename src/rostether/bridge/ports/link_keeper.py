@@ -146,7 +146,7 @@ def with_settings(address: SerialAddress, device: DeviceSettings) -> SerialAddre
 
 
 def _comes_and_goes(address: Address) -> bool:
-    """Tell whether a link's port is seen to: what is no path is a port of Windows, which tells by opening."""
+    """Return whether a link's port exists; a Windows port is not a path and shows this only when opened."""
     return isinstance(address, SerialAddress) and "/" in address.path
 
 

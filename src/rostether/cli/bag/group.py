@@ -1,4 +1,4 @@
-"""`rostether bag`: topics recorded, played, shown, checked and mended."""
+"""`rostether bag`: record, play, show, check and repair recordings."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rostether.recording.recorded import RecordingReader
 
 
-# 2 MB for each topic. The median of so many differs from that of all by less than a percent.
+# 2 MB for each topic. The median of this sample differs from that of all messages by less than a percent.
 MAX_PERIODS = 262_144
 
 

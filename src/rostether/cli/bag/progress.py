@@ -1,4 +1,4 @@
-"""The line on a terminal that tells how far a recording or a playback is, written over and over."""
+"""The progress line of a recording or playback in a terminal; each update overwrites it."""
 
 from __future__ import annotations
 

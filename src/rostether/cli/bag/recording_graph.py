@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class RecordingGraph:
-    """A node of ours; `types` are those that it knows of ROS 2, None where it is on ROS 1 alone."""
+    """This command's node; `types` are its known ROS 2 types, None if it is on ROS 1 only."""
 
     raw: Graph
     types: Ros2Types | None

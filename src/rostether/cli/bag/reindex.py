@@ -1,4 +1,4 @@
-"""`rostether bag reindex`: recordings that were not closed, mended."""
+"""`rostether bag reindex`: repairs recordings that were not closed."""
 
 from __future__ import annotations
 

@@ -215,7 +215,7 @@ def _cut(text: str, width: int) -> str:
 
 
 def _cut_middle(name: str, width: int) -> str:
-    """Return a name that fits; the ends of names tell them apart."""
+    """Return a name that fits; the end of a name is kept because it distinguishes it."""
     if len(name) <= width:
         return name
     tail = (width - 2) * 2 // 3

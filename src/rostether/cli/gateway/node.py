@@ -32,7 +32,7 @@ class NodeWords:
         """Return the name: that of a gateway on a port of its own has the port in it."""
         if self.name:
             return self.name
-        # Port 0 is any that is free: nobody knows yet which.
+        # Port 0 is any free port, which is not known yet.
         return own_name if port in (0, default_port) else f"{own_name}_{port}"
 
 
@@ -59,7 +59,7 @@ def read_gateway_words(words: Sequence[str], special: Mapping[str, str]) -> tupl
 
 
 def asking_ros1(environment: RosEnvironment) -> IsLive:
-    """Return what tells whether a node of ROS 1 lives: the master still lists those that were killed."""
+    """Return a check whether a ROS 1 node is alive: the master still lists killed nodes."""
 
     async def is_live(name: str) -> bool:
         master = MasterClient(environment.master_uri, name)

@@ -40,7 +40,7 @@ class GatewayOptions:
 
 
 def is_place(word: str) -> bool:
-    """Tell whether a word is [HOST:]PORT, so that it is the value of the gateway's option before it."""
+    """Return whether a word is [HOST:]PORT, so that it is the value of the gateway's option before it."""
     return _PLACE.fullmatch(word) is not None
 
 

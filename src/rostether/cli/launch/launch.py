@@ -347,7 +347,7 @@ async def _launch(  # noqa: PLR0913 - each is an independent setting
 
     if wait and not await master_answers(environment):
         write_line(f"Waiting for the ROS master at {environment.master_uri}")
-        while not await master_answers(environment):  # noqa: ASYNC110 - nothing tells of a master
+        while not await master_answers(environment):  # noqa: ASYNC110 - there is no event for a new master
             await asyncio.sleep(_WAIT_S)
     async with used_master(environment, is_chosen=is_chosen, port=port) as used:
         write_line(used.line)

@@ -12,7 +12,7 @@ from rostether.packages.locate import package_folders
 from rostether.packages.search_path import OnNamesake
 
 MAX_TOLD = 3
-"""Lines about packages of one name; whoever has more has copied a whole workspace."""
+"""Warnings about packages with the same name; more appear only if a whole workspace was copied."""
 
 
 def packages_here() -> dict[str, Path]:

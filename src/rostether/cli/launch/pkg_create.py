@@ -85,5 +85,5 @@ def _user() -> str:
     try:
         return getpass.getuser()
     except (KeyError, OSError):
-        # A container may run as a user whom nobody has named.
+        # A container may run as a user without a name.
         return "user"

@@ -79,7 +79,7 @@ _WINDOWS = {
     "rqt_reconfigure": "parameters and sets them",
     "rqt_robot_steering": "a joystick that drives the robot",
 }
-"""What the dashboard shows in place of a window."""
+"""The part of the dashboard that replaces a window."""
 
 # In a terminal these show the same at once.
 _TERMINAL_VIEWS = {"rqt_graph": ("graph",), "rqt_plot": ("role", "rqt-plot")}

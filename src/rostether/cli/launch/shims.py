@@ -102,7 +102,7 @@ def real_ros_commands(environ_path: str, ours: Path) -> dict[str, Path]:
 
 
 def is_shim(program: Path) -> bool:
-    """Tell whether a program is one of these scripts."""
+    """Return whether a program is one of these scripts."""
     try:
         with program.open("rb") as stream:
             return SHIM_MARK.encode() in stream.read(200)

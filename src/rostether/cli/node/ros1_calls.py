@@ -114,7 +114,7 @@ async def ping(name: str, uri: str, clock: Callable[[], float] = time.perf_count
 
 
 async def connections(master: MasterClient, client: XmlRpcClient) -> list[Connection]:
-    """Return a node's connections as it tells them, with the names of its peers. Raises GraphError."""
+    """Return the connections that a node reports, with the names of its peers. Raises GraphError."""
     publishers, subscribers, _ = await master.system_state()
     names: dict[str, str] = {}
     found = []

@@ -69,7 +69,7 @@ async def _kill(environment: RosEnvironment, names: list[str]) -> list[tuple[str
                 # It ended by itself in the meantime.
                 continue
             except GraphError as error:
-                # A node may hang up while it answers: only one that cannot be reached was not asked.
+                # A node may close the connection while it answers: only an unreachable node was not asked.
                 if isinstance(error.__cause__, ConnectionRefusedError):
                     failed.append((name, "it is not running; `rostether node cleanup` removes it"))
                 elif error.__cause__ is None:

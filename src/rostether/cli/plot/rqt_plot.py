@@ -19,7 +19,7 @@ from rostether.msgdef.primitives import INTEGER_RANGES
 if TYPE_CHECKING:
     from rostether.msgdef.registry import Registry
 
-MAX_FIELDS = 8  # more curves than this nobody can tell apart
+MAX_FIELDS = 8  # more curves cannot be distinguished
 _NUMBERS = frozenset(INTEGER_RANGES) | {"float32", "float64", "bool"}
 _NOBODYS = ("/rosout", "/rosout_agg", "/clock", "/diagnostics", "/tf", "/tf_static")
 

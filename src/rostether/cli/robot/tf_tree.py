@@ -51,7 +51,7 @@ async def _tree(listening_s: float, dot: bool, as_json: bool, graph: GraphOption
     refusals: dict[str, None] = {}
 
     def note(refusal: str) -> None:
-        # What was told already is repeated with every message.
+        # Problems that were already reported repeat with every message.
         word = refusal.split(" for frame ")[0]
         if len(refusals) < 20:
             refusals.setdefault(word)

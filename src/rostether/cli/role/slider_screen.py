@@ -93,7 +93,7 @@ class SliderScreen:
 
 
 def split_keys(typed: bytes) -> list[bytes]:
-    """Return the keys in what a terminal sent; bytes that are no key of ours stand alone."""
+    """Return the keys in the bytes from a terminal; each byte that is not part of a known key is separate."""
     keys, at = [], 0
     while at < len(typed):
         length = next(

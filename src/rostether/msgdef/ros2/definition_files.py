@@ -96,7 +96,7 @@ class InstalledPackages:
         self._is_searched = True
 
     def has_only_idl(self, package: str, kind: Kind, name: str) -> bool:
-        """Tell whether the package was written in IDL, which leaves no .msg text."""
+        """Return whether the package was written in IDL, which leaves no .msg text."""
         return any((root / kind / f"{name}.idl").is_file() for root in self._all_roots().get(package, ()))
 
     def _all_roots(self) -> dict[str, list[Path]]:
@@ -112,7 +112,7 @@ class InstalledPackages:
 
 
 def declared_by(file: Path) -> Declared:
-    """Tell what the package.xml beside or above a definition's folder says."""
+    """Return the facts in the package.xml beside or above a definition's folder."""
     for folder in (file.parent, file.parent.parent):
         try:
             with (folder / "package.xml").open("rb") as stream:

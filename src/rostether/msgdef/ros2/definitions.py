@@ -123,7 +123,7 @@ class Ros2Definitions:
         return message_text(self.message(name)) if file is None else read_definition(file)
 
     def has(self, name: str) -> bool:
-        """Tell whether a message, service or half a service is known; reads only the user's own texts."""
+        """Return whether a message, service or half a service is known; reads only the user's own texts."""
         try:
             package, kind, short_name = split_name(name)
         except UnknownTypeError:
@@ -199,7 +199,7 @@ class Ros2Definitions:
         )
 
     def _is_ros2(self, file: Path, kind: Kind, package: str) -> bool:
-        """Tell whether a text of the user's folders is ROS 2's: its package says so, or it reads as one."""
+        """Return whether a text of the user's folders is ROS 2's: its package says so, or it reads as one."""
         known = self._is_ros2_file.get(file)
         if known is None:
             declared = declared_by(file)

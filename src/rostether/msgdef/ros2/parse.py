@@ -37,22 +37,22 @@ _ROS1_TYPES = {"time": "builtin_interfaces/Time", "duration": "builtin_interface
 
 
 def is_package_name(name: str) -> bool:
-    """Tell whether a ROS 2 package may be called so; fields follow the same rule."""
+    """Return whether a ROS 2 package may be called so; fields follow the same rule."""
     return _LOWER_NAME.fullmatch(name) is not None
 
 
 def is_field_name(name: str) -> bool:
-    """Tell whether a field may be called so."""
+    """Return whether a field may be called so."""
     return _LOWER_NAME.fullmatch(name) is not None
 
 
 def is_type_name(name: str) -> bool:
-    """Tell whether a message or service may be called so, without its package."""
+    """Return whether a message or service may be called so, without its package."""
     return _TYPE_NAME.fullmatch(name) is not None
 
 
 def is_constant_name(name: str) -> bool:
-    """Tell whether a constant may be called so."""
+    """Return whether a constant may be called so."""
     return _CONSTANT_NAME.fullmatch(name) is not None
 
 

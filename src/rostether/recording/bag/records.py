@@ -29,7 +29,9 @@ OP_CHUNK_INFO = 0x06
 OP_CONNECTION = 0x07
 
 BAG_HEADER_BYTES = 4096
-"""The bag header and the spaces behind it, without their lengths: rosbag writes so many over it again."""
+"""The bag header and the spaces behind it, without their lengths: rosbag overwrites exactly that many
+bytes.
+"""
 
 INDEX_VERSION = 1
 CHUNK_INFO_VERSION = 1

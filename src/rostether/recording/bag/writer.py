@@ -95,7 +95,7 @@ class BagWriter:
         if number is None:
             number = self._numbers[connection] = len(self._heads)
             self._heads.append(_message_head(number))
-            # Of a damaged bag that is mended, names too may be no UTF-8.
+            # When a damaged bag is repaired, even names may not be UTF-8.
             fields = {_encoded(name): _encoded(value) for name, value in connection.fields().items()}
             header = encode_fields(fields)
             self._records.append(

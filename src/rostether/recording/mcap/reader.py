@@ -1,4 +1,4 @@
-"""Reads MCAP files with messages of ROS 1 or ROS 2, whoever wrote them, closed or not.
+"""Reads MCAP files with messages of ROS 1 or ROS 2, of any writer, closed or not.
 
 Source: mcap.dev/spec
 """
@@ -35,9 +35,8 @@ class McapReader:
     """An MCAP file being read; see `recording.recorded.RecordingReader`.
 
     Only messages of ROS 1 and CDR are given; the latter as ROS 1 bytes, in ROS 2's own fields if `is_native`.
-    `unpack` undoes the compression of single messages, as a ROS 2 bag's summary tells it.
-    With `damage`, which is then why, its index is not trusted.
-    Where there is no md5sum of a type, it is computed from the definition.
+    `unpack` decompresses single messages, as the metadata of a ROS 2 bag states. With `damage`, which is then
+    why, its index is not trusted. Where there is no md5sum of a type, it is computed from the definition.
     """
 
     def __init__(

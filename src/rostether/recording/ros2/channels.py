@@ -32,9 +32,9 @@ class Channel:
 class Ros2Channels:
     """The channels of one file, in the order of their numbers from 1.
 
-    As rosbag2 does it, all publishers of a topic share one, which tells what the first one offered. `types`
-    know the types of what is written: those of the graph that is recorded, else those of the environment.
-    Messages that do not fit their type are left out, and counted by `unfit`.
+    As rosbag2 does it, all publishers of a topic share one, with the quality of service that the first one
+    offered. `types` know the types of what is written: those of the graph that is recorded, else those of the
+    environment. Messages that do not fit their type are left out, and counted by `unfit`.
     """
 
     def __init__(self, types: Ros2Types | None = None, unfit: UnfitMessages | None = None) -> None:

@@ -22,7 +22,7 @@ MAX_VALUE_BYTES = 1 << 30
 class Db3Reader:
     """A .db3 file being read; see `recording.recorded.RecordingReader`. Gives ROS 1 bytes.
 
-    `unpack` undoes the compression of single messages, as the bag's summary tells it.
+    `unpack` decompresses single messages, as the bag's metadata states.
     """
 
     format_version = "rosbag2 (sqlite3)"
@@ -117,7 +117,7 @@ class Db3Reader:
         self._database.close()
 
     def _refuse_views(self) -> None:
-        # A view or virtual table may go on for ever, whatever the file's size.
+        # A view or virtual table may be endless, whatever the file's size.
         tables = {
             name
             for (name,) in self._database.execute(

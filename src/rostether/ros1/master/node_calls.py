@@ -23,7 +23,7 @@ _CALLER = "/master"
 _CALL_TIMEOUT_S = 5.0
 _FIRST_RETRY_S = 1.0
 _MAX_RETRY_S = 30.0
-# Two refusals, this far apart, are no restart of a listener: nobody is there.
+# Two refusals this far apart are not a restart of a listener: the node is gone.
 _REFUSALS_UNTIL_GONE = 2
 # A node's death is seen at once when its kept connection breaks; this is for those that broke unnoticed.
 # Shorter than the time after which servers drop idle connections.
@@ -32,7 +32,7 @@ PING_INTERVAL_S = 30.0
 _MAX_PENDING = 4096
 # Each holds a document of up to some MB until the node takes it; small ones do not wait for a place.
 _LARGE_CALLS_AT_ONCE = 16
-# A list of so many URIs has some 4 KB.
+# A list of this many URIs has about 4 KB.
 _LARGE_LENGTH = 64
 # Descriptors are commonly limited to 1024 a process, and most are for who calls the master.
 _MAX_KEPT_CONNECTIONS = 256
@@ -78,7 +78,7 @@ class NodeCallQueue:
         self._queue(api, ("paramUpdate", key), (key, value))
 
     def shut_down(self, api: str, reason: str) -> None:
-        """Queue a request to shut down, in place of everything else."""
+        """Queue a request to shut down; it replaces all other requests."""
         if api in self._outboxes:
             self._outboxes[api].pending.clear()
         self._queue(api, ("shutdown", ""), (reason,))

@@ -68,7 +68,7 @@ class ParameterTree:
         return self._find(name)
 
     def has(self, name: str) -> bool:
-        """Tell whether a parameter or namespace is set."""
+        """Return whether a parameter or namespace is set."""
         try:
             self._find(name)
         except UnknownNameError:

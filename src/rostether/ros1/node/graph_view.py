@@ -1,4 +1,4 @@
-"""The whole graph as the master tells it, now and at each change.
+"""The whole graph as the master reports it, now and at each change.
 
 A ROS 1 master has no subscription to changes: it is asked again and again.
 """

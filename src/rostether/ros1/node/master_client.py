@@ -90,7 +90,7 @@ class MasterClient:
         await self._look_up("deleteParam", name)
 
     async def has_param(self, name: str) -> bool:
-        """Tell whether a value or tree is set."""
+        """Return whether a value or tree is set."""
         return bool(await self._call("hasParam", name))
 
     async def search_param(self, name: str) -> str | None:

@@ -185,7 +185,7 @@ class Ros1Graph:
         self._endpoints.watches.changed_by_us(resolved)
 
     async def has_param(self, name: str) -> bool:
-        """Tell whether a parameter is set."""
+        """Return whether a parameter is set."""
         return await self._master.has_param(self.resolve(name))
 
     async def search_param(self, name: str) -> str | None:

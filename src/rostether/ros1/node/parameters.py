@@ -44,7 +44,7 @@ class ParameterWatches:
         watches = list(self._watches.get(key, ()))
         for watch in watches:
             watch.deliver(_unset_as_none(value))
-        # A change below a tree that is watched: only the master can tell what the whole tree is now.
+        # A change below a watched tree: only the master knows the whole tree now.
         return self._fetch_soon(lambda name: _is_below(key, name)) or bool(watches)
 
     def changed_by_us(self, key: str) -> None:

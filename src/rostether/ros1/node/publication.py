@@ -94,7 +94,7 @@ class Publication:
             on_lost=self._forget,
         )
         self.connections.append(connection)
-        # Soon: who hears of it may send to it, once it has been greeted.
+        # Soon: a peer that learns of it may send to it after the handshake.
         asyncio.get_running_loop().call_soon(self._tell_watchers, connection, True)
         return connection
 

@@ -90,7 +90,7 @@ class PublisherConnection(asyncio.Protocol):
                 self._transport.resume_reading()
 
     def abort(self) -> None:
-        """Hang up at once."""
+        """Close the connection at once."""
         self._transport.abort()
 
 
@@ -120,7 +120,7 @@ class PublisherLink:
         self._task = asyncio.ensure_future(self._run())
 
     async def close(self) -> None:
-        """Hang up, and stay so; nothing is handed on afterwards."""
+        """Close the connection permanently; no message is passed on afterwards."""
         self._task.cancel()
         await asyncio.wait((self._task,))
 

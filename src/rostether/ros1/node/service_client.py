@@ -182,7 +182,7 @@ class _CallConnection(asyncio.Protocol):
         if not answers:
             return
         if self._answer is None or self._answer.done() or len(answers) > 1:
-            # Whose answer it is cannot be told: it answers no question of ours.
+            # The answer belongs to no request of this client.
             self._fail(ProtocolError("the server sent an answer without a request"))
         else:
             self._answer.set_result(answers[0])

@@ -1,4 +1,4 @@
-"""One subscriber of ours: the queue that keeps a slow one from slowing or stopping anybody else."""
+"""One subscriber of a publisher: its queue keeps a slow subscriber from delaying the others."""
 
 from __future__ import annotations
 

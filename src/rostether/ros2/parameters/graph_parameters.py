@@ -80,7 +80,7 @@ class GraphParameters:
         await self._apply(place.node, dict.fromkeys(values, NOT_SET))
 
     async def has(self, name: str) -> bool:
-        """Tell whether a parameter, or one below it, is set."""
+        """Return whether a parameter, or one below it, is set."""
         return bool(await self._values(await self._locate(name)))
 
     async def search(self, name: str, resolve: Callable[[str], str]) -> str | None:

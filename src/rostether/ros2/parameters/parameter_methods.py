@@ -11,7 +11,7 @@ from rostether.ros2.parameters.watches import ParameterWatch
 
 
 class ParameterMethods(ABC):
-    """What a graph inherits that has `_parameters`, resolves names and can tell whether it is open."""
+    """The base of a graph with `_parameters`, name resolution and an open state."""
 
     _parameters: GraphParameters
 
@@ -36,7 +36,7 @@ class ParameterMethods(ABC):
         await self._parameters.delete(self.resolve(name))
 
     async def has_param(self, name: str) -> bool:
-        """Tell whether a parameter is set."""
+        """Return whether a parameter is set."""
         return await self._parameters.has(self.resolve(name))
 
     async def search_param(self, name: str) -> str | None:

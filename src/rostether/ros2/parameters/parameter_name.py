@@ -20,7 +20,7 @@ class ParameterPath(NamedTuple):
     path: str
 
     def holds(self, name: str) -> bool:
-        """Tell whether a parameter of the node is meant: the one of that path or one below it."""
+        """Return whether a parameter of the node is meant: the one of that path or one below it."""
         parts = name_parts(self.path)
         return name_parts(name)[: len(parts)] == parts
 

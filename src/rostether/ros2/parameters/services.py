@@ -94,7 +94,7 @@ def _list(store: ParameterStore, request: Message) -> Mapping[str, Any]:
 
 
 def _is_listed(name: str, prefixes: list[str], depth: int) -> bool:
-    """Tell whether a name is at most `depth` deep (0: any depth) at or below a prefix (none: the root)."""
+    """Return whether a name is at most `depth` deep (0: any depth) at or below a prefix (none: the root)."""
     if not prefixes:
         return depth == 0 or name.count(DOT) < depth
     return any(

@@ -82,7 +82,7 @@ class ParameterWatches:
             try:
                 nodes.add(codec.decode(payload).node)
             except SerializationError:
-                continue  # Not what the topic's type says: nobody's parameters.
+                continue  # Not a message of the topic's type: parameters of no node.
         nodes.discard(self._membership.node_name)
         for watch in self._watches:
             if any(_concerns(node, watch.name) for node in nodes):
@@ -119,7 +119,7 @@ class ParameterWatch:
             self.look_again()
 
     def look_again(self) -> None:
-        """Fetch the value, which may have changed, and tell it if it has."""
+        """Fetch the value, and report it if it has changed."""
         self._is_outdated = True
         if self._is_started and self._looking is None and not self._is_closed:
             self._looking = asyncio.get_running_loop().create_task(self._look())
@@ -152,5 +152,5 @@ class ParameterWatch:
 
 
 def _concerns(node: str, name: str) -> bool:
-    """Tell whether an event of a node may be about a full name: at it, below it, or the node's own."""
+    """Return whether an event of a node may be about a full name: at it, below it, or the node's own."""
     return name == node or name.startswith(f"{node}/") or node.startswith(name.rstrip("/") + "/")

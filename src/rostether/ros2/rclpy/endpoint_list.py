@@ -1,4 +1,4 @@
-"""The ends of a graph in detail, as rclpy tells them."""
+"""The endpoints of a graph in detail, as rclpy reports them."""
 
 from __future__ import annotations
 

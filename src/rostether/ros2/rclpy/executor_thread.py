@@ -52,7 +52,7 @@ class ExecutorThread:
         def work() -> None:
             try:
                 result = function()
-            except Exception as error:  # noqa: BLE001 - it belongs to who asked
+            except Exception as error:  # noqa: BLE001 - it belongs to the caller
                 self.call_in_loop(_set_exception, future, error)
             else:
                 self.call_in_loop(_set_result, future, result)

@@ -35,7 +35,8 @@ def load_rclpy() -> Rclpy:
     """Import rclpy. Raises ConfigError with what to install."""
     try:
         with warnings.catch_warnings():
-            # What rclpy loads is not ours to mend: rosidl's parser uses modules that Python is about to drop.
+            # The warnings come from code that rclpy loads: rosidl's parser uses modules that Python will
+            # remove.
             warnings.simplefilter("ignore")
             import_module("rosidl_generator_py")
             return _import_modules()

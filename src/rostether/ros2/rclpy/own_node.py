@@ -1,4 +1,4 @@
-"""One rclpy node of ours: what its publishers, subscribers and services share."""
+"""One rclpy node: the part that its publishers, subscribers and services share."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ class OwnNode:
                     msg=text.encode("utf-8", "replace")[:MAX_LOG_TEXT_BYTES].decode("utf-8", "ignore"),
                 )
             )
-        except Exception as error:  # noqa: BLE001 - a log line must not end what it tells of
+        except Exception as error:  # noqa: BLE001 - a log line must not end what it reports
             _log.debug("cannot log on %s: %s", ROSOUT, first_lines(str(error)))
 
     def now_ns(self) -> int:

@@ -74,7 +74,7 @@ class Publication:
     def publish(self, payloads: Sequence[bytes]) -> None:
         """Send to every subscriber, in order; in the event loop."""
         publisher = self._publisher
-        # A flood that nobody hears costs nothing.
+        # A flood without subscribers costs nothing.
         if publisher is None or not (self._latch or publisher.get_subscription_count()):
             return
         try:

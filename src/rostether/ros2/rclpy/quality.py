@@ -100,7 +100,7 @@ def rosout_profile() -> Any:
 
 
 def is_latching(publisher: Any) -> bool:
-    """Tell whether a publisher (an endpoint info of rclpy) keeps messages for latecomers."""
+    """Return whether a publisher (an endpoint info of rclpy) keeps messages for latecomers."""
     return bool(publisher.qos_profile.durability.name == "TRANSIENT_LOCAL")
 
 

@@ -30,7 +30,7 @@ MAX_BATCH = 1000
 """Messages taken in one go before the executor looks at the other subscriptions again: a few milliseconds."""
 
 MAX_COMPLAINTS = 16
-"""Different things that are said of one subscription; whoever sends nonsense does not fill the log."""
+"""The number of different reports of one subscription, so that invalid messages cannot fill the log."""
 
 _GID_BYTES = 16
 
@@ -86,7 +86,7 @@ class RclpySubscriber:
 
     @property
     def needs_looks(self) -> bool:
-        """Whether nothing but looking tells it of publishers."""
+        """Whether it learns of publishers only by polling."""
         return self._subscription is None or not self._tells_matches
 
     def open(self) -> None:
@@ -190,7 +190,7 @@ class RclpySubscriber:
                 use_default_callbacks=False,
             )
         except TypeError:
-            # Humble tells of no matches.
+            # Humble reports no matches.
             self._tells_matches = False
             return make(incompatible_qos=self._take_mismatch, use_default_callbacks=False)
 

@@ -32,7 +32,7 @@ something."""
 _SHARED = {
     "scouting/multicast/enabled": "false",
     "scouting/gossip/enabled": "true",
-    # There is nothing to wait for: without multicast nobody is scouted.
+    # There is nothing to wait for: without multicast, no peer is scouted.
     "scouting/delay": "0",
     # Latched topics are kept by timestamp.
     "timestamping/enabled": "{router: true, peer: true, client: true}",
@@ -74,7 +74,7 @@ class Reach:
 
 
 async def is_router_there(endpoint: str = ROUTER_ENDPOINT) -> bool:
-    """Tell whether something accepts connections at a tcp endpoint."""
+    """Return whether something accepts connections at a tcp endpoint."""
     protocol, _, place = endpoint.partition("/")
     host, _, port = place.rpartition(":")
     if protocol not in ("tcp", "tls") or not port.isdecimal():

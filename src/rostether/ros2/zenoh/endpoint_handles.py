@@ -54,7 +54,7 @@ class Endpoints:
         self._rosout = Publication(
             ROSOUT, LOG_TYPE, support, node=self._node, report=self._report, latch=True, qos=ROSOUT_QOS
         )
-        # For good: a handle that is closed does not end it.
+        # Permanently: closing a handle does not end it.
         self._rosout.handle_count = 1
         self._publications[ROSOUT] = self._rosout
 

@@ -1,4 +1,4 @@
-"""The ends of a graph over zenoh in detail, as their liveliness tokens tell them."""
+"""The endpoints of a graph over zenoh in detail, from their liveliness tokens."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ class _Putting(Protocol):
 
 
 class Publication:
-    """Converts every batch to CDR and puts it to zenoh, which sends it to whoever subscribes."""
+    """Converts every batch to CDR and puts it to zenoh, which sends it to all subscribers."""
 
     def __init__(
         self,
@@ -136,7 +136,9 @@ class Publication:
             self._undeclare()
 
     def _put(self, payloads: Sequence[bytes], max_stalls: int | None = None) -> Puts:
-        """Put messages, until so many had to wait for a link; in the loop, or in a thread while none is."""
+        """Put messages until the limit of waiting messages is reached; in the loop, or in a thread without
+        one.
+        """
         convert, put, gid, sequence = self._convert, self._publisher.put, self._gid, self._sequence
         pack, clock = ATTACHMENT.pack, time.time_ns
         puts = Puts()

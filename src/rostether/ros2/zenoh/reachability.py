@@ -39,7 +39,7 @@ def tls_of(configuration: zenoh.Config) -> Mapping[str, Any]:
 
 
 def is_loopback(endpoint: str) -> bool:
-    """Tell whether only this machine reaches an endpoint (`tcp/localhost:7447`)."""
+    """Return whether only this machine reaches an endpoint (`tcp/localhost:7447`)."""
     return endpoint.partition("/")[2].startswith(_LOOPBACK)
 
 

@@ -20,7 +20,7 @@ REPEAT_S = 60.0
 """A machine that is refused tries again every few seconds."""
 
 MAX_KINDS = 32
-"""Different refusals that are remembered; whoever connects does not fill the memory."""
+"""The number of different refusals remembered, so that peers cannot fill the memory."""
 
 _LINE = re.compile(rb"WARN .*zenoh_link_(?:tls|quic)\S*: (?P<reason>.*)$")
 _COLOR = re.compile(rb"\x1b\[[0-9;]*m")

@@ -143,7 +143,7 @@ class ZenohSession:
         return LiveToken(self, token)
 
     def apply_own_token(self, text: str, *, is_there: bool) -> None:
-        """Let our own view know of a token of ours, which zenoh's word is not taken for."""
+        """Add one of this session's tokens to its own view directly, not through zenoh."""
         self.graph.apply_tokens([(text, is_there)])
 
     async def look(self, key: str, timeout_s: float) -> list[str]:
@@ -228,13 +228,14 @@ class ZenohSession:
     def _take_token(self, sample: zenoh.Sample) -> None:
         stay_known()
         key = str(sample.key_expr)
-        # Of our own we know better: a client that loses its router is told that they are gone.
+        # The session's own tokens are ignored here: zenoh reports them as gone to a client that loses its
+        # router.
         if f"/{self.session_id}/" not in key:
             self._news.put((key, sample.kind == zenoh.SampleKind.PUT))
 
 
 class LiveToken:
-    """A token of ours, alive until `withdraw`."""
+    """A token of this session, alive until `withdraw`."""
 
     def __init__(self, session: ZenohSession, token: Token) -> None:
         self.token = token

@@ -90,7 +90,7 @@ class ActionClient:
         return ClientGoalHandle(followed)
 
     def cancel_all_goals(self) -> None:
-        """Ask the server to cancel every goal, whoever sent it."""
+        """Ask the server to cancel every goal, of any client."""
         self.pub_cancel.publish(GoalID())
 
     def cancel_goals_at_and_before_time(self, time: Any) -> None:

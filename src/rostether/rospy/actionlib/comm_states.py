@@ -53,8 +53,8 @@ _RECALLING, _PREEMPTING = CommState.RECALLING, CommState.PREEMPTING
 
 _Ways = dict[int, tuple[int, ...]]
 
-# What leads from a pending goal to each status; states that were too short to be told of are not left out,
-# because programs count on hearing of them.
+# What leads from a pending goal to each status; states that were too short to be published are included,
+# because programs rely on them.
 _FROM_PENDING: _Ways = {
     GoalStatus.PENDING: (),
     GoalStatus.ACTIVE: (_ACTIVE,),

@@ -98,7 +98,7 @@ class ServerGoalHandle:
         self._end(_from_work_to(GoalStatus.SUCCEEDED), wanted, result, text)
 
     def publish_feedback(self, feedback: Any) -> None:
-        """Tell how far it is."""
+        """Publish feedback."""
         if (found := self._found("publish feedback")) is not None:
             found[0].publish_feedback(found[1].status, feedback)
 

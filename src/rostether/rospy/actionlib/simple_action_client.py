@@ -118,7 +118,7 @@ class SimpleActionClient:
         return self.gh.get_goal_status_text()
 
     def cancel_all_goals(self) -> None:
-        """Ask the server to cancel every goal, whoever sent it."""
+        """Ask the server to cancel every goal, of any client."""
         self.action_client.cancel_all_goals()
 
     def cancel_goals_at_and_before_time(self, time: Any) -> None:

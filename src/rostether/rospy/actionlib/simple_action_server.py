@@ -73,15 +73,15 @@ class SimpleActionServer:
             return self.current_goal.get_goal()
 
     def is_new_goal_available(self) -> bool:
-        """Tell whether a goal waits."""
+        """Return whether a goal waits."""
         return self.new_goal
 
     def is_preempt_requested(self) -> bool:
-        """Tell whether the current goal is to be given up."""
+        """Return whether the current goal is to be given up."""
         return self.preempt_request
 
     def is_active(self) -> bool:
-        """Tell whether a goal is being worked on."""
+        """Return whether a goal is being worked on."""
         if self.current_goal.get_goal() is None:
             return False
         return self.current_goal.get_goal_status().status in (GoalStatus.ACTIVE, GoalStatus.PREEMPTING)
@@ -102,7 +102,7 @@ class SimpleActionServer:
             self.current_goal.set_canceled(result, text)
 
     def publish_feedback(self, feedback: Any) -> None:
-        """Tell how far the current goal is."""
+        """Publish feedback on the current goal."""
         self.current_goal.publish_feedback(feedback)
 
     def get_default_result(self) -> Any:

@@ -69,7 +69,7 @@ class Bag:
         self._writer: BagWriter | None = None
         self._types = BagTypes()
         path = self._path = Path(f)
-        # What is missing is told as Python tells it.
+        # Missing files raise Python's own errors.
         if mode == "r":
             path.stat()
             self._reader = self._open(path)
@@ -204,7 +204,7 @@ class Bag:
             reader.close()
 
     def reindex(self) -> Iterator[int]:
-        """Mend a bag that was not closed; yields how far it is, as rosbag's does."""
+        """Repair a bag that was not closed; yields the progress, as rosbag's does."""
         yield 0
         if self._reader is not None:
             self._reader.close()

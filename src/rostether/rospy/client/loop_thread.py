@@ -100,7 +100,7 @@ async def run_in_thread(function: Callable[[], _T]) -> _T:
         result: Any = None
         try:
             result = function()
-        except Exception as raised:  # noqa: BLE001 - it belongs to who waits
+        except Exception as raised:  # noqa: BLE001 - it belongs to the waiting caller
             error = raised
         except BaseException as raised:  # noqa: BLE001 - sys.exit() in a handler ends its thread, not our loop
             error = RuntimeError(repr(raised))

@@ -95,7 +95,7 @@ class NodeNames:
 
 
 def is_remap_argument(argument: str) -> bool:
-    """Tell whether a command line argument is ROS's: a remapping, a parameter or a special name."""
+    """Return whether a command line argument is ROS's: a remapping, a parameter or a special name."""
     return _REMAP.fullmatch(argument) is not None
 
 

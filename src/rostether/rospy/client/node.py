@@ -128,7 +128,7 @@ node = Node()
 
 
 def is_initialized() -> bool:
-    """Tell whether init_node has been called and succeeded."""
+    """Return whether init_node has been called and succeeded."""
     return node.is_initialized
 
 

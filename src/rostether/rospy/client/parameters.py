@@ -43,7 +43,7 @@ def set_param(param_name: str, param_value: Any) -> None:
 
 
 def has_param(param_name: str) -> bool:
-    """Tell whether a parameter is set. Raises ROSException."""
+    """Return whether a parameter is set. Raises ROSException."""
     return node.call(node.master().has_param(names.resolve(param_name)))
 
 

@@ -94,7 +94,7 @@ class PublishedTopic:
         return 0 if self._publisher is None else self._publisher.subscriber_count
 
     def has_connection(self, node_name: str) -> bool:
-        """Tell whether a node is among the subscribers."""
+        """Return whether a node is among the subscribers."""
         return node.loop.call(self._has_connection(node_name))
 
     async def _has_connection(self, node_name: str) -> bool:

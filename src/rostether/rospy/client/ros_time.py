@@ -51,7 +51,7 @@ class Time(stamps.Time):
 
 
 def is_wallclock() -> bool:
-    """Tell whether ROS time is the wall clock's."""
+    """Return whether ROS time is the wall clock's."""
     return not (node.is_initialized and node.graph.is_time_simulated)
 
 

@@ -106,7 +106,7 @@ class Service:
             return message_bytes(response_of(self.handler(request), self.response_class))
         except ServiceException as error:
             raise ServiceCallError(f"service cannot process request: {error}") from None
-        except Exception as error:  # noqa: BLE001 - the caller is told, the service goes on
+        except Exception as error:  # noqa: BLE001 - the caller gets the error, the service continues
             self.error_handler(error, *sys.exc_info())
             raise ServiceCallError(f"error processing request: {error}") from None
 

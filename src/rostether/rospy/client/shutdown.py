@@ -85,12 +85,12 @@ atexit.register(shutdown.signal, "atexit")
 
 
 def is_shutdown() -> bool:
-    """Tell whether the node has been shut down."""
+    """Return whether the node has been shut down."""
     return shutdown.event.is_set()
 
 
 def is_shutdown_requested() -> bool:
-    """Tell whether the node is being shut down; hooks may still run."""
+    """Return whether the node is being shut down; hooks may still run."""
     return shutdown.is_requested
 
 

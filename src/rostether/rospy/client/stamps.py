@@ -32,7 +32,7 @@ class TVal:
         return cls(*_split_s(float_secs))
 
     def is_zero(self) -> bool:
-        """Tell whether both fields are zero."""
+        """Return whether both fields are zero."""
         return self.secs == 0 and self.nsecs == 0
 
     def set(self, secs: int, nsecs: int) -> None:

@@ -70,7 +70,7 @@ class SubscribedTopic:
         return 0 if self._subscriber is None else self._subscriber.publisher_count
 
     def has_connection(self, node_name: str) -> bool:
-        """Tell whether a node is among the publishers."""
+        """Return whether a node is among the publishers."""
         return node.loop.call(self._has_connection(node_name))
 
     async def _has_connection(self, node_name: str) -> bool:

@@ -192,12 +192,12 @@ class Buffer(BufferInterface):
         timeout: Any = _NO_TIME,
         return_debug_tuple: bool = False,
     ) -> Any:
-        """Tell whether a lookup would succeed within `timeout`; as a pair with the reason if it would not."""
+        """Return whether a lookup would succeed within `timeout`, or a pair with the reason why not."""
         result = _wait(lambda: self.can_transform_core(target_frame, source_frame, time), timeout)
         return result if return_debug_tuple else result[0]
 
     def can_transform_core(self, target_frame: str, source_frame: str, time: Any) -> tuple[bool, str]:
-        """Tell whether a lookup would succeed now, and why not."""
+        """Return whether a lookup would succeed now, and why not."""
         with self._lock:
             reason = self._buffer.why_not(target_frame, source_frame, time.to_nsec())
         return not reason, reason
@@ -212,7 +212,7 @@ class Buffer(BufferInterface):
         timeout: Any = _NO_TIME,
         return_debug_tuple: bool = False,
     ) -> Any:
-        """Tell whether a lookup over time would succeed within `timeout`."""
+        """Return whether a lookup over time would succeed within `timeout`."""
         route = (target_frame, target_time, source_frame, source_time, fixed_frame)
         result = _wait(lambda: self._can_look_up_full(*route), timeout)
         return result if return_debug_tuple else result[0]

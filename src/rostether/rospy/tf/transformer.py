@@ -25,13 +25,13 @@ class Transformer:
         self._buffer.set_transform(transform, authority)
 
     def canTransform(self, target_frame: str, source_frame: str, time: Any) -> bool:
-        """Tell whether a lookup would succeed."""
+        """Return whether a lookup would succeed."""
         return bool(self._buffer.can_transform(_bare(target_frame), _bare(source_frame), time))
 
     def canTransformFull(
         self, target_frame: str, target_time: Any, source_frame: str, source_time: Any, fixed_frame: str
     ) -> bool:
-        """Tell whether a lookup over time would succeed."""
+        """Return whether a lookup over time would succeed."""
         route = (_bare(target_frame), target_time, _bare(source_frame), source_time, _bare(fixed_frame))
         return bool(self._buffer.can_transform_full(*route))
 
@@ -87,7 +87,7 @@ class Transformer:
         return self._buffer.get_latest_common_time(_bare(source_frame), _bare(dest_frame))
 
     def frameExists(self, frame_id: str) -> bool:
-        """Tell whether a frame has a parent."""
+        """Return whether a frame has a parent."""
         return frame_id in self.getFrameStrings()
 
     def getFrameStrings(self) -> list[str]:

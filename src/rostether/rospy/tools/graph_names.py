@@ -62,17 +62,17 @@ def load_mappings(argv: Iterable[str]) -> dict[str, str]:
 
 
 def is_legal_name(name: str | None) -> bool:
-    """Tell whether ROS accepts a name."""
+    """Return whether ROS accepts a name."""
     return name is not None and _is_legal(name)
 
 
 def is_legal_base_name(name: str | None) -> bool:
-    """Tell whether ROS accepts a name without a namespace."""
+    """Return whether ROS accepts a name without a namespace."""
     return name is not None and _BASE_NAME.fullmatch(name) is not None
 
 
 def is_legal_remap(arg: str | None) -> bool:
-    """Tell whether an argument is a remapping."""
+    """Return whether an argument is a remapping."""
     return arg is not None and re.fullmatch(r"[~/A-Za-z_][\w/]*:=.*", arg) is not None
 
 
@@ -110,7 +110,7 @@ def scoped_name(caller_id: str, name: str) -> str:
 
 
 def isstring(s: Any) -> bool:
-    """Tell whether a value is text."""
+    """Return whether a value is text."""
     return isinstance(s, str)
 
 

@@ -45,7 +45,7 @@ class Master:
         self._proxy = parameters.MasterProxy(self.master_uri, self.caller_id)
 
     def is_online(self) -> bool:
-        """Tell whether the master answers."""
+        """Return whether the master answers."""
         try:
             self.getPid()
         except (ROSException, MasterException):
@@ -72,7 +72,7 @@ def get_master_uri(env: object = None, argv: object = None) -> str:
 
 
 def is_master_online(master_uri: str | None = None) -> bool:
-    """Tell whether a master answers."""
+    """Return whether a master answers."""
     return Master("/rostopic", master_uri).is_online()
 
 

@@ -154,7 +154,7 @@ def call_service(service_name: str, service_args: list[Any], service_class: Any 
 
 
 def has_service_args(service_name: str, service_class: Any = None) -> bool:
-    """Tell whether a service's request has fields. Raises ROSServiceException."""
+    """Return whether a service's request has fields. Raises ROSServiceException."""
     name = script_resolve_name("rosservice", service_name)
     return bool((service_class or get_service_class_by_name(name))._request_class.__slots__)
 

@@ -145,7 +145,7 @@ class ReadingBody:
         self._count = other._count
 
     def is_long_with(self, node: Node) -> bool:
-        """Tell whether the function has become too long to take a value inline."""
+        """Return whether the function has become too long to take a value inline."""
         return self.parts + self.functions.part_count(node) > MAX_PARTS
 
     def variable(self, prefix: str) -> str:

@@ -61,7 +61,7 @@ async def build_runner() -> Path:
         except BaseExceptionGroup as failures:
             raise first_error(failures) from None
         await _run((compiler, *objects, "-o", f"{fresh}/{_NAME}", *LIBRARIES), limit)
-        # At once, so that nobody starts half a program.
+        # In one step, so that no process starts an incomplete program.
         os.replace(f"{fresh}/{_NAME}", program)  # noqa: PTH105
     return program
 

@@ -9,5 +9,5 @@ def load_manifest(package_name: str) -> None:
 
 
 def is_interactive() -> bool:
-    """Tell that no interpreter session is meant."""
+    """Return False: there is no interactive session."""
     return False
