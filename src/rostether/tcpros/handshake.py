@@ -4,9 +4,9 @@ The side that connects says what it wants; the other answers with its own fields
 and the end of the connection. What the first header makes of a connection:
 
     field present            purpose          answered, then
-    topic                    SUBSCRIBE        messages flow to the peer until one side closes the connection
+    topic                    SUBSCRIBE        messages flow to the peer until one side closes
     service, probe=1         PROBE            the peer closes; it only checked that the service is there
-    service, persistent=1    CALL_PERSISTENT  requests and answers alternate until one side closes the connection
+    service, persistent=1    CALL_PERSISTENT  requests and answers alternate until one side closes
     service                  CALL_ONCE        one request, one answer, end
 
 A md5sum or type of `*` agrees with every other. Names of types are only compared to explain why md5sums
