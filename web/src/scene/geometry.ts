@@ -11,6 +11,7 @@ import {
   MeshBasicMaterial,
   NearestFilter,
   PlaneGeometry,
+  SRGBColorSpace,
 } from "three";
 import { type DisplayContext, HeaderDisplay, setPose } from "./display.ts";
 import type { OccupancyGrid, Pose } from "./messages.ts";
@@ -150,14 +151,15 @@ export class GridDisplay extends HeaderDisplay<OccupancyGrid> {
     const pixels = new Uint8Array(width * height * 4);
     for (let i = 0; i < data.length; i++) {
       const cell = data[i] as number;
-      const grey = cell < 0 || cell > 100 ? 120 : 235 - 2.2 * cell;
+      const grey = cell < 0 || cell > 100 ? 105 : 205 - 1.8 * cell;
       pixels.set(
-        [grey, cell < 0 || cell > 100 ? 135 : grey, cell < 0 || cell > 100 ? 125 : grey, 255],
+        [grey, cell < 0 || cell > 100 ? 120 : grey, cell < 0 || cell > 100 ? 110 : grey, 255],
         i * 4,
       );
     }
     const texture = new DataTexture(pixels, width, height);
     texture.magFilter = NearestFilter;
+    texture.colorSpace = SRGBColorSpace;
     texture.needsUpdate = true;
     const plane = new Mesh(
       new PlaneGeometry(width * resolution, height * resolution),

@@ -13,7 +13,7 @@ import {
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { type FrameTask, frameTask } from "../store/frames.ts";
 import type { Display, Placed } from "./display.ts";
-import type { Transform } from "./rigid.ts";
+import type { Transform, Vec3 } from "./rigid.ts";
 import { frameName, type TfBuffer } from "./tf_buffer.ts";
 
 // 30 pictures a second look fluent and cost half of 60, which a phone's battery notices.
@@ -83,17 +83,30 @@ export class SceneView {
   }
 
   /** Stand so far from what the camera looks at that a robot of this size fills the picture. */
-  lookFrom(distanceM: number, direction: "corner" | "top" | "front" | "side" = "corner"): void {
+  lookFrom(
+    distanceM: number,
+    direction: "corner" | "top" | "front" | "side" = "corner",
+    target: Vec3 = this.followedAt.toArray(),
+  ): void {
     const way = {
       corner: new Vector3(0.75, -0.75, 0.55),
       top: new Vector3(-0.0001, 0, 1),
       front: new Vector3(1, 0, 0.1),
       side: new Vector3(0, -1, 0.1),
     }[direction];
-    this.controls.target.copy(this.followedAt);
-    this.camera.position.copy(way.normalize().multiplyScalar(distanceM)).add(this.followedAt);
+    this.controls.target.set(...target);
+    this.camera.position.copy(way.normalize().multiplyScalar(distanceM)).add(this.controls.target);
     this.controls.update();
     this.markDirty();
+  }
+
+  /** Calls `onMove` when the user moves the camera, once. */
+  onFirstMove(onMove: () => void): void {
+    const listener = () => {
+      this.controls.removeEventListener("start", listener);
+      onMove();
+    };
+    this.controls.addEventListener("start", listener);
   }
 
   get distanceM(): number {

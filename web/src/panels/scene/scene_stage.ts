@@ -3,6 +3,7 @@ import { effect, type Signal, signal } from "@preact/signals";
 import type { Display, DisplayContext, Placed } from "../../scene/display.ts";
 import type { DisplayType } from "../../scene/display_types.ts";
 import { DISPLAYS } from "../../scene/displays.ts";
+import type { Vec3 } from "../../scene/rigid.ts";
 import { followRobotDescription } from "../../scene/robot_description.ts";
 import { RobotModel } from "../../scene/robot_model.ts";
 import { readRvizConfig } from "../../scene/rviz_config.ts";
@@ -19,6 +20,8 @@ export const ROBOT = "robot";
 export const FRAMES = "frames";
 const MARKER_TYPES = ["visualization_msgs/Marker", "visualization_msgs/MarkerArray"];
 const COLORS = ["#4c9aff", "#f5a524", "#36b37e", "#e5618a", "#9a6cf5", "#2bb8c4", "#d9c02f", "#f0734a"];
+/** The first transforms come one after another: the camera fits itself for so many half seconds. */
+const FIT_TICKS = 3;
 /** Frames older than this while others move are named. */
 const STALE_FRAME_MS = 3000;
 
@@ -85,6 +88,8 @@ export class SceneStage {
   private readonly updates = frameTask(() => this.runPending());
   private model: RobotModel | undefined;
   private treeVersion = -1;
+  private ticksToFit = 0;
+  private hasMoved = false;
 
   constructor(host: HTMLElement, context: PanelContext) {
     this.context = context;
@@ -100,6 +105,9 @@ export class SceneStage {
         if (message !== undefined && !(message instanceof Error))
           this.view.displays.get(ROBOT)?.update(message);
       });
+    });
+    this.view.onFirstMove(() => {
+      this.hasMoved = true;
     });
     const timer = setInterval(() => this.refreshRows(), 500);
     this.endings.push(close, () => clearInterval(timer));
@@ -133,7 +141,8 @@ export class SceneStage {
 
   /** Move the camera so that everything is in the picture. */
   fit(): void {
-    this.view.lookFrom(this.extentM() * 2.2);
+    const { center, sizeM } = this.extent();
+    this.view.lookFrom(sizeM * 2.2 + 0.3, "corner", center);
   }
 
   dispose(): void {
@@ -142,15 +151,21 @@ export class SceneStage {
     this.view.dispose();
   }
 
-  private extentM(): number {
-    const root = this.view.fixedFrame;
-    let farthest = 0.4;
+  /** The box around all frames: its middle, and its longest side, at most 30 m. */
+  private extent(): { center: Vec3; sizeM: number } {
+    const low: [number, number, number] = [0, 0, 0];
+    const high: [number, number, number] = [0, 0, 0];
     for (const frame of this.tf.frames()) {
-      const found = this.tf.lookup(root, frame);
+      const found = this.tf.lookup(this.view.fixedFrame, frame);
       if (typeof found === "string") continue;
-      farthest = Math.max(farthest, Math.hypot(...found.transform.translation) + 0.1);
+      for (const i of [0, 1, 2] as const) {
+        low[i] = Math.min(low[i], found.transform.translation[i]);
+        high[i] = Math.max(high[i], found.transform.translation[i]);
+      }
     }
-    return Math.min(farthest, 30);
+    const middle = (i: 0 | 1 | 2) => (low[i] + high[i]) / 2;
+    const sizeM = Math.max(high[0] - low[0], high[1] - low[1], high[2] - low[2], 0.5);
+    return { center: [middle(0), middle(1), middle(2)], sizeM: Math.min(sizeM, 30) };
   }
 
   private drawable(): string[] {
@@ -245,7 +260,7 @@ export class SceneStage {
       this.reports.set(ROBOT, (error as Error).message);
     }
     this.syncDisplays();
-    this.fit();
+    if (!this.hasMoved) this.fit();
   }
 
   private chooseFixedFrame(): void {
@@ -265,12 +280,15 @@ export class SceneStage {
 
   private refreshRows(): void {
     if (this.treeVersion !== this.tf.treeVersion) {
-      const isFirst = this.treeVersion <= 0;
       this.treeVersion = this.tf.treeVersion;
       this.frames.value = this.tf.frames();
       this.chooseFixedFrame();
-      if (isFirst) this.fit();
+      this.ticksToFit = FIT_TICKS;
     } else if (this.view.fixedFrame === "") this.chooseFixedFrame();
+    if (this.ticksToFit > 0 && !this.hasMoved) {
+      this.ticksToFit--;
+      this.fit();
+    }
     const hidden = new Set(this.settings.hidden ?? []);
     const row = (key: string, title: string, type: string): Row => ({
       key,
