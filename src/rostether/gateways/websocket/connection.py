@@ -126,7 +126,8 @@ class Connection(asyncio.Protocol):
     def eof_received(self) -> bool:
         """Handle the end of what the client sends."""
         if self._download is not None:
-            return True
+            # TLS has no half-closed connections.
+            return self._transport is not None and self._transport.can_write_eof()
         self._websocket.receive_eof()
         self._handle_events()
         return False

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import ssl
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -13,6 +14,7 @@ import pytest
 from rostether.errors import ConfigError
 from rostether.gateways.foxglove import recording_control
 from rostether.gateways.foxglove.settings import FoxgloveSettings
+from rostether.gateways.websocket.own_authority import own_certificate
 from rostether.gateways.websocket.site import Site
 from unit.gateways.foxglove.protocol_client import LIMIT_S, Stage, stage, until
 
@@ -135,6 +137,37 @@ async def test_recordings_need_the_token(tmp_path: Path, path: str, more: str, s
         reply = await fetched(there, f"/recordings/drive.bag{path}", more)
         assert reply.startswith(f"HTTP/1.1 {status} ".encode())
         assert (b"content" in reply) is (status == 200)
+
+
+async def test_a_recording_is_downloaded_over_tls(tmp_path: Path) -> None:
+    content = bytes(range(256)) * 20_000
+    (tmp_path / "drive.bag").write_bytes(content)
+    made = own_certificate(tmp_path / "tls")
+    settings = replace(FREE, certificate=str(made.certificate), key=str(made.key))
+    trust = ssl.create_default_context(cafile=str(made.authority))
+    site = Site({"index.html": b"", "large.js": content}, Folder(tmp_path))
+    async with stage(settings, site=site) as there:
+        for path in ("/recordings/drive.bag", "/large.js"):
+            reader, writer = await asyncio.open_connection(
+                "127.0.0.1", there.gateway.port, ssl=trust, server_hostname="localhost"
+            )
+            writer.write(f"GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n".encode())
+            reply = await asyncio.wait_for(reader.read(-1), LIMIT_S)
+            assert reply.partition(b"\r\n\r\n")[2] == content
+            writer.close()
+        await until(lambda: there.gateway.connection_count == 0)
+
+
+async def test_a_client_that_half_closes_gets_its_recording(tmp_path: Path) -> None:
+    content = bytes(5 << 20)
+    (tmp_path / "drive.bag").write_bytes(content)
+    async with stage(FREE, site=Site({"index.html": b""}, Folder(tmp_path))) as there:
+        reader, writer = await asyncio.open_connection("127.0.0.1", there.gateway.port)
+        writer.write(b"GET /recordings/drive.bag HTTP/1.1\r\nHost: localhost\r\n\r\n")
+        writer.write_eof()
+        reply = await asyncio.wait_for(reader.read(-1), LIMIT_S)
+        assert len(reply.partition(b"\r\n\r\n")[2]) == len(content)
+        writer.close()
 
 
 async def test_a_client_that_goes_away_in_the_middle_leaves_nothing(tmp_path: Path) -> None:
