@@ -64,6 +64,14 @@ class DrivenTopic:
             self._reported = (state, holder)
             self._report({"op": "drive", "channelId": self.channel.id, "state": state, "driver": holder})
 
+    def ended(self, reason: str) -> None:
+        """Report that the topic cannot be driven any more."""
+        self._commands = None
+        self._tell(
+            f"{self.channel.topic[:200]} is not driven any more: the node was shut down ({reason}); "
+            "advertise it again"
+        )
+
     async def close(self) -> None:
         """Leave the topic; the robot stops if this client was moving it."""
         commands, self._commands = self._commands, None

@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import fields
 from typing import Protocol
 
-from rostether.errors import ConfigError, RostetherError
+from rostether.errors import ConfigError, RostetherError, TypeMismatchError
 from rostether.gateways.teleop.command_lease import CommandLease
 from rostether.gateways.teleop.drive_commands import DRIVE_TYPES, DriveCommands, DriveLimits
 from rostether.graph.callbacks import report_error
@@ -29,6 +29,9 @@ class Driver(Hashable, Protocol):
     def lease_changed(self, holder: str) -> None:
         """Report who drives now; empty: no client."""
 
+    def ended(self, reason: str) -> None:
+        """Report that the topic cannot be driven any more, and why."""
+
 
 class CommandTopic:
     """One topic that clients drive; made by `Teleop`."""
@@ -43,6 +46,11 @@ class CommandTopic:
         self._last: Message | None = None
         self._loop = asyncio.get_running_loop()
         self._timer: asyncio.TimerHandle | None = None
+
+    @property
+    def type(self) -> MessageType:
+        """The type of the commands."""
+        return self._publisher.type
 
     @property
     def holder(self) -> str:
@@ -77,6 +85,16 @@ class CommandTopic:
         if self._holder is not None:
             self.leave(self._holder)
         await self._publisher.close()
+
+    def end(self, reason: str) -> None:
+        """Drop everything: the node has left the graph."""
+        if self._timer is not None:
+            self._timer.cancel()
+        self._holder = None
+        users = list(self.users)
+        self.users.clear()
+        for user in users:
+            user.ended(reason)
 
     def _expire(self) -> None:
         self._timer = None
@@ -125,6 +143,7 @@ class Teleop:
         self._graph: Graph | None = None
         self._topics: dict[str, CommandTopic] = {}
         self._turn = asyncio.Lock()
+        self._watching: asyncio.Task[None] | None = None
 
     async def enter(
         self, driver: Driver, topic: str, message_type: MessageType, codec: Codec
@@ -141,6 +160,8 @@ class Teleop:
                 publisher = await graph.advertise(topic, message_type)
                 commands = DriveCommands(message_type.name, await _read_limits(graph))
                 found = self._topics[topic] = CommandTopic(publisher, codec, commands)
+            elif found.type.md5sum != message_type.md5sum:
+                raise TypeMismatchError(f"it is driven as {found.type.name}, not as {message_type.name}")
             else:
                 assert self._graph is not None
                 found.commands.limits = await _read_limits(self._graph)
@@ -168,6 +189,8 @@ class Teleop:
             if self._graph is not None:
                 graph, self._graph = self._graph, None
                 await graph.close()
+            if self._watching is not None:
+                await asyncio.wait([self._watching])
 
     async def _joined(self) -> Graph:
         if self._graph is None:
@@ -178,7 +201,17 @@ class Teleop:
                     if not await graph.has_param(f"~{each.name}"):
                         await graph.set_param(f"~{each.name}", getattr(DriveLimits(), each.name))
             self._graph = graph
+            self._watching = asyncio.ensure_future(self._forget_when_gone(graph))
         return self._graph
+
+    async def _forget_when_gone(self, graph: Graph) -> None:
+        reason = await graph.wait_closed()
+        if self._graph is graph:
+            # The next driver makes a new node.
+            self._graph = None
+            topics, self._topics = self._topics, {}
+            for topic in topics.values():
+                topic.end(reason)
 
 
 async def _read_limits(graph: Graph) -> DriveLimits:

@@ -175,6 +175,35 @@ async def test_without_teleop_a_driver_is_an_ordinary_publisher() -> None:
         assert there.network.snapshot().topics[TOPIC].publishers == ("/foxglove",)
 
 
+async def test_a_topic_is_driven_as_one_type() -> None:
+    async with driven() as (there, _), there.client() as first, there.client() as second:
+        await entered(first)
+        channel = {"id": 1, "topic": TOPIC, "encoding": "ros1", "driver": "page"}
+        await second.say("advertise", channels=[channel | {"schemaName": "geometry_msgs/TwistStamped"}])
+        status = await second.wait("status")
+        assert "driven as geometry_msgs/Twist, not as geometry_msgs/TwistStamped" in status["message"]
+
+
+async def test_when_its_node_was_shut_down_a_page_may_drive_again() -> None:
+    async with driven() as (there, robot), there.client() as client:
+        await entered(client)
+        await command(client, 0.1)
+        await until(lambda: robot.speeds)
+        teleop = there.gateway.teleop
+        assert teleop is not None
+        assert teleop._graph is not None
+        await teleop._graph.close()
+        status = await client.wait("status")
+        assert "the node was shut down" in status["message"]
+        await command(client, 0.1)
+        await client.say("unadvertise", channelIds=[1])
+        seen = len(client.of("drive"))
+        await entered(client)
+        await until(lambda: len(client.of("drive")) > seen)
+        await command(client, 0.2)
+        await until(lambda: 0.2 in robot.speeds)
+
+
 async def test_a_gateway_that_ends_stops_the_robot() -> None:
     async with driven() as (there, robot), there.client() as client:
         await entered(client)
