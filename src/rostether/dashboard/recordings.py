@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from rostether.errors import ConfigError, RecordingError, RostetherError
+from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Graph
 from rostether.recording.files import create_recording
 from rostether.recording.recorder import Recorder
@@ -119,11 +120,21 @@ class Recordings:
         return next((file for file in self._finished() if file.name == name), None)
 
     async def _record(self, graph: Graph, recorder: Recorder, started: asyncio.Event) -> None:
+        recording = asyncio.ensure_future(recorder.run(started.set))
+        leaving = asyncio.ensure_future(graph.wait_closed())
         try:
-            await recorder.run(started.set)
-        except RostetherError as error:
-            self._failure = str(error)
+            await asyncio.wait([recording, leaving], return_when=asyncio.FIRST_COMPLETED)
+            if leaving.done() and not recording.done():
+                self._failure = f"the node that records was shut down: {leaving.result()}"
         finally:
+            leaving.cancel()
+            recording.cancel()
+            # The file is completed, however it ends.
+            await asyncio.wait([recording])
+            if not recording.cancelled() and (error := recording.exception()) is not None:
+                self._failure = str(error)
+                if not isinstance(error, RostetherError):
+                    report_error(f"recording {self._name}", error)
             with contextlib.suppress(RostetherError):
                 await graph.close()
 

@@ -34,10 +34,12 @@ class Robot:
         self.network = network
         self.graph = graph
         self.reported: list[str] = []
+        self.node: Graph | None = None
         self.recordings = Recordings(folder, self._join, self.reported.append)
 
     async def _join(self) -> Graph:
-        return await self.network.join("/record")
+        self.node = await self.network.join("/record")
+        return self.node
 
     async def talk(self, topic: str, text: str) -> None:
         publisher = await self.graph.publisher(topic, "std_msgs/String", latch=True)
@@ -169,3 +171,17 @@ def test_only_finished_recordings_are_found(tmp_path: Path, name: str) -> None:
     recordings = Recordings(folder, join, lambda _: None)
     assert recordings.find("run.bag") == folder / "run.bag"
     assert recordings.find(name) is None
+
+
+async def test_a_recording_ends_with_its_node(robot: Robot) -> None:
+    await robot.talk("/chatter", "hello")
+    await robot.recordings.start((), "bag")
+    await robot.messages(1)
+    assert robot.node is not None
+    await robot.node.close()
+    async with asyncio.timeout(LIMIT_S):
+        while robot.recordings.is_active:
+            await asyncio.sleep(0.01)
+    state = await robot.recordings.state()
+    assert "the node that records was shut down" in state["error"]
+    assert "/chatter" in topics_of(robot, state["files"][0]["name"])
