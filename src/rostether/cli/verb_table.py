@@ -31,6 +31,9 @@ VERBS = {
     "param": VerbEntry("rostether.cli.param.group:param", "Read and write parameters."),
     "msg": VerbEntry("rostether.cli.msg.group:msg", "Show message definitions."),
     "srv": VerbEntry("rostether.cli.msg.group:srv", "Show service definitions."),
+    "interface": VerbEntry(
+        "rostether.cli.msg.interface:interface", "Show definitions of ROS 2, like ros2 interface."
+    ),
     "run": VerbEntry("rostether.cli.launch.run:run", "Run a node of a package, like rosrun."),
     "launch": VerbEntry(
         "rostether.cli.launch.launch:launch", "Start the nodes of launch files, like roslaunch."

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from rostether.errors import RecordingError
+from rostether.graph.joint_marks import is_mark
 from rostether.graph.ports import Graph, OnMessages, Snapshot, Subscriber
 from rostether.msgdef.interface import ANY_MESSAGE, ANY_TYPE
 from rostether.recording.active_file import end_active
@@ -128,7 +129,9 @@ class Recorder:
         return [
             topic.name
             for topic in snapshot.topics.values()
-            if topic.name not in self._subscribers and self._choice.includes(topic.name, topic.subscribers)
+            if topic.name not in self._subscribers
+            and not is_mark(topic.name)
+            and self._choice.includes(topic.name, topic.subscribers)
         ]
 
     def _look(self, snapshot: Snapshot) -> None:

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from rostether.errors import RecordingError
+from rostether.graph.joint_marks import MARK_TYPE, new_joint_mark
 from rostether.graph.memory_graph import MemoryGraph
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Publisher
@@ -142,12 +143,15 @@ async def test_no_chunk_holds_times_before_and_after_a_reset(
 async def test_all_topics_also_later_ones_but_not_the_excluded(stage: Stage) -> None:
     first = await stage.node.advertise("/a", STRING)
     left_out = await stage.node.advertise("/camera/image", STRING)
+    mark = await stage.node.advertise(new_joint_mark(), MARK_TYPE)
     recorder = stage.recorder(TopicChoice(is_all=True, exclude=re.compile("/camera")))
     task = asyncio.create_task(recorder.run())
     await _subscribed(first)
     later = await stage.node.advertise("/b", STRING)
     await _subscribed(later)
     assert not left_out.subscriber_count
+    # It carries nothing.
+    assert not mark.subscriber_count
     first.publish_raw([text("1")])
     later.publish_raw([text("2")])
     await _recorded(recorder, 2)

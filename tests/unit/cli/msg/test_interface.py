@@ -1,0 +1,45 @@
+"""`rostether interface`, with the words and the output of `ros2 interface`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from unit.cli.command_shell import Shell
+
+
+def test_show(shell: Shell) -> None:
+    assert shell.output("interface", "show", "std_msgs/msg/String") == "string data\n"
+    assert shell.output("interface", "show", "std_srvs/srv/SetBool") == (
+        "bool data\n---\nbool success\nstring message\n"
+    )
+    assert "actions are not supported" in shell.failure("interface", "show", "a/action/B", code=2)
+    assert "write PACKAGE/msg/NAME" in shell.failure("interface", "show", "String", code=2)
+
+
+def test_lists(shell: Shell, tmp_path: Path) -> None:
+    folder = tmp_path / "own_msgs" / "msg"
+    folder.mkdir(parents=True)
+    (folder / "Tag.msg").write_text("wstring name\n")
+    (tmp_path / "own_msgs" / "package.xml").write_text('<package format="3"><name>own_msgs</name></package>')
+    listed = shell.output("interface", "list", "--msg-path", str(tmp_path)).splitlines()
+    assert listed[0] == "Messages:"
+    assert {"    own_msgs/msg/Tag", "    std_srvs/srv/SetBool", "Services:"} <= set(listed)
+    services = shell.output("interface", "list", "-s")
+    assert "Messages:" not in services
+    assert "std_msgs/msg" not in services
+    own = shell.output("interface", "package", "own_msgs", "--msg-path", str(tmp_path))
+    assert own == "own_msgs/msg/Tag\n"
+    assert shell.output("interface", "package", "std_srvs").splitlines() == [
+        "std_srvs/srv/Empty",
+        "std_srvs/srv/SetBool",
+        "std_srvs/srv/Trigger",
+    ]
+    assert "no package 'none'" in shell.failure("interface", "package", "none")
+    assert "std_srvs" in shell.output("interface", "packages").splitlines()
+    assert "std_srvs" not in shell.output("interface", "packages", "-m").splitlines()
+
+
+def test_proto(shell: Shell) -> None:
+    assert shell.output("interface", "proto", "std_msgs/msg/String") == "\"data: ''\n\"\n"
+    assert shell.output("interface", "proto", "--no-quotes", "std_srvs/srv/SetBool") == "data: false\n"
+    assert "w: 1.0" in shell.output("interface", "proto", "geometry_msgs/msg/Quaternion")
