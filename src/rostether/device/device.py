@@ -155,7 +155,7 @@ class Device:
         codec = self._store.codec(message_type)
         topic_id = self._link.add_publisher(topic, message_type, self._md5sum(message_type))
         self._line.flush_soon()
-        return Publisher(topic, topic_id, codec, self._line)
+        return Publisher(topic, topic_id, codec, self._line, self.now)
 
     def subscriber(self, topic: str, message_type: str, callback: OnMessage) -> Subscriber:
         """Declare a topic we receive. Raises UnknownTypeError, LocalProtocolError."""

@@ -8,6 +8,7 @@ from typing import Any, TypeAlias
 
 from rostether.device.line import DeviceLine
 from rostether.errors import SerializationError
+from rostether.rostime import Time
 from rostether.serde.codec import Codec
 from rostether.serde.values import Message
 
@@ -20,8 +21,11 @@ _LOG = logging.getLogger(__name__)
 class Publisher:
     """Sends messages of one topic to the host; made by `Device.publisher`."""
 
-    def __init__(self, topic: str, topic_id: int, codec: Codec, line: DeviceLine) -> None:
+    def __init__(
+        self, topic: str, topic_id: int, codec: Codec, line: DeviceLine, now: Callable[[], Time]
+    ) -> None:
         self.topic = topic
+        self._now = now
         self._topic_id = topic_id
         self._codec = codec
         self._line = line
@@ -31,12 +35,13 @@ class Publisher:
         """The class of the topic's messages; filling one and sending it again costs least."""
         return self._codec.message_class
 
-    def publish(self, message: Fields | None = None, /, **fields: Any) -> bool:
-        """Send one message, given whole or by its fields; False when no host listens or the line is full.
+    def publish(self, message: Fields | object = None, /, **fields: Any) -> bool:
+        """Send one message, given whole, by its fields, or as the value of its only field; False when no
+        host listens or the line is full. A time may be "now" or seconds.
 
         Raises SerializationError naming a field that does not fit, LocalProtocolError beyond the buffer.
         """
-        return self._line.publish(self._topic_id, [encode(self._codec, message, fields)])
+        return self._line.publish(self._topic_id, [encode(self._codec, message, fields, self._now)])
 
     def publish_many(self, messages: Iterable[Fields]) -> bool:
         """Send several messages, all or none; cheaper than one by one. Raises as `publish`."""
@@ -69,12 +74,14 @@ class Subscriber:
                 _LOG.exception("the callback of %s failed", self.topic)
 
 
-def encode(codec: Codec, message: Fields | None, fields: Mapping[str, Any]) -> bytes:
-    """Encode a message given whole or by its fields. Raises SerializationError."""
+def encode(
+    codec: Codec, message: object, fields: Mapping[str, Any], now: Callable[[], Time] | None = None
+) -> bytes:
+    """Encode a message given whole, by its fields, or as its only field. Raises SerializationError."""
     if message is None:
-        return codec.encode(fields)
+        return codec.encode(fields, now=now)
     if fields:
         raise SerializationError(
             f"{codec.type_name} is given both as a message and as fields; give one of them"
         )
-    return codec.encode(message)
+    return codec.encode(codec.fields_of(message), now=now)

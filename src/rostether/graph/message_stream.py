@@ -92,6 +92,7 @@ class MessageStream:
         self._queued_bytes = 0
         self._news = asyncio.Event()
         self._error: RostetherError | None = None
+        self._generator: AsyncGenerator[Message, None] | None = None
 
     @property
     def codec(self) -> Codec | None:
@@ -134,6 +135,18 @@ class MessageStream:
         finally:
             leaving.cancel()
             await subscriber.close()
+
+    async def __anext__(self) -> Message:
+        """Return the next message; the first call subscribes, until `aclose`. Raises as the loop."""
+        if self._generator is None:
+            self._generator = self.__aiter__()
+        return await anext(self._generator)
+
+    async def aclose(self) -> None:
+        """End the subscription that `anext` began. Idempotent."""
+        generator, self._generator = self._generator, None
+        if generator is not None:
+            await generator.aclose()
 
     def _learn(self, header: Mapping[str, str]) -> None:
         try:

@@ -10,6 +10,8 @@ answer = await graph.call("/enable", "std_srvs/SetBool", {"data": True})
 from __future__ import annotations
 
 import asyncio
+import contextlib
+import logging
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
 from contextlib import aclosing
 from typing import Any, TypeAlias, cast
@@ -27,14 +29,19 @@ MessageLike: TypeAlias = Message | Mapping[str, Any]
 Handler: TypeAlias = Callable[[Message], MessageLike | Awaitable[MessageLike]]
 
 _SUBSCRIBER_POLL_S = 0.01
+SILENCE_WARNING_S = 5.0
+"""A program that waits for a topic that nobody publishes is told; publishers are found within a second."""
+
+_LOG = logging.getLogger(__name__)
 
 
 class TypedPublisher:
     """Publishes messages of one type; made by `TypedGraph.publisher`."""
 
-    def __init__(self, publisher: Publisher, codec: Codec) -> None:
+    def __init__(self, publisher: Publisher, codec: Codec, now: Callable[[], Time]) -> None:
         self.raw = publisher
         self.codec = codec
+        self._now = now
 
     @property
     def topic(self) -> str:
@@ -46,12 +53,14 @@ class TypedPublisher:
         """How many subscribers are connected now."""
         return self.raw.subscriber_count
 
-    def publish(self, message: MessageLike | None = None, /, **fields: Any) -> bool:
-        """Publish one message, given whole or by its fields; False asks a flooding caller to await `drained`.
+    def publish(self, message: MessageLike | object = None, /, **fields: Any) -> bool:
+        """Publish one message, given whole, by its fields, or as the value of its only field.
 
+        A time may be "now" or seconds. False asks a flooding caller to await `drained`.
         Raises SerializationError naming the field that does not fit.
         """
-        return self.raw.publish_raw([self.codec.encode(fields if message is None else message)])
+        value = fields if message is None else self.codec.fields_of(message)
+        return self.raw.publish_raw([self.codec.encode(value, now=self._now)])
 
     async def drained(self, timeout_s: float) -> None:
         """Wait until no subscriber is above its high-water mark."""
@@ -71,6 +80,33 @@ class TypedPublisher:
     async def close(self) -> None:
         """Unadvertise. Idempotent."""
         await self.raw.close()
+
+
+class CallbackSubscriber:
+    """Calls back with the messages of a topic until it is closed; made by `TypedGraph.subscriber`."""
+
+    def __init__(self, stream: MessageStream, callback: Callable[[Message], object]) -> None:
+        self.topic = stream.topic
+        self._stream = stream
+        self._callback = callback
+        self._task = asyncio.create_task(self._listen())
+
+    async def _listen(self) -> None:
+        try:
+            async with aclosing(aiter(self._stream)) as messages:
+                async for message in messages:
+                    try:
+                        self._callback(message)
+                    except Exception:  # noqa: BLE001 - it is the user's code
+                        # One bad message must not end the subscription.
+                        _LOG.exception("the callback for %s failed", self.topic)
+        except RostetherError as error:
+            _LOG.error("the subscription of %s ended: %s", self.topic, error)
+
+    async def close(self) -> None:
+        """Unsubscribe. Idempotent."""
+        self._task.cancel()
+        await asyncio.wait([self._task])
 
 
 class TypedGraph:
@@ -95,7 +131,7 @@ class TypedGraph:
         await definitions_at_hand(self.store.registry, lambda: self.store.registry.message_type(type_name))
         codec = self.store.codec(type_name)
         message_type = self.store.registry.message_type(type_name)
-        return TypedPublisher(await self.raw.advertise(topic, message_type, latch=latch), codec)
+        return TypedPublisher(await self.raw.advertise(topic, message_type, latch=latch), codec, self.raw.now)
 
     def messages(
         self, topic: str, type_name: str | None = None, *, queue_size: int = DEFAULT_QUEUE_MESSAGES
@@ -107,15 +143,41 @@ class TypedGraph:
         """
         return MessageStream(self.raw, self._learned, topic, type_name, queue_size)
 
+    async def subscriber(
+        self, topic: str, type_name: str | None, callback: Callable[[Message], object]
+    ) -> CallbackSubscriber:
+        """Call back with each message of a topic; without `type_name`, of the type that its publisher has.
+
+        Raises UnknownTypeError, InvalidNameError, GraphError.
+        """
+        stream = self.messages(topic, type_name)
+        if type_name is not None:
+            registry = self.store.registry
+            await definitions_at_hand(registry, lambda: registry.message_type(type_name))
+            registry.message_type(type_name)
+        return CallbackSubscriber(stream, callback)
+
     async def wait_for_message(
         self, topic: str, type_name: str | None = None, *, timeout_s: float | None = None
     ) -> Message:
-        """Return the next message of a topic. Raises TimeoutError."""
+        """Return the next message of a topic; a topic without publishers is logged. Raises TimeoutError."""
         stream = self.messages(topic, type_name, queue_size=1)
-        async with asyncio.timeout(timeout_s), aclosing(aiter(stream)) as messages:
-            async for message in messages:
-                return message
+        warning = asyncio.create_task(self._warn_of_silence(topic))
+        try:
+            async with asyncio.timeout(timeout_s), aclosing(aiter(stream)) as messages:
+                async for message in messages:
+                    return message
+        finally:
+            warning.cancel()
         raise GraphError(f"node {self.node_name} has left the graph; join again")
+
+    async def _warn_of_silence(self, topic: str) -> None:
+        await asyncio.sleep(SILENCE_WARNING_S)
+        with contextlib.suppress(RostetherError):
+            name = self.raw.resolve(topic)
+            known = (await self.raw.snapshot()).topics.get(name)
+            if known is None or not known.publishers:
+                _LOG.warning("waiting for a message of %s, which has no publisher", name)
 
     async def call(
         self,
@@ -196,6 +258,26 @@ class TypedGraph:
     def log(self, level: Level, text: str) -> None:
         """Publish a log message on /rosout under this node's name."""
         self.raw.log(level, text)
+
+    def logdebug(self, text: str) -> None:
+        """Log at level DEBUG."""
+        self.log(Level.DEBUG, text)
+
+    def loginfo(self, text: str) -> None:
+        """Log at level INFO."""
+        self.log(Level.INFO, text)
+
+    def logwarn(self, text: str) -> None:
+        """Log at level WARN."""
+        self.log(Level.WARN, text)
+
+    def logerror(self, text: str) -> None:
+        """Log at level ERROR."""
+        self.log(Level.ERROR, text)
+
+    def logfatal(self, text: str) -> None:
+        """Log at level FATAL."""
+        self.log(Level.FATAL, text)
 
     def now(self) -> Time:
         """Return ROS time."""

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from rostether.errors import SerializationError
+from rostether.rostime import Time
 from rostether.serde.conform import Conform
 from rostether.serde.decoder_source import DECODE_ERRORS, Decode, compile_decoder
 from rostether.serde.encoder_source import ENCODE_ERRORS, Encode, compile_encoder
@@ -34,17 +35,18 @@ class Codec:
         """Return the class of a message type at or below this one."""
         return self._classes.of(tree)
 
-    def encode(self, value: Message | Mapping[str, Any]) -> bytes:
+    def encode(self, value: Message | Mapping[str, Any], *, now: Callable[[], Time] | None = None) -> bytes:
         """Return the ROS 1 serialization. Raises SerializationError naming the field that does not fit.
 
-        Messages may have mappings, tuples or numpy arrays where messages and lists are meant.
+        Messages may have mappings, tuples or numpy arrays where messages and lists are meant. With `now`,
+        which tells the time, a time may be the word `now` or a number of seconds.
         """
         if isinstance(value, Message) and value._type == self.tree.name:
             try:
                 return self._encode(value)
             except ENCODE_ERRORS:
                 pass
-        message = self.conform(value)
+        message = Conform(self.tree, self._classes, now).message(value)
         try:
             return self._encode(message)
         except ENCODE_ERRORS as error:  # pragma: no cover - `conform` refuses what it can know
@@ -56,6 +58,20 @@ class Codec:
             return self._decode(payload)
         except DECODE_ERRORS:
             raise SerializationError(self.layout.explain(payload)) from None
+
+    def fields_of(self, value: object) -> Message | Mapping[str, Any]:
+        """Return a message or its fields; any other value is that of the only field.
+
+        Raises SerializationError for a type with several fields.
+        """
+        if isinstance(value, Message | Mapping):
+            return value
+        names = [member.name for member in self.tree.members]
+        if len(names) != 1:
+            raise SerializationError(
+                f"{self.tree.name} has {len(names)} fields ({', '.join(names)}), so give values by name"
+            )
+        return {names[0]: value}
 
     def conform(self, value: Message | Mapping[str, Any]) -> Message:
         """Return a complete message, each value in its own Python type. Raises SerializationError."""

@@ -6,8 +6,9 @@ only place that words what is wrong with a value.
 
 from __future__ import annotations
 
+import math
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from rostether.errors import SerializationError
@@ -20,7 +21,8 @@ from rostether.serde.values import Message, MessageClasses, does_not_fit, unknow
 class Conform:
     """Conforms values to one message type."""
 
-    def __init__(self, tree: Struct, classes: MessageClasses) -> None:
+    def __init__(self, tree: Struct, classes: MessageClasses, now: Callable[[], Time] | None = None) -> None:
+        self._now = now
         self._tree = tree
         self._classes = classes
 
@@ -90,6 +92,11 @@ class Conform:
             if unknown:
                 raise unknown_field(f"{self._tree.name}.{path}", unknown[0], ["secs", "nsecs"])
             secs, nsecs = value.get("secs", 0), value.get("nsecs", 0)
+        elif self._now is not None and node.name == "time" and isinstance(value, str) and value == "now":
+            return self._now()
+        elif self._now is not None and _is_seconds(value, is_signed=node.name != "time"):
+            since = Time.from_s(value) if node.name == "time" else Duration.from_s(value)
+            secs, nsecs = since.secs, since.nsecs
         else:
             secs, nsecs = getattr(value, "secs", None), getattr(value, "nsecs", None)
         try:
@@ -123,6 +130,11 @@ class Conform:
 
     def _wants(self, path: str, wanted: str, got: object, *, quote: bool = True) -> SerializationError:
         return does_not_fit(self._tree.name, path, wanted, got, quote=quote)
+
+
+def _is_seconds(value: object, *, is_signed: bool) -> bool:
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    return is_number and math.isfinite(value) and (is_signed or value >= 0)
 
 
 def _is_list(value: object) -> bool:

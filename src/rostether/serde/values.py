@@ -50,6 +50,10 @@ class Message:
             getattr(self, name) == getattr(other, name) for name, _ in self._fields
         )
 
+    def to_dict(self) -> dict[str, Any]:
+        """Return the fields as a dictionary, with dictionaries where messages are; it can be published."""
+        return {name: _plain(getattr(self, name)) for name, _ in self._fields}
+
     def __repr__(self) -> str:
         values = ", ".join(f"{name}={getattr(self, name)!r}" for name, _ in self._fields)
         return f"{self._type}({values})"
@@ -59,6 +63,15 @@ class Message:
         def __getattr__(self, name: str) -> Any: ...
 
         def __setattr__(self, name: str, value: Any) -> None: ...
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Message):
+        # A field called to_dict takes the method's place.
+        return Message.to_dict(value)
+    if isinstance(value, list):
+        return [_plain(each) for each in value]
+    return value
 
 
 class MessageClasses:

@@ -230,3 +230,89 @@ async def test_a_publishers_own_definition_needs_no_search(
     header = {"type": "tank/Level", "md5sum": "*", "message_definition": "uint8 value\n"}
     assert types.codec(header).decode(b"\x07").value == 7
     assert (watch.folders, watch.held) == (0, 0)
+
+
+async def test_a_message_of_one_field_is_published_by_its_value(
+    talker: TypedGraph, listener: TypedGraph
+) -> None:
+    publisher = await talker.publisher("/chatter", "std_msgs/String", latch=True)
+    publisher.publish("hello")
+    message = await listener.wait_for_message("/chatter", timeout_s=60)
+    assert message.data == "hello"
+    assert message.to_dict() == {"data": "hello"}
+    imu = await talker.publisher("/imu", "sensor_msgs/Imu")
+    with pytest.raises(SerializationError, match=r"has 7 fields \(header, orientation, .* by name"):
+        imu.publish(3.0)
+
+
+async def test_times_are_now_or_seconds(talker: TypedGraph, listener: TypedGraph) -> None:
+    publisher = await talker.publisher("/r", "sensor_msgs/Range", latch=True)
+    publisher.publish(header={"stamp": "now", "frame_id": "a"}, range=1.5)
+    message = await listener.wait_for_message("/r", timeout_s=60)
+    assert abs(message.header.stamp.to_s() - listener.now().to_s()) < 60
+    again = publisher.codec.decode(publisher.codec.encode(message.to_dict()))
+    assert again == message
+    publisher.publish(header={"stamp": 12.5})
+    assert (await listener.wait_for_message("/r", timeout_s=60)).header.stamp.to_s() == 12.5
+    for wrong in ("soon", -1.0, float("nan"), True):
+        with pytest.raises(SerializationError, match="needs a time"):
+            publisher.publish(header={"stamp": wrong})
+
+
+async def test_callbacks_get_messages_until_closed(talker: TypedGraph, listener: TypedGraph) -> None:
+    heard: list[str] = []
+
+    def hear(message: Message) -> None:
+        heard.append(message.data)
+        if message.data == "bad":
+            raise ValueError
+
+    publisher = await talker.publisher("/chatter", "std_msgs/String")
+    subscriber = await listener.subscriber("/chatter", "std_msgs/String", hear)
+    assert await publisher.wait_for_subscriber(60)
+    for text in ("one", "bad", "two"):
+        publisher.publish(text)
+    async with asyncio.timeout(60):
+        while heard != ["one", "bad", "two"]:
+            await asyncio.sleep(0.005)
+        await subscriber.close()
+        while publisher.subscriber_count:
+            await asyncio.sleep(0.005)
+    with pytest.raises(UnknownTypeError):
+        await listener.subscriber("/chatter", "std_msgs/Strng", hear)
+
+
+async def test_anext_takes_one_message_after_the_other(talker: TypedGraph, listener: TypedGraph) -> None:
+    publisher = await talker.publisher("/chatter", "std_msgs/String")
+    stream = listener.messages("/chatter")
+    first = asyncio.create_task(anext(stream))
+    assert await publisher.wait_for_subscriber(60)
+    publisher.publish("one")
+    publisher.publish("two")
+    assert [(await first).data, (await anext(stream)).data] == ["one", "two"]
+    await stream.aclose()
+    async with asyncio.timeout(60):
+        while publisher.subscriber_count:
+            await asyncio.sleep(0.005)
+
+
+async def test_waiting_for_a_topic_without_publisher_is_logged(
+    listener: TypedGraph, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr("rostether.graph.typed_graph.SILENCE_WARNING_S", 0.0)
+    waiting = asyncio.create_task(listener.wait_for_message("/nothing"))
+    async with asyncio.timeout(60):
+        while "waiting for a message of /nothing, which has no publisher" not in caplog.text:
+            await asyncio.sleep(0.005)
+    waiting.cancel()
+
+
+async def test_log_methods_have_the_names_of_a_device(talker: TypedGraph, listener: TypedGraph) -> None:
+    heard: list[int] = []
+    subscriber = await listener.subscriber("/rosout", None, lambda message: heard.append(message.level))
+    async with asyncio.timeout(60):
+        while len(heard) < 3:
+            talker.logwarn("careful")
+            await asyncio.sleep(0.01)
+    assert set(heard) == {4}
+    await subscriber.close()
