@@ -132,9 +132,10 @@ class Conform:
         return does_not_fit(self._tree.name, path, wanted, got, quote=quote)
 
 
-def _is_seconds(value: object, *, is_signed: bool) -> bool:
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    return is_number and math.isfinite(value) and (is_signed or value >= 0)
+def _is_seconds(value: Any, *, is_signed: bool) -> bool:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    return math.isfinite(value) and (is_signed or value >= 0)
 
 
 def _is_list(value: object) -> bool:
