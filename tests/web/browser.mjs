@@ -47,6 +47,7 @@ const commands = {
     await session.detach();
     return usedSize;
   },
+  reload: ({ page }) => pages[page].reload().then(() => null),
   close: ({ page }) => pages[page].context().close(),
   seen: () => ({ hosts: [...hosts], errors }),
 };

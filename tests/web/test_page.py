@@ -96,3 +96,20 @@ async def test_the_heap_stays_flat(robot: Robot, browser: Browser) -> None:
         opened.append(await browser.do("heap", page=page))
     # `make soak-page` watches for half an hour; here each round of pages must free what it took.
     assert opened[-1] < opened[1] * 1.1 + 1_000_000, opened
+
+
+async def test_the_overview_is_arranged_and_keeps_it(robot: Robot, browser: Browser) -> None:
+    page = await browser.do("open", url=robot.url)
+    titles = "[...document.querySelectorAll('.card h2')].map((each) => each.innerText)"
+    await browser.wait_for(page, f"{titles}.includes('/led') && {titles}.includes('/count')")
+    await browser.do("click", page=page, selector=".arrange .button")
+    for title in ("/led", "/count"):
+        await browser.do("click", page=page, selector=f'.card[aria-label="{title}"] [aria-label="Take away"]')
+    await browser.wait_for(page, f"!{titles}.includes('/led') && !{titles}.includes('/count')")
+    series = ["/ultrasound.range", "/count.data"]
+    script = f"location.hash = '#/plots?s=' + btoa(JSON.stringify({{ series: {series} }}))"
+    await browser.do("evaluate", page=page, script=script)
+    await browser.do("click", page=page, selector='[aria-label="Add to the overview"]')
+    await browser.wait_for(page, f"{titles}.includes('/ultrasound, /count')")
+    await browser.do("reload", page=page)
+    await browser.wait_for(page, f"{titles}.includes('/ultrasound, /count') && !{titles}.includes('/led')")

@@ -32,6 +32,7 @@ const PATHS = {
   stop: "M8 3h8l5 5v8l-5 5H8l-5-5V8z",
   download: "M12 4v11M7.5 11l4.5 4.5 4.5-4.5M4 20h16",
   upload: "M12 16V5M7.5 9L12 4.5 16.5 9M4 20h16",
+  pin: "M9 3h6l-1 7 4 4H6l4-4zM12 14v7",
   plus: "M12 5v14M5 12h14",
   check: "M5 12.5l4.5 4.5L19 7",
   warning: "M12 4l9 16H3zM12 10v5M12 17.5h.01",

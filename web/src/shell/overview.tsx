@@ -1,5 +1,6 @@
-// The first screen: a card for each thing that the graph has, with no configuration.
-import { computed, signal } from "@preact/signals";
+// The first screen: a card for each thing that the graph has, with no configuration; and what the user made of it.
+import { computed, signal, useSignal } from "@preact/signals";
+import type { ComponentChildren } from "preact";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import { graphOf } from "../panels/graph_of.ts";
 import { mountPanel } from "../panels/host.ts";
@@ -8,10 +9,13 @@ import { panels } from "../panels/registry.ts";
 import type { Robot } from "../store/robot.ts";
 import { texts } from "../texts.ts";
 import { Icon } from "./icons.tsx";
-import { EmptyState } from "./parts.tsx";
+import { arranged, type Layout, moved, type Width, withoutCard } from "./layout.ts";
+import { changeLayout, layout, resetLayout } from "./layout_state.ts";
+import { CopyButton, EmptyState, IconButton } from "./parts.tsx";
 import { linkTo } from "./route.ts";
 
 interface Card extends Suggestion {
+  id: string;
   panel: Panel;
 }
 
@@ -19,8 +23,9 @@ interface Card extends Suggestion {
 const MAX_CARDS = 40;
 
 export function Overview({ robot }: { robot: Robot }) {
-  const cards = useMemo(() => computed(() => suggestedCards(robot)), [robot]);
-  if (cards.value.length === 0) {
+  const cards = useMemo(() => computed(() => arranged(allCards(robot, layout.value), layout.value)), [robot]);
+  const isArranging = useSignal(false);
+  if (cards.value.length === 0 && !isArranging.value) {
     const isOpen = robot.connection.value === "open";
     return isOpen ? (
       <EmptyState
@@ -34,31 +39,101 @@ export function Overview({ robot }: { robot: Robot }) {
     );
   }
   return (
-    <div class="cards">
-      {cards.value.map((each) => (
-        <CardView key={`${each.panel.id} ${each.key}`} card={each} robot={robot} />
-      ))}
-    </div>
+    <>
+      <div class="cards">
+        {cards.value.map((each) => (
+          <CardView
+            key={each.id}
+            card={each}
+            robot={robot}
+            arrange={isArranging.value ? <ArrangeButtons card={each} shown={cards.value} /> : undefined}
+          />
+        ))}
+      </div>
+      <div class="arrange">
+        <button
+          type="button"
+          class="button"
+          aria-pressed={isArranging.value}
+          onClick={() => {
+            isArranging.value = !isArranging.value;
+          }}
+        >
+          {isArranging.value ? texts.overview.done : texts.overview.arrange}
+        </button>
+        {isArranging.value && (
+          <>
+            <button type="button" class="button" onClick={resetLayout}>
+              {texts.overview.reset}
+            </button>
+            <CopyButton
+              text={`${location.origin}${location.pathname}${linkTo("", { ...layout.value })}`}
+              label={texts.shell.copyLink}
+            />
+          </>
+        )}
+      </div>
+    </>
   );
 }
 
-function suggestedCards(robot: Robot): Card[] {
+function allCards(robot: Robot, { added }: Layout): Card[] {
   const graph = graphOf(robot);
-  const cards = panels.flatMap((panel) => (panel.matches?.(graph) ?? []).map((each) => ({ ...each, panel })));
+  const cards: Card[] = panels.flatMap((panel) =>
+    (panel.matches?.(graph) ?? []).map((each) => ({ ...each, id: `${panel.id} ${each.key}`, panel })),
+  );
   cards.sort((a, b) => a.order - b.order || (a.key < b.key ? -1 : 1));
+  const known = new Set(cards.map((each) => each.id));
+  for (const { panelId, ...each } of added) {
+    const panel = panels.find((one) => one.id === panelId);
+    const id = `${panelId} ${each.key}`;
+    if (panel && !known.has(id)) cards.push({ ...each, id, panel, order: 100 });
+  }
   return cards.slice(0, MAX_CARDS);
 }
 
-function CardView({ card, robot }: { card: Card; robot: Robot }) {
+function ArrangeButtons({ card, shown }: { card: Card; shown: Card[] }) {
+  const t = texts.overview;
+  const width = card.width ?? 1;
+  const resize = () => {
+    const wider = ((width % 3) + 1) as Width;
+    changeLayout({ ...layout.value, widths: { ...layout.value.widths, [card.id]: wider } });
+  };
+  return (
+    <>
+      <IconButton
+        icon="back"
+        label={t.before}
+        onClick={() => changeLayout(moved(layout.value, shown, card.id, -1))}
+      />
+      <IconButton
+        icon="chevron"
+        label={t.after}
+        onClick={() => changeLayout(moved(layout.value, shown, card.id, 1))}
+      />
+      <IconButton icon="fit" label={t.width} onClick={resize} />
+      <IconButton
+        icon="close"
+        label={t.hide}
+        onClick={() => changeLayout(withoutCard(layout.value, card.id))}
+      />
+    </>
+  );
+}
+
+function CardView({ card, robot, arrange }: { card: Card; robot: Robot; arrange: ComponentChildren }) {
   const host = useRef<HTMLDivElement>(null);
   useEffect(() => mountPanel(card.panel, host.current!, robot, signal(card.settings), true), [robot]);
   return (
     <section class={`card width-${card.width ?? 1} card-${card.panel.id}`} aria-label={card.title}>
-      <a class="card-head" href={linkTo(card.panel.id, card.settings)}>
-        <Icon name={card.panel.icon} size={18} />
-        <h2>{card.title}</h2>
-        <Icon name="chevron" size={16} />
-      </a>
+      <div class="card-head">
+        <a href={linkTo(card.panel.id, card.settings)}>
+          <Icon name={card.panel.icon} size={18} />
+          <h2>{card.title}</h2>
+          {!arrange && <Icon name="chevron" size={16} />}
+        </a>
+        {arrange}
+      </div>
       <div class="card-body" ref={host} />
     </section>
   );

@@ -67,6 +67,8 @@ export class Robot {
   private readonly uses = new Map<string, Use>();
   private readonly bySubscription = new Map<number, Feed>();
   private readonly changed = new Set<Feed>();
+  private awaitsServices = false;
+  private awaitsGraph = false;
   private nextSubscriptionId = 1;
   private readonly frame = frameTask(() => this.bumpChanged());
 
@@ -153,7 +155,8 @@ export class Robot {
   private begin(feed: Feed, use: Use): void {
     const channelId = feed.topic.peek()?.channelId;
     if (channelId === undefined || use.subscriptionId !== undefined) return;
-    if (this.connection.peek() !== "open") return;
+    // A topic of the connection before has a channel that this one may have given to another.
+    if (this.connection.peek() !== "open" || this.channels.get(channelId)?.name !== feed.topicName) return;
     use.subscriptionId = this.nextSubscriptionId++;
     this.bySubscription.set(use.subscriptionId, feed);
     this.gateway.subscribe([{ id: use.subscriptionId, channelId }]);
@@ -182,13 +185,9 @@ export class Robot {
       this.info.value = info;
       this.simulatedTimeNs.value = undefined;
       this.statuses.value = [];
-      // The offers of this connection follow in its next messages.
+      // What there was stays until this connection's offers replace it, so that the page does not flicker.
       this.channels.clear();
-      this.unpublished.clear();
-      this.topics.value = new Map();
-      this.services.value = new Map();
-      this.publishers.value = this.subscribers.value = this.providers.value = NONE;
-      for (const feed of this.feeds.values()) feed.topic.value = undefined;
+      this.awaitsServices = this.awaitsGraph = true;
     });
   }
 
@@ -220,16 +219,21 @@ export class Robot {
   }
 
   private onServices(added: Service[], removedIds: number[]): void {
-    const services = new Map(this.services.value);
+    const services = new Map(this.awaitsServices ? [] : this.services.value);
+    this.awaitsServices = false;
     for (const [name, each] of services) if (removedIds.includes(each.id)) services.delete(name);
     for (const each of added) services.set(each.name, each);
     this.services.value = services;
   }
 
   private onGraph(update: GraphUpdate): void {
-    const publishers = without(this.publishers.value, update.removedTopics);
-    const subscribers = without(this.subscribers.value, update.removedTopics);
-    const providers = without(this.providers.value, update.removedServices);
+    const isFirst = this.awaitsGraph;
+    this.awaitsGraph = false;
+    if (isFirst) this.unpublished.clear();
+    if (isFirst && this.awaitsServices) this.onServices([], []);
+    const publishers = without(isFirst ? NONE : this.publishers.value, update.removedTopics);
+    const subscribers = without(isFirst ? NONE : this.subscribers.value, update.removedTopics);
+    const providers = without(isFirst ? NONE : this.providers.value, update.removedServices);
     for (const each of update.publishedTopics) publishers.set(each.name, each.publisherIds);
     for (const name of update.removedTopics) this.unpublished.delete(name);
     for (const { name, subscriberIds, schemaName, schema } of update.subscribedTopics) {

@@ -4,6 +4,7 @@ import { useEffect } from "preact/hooks";
 import { type Series, seriesStore } from "../../plot/series.ts";
 import { KEPT_S } from "../../plot/series_buffer.ts";
 import { Icon } from "../../shell/icons.tsx";
+import { pinCard } from "../../shell/layout_state.ts";
 import { CopyButton, EmptyState, IconButton } from "../../shell/parts.tsx";
 import { linkTo } from "../../shell/route.ts";
 import { saveFile } from "../../shell/save_file.ts";
@@ -111,6 +112,20 @@ function PlotsPage({ context }: { context: PanelContext }) {
         />
         <span class="spring" />
         <IconButton
+          icon="pin"
+          label={t.pin}
+          isDisabled={ids.length === 0}
+          onClick={() => {
+            pinCard({
+              panelId: "plots",
+              key: ids.join(),
+              title: pinTitle(series),
+              settings: { series: ids },
+            });
+            context.open("");
+          }}
+        />
+        <IconButton
           icon="download"
           label={t.save}
           isDisabled={overTime.length === 0}
@@ -217,6 +232,10 @@ function Legend({ context, series, cursorS, own, onRemove, onOwnAxis }: LegendPr
       })}
     </ul>
   );
+}
+
+function pinTitle(series: readonly Series[]): string {
+  return [...new Set(series.map((each) => each.topicName))].join(", ");
 }
 
 function valueAt(series: Series, timeS: number | undefined): string {
