@@ -42,7 +42,8 @@ class World:
         """Start a command on both graphs."""
         # The master is one that no other test has: nobody's variables are to name another graph.
         environment = {"ROS_DOMAIN_ID": "0", "ROS_DISTRO": "jazzy"}
-        peer = await started(*arguments, *self._graph_options, environment=environment)
+        # The last of an option counts: a command may name another master.
+        peer = await started(arguments[0], *self._graph_options, *arguments[1:], environment=environment)
         self._stack.push_async_callback(peer.stop, signal.SIGKILL)
         return peer
 
@@ -219,6 +220,30 @@ async def test_a_relay_beside_a_board_in_both_graphs(world: World) -> None:
         for inbox in heard:
             await hears_each_once(inbox, [string(f"{number}") for number in range(count)])
     await relay.wait_for("board")
+
+
+async def test_relays_of_two_robots_carry_from_one_master_to_the_other(world: World) -> None:
+    """Two of the first robot, which has one master, and one of the second: a fleet on one ROS 2 graph."""
+    second = await MasterServer.start(port=0)
+    far = await join_ros1("/peer", environment=RosEnvironment.read({}).with_master(second.uri))
+    try:
+        inbox = Inbox()
+        await far.subscribe("/chatter", STRING, inbox.take)
+        flow = Flow(world, "/chatter")
+        await flow.open(0, 1)
+        for _ in range(2):
+            await world.relay("/*")
+        other = await world.relay("/*", "--master", second.uri)
+        await world.until_nodes("relay", at_least=2)
+        await flow.arrives(inbox)
+        sent = await flow.run()
+        for each in (*flow.inboxes, inbox):
+            await hears_each_once(each, sent)
+        # To the second robot the first one's relay is a node as any other.
+        assert "carries it" not in other.text
+    finally:
+        await far.close()
+        await second.close()
 
 
 async def test_a_killed_relay_is_followed(world: World) -> None:
