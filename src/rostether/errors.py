@@ -66,7 +66,7 @@ class FirmwareError(RostetherError):
 
 
 class SketchError(FirmwareError):
-    """The compiler or the linker refuses a sketch; `diagnostics` is what they printed, in their own form."""
+    """The compiler or the linker rejects a sketch; `diagnostics` is their output."""
 
     def __init__(self, message: str, *, diagnostics: str) -> None:
         super().__init__(message)
@@ -141,7 +141,7 @@ class MasterUnreachableError(GraphError):
 
 
 class UnknownNameError(GraphError, LookupError):
-    """The graph knows no such topic, node, service or parameter."""
+    """The graph has no such topic, node, service or parameter."""
 
 
 class TypeMismatchError(GraphError):

@@ -1,4 +1,4 @@
-"""What is typed to install one of rostether's extras, where and as it is installed here."""
+"""The command that installs one of rostether's extras in the current environment."""
 
 from __future__ import annotations
 

@@ -40,7 +40,7 @@ class ParameterAnswerer(Protocol):
 
 
 class Answer(NamedTuple):
-    """A parameter as the wire has it; all empty says that there is none."""
+    """A parameter in wire format; if all lists are empty, the parameter does not exist."""
 
     ints: tuple[int, ...] = ()
     floats: tuple[float, ...] = ()

@@ -34,7 +34,7 @@ class BoardObjects:
         self._freeze_soon()
 
     def disconnected(self) -> None:
-        """Take note of a board whose connection ended."""
+        """Note that the connection of a board ended."""
         self._boards -= 1
         self._left += 1
         self._freeze_soon()

@@ -1,4 +1,4 @@
-"""What the bridge tells people: lines, and one line an episode for what could repeat without end."""
+"""Reports of the bridge: lines, and one line per episode for problems that could repeat endlessly."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class SilentReporter:
 
 
 class LimitedReporter:
-    """Passes lines on, at most `count` of them in `period_s`: for what strangers bring about."""
+    """Passes lines on, at most `count` of them in `period_s`: for lines that remote peers can cause."""
 
     def __init__(
         self, reporter: Reporter, clock: Callable[[], float], *, count: int = 20, period_s: float = 10.0
@@ -64,7 +64,9 @@ def shown_line(text: str) -> str:
 
 
 def reason_of(error: Exception) -> str:
-    """Return what to tell people of an error; one that is not ours is a defect, and they can report it."""
+    """Return the text to report for an error; an unexpected error is a defect, and the text asks to report
+    it.
+    """
     if isinstance(error, RostetherError):
         return str(error)
     return f"{type(error).__name__}: {error}; please report it"

@@ -123,7 +123,7 @@ class Session:
 
     @property
     def is_connected(self) -> bool:
-        """Whether the transport still stands."""
+        """Whether the transport is still open."""
         return not self._ended.done()
 
     def start(self) -> None:

@@ -1,6 +1,7 @@
-"""What established hosts say while a board announces its endpoints: people and scripts look for it.
+"""The lines that established hosts print while a board announces its endpoints: users and scripts search for
+them.
 
-A board that connects again and again, or changes its topics all the time, says no more than they can read.
+The lines of a board that keeps reconnecting or changing its topics are limited to a readable number.
 """
 
 from __future__ import annotations

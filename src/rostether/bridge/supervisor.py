@@ -46,7 +46,8 @@ from rostether.transports.transport import Listener, Transport
 
 # A master that is away is asked this seldom at most; people start it and expect the boards within seconds.
 MAX_JOIN_WAIT_S = 2.0
-# A board that connects speaks within 2 s; who never does holds a place that another board may need.
+# A board sends data within 2 s after it connects; a silent connection takes a place that another board may
+# need.
 SPEECHLESS_S = 60.0
 # Telling the boards to stop: what a hung board has not taken by then stays unsaid.
 STOP_LIMIT_S = 0.8
@@ -105,7 +106,7 @@ class Supervisor:
         self._listen = listen
         self._tap = tap
         self._clock = asyncio.get_running_loop().time
-        # Anybody can connect, and connect again.
+        # Any device can connect, and connect again.
         self._door = LimitedReporter(self._reporter, self._clock)
         self._objects = BoardObjects()
         self._boards = BoardRegistry(settings.grace_s, self._clock, self._objects.node_left)
@@ -170,7 +171,7 @@ class Supervisor:
         await self._done.wait()
 
     async def close(self) -> None:
-        """Tell every board to stop and leave the graph, in two seconds at most. Idempotent."""
+        """Ask every board to stop, and leave the graph, within two seconds. Idempotent."""
         self._is_closing = True
         await self._health.close()
         stops = [
@@ -303,7 +304,7 @@ class Supervisor:
         try:
             await work
         except SessionError:
-            # Somebody shut its node down; `_watch` has said so.
+            # Another node shut its node down; `_watch` has reported it.
             return
         except RostetherError as error:
             self._door.line(Level.ERROR, str(error))

@@ -31,7 +31,7 @@ def enumerators(constants: Iterable[NamedConstant]) -> Iterator[str]:
 
 
 def is_static(constant: NamedConstant) -> bool:
-    """Return whether a constant is a float or a string, which stands in the class template."""
+    """Return whether a constant is a float or a string; these are in the class template."""
     return constant.constant.type in _STATIC_TYPES
 
 

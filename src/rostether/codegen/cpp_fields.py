@@ -14,7 +14,7 @@ from rostether.codegen.cpp_types import (
 )
 from rostether.msgdef.spec import Field
 
-# float64[] has a pointer class of its own: sketches give it arrays of float and of double.
+# float64[] has a special pointer class: sketches assign arrays of float and of double.
 _SEQUENCE_POINTERS = {"float64": "ros::Float64Pointer"}
 # Elements of eight bytes are not aligned in the receive buffer as their type would have it.
 _SEQUENCES_OF_64_BITS = frozenset({"int64", "uint64"})

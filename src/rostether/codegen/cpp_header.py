@@ -1,4 +1,4 @@
-"""What is around the classes of a header: guard, includes, namespace, and shelter from macros."""
+"""The frame of a header: guard, includes, namespace, and protection from macros."""
 
 from __future__ import annotations
 

@@ -38,7 +38,7 @@ def sheltered_names(names: MemberNames) -> set[str]:
 
 
 def message_class(spec: MessageSpec, names: MemberNames, *, type_name: str, md5sum: str) -> Iterator[str]:
-    """Yield the lines of a message's class; `type_name` and `md5sum` are what it announces."""
+    """Yield the lines of a message's class; `type_name` and `md5sum` are announced to the host."""
     cpp_class = class_name(spec.name)
     parents = f"public ros::Message<{cpp_class}>"
     if any(map(is_static, names.constants)):

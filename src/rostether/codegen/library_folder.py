@@ -17,7 +17,7 @@ _ATTEMPTS = 10
 
 
 def is_ros_library(folder: Path) -> bool:
-    """Return whether a folder is a generated client library: ours, or the established one's."""
+    """Return whether a folder is a generated client library, of rostether or of the established tools."""
     return any(
         (folder / facade).is_file() and (folder / node_handle).is_file()
         for facade, node_handle in zip(_FACADES, _NODE_HANDLES, strict=True)

@@ -36,13 +36,13 @@ def global_names() -> frozenset[str]:
 
 @functools.cache
 def arduino_macros() -> frozenset[str]:
-    """Return the macros that stand for a value wherever Arduino.h is included, without B0 to B11111111."""
+    """Return the macros with a value in every file that includes Arduino.h, without B0 to B11111111."""
     return _names("arduino_macros.txt")
 
 
 @functools.cache
 def platform_macros() -> frozenset[str]:
-    """Return further macros that stand for a value: of newlib, POSIX and Windows."""
+    """Return further macros with a value: of newlib, POSIX and Windows."""
     return _names("platform_macros.txt")
 
 

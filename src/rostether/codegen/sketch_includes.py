@@ -19,7 +19,7 @@ _SOURCES = frozenset(
     {".ino", ".pde", ".c", ".cc", ".cpp", ".cxx", ".h", ".hh", ".hpp", ".hxx", ".ipp", ".tpp"}
 )
 _IMPLEMENTATIONS = (".cpp", ".cc", ".cxx", ".c")
-# Comments and texts are passed over whole, so that what looks like a directive inside them is none.
+# Comments and strings are skipped, so that text inside them is not read as a directive.
 _TOKEN = re.compile(
     r"""
     (?P<comment> //(?:\\\n|[^\n])* | /\*.*?(?:\*/|\Z) )

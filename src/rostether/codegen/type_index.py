@@ -15,7 +15,7 @@ class TypeIndex:
         self._services: dict[str, frozenset[str]] = {}
 
     def is_message(self, name: str) -> bool:
-        """Return whether `package/Name` is a message of its own, not half of a service."""
+        """Return whether `package/Name` is a message, not half of a service."""
         package = name.partition("/")[0]
         if package not in self._messages:
             self._messages[package] = frozenset(self.registry.messages(package))

@@ -35,7 +35,7 @@ def all_types(index: TypeIndex) -> WantedTypes:
 
 
 def types_of_packages(index: TypeIndex, packages: Iterable[str]) -> WantedTypes:
-    """Want the types of packages and what they are made of. Raises UnknownTypeError for an unknown one."""
+    """Add the types of packages and the types of their fields. Raises UnknownTypeError for an unknown one."""
     wanted = WantedTypes()
     for package in packages:
         names = {*index.registry.messages(package), *index.registry.services(package)}

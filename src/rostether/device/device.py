@@ -47,7 +47,7 @@ PROGRAM_CONFIG = DeviceLinkConfig(
     input_buffer_bytes=MAX_PAYLOAD_BYTES,
     output_buffer_bytes=MAX_PAYLOAD_BYTES + PUBLISHER_OVERHEAD_BYTES,
 )
-# Over UDP a host cannot know of us before we speak; words may be lost, so they are said again.
+# Over UDP, a host learns of the device only from its first datagram; it may be lost, so it is repeated.
 _GREETING = encode_frame(TIME, encode_time(Time()))
 _GREETING_PERIOD_S = 1.0
 

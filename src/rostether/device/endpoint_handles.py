@@ -59,7 +59,7 @@ class Subscriber:
         self._callback = callback
 
     def receive(self, payloads: Iterable[bytes]) -> None:
-        """Decode payloads and call back; what is not of the type is counted and dropped."""
+        """Decode payloads and call the callback; payloads of another type are counted and dropped."""
         for payload in payloads:
             try:
                 message = self._codec.decode(payload)

@@ -88,7 +88,7 @@ class DeviceLine:
             self._loop.call_soon(self._flush_scheduled_bytes)
 
     def flush(self) -> None:
-        """Write what the link has to say, and set the timer it wants."""
+        """Write the link's output, and set its timer."""
         if self._transport is None:
             return
         if self._writable.is_set():
@@ -98,7 +98,7 @@ class DeviceLine:
         self._set_timer()
 
     def handle_timer(self) -> None:
-        """Let the link do what is due by now."""
+        """Handle the link's timer."""
         if self._transport is not None:
             self._timer = None
             self._report(self._link.handle_timer(self._clock()))

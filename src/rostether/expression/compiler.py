@@ -87,7 +87,7 @@ def compile_filter(expression: str) -> Callable[[object, str], bool]:
 
 
 def compile_expression(expression: str, names: frozenset[str], *, source: str) -> Evaluate:
-    """Return what computes the expression from values for `names`; `source` is what errors begin with.
+    """Return a function that computes the expression from values for `names`; errors start with `source`.
 
     Raises ConfigError for what is not whitelisted; so does the computation where it does not work, takes too
     many steps or makes too large a value.
@@ -131,7 +131,7 @@ class _Compiler:
         }
 
     def compile(self, node: ast.expr) -> Evaluate:  # noqa: C901, PLR0911, PLR0912 - one case for each kind of expression
-        """Return what computes a node. Raises ConfigError for what is not whitelisted."""
+        """Return a function that computes a node. Raises ConfigError if the node is not allowed."""
         compile_, budget = self.compile, self._budget
         match node:
             case ast.Constant(value=value):

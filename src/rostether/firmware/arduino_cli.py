@@ -96,7 +96,7 @@ def _sketch_folder(sketch: Sketch, cache: BuildCache) -> Path:
 
 def _find(folder: Path, suffixes: tuple[str, ...]) -> Path:
     for suffix in suffixes:
-        # Beside the program may stand a boot loader, or both in one.
+        # There may also be a file with the boot loader, or with both in one.
         found = [
             each
             for each in sorted(folder.glob(f"*{suffix}"))

@@ -30,7 +30,7 @@ from rostether.firmware.toolchain import AvrToolchain
 
 @dataclass(frozen=True, slots=True)
 class Assembled:
-    """A linked program, what it was made of, and the folders in which a new file could change that."""
+    """A linked program, its sources, and the folders where a new file could change them."""
 
     elf: Path
     image: Path

@@ -50,7 +50,7 @@ class UsedLibrary:
 
 @dataclass(frozen=True, slots=True)
 class BuiltFirmware:
-    """What a build gave. `image` is what is flashed; `output` is what the compiler warned about."""
+    """The result of a build. `image` is the file to flash; `output` has the compiler's warnings."""
 
     sketch: Sketch
     board: Board
@@ -99,7 +99,7 @@ async def build_sketch(sketch: Path, board: Board, options: BuildOptions | None 
 
 
 def save_outputs(built: BuiltFirmware, folder: Path) -> tuple[Path, Path]:
-    """Copy the ELF and what is flashed into a folder; raises FirmwareError when it cannot be written."""
+    """Copy the ELF and the image into a folder; raises FirmwareError if it cannot be written."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         copies = [folder / each.name for each in (built.elf, built.image)]

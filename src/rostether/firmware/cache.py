@@ -57,7 +57,7 @@ class BuildCache:
         self._digests: dict[str, str] = {}
 
     def path(self, kind: str, key: str, name: str) -> Path:
-        """Return where a file of a kind stands under a key."""
+        """Return the path of a file of a kind for a key."""
         return self.folder / kind / key[:2] / key[2:] / name
 
     def find(self, kind: str, key: str, name: str) -> Path | None:
@@ -71,7 +71,7 @@ class BuildCache:
 
     @contextmanager
     def filling(self, kind: str, key: str) -> Iterator[Path]:
-        """Give an empty folder to write to; it stands under the key when the block ends well."""
+        """Give an empty folder to write to; it is stored under the key if the block succeeds."""
         target = self.path(kind, key, "")
         target.parent.mkdir(parents=True, exist_ok=True)
         folder = Path(tempfile.mkdtemp(prefix=".new-", dir=target.parent))

@@ -25,7 +25,7 @@ _NODE_HANDLE = "_ZN3ros11NodeHandle_I"
 _NODE_NAMESPACE = "ros::"
 _LIBRARY_FILE = re.compile(r"^(?!.*/ros_lib/).*/(cores|libraries)/")
 _TABLES_END = "__ctors_start"
-# It ends the program, and stands in the tables of all abstract classes.
+# It ends the program, and is in the tables of all abstract classes.
 _PURE_VIRTUAL = "__cxa_pure_virtual"
 # The two halves of an address are loaded close to each other.
 _LOAD_WINDOW = 4
@@ -132,7 +132,7 @@ class CallGraph:
 
     @cached_property
     def _plain_targets(self) -> list[int]:
-        """Functions whose address stands in a variable, a table in flash, or a pair of load instructions."""
+        """Functions whose address is in a variable, a table in flash, or a pair of load instructions."""
         return self._pointed_from([(each.address, each.size) for each in self._tables])
 
     @cached_property
@@ -148,7 +148,7 @@ class CallGraph:
         return [each for each in self._pointed_from(hidden) if not self.name(each).startswith(_NODE)]
 
     def _pointed_from(self, hidden: Iterable[tuple[int, int]]) -> list[int]:
-        """Return the functions whose address stands anywhere but in some stretches of memory."""
+        """Return the functions whose address occurs outside the given memory ranges."""
         values: set[int] = set(self._loaded_words())
         data = self._elf.section(".data")
         if data is not None:
@@ -192,5 +192,5 @@ class CallGraph:
 
 
 def _words(data: bytes) -> Iterator[int]:
-    # Variables stand at odd addresses as well.
+    # Variables may also be at odd addresses.
     return (data[i] | data[i + 1] << 8 for i in range(len(data) - 1))

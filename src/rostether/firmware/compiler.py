@@ -89,7 +89,7 @@ class Compiler:
         return Compiled(self._cache.path("objects", content, "unit.o"), files, output)
 
     async def scan(self, sources: Sequence[Path], includes: Sequence[Path]) -> Scan:
-        """Return what sources include; headers that are nowhere are named as they stand in the source."""
+        """Return what sources include; headers that are not found are listed as written in the source."""
         base = [each for each in self._recipe("cpp.o", "none") if each not in _OUTPUT_FLAGS]
         arguments = self._fill(base, None, includes)
         arguments = [each for each in arguments if each != "{source_file}"]
@@ -170,7 +170,7 @@ class Compiler:
             raise SketchError(f"{what} does not link", diagnostics=output)
 
     async def _run(self, arguments: Sequence[str], *, merge: bool = True) -> tuple[int, str]:
-        """Return a program's exit code and what it printed; of a failed one, what it complained."""
+        """Return a program's exit code and its output; if it failed, its error output."""
         async with self._running:
             if self._show is not None:
                 self._show(arguments)
@@ -207,7 +207,7 @@ def _read_dependencies(file: Path) -> tuple[Path, ...]:
 
 
 def _dependencies(rules: str) -> list[str]:
-    """Return what stands behind the colons of make's rules."""
+    """Return the prerequisites of make's rules."""
     names = []
     for rule in rules.replace("\\\n", " ").splitlines():
         _, _, behind = rule.partition(": ")

@@ -1,4 +1,4 @@
-"""What stands at the top level of a sketch: its statements, and which of them define functions.
+"""Finds the top-level statements of a sketch, and which of them define functions.
 
 A sketch's author wrote for an IDE that forgives, so nothing here fails: what is not understood is a statement
 without a function in it, and the compiler will say what is wrong.
@@ -36,7 +36,7 @@ class Function:
 
 @dataclass(frozen=True, slots=True)
 class Statement:
-    """Tokens from the first to the closing `;` or `}`; directives between statements stand alone."""
+    """Tokens from the first to the closing `;` or `}`; directives between statements are separate."""
 
     tokens: tuple[Token, ...]
     function: Function | None = None
@@ -89,7 +89,7 @@ def parameter_count(function: Function) -> int:
 
 
 def split_at_commas(tokens: Sequence[Token]) -> list[list[Token]]:
-    """Return the parts between commas that stand in no brackets of any kind."""
+    """Return the parts between commas outside all brackets."""
     parts: list[list[Token]] = [[]]
     depth = 0
     for token in tokens:
@@ -194,7 +194,7 @@ def _skip_template(head: Sequence[Token]) -> int:
 
 
 def _fits_before(tokens: Sequence[Token]) -> bool:
-    """Return whether what stands before a name can be a return type."""
+    """Return whether the tokens before a name can be a return type."""
     last = tokens[-1]
     if any(token.text == "operator" for token in tokens) or last.text == "::":
         return False
@@ -202,7 +202,7 @@ def _fits_before(tokens: Sequence[Token]) -> bool:
 
 
 def _fits_behind(tokens: Sequence[Token], *, allow_initialisers: bool = False) -> bool:
-    """Return whether what stands behind the parameters can be the rest of a function's head."""
+    """Return whether the tokens after the parameters can be the rest of a function's head."""
     index = 0
     while index < len(tokens):
         token = tokens[index]

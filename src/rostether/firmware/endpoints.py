@@ -1,4 +1,4 @@
-"""Which topics and services a sketch has, and whether their messages fit the buffer that takes messages in.
+"""Finds the topics and services of a sketch, and whether their messages fit the input buffer.
 
 What a program's own variables tell counts first: an endpoint points to its topic and to a function that is
 named for its type. Where it is put together only at run time, the sketch's text is read instead.

@@ -29,7 +29,9 @@ HIGH_WATER_BYTES = 256 << 10
 """20 ms of that flood: keeps a subscriber busy until its publisher continues; the delay is not noticeable."""
 
 LOW_WATER_SHARE = 4
-"""Flow goes on when this fraction of the high-water mark is left, so that it does not flap."""
+"""The flow resumes when the backlog is below this fraction of the high-water mark, so that it does not
+flap.
+"""
 
 STEPS = 32
 """Three seconds of the bridge's pauses: so long may a busy system keep a healthy subscriber from running."""

@@ -1,4 +1,4 @@
-"""The handles of a joint graph: each stands for one handle in every graph."""
+"""The handles of a joint graph: each represents one handle in every graph."""
 
 from __future__ import annotations
 
@@ -188,14 +188,14 @@ class JointServiceClient:
 
 
 class _UnlistedClient:
-    """Stands for a client in a graph that lists none."""
+    """Represents a client in a graph that lists none."""
 
     async def close(self) -> None:
         """Nothing was listed."""
 
 
 class JointWatch:
-    """A `graph.ports.Watch` in several graphs: tells the value of the first graph that has one."""
+    """A `graph.ports.Watch` in several graphs: reports the value of the first graph that has one."""
 
     def __init__(
         self, name: str, on_change: Callable[[ParamValue], None], order: Callable[[], Sequence[Graph]]
@@ -208,7 +208,7 @@ class JointWatch:
         self._reported: list[ParamValue] = []
 
     def start(self) -> None:
-        """Tell the value now, and changes from now on."""
+        """Report the current value, and later changes."""
         self._reported = [self._value()]
         call_contained(f"on_change of parameter {self._name}", self._on_change, self._reported[0])
 

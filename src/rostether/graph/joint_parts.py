@@ -21,7 +21,7 @@ MAX_RETRY_S = 5.0
 """A graph that is away comes back within seconds, or much later: then this seldom is soon enough."""
 
 SLOW_GRAPH_S = 1.0
-"""What a graph that hangs may delay the others; it goes on opening meanwhile."""
+"""How long a hanging graph may delay the others; it continues to open in the background."""
 
 _log = logging.getLogger("rostether.graph")
 
@@ -36,7 +36,7 @@ _Trial: TypeAlias = "asyncio.Task[RostetherError | None]"
 
 
 class JointParts(Generic[PartT]):
-    """The parts that stand now, by graph."""
+    """The open parts, by graph."""
 
     def __init__(self, what: str, open_part: Callable[[Graph], Awaitable[PartT]]) -> None:
         self.by_graph: dict[Graph, PartT] = {}
@@ -79,7 +79,7 @@ class JointParts(Generic[PartT]):
                 raise result
 
     def stop(self) -> None:
-        """Open nothing any more; what stands ends with its graph."""
+        """Open no more parts; open parts end with their graph."""
         self.is_closed = True
         for task in self._tasks:
             task.cancel()

@@ -13,7 +13,7 @@ from rostether.rostime import Time
 ROSOUT = "/rosout"
 
 MAX_LOG_TEXT_BYTES = 32 << 10
-"""A log line is read by people; a longer one is somebody's data and would fill every viewer's memory."""
+"""Log lines are for people; a longer one is data, and would fill the memory of viewers."""
 
 _SEPARATOR = "=" * 80
 

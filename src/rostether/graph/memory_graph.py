@@ -189,7 +189,7 @@ class MemoryGraph:
         return self._network.now()
 
     async def snapshot(self) -> Snapshot:
-        """Return the whole graph as it stands."""
+        """Return a snapshot of the whole graph."""
         return self._network.snapshot()
 
     async def changes(self) -> AsyncIterator[Snapshot]:

@@ -98,7 +98,7 @@ class MemoryNetwork:
             raise UnknownNameError(f"no node offers the service {name}") from None
 
     def snapshot(self) -> Snapshot:
-        """Return the whole graph as it stands."""
+        """Return a snapshot of the whole graph."""
         names = {each.topic for each in self._publishers} | {each.topic for each in self._subscribers}
         return Snapshot(
             nodes=tuple(sorted(self.nodes)),

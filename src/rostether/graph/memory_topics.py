@@ -72,7 +72,7 @@ class MemoryPublisher:
             self._on_close(self)
 
     def connect(self, subscriber: MemorySubscriber) -> None:
-        """Connect a subscriber if it wants this type; a mismatch is one line in the log."""
+        """Connect a subscriber of this type; a mismatch is one line in the log."""
         if subscriber.skip_own and subscriber.node_name == self.node_name:
             return
         if not _agree(self.type.md5sum, subscriber.type.md5sum):

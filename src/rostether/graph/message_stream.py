@@ -26,7 +26,7 @@ MAX_LEARNED_TYPES = 256
 
 
 class LearnedTypes:
-    """Codecs for what publishers say they send, whether or not the type is known here under that md5sum."""
+    """Codecs for the types that publishers declare, whether or not this md5sum is known here."""
 
     def __init__(self, store: TypeStore) -> None:
         self.store = store
@@ -46,7 +46,7 @@ class LearnedTypes:
     def _find(self, name: str, md5sum: str, definition: str) -> Codec:
         registry = self.store.registry
         try:
-            # What the publisher says is as good as a search of folders, which would hold up the event loop.
+            # The publisher's definition is as good as a search of folders, which would block the event loop.
             can_ask = not definition or registry.is_at_hand(lambda: registry.message_type(name))
             known = registry.message_type(name).md5sum if can_ask else ""
         except UnknownTypeError:
@@ -56,7 +56,7 @@ class LearnedTypes:
         if known and md5sum in (known, ANY_MD5SUM):
             return self.store.codec(name)
         if definition:
-            # A store of its own: the same name has another meaning here, and below it other types may.
+            # A separate store: here, the same name and the types below it may have other definitions.
             learned = Registry(bundled=False)
             learned.add_full_text(name, definition)
             return TypeStore(learned).codec(name)

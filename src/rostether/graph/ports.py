@@ -226,7 +226,7 @@ class Graph(Protocol):
         """Return ROS time: the wall clock, or /clock under use_sim_time (zero before its first message)."""
 
     async def snapshot(self) -> Snapshot:
-        """Return the whole graph as it stands."""
+        """Return a snapshot of the whole graph."""
 
     def changes(self) -> AsyncIterator[Snapshot]:
         """Yield a snapshot now and one after each change."""
@@ -250,7 +250,7 @@ class ListsClients(Protocol):
 
 
 class JoinGraph(Protocol):
-    """Opens a node of its own on a graph: what the bridge calls once for each board."""
+    """Opens a new node on a graph; the bridge calls it once for each board."""
 
     async def __call__(
         self, node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None

@@ -284,7 +284,7 @@ class TypedGraph:
         return self.raw.now()
 
     async def snapshot(self) -> Snapshot:
-        """Return the whole graph as it stands."""
+        """Return a snapshot of the whole graph."""
         return await self.raw.snapshot()
 
     def changes(self) -> AsyncIterator[Snapshot]:

@@ -19,10 +19,10 @@ from rostether.ros1.node.master_client import MasterClient
 
 @dataclass(frozen=True, slots=True)
 class RunOptions:
-    """What the command line says about all nodes.
+    """The command line's settings for all nodes.
 
-    `output` and `all_required` win over the files. With `stays`, the launch goes on when all nodes have
-    ended: it is the master of others.
+    `output` and `all_required` win over the files. With `stays`, the launch continues after all nodes have
+    ended, because it runs the master.
     """
 
     output: Output | None = None

@@ -1,4 +1,4 @@
-"""What holds at a place of a launch file: namespace, arguments, remaps, environment, private parameters.
+"""The scope at a position in a launch file: namespace, arguments, remaps, environment, private parameters.
 
 A <group> or <node> gets a copy of it, so that what is said inside ends there. An <include> too, but the file
 it names sees only the arguments that it is given.

@@ -40,7 +40,7 @@ class LaunchContext:
 
 
 SERVED_ROOT = "/rostether-serves"
-"""Stands for the folder of packages that we serve without files."""
+"""Represents the folder of built-in packages, which have no files."""
 
 
 def substitute(text: str, scope: Scope, context: LaunchContext) -> str:
@@ -67,7 +67,7 @@ def environment_variable(name: str, context: LaunchContext) -> str:
 
 
 def argument_value(name: str, scope: Scope) -> str:
-    """Return an argument's value. Raises LaunchError when there is none."""
+    """Return an argument's value. Raises LaunchError if it has none."""
     if name in scope.arguments:
         return scope.arguments[name]
     if name in scope.declared:
@@ -76,7 +76,7 @@ def argument_value(name: str, scope: Scope) -> str:
 
 
 def scoped_anonymous_name(base_name: str, scope: Scope) -> str:
-    """Return the name that `$(anon base_name)` stands for here, the same each time."""
+    """Return the name for `$(anon base_name)`, the same each time."""
     if base_name not in scope.anonymous_names:
         scope.anonymous_names[base_name] = anonymous_name(base_name)
     return scope.anonymous_names[base_name]
@@ -148,7 +148,7 @@ def _only(found: str, words: list[str]) -> str:
 
 
 def _substitutions(text: str) -> Iterator[str]:
-    """Yield what stands between `$(` and `)`; a `$` or a bracket elsewhere is a plain character."""
+    """Yield the text between `$(` and `)`; a `$` or a bracket elsewhere is a plain character."""
     start = -1
     after_dollar = False
     found: list[str] = []

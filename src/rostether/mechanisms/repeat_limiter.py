@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections import OrderedDict
 
-# Scanners, boards in a reconnect loop and broken lines repeat many times a second; one line in this time
-# tells people as much.
+# Scanners, boards in a reconnect loop and broken lines repeat many times a second; one line in this time is
+# enough.
 PERIOD_S = 10.0
 # Kinds may contain names that a peer chose; forgetting the oldest keeps a hostile one from filling memory.
 MAX_KINDS = 256
@@ -26,7 +26,7 @@ class RepeatLimiter:
     def admit(self, kind: str, now_s: float, *, count: int = 1) -> int | None:
         """Return how many lines of the kind were suppressed since the last one, None to suppress this one.
 
-        `count` is how many events the line stands for.
+        `count` is the number of events in the line.
         """
         began_s, suppressed = self._kinds.get(kind, (float("-inf"), 0))
         if now_s - began_s < PERIOD_S:

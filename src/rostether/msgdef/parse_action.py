@@ -1,4 +1,4 @@
-"""Reading an .action text: goal, result and feedback, and the seven messages that they stand for."""
+"""Reading an .action text: goal, result and feedback, and the seven messages made from them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Searching folders of definitions in a thread, so that the event loop goes on."""
+"""Searches folders of definitions in a thread, so that the event loop is free."""
 
 from __future__ import annotations
 

@@ -79,8 +79,8 @@ async def forward(
 ) -> None:
     """Publish a topic's messages under another name until cancelled.
 
-    `lazy` subscribes only while somebody listens, once the type is known. Raises ConfigError for a topic that
-    would feed itself, InvalidNameError, GraphError.
+    `lazy` subscribes only while there is a subscriber, once the type is known. Raises ConfigError for a topic
+    that would feed itself, InvalidNameError, GraphError.
     """
     if graph.resolve(source) == graph.resolve(target):
         raise ConfigError(f"{graph.resolve(source)} would receive its own output; give the copy another name")

@@ -135,7 +135,7 @@ class _Reading:
 
 
 def device_named(name: str, folder: Path = Path("/dev/input")) -> str | None:
-    """Return the joystick that calls itself so, None when there is none."""
+    """Return the joystick with this name, or None."""
     import fcntl
 
     # JSIOCGNAME of linux/joystick.h, for a name of 128 bytes.

@@ -69,7 +69,7 @@ def programs(folder: Path) -> list[Path]:
 
 
 def _is_script(file: Path) -> bool:
-    """Tell a Python program from a module: copies of a checkout often mark all files executable."""
+    """Distinguish a Python program from a module: copies of a checkout often mark all files executable."""
     if file.name in ("setup.py", "__init__.py") or (file.parent / "__init__.py").exists():
         return False
     if not shebang(file) and not os.access(file, os.X_OK):

@@ -1,4 +1,4 @@
-"""What the text of a Python file tells: whether it is a module, and whether it was written for Python 2."""
+"""Examines the text of a Python file: whether it is a module, and whether it was written for Python 2."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A catkin workspace without catkin: its marks, what stands in it, and the setup files that shells source.
+"""A catkin workspace without catkin: its marks, its contents, and the setup files for shells.
 
 WORKSPACE/src/CMakeLists.txt     written by `init`
 WORKSPACE/devel/setup.*          written by `make`: they put src on ROS_PACKAGE_PATH

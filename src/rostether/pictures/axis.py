@@ -33,7 +33,7 @@ class Axis:
         return cls(max(low - room, -_LARGEST), min(high + room, _LARGEST))
 
     def part(self, value: float) -> float:
-        """Return where a value stands: 0 at the low end, 1 at the high end, also beyond them."""
+        """Return the position of a value: 0 at the low end, 1 at the high end, also outside."""
         return (value / 2 - self.low / 2) / (self.high / 2 - self.low / 2)
 
     def ticks(self, count: int) -> list[tuple[float, str]]:

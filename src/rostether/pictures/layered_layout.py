@@ -1,4 +1,4 @@
-"""Where the vertices of a directed graph stand: in columns from left to right, with few crossings.
+"""Places the vertices of a directed graph in columns from left to right, with few crossings.
 
 Sugiyama's method: edges that close a cycle are turned, every vertex goes to the column behind its farthest
 source, edges over several columns get a bend in each of them, columns are ordered by the middle of their
@@ -198,7 +198,7 @@ class _Columns:
 
 
 def _longest_ways(sizes: Mapping[str, Size], edges: Sequence[Ends]) -> dict[str, int]:
-    """Return each vertex's column: behind its last source; those without sources stand before a target."""
+    """Return each vertex's column: after its last source; one without sources is just before a target."""
     following: dict[str, list[str]] = {key: [] for key in sizes}
     waiting = dict.fromkeys(sizes, 0)
     for source, target in edges:

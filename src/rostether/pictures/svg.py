@@ -8,7 +8,7 @@ from xml.sax.saxutils import escape
 from rostether.pictures.scene import Color, Line, Point, Scene, Text, text_width
 
 _FACES = "DejaVu Sans Mono, Menlo, Consolas, monospace"
-# XML 1.0 knows no way to write these; names of peers may hold them.
+# XML 1.0 cannot contain these; names from peers may.
 _FORBIDDEN = re.compile("[\\x00-\\x08\\x0b-\\x1f\\x7f-\\x9f\\ud800-\\udfff\\ufffe\\uffff]")
 
 

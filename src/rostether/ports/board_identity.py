@@ -28,7 +28,7 @@ class BoardIdentity:
 
     @property
     def own_serial_number(self) -> str | None:
-        """The USB serial number if it is one that tells boards apart."""
+        """The USB serial number if it is unique to the board."""
         number = (self.serial_number or "").strip()
         return number if number and number not in _NO_SERIAL_NUMBERS and number.strip("0") else None
 

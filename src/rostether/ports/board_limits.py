@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class Limit(NamedTuple):
-    """The setting that it is, and what it may be."""
+    """The name of the setting, and its allowed range."""
 
     setting: str
     lowest: float

@@ -66,7 +66,7 @@ def read_devices_toml(path: Path, *, is_required: bool = False) -> DeviceBook:
 
 
 def parse_devices_toml(text: str, *, file: str = "devices.toml") -> DeviceBook:
-    """Read a text; `file` is what errors call it. Raises ConfigError: file:key: what is wrong."""
+    """Read a text; errors name `file`. Raises ConfigError with file and key."""
     try:
         content = tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # a number may have more digits than Python reads

@@ -15,21 +15,21 @@ class Choice(Enum):
     """What may be done with a port."""
 
     SERVE = auto()
-    """The user's file says what it is: connect without looking for its speed."""
+    """The user's file describes it: connect without detecting its speed."""
     EXPECT = auto()
     """The user says that it is a board: ask until it answers."""
     ASK = auto()
-    """A board, which may run any sketch: ask whether it speaks rosserial."""
+    """A board, which may run any sketch: probe for rosserial."""
     LISTEN = auto()
-    """Probably a board: listen first, and ask only if nothing else speaks there."""
+    """Probably a board: listen first, and probe only if no other device sends."""
     OFFER = auto()
     """On USB, but of an unknown kind: not opened; the report says how to allow it."""
     LEAVE = auto()
-    """Not opened and not worth a line: no USB device, or the user wants it ignored."""
+    """Not opened and not reported: not a USB device, or ignored by the user's settings."""
 
 
 def identify(port: SerialPort) -> BoardIdentity:
-    """Return the marks of what is behind a port."""
+    """Return the identity of the device on a port."""
     return BoardIdentity(
         usb_id=port.usb_id,
         serial_number=port.serial_number,

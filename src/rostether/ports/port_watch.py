@@ -125,7 +125,7 @@ def _is_terminal(path: str) -> bool:
 
 
 class _Alarm:
-    """Ends a wait when something happens in a folder, where the system can tell."""
+    """Ends a wait when a folder changes, if the system reports changes."""
 
     def __init__(self, folders: Sequence[str]) -> None:
         self._folders = folders
@@ -148,7 +148,7 @@ class _Alarm:
         self._stop()
 
     def arm(self) -> bool:
-        """Watch; False if that is impossible now, so that somebody must look."""
+        """Start to watch; False if that is impossible now, so that the caller must poll."""
         return self._events is not None and self._events.watch()
 
     def read_and_clear(self) -> bool:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from rostether.errors import ConfigError, InvalidNameError
 from rostether.names.graph_name import validate_name
 
-# Boards, topics, patterns: a thousand is more than anybody types; it bounds each look.
+# Boards, topics, patterns: a thousand is more than a person types; it bounds each search.
 MAX_ENTRIES = 1000
 
 
@@ -99,7 +99,7 @@ class TomlTable:
         return tuple(self._check_graph_name(value, self._at(key)) for value in self._list(key))
 
     def name_patterns(self, key: str) -> tuple[str, ...] | None:
-        """Return a list of full names in which `*` may stand."""
+        """Return a list of full names that may contain `*`."""
         if key not in self._content:
             return None
         patterns = self.texts(key, _is_name_pattern, 'full names such as "/imu" or "/arm/*"')

@@ -1,4 +1,4 @@
-"""Which board or adapter a USB id stands for: many of them say no more of themselves than `USB Serial`.
+"""The boards and adapters behind USB ids: many describe themselves only as `USB Serial`.
 
 A board's own id leaves no doubt. Some ids are mostly those of boards, so what is behind them is listened to
 before it is asked. Others sit in cables to anything: those are left alone unless the user asks.
@@ -98,10 +98,10 @@ def kind_of(vendor_id: int | None, product_id: int | None) -> Kind:
 
 
 def board_of(vendor_id: int | None, product_id: int | None) -> str:
-    """Return what a USB id stands for, or an empty text."""
+    """Return the name of the device with a USB id, or an empty string."""
     if vendor_id is None or product_id is None:
         return ""
     if vendor_id in (_ARDUINO, _ARDUINO_ORG):
-        # The next digit tells versions of one board apart (0x0243 is a Uno R3).
+        # The next digit is the version of the board (0x0243 is a Uno R3).
         return _BOARDS.get(product_id) or _BOARDS.get(product_id & 0xFCFF, "Arduino")
     return _OTHERS.get((vendor_id, product_id), "")

@@ -1,4 +1,4 @@
-"""Reads a recording whole and says what is wrong with it."""
+"""Reads a whole recording and lists its errors."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from rostether.serde.layout import Layout
 
 @dataclass(frozen=True, slots=True)
 class Checked:
-    """How many messages could be read, and what is wrong, one line each."""
+    """The number of readable messages, and the errors, one line each."""
 
     message_count: int
     faults: tuple[str, ...]
@@ -69,7 +69,7 @@ def check(path: Path, registry: Registry) -> Checked:
 
 
 def file_faults(path: Path) -> list[str]:
-    """Return what is wrong with the records themselves, whatever messages they hold."""
+    """Return the errors of the records, regardless of their messages."""
     if path.is_dir():
         return [
             f"{each.name}: {fault}" for each in sorted(path.glob("*.mcap")) for fault in file_faults(each)

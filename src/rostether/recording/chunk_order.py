@@ -142,7 +142,7 @@ class _Open(Generic[_Chunk]):
         return self._entry[0]
 
     def advance(self) -> bool:
-        """Go to the next message; False when there is none."""
+        """Go to the next message; False at the end."""
         if self._items is None:
             self._open()
         assert self._items is not None
@@ -163,7 +163,7 @@ class _Open(Generic[_Chunk]):
         return number, time_ns, bytes(self._plain[start:end])
 
     def put_aside(self) -> None:
-        """Let go of what it holds, until it is asked again."""
+        """Release the chunk until the next access."""
         self._items = self._plain = None
 
     def _open(self) -> None:

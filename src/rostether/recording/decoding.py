@@ -1,4 +1,4 @@
-"""Messages of recordings as values, by the definitions that stand in the recording."""
+"""Messages of recordings as values, by the definitions in the recording."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Opening recordings by their names and by what they begin with: bags, MCAP, and those of ROS 2."""
+"""Opens recordings by their names and first bytes: bags, MCAP, and ROS 2 bags."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A file being read as if it were memory, so that only what is looked at is loaded."""
+"""A file mapped into memory, so that only the accessed parts are loaded."""
 
 from __future__ import annotations
 

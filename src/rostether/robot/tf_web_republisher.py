@@ -36,7 +36,7 @@ DEFAULT_RATE_HZ = 10.0
 """Screens show 60 pictures a second; without a rate ten are enough to follow a robot."""
 
 IDLE_S = 15.0
-"""How long requests outlive the last page that hears them: pages that are closed take nothing back."""
+"""How long requests outlive their last page: closed pages do not withdraw their requests."""
 
 STATUS_PERIOD_S = 1.0
 _ACTIVE, _PREEMPTED, _REJECTED = 1, 2, 5
@@ -204,13 +204,13 @@ class _Republisher:
         timeout_s: float,
         send: Callable[[dict[str, Any]], object],
     ) -> None:
-        """Send what has moved until nobody has listened for a time."""
+        """Send changed transforms until there has been no subscriber for a time."""
         loop = asyncio.get_running_loop()
         heard_s = loop.time()
         while loop.time() - heard_s < timeout_s:
             if publisher.subscriber_count:
                 heard_s = loop.time()
-                # What is sent to nobody would be missing later.
+                # Transforms sent without a subscriber would be missing later.
                 news = request.news(self._buffer)
                 if news:
                     send(to_message(news))

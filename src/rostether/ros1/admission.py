@@ -1,7 +1,7 @@
 """Who may connect to the servers of a ROS graph: the master's, and every node's XML-RPC and TCPROS.
 
-ROS 1 knows no passwords, so the address is all there is to tell peers apart by. One admission serves all the
-servers of a process, so that a scan of them all is one line in the log.
+ROS 1 has no passwords, so only the address distinguishes peers. One admission serves all the servers of a
+process, so that a scan of them all is one line in the log.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What the ROS environment variables say: which master, which address to advertise, where to listen.
+"""The settings in the ROS environment variables: the master, the advertised address, where to listen.
 
 Listening is on loopback unless ROS_IP or ROS_HOSTNAME names another address: that is the user's consent. An
 address is listened on beside loopback, so that local tools still reach `localhost`; a host name may stand for
@@ -74,7 +74,7 @@ def connect_host(host: str) -> str:
 class RosEnvironment:
     """The ROS 1 environment, validated.
 
-    `master_uri_is_set` tells a chosen master from the default; `advertised_host` goes into the URIs we
+    `master_uri_is_set`: the master was chosen, not the default; `advertised_host` goes into the URIs we
     register; `listen_hosts` are the addresses our servers bind, `admission` says who may connect to them,
     `limits` how much they may bring; `own_names` are names of this machine that the user gave; `namespace` is
     global.

@@ -13,7 +13,7 @@ from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node.node import Ros1Graph, join_ros1
 
 ROSOUT_AGG = "/rosout_agg"
-# `rosnode kill -a` ends /rosout too; roscore starts it again, and somebody who keeps killing it is not raced.
+# `rosnode kill -a` also ends /rosout; roscore starts it again, with a delay in case it is killed repeatedly.
 _RESPAWN_PAUSE_S = 1.0
 
 _log = logging.getLogger("rostether.ros1.master")

@@ -15,9 +15,9 @@ _LARGE_BODY_BYTES = 256 * 1024
 class ServerConnection(asyncio.Protocol):
     """Reads requests, hands each body to `answer`, writes what comes back; `on_lost` is called at the end.
 
-    A large body goes on only while `has_room` says so; a large answer calls `make_room`. Who is not to be
-    served is ended by `admit`. What comes after one request, or after much of one, waits for its turn:
-    `take_turn` calls `go_on` soon.
+    A large body continues only while `has_room` returns true; a large answer calls `make_room`. `admit`
+    closes connections that are not allowed. What comes after one request, or after much of one, waits for its
+    turn: `take_turn` calls `go_on` soon.
 
     While an answer is computed, or the client does not take what was written, at most one more chunk is read
     (to notice that the client has gone): what a client can make us hold is bounded.
@@ -79,7 +79,7 @@ class ServerConnection(asyncio.Protocol):
         return self._task is not None
 
     def close(self) -> None:
-        """End the connection, after what is written has left; no method goes on for it."""
+        """Close the connection after the written data was sent; its methods are stopped."""
         if self._task is not None:
             self._task.cancel()
         if self._transport is not None:

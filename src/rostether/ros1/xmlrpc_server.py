@@ -20,7 +20,7 @@ from rostether.transports.sockets import lengthen_backlog, system_bind_errors
 
 # A client that reuses its connection does so within seconds; roscpp drops its own after 30 s.
 IDLE_TIMEOUT_S = 90.0
-# Who connects has a request; a connection that says nothing only holds a descriptor.
+# A client connects to send a request; a silent connection only uses a descriptor.
 FIRST_BYTE_LIMIT_S = 15.0
 # A client that reads has its answer within milliseconds; one that does not read is not waited for.
 _CLOSE_GRACE_S = 1.0

@@ -52,7 +52,7 @@ class Announcements:
         return changes
 
     def refuse_lone_halves(self) -> list[HostEvent]:
-        """Give up the halves of services whose other half is certain not to come."""
+        """Reject service halves whose other half will certainly not arrive."""
         return [*self._refusals.refuse_lone_halves(self._table.lone_halves())]
 
     def is_refused_sender(self, topic_id: int) -> bool:

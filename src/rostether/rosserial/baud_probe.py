@@ -39,7 +39,7 @@ PATIENT_DWELL_S = 0.9
 """Four requests, one of them in version 1; for a sketch whose loop() takes half a second."""
 
 LISTEN_S = 1.2
-"""A GPS receiver speaks once a second."""
+"""A GPS receiver sends once a second."""
 
 SURVEY_DWELL_S = 1.1
 """As above; text is believed when two such stretches bring it."""
@@ -98,8 +98,8 @@ class NoBoard:
 class BaudProbe:
     """Probes one open port. Set the line to `baud` whenever that changes, send `data_to_send()`.
 
-    With `listens_first` nothing is sent before the line has been silent, and never to what speaks otherwise.
-    `known_baud` is where the board answered last time.
+    With `listens_first`, nothing is sent before the line has been silent, and never to a device that sends
+    other data. `known_baud` is where the board answered last time.
     """
 
     def __init__(
@@ -217,7 +217,9 @@ class BaudProbe:
             self._link.start(now_s)
 
     def _is_busy(self, now_s: float) -> bool:
-        """Whether what was only listened to still speaks, and so is no board that waits to be asked."""
+        """Whether a device that was only listened to still sends; then it is not a board that waits for a
+        request.
+        """
         return self._step is not Step.ASK and now_s - self._heard_s < QUIET_S
 
     def _judge_text(self) -> None:

@@ -1,4 +1,5 @@
-"""How far a board's clock is off, and how fast it runs, from the time answers it got and the stamps it sends.
+"""Estimates the offset and the rate of a board's clock, from the time answers it received and the stamps it
+sends.
 
 A board's time request says nothing of its clock (the established library leaves the value zero), but what it
 stamps does. Each time answer sets its clock; until the next one the clock runs freely:
@@ -29,7 +30,7 @@ MAX_INTERVAL_S = 12.0
 """Without an answer for longer a board unconfigures itself; an interval is cut here."""
 
 MIN_SPAN_S = 0.8
-"""Both ends must lie this far apart: at 1 ms of jitter a shorter interval tells nothing."""
+"""Both ends must be this far apart: with 1 ms of jitter, a shorter interval gives no result."""
 
 INTERVALS = 60
 """Two and a half minutes: a crystal's drift changes with temperature, more slowly than this."""
@@ -38,7 +39,9 @@ MIN_INTERVALS = 3
 """A median of fewer does not reject one that was spoilt."""
 
 MAX_EXCESS_S = 0.05
-"""An end whose least delayed stamp is later than the interval's by this was delayed as a whole."""
+"""If the least delayed stamp of an end is later than that of the interval by this, the whole end was
+delayed.
+"""
 
 _NS = 1e9
 
@@ -78,7 +81,7 @@ class ClockEstimate:
         self._answered_s, self._answered_ns = now_s, host_ns
 
     def forget(self) -> None:
-        """Note that the board was reset or lost: the interval that runs tells nothing."""
+        """Note that the board was reset or lost: the current interval is discarded."""
         self._answered_s = None
         self._samples.clear()
 
@@ -89,7 +92,7 @@ class ClockEstimate:
         elapsed_s = now_s - self._answered_s
         if elapsed_s < FRESH_S:
             return
-        # A simulation's time runs at a speed of its own, which says nothing of the board's clock.
+        # Simulated time has its own speed, so it gives no information about the board's clock.
         if abs((host_ns - self._answered_ns) / _NS - elapsed_s) > 0.005 + 0.001 * elapsed_s:
             self.forget()
             return

@@ -1,4 +1,4 @@
-"""What a device says on the reserved ids that need no state to be understood, as events."""
+"""Converts control packets that need no state into events."""
 
 from __future__ import annotations
 

@@ -63,7 +63,7 @@ class DeviceLinkConfig:
 
 
 class DeviceLink:
-    """Speaks to a host. Bytes, messages and `now_s` (any monotonic clock) in; events and bytes out.
+    """The device's end of a line. Bytes, messages and `now_s` (any monotonic clock) in; events and bytes out.
 
     Declare endpoints first; what is declared while configured is announced at once. After every call that may
     have changed something, send `data_to_send()` and wait for `get_timer()`.
@@ -153,12 +153,12 @@ class DeviceLink:
                     self._queue_control(kind, info.encode())
 
     def receive_data(self, data: bytes | bytearray | memoryview, now_s: float) -> list[DeviceEvent]:
-        """Take a chunk from the host, cut anywhere. Never raises for what a host sends."""
+        """Process a chunk from the host, cut anywhere. Never raises for data from a host."""
         self.statistics.bytes_received += len(data)
         return self._take(self._decoder.feed(data, now_s), now_s)
 
     def get_timer(self) -> float | None:
-        """Return when `handle_timer` wants to be called, on the clock of `now_s`."""
+        """Return when to call `handle_timer`, on the clock of `now_s`."""
         timers = [self._decoder.get_timer(), self._parameters.get_timer()]
         if self._state is State.CONFIGURED:
             timers += [self._time_due_s, self._time_lost_s]

@@ -40,7 +40,7 @@ class ParameterQueue:
         return name
 
     def answered(self) -> str | None:
-        """Take an answer; return whose it is, None if nothing was asked."""
+        """Process an answer; return its parameter, None if there was no request."""
         return self._requests.popleft()[0] if self._requests else None
 
     def timed_out(self, now_s: float) -> str | None:

@@ -103,9 +103,8 @@ class ServiceWithdrawn:
 
 @dataclass(frozen=True, slots=True)
 class AnnouncementRefused:
-    """The device has announced twice, so it was no damage, what cannot be bridged; reported once each.
-
-    `reason` tells people what is wrong and what to change in the sketch.
+    """The device announced an endpoint that cannot be bridged, twice, so it was not damage; reported once
+    each. `reason` explains the problem and what to change in the sketch.
     """
 
     topic_name: str
@@ -145,9 +144,8 @@ class ParameterRequested:
 
 @dataclass(frozen=True, slots=True)
 class FrameDiscarded:
-    """Bytes that were not believed: `data` is what came, in order, never also part of a frame.
-
-    `topic_id` says on which reserved id a packet came whose layout is wrong.
+    """Rejected bytes: `data` has them in order, and none is also part of a frame. `topic_id` is the reserved
+    id of a packet with a wrong layout.
     """
 
     reason: DiscardReason
@@ -188,7 +186,7 @@ class DeviceSilent:
 
 @dataclass(frozen=True, slots=True)
 class ProtocolDetected:
-    """The device speaks protocol version 1 or 2; reported once, again only if it changes."""
+    """The device uses protocol version 1 or 2; reported once, and again only if it changes."""
 
     version: int
 
@@ -230,7 +228,7 @@ class ParameterTimedOut:
 
 @dataclass(frozen=True, slots=True)
 class StopReceived:
-    """The host goes away and tells the device to stop sending."""
+    """The host leaves and asks the device to stop sending."""
 
 
 HostEvent: TypeAlias = (

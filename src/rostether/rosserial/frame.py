@@ -49,7 +49,9 @@ FORMS = {1: FrameForm(0xFF, 6, 7), 2: FrameForm(0xFE, 7, 8)}
 
 
 class Header(NamedTuple):
-    """What a frame header says; `base` is the sum that the payload's bytes and check complete to 255."""
+    """The content of a frame header; `base` is the sum that the payload's bytes and checksum complete to
+    255.
+    """
 
     topic_id: int
     size: int
@@ -87,7 +89,7 @@ def _head(version: int, topic_id: int, size: int) -> tuple[bytes, int]:
 
 
 def encode_frame(topic_id: int, payload: bytes, version: int = 2) -> bytes:
-    """Return one frame. Raises LocalProtocolError for what a frame cannot hold (source: module docstring)."""
+    """Return one frame. Raises LocalProtocolError if the content does not fit (source: module docstring)."""
     head, base = _head(version, topic_id, len(payload))
     return head + payload + _BYTES[255 - ((one_plus_sum(payload) + base) & 0xFF)]
 

@@ -104,13 +104,13 @@ class FrameDecoder:
 
     @property
     def pending_header(self) -> Header | None:
-        """The header of the unfinished frame, None while there is none."""
+        """The header of the incomplete frame, or None."""
         if len(self._pending) < self._header_bytes:
             return None
         return read_header(self._version, bytes(self._pending[: self._header_bytes]))
 
     def limits_changed(self) -> None:
-        """Judge by what `refused_above` says now, from the next frame on."""
+        """Use the current `refused_above` from the next frame on."""
         self._scanner.forget_headers()
 
     def is_receiving(self, topic_ids: Container[int], now_s: float) -> bool:

@@ -34,7 +34,7 @@ LOOK_RUNNING_SUMS_BYTES = 64
 MIN_TAIL_BYTES = 256
 MAX_TAIL_BYTES = 1024
 TAIL_SHARE = 64
-"""Of a buffer too hostile to look at all of it, the end is: what the device says when the noise is over."""
+"""If a buffer is too noisy to scan completely, its end is scanned: it has the newest data of the device."""
 
 MAX_KNOWN_HEADERS = 1024
 """A few dozen topics times the lengths of their strings; when it is full, all headers are forgotten."""

@@ -51,7 +51,8 @@ _LOG = logging.getLogger(__name__)
 
 
 class HostLink:
-    """Speaks to one device. Bytes, messages and `now_s` (any monotonic clock) in; events and bytes out.
+    """The host's link to one device. Bytes, messages and `now_s` (any monotonic clock) in; events and bytes
+    out.
 
     After every call that may have changed something, send `data_to_send()` and wait for `get_timer()`.
     """
@@ -71,7 +72,7 @@ class HostLink:
 
     @property
     def version(self) -> int | None:
-        """The protocol version the device speaks, None until known."""
+        """The protocol version of the device, None until known."""
         return self._version
 
     @property
@@ -85,7 +86,7 @@ class HostLink:
         self._pump(now_s)
 
     def receive_data(self, data: bytes | bytearray | memoryview, now_s: float) -> list[HostEvent]:
-        """Take a chunk from the device, cut anywhere. Never raises for what a device sends.
+        """Process a chunk from the device, cut anywhere. Never raises for data from a device.
 
         Announcements and other control packets of a chunk are reported before its messages.
         """
@@ -124,7 +125,7 @@ class HostLink:
         return events
 
     def get_timer(self) -> float | None:
-        """Return when `handle_timer` wants to be called, on the clock of `now_s`."""
+        """Return when to call `handle_timer`, on the clock of `now_s`."""
         if self._is_stopped:
             return None
         timers = (
@@ -182,7 +183,7 @@ class HostLink:
         self._output.call_finished(now_s)
 
     def stop(self) -> None:
-        """Queue the frame that tells the device to stop sending; from now on the link does nothing."""
+        """Queue the frame that asks the device to stop sending; from then on the link does nothing."""
         self._is_stopped = True
         self._output.stop()
 
@@ -322,7 +323,7 @@ class HostLink:
         self.statistics.resets += 1
         self._output.device_reset()
         self._negotiation.forget_requests()
-        if self.is_settled:  # otherwise the negotiation that goes on has heard what the board has
+        if self.is_settled:  # otherwise the running negotiation already knows the board's endpoints
             self._table.distrust()
             self._negotiation.ask(now_s)
         events.append(DeviceReset())

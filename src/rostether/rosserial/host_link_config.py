@@ -18,6 +18,6 @@ class HostLinkConfig:
     max_endpoints: int = 256
     """The established library has at most 50; each costs a registration on the ROS side."""
     fixed_size: Callable[[TopicInfo], int | None] | None = None
-    """Says how many bytes every message of a topic has, where its type says so; None if they differ."""
+    """Returns the size of every message of a topic if its type has a fixed size, else None."""
     name: str = "a board"
     """What the log calls the device."""

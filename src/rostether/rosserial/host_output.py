@@ -88,7 +88,7 @@ class HostOutput:
         self.pump(now_s)
 
     def probe(self) -> None:
-        """Queue a probe; there is none in version 1, whose devices answer no wrong version byte."""
+        """Queue a probe; not in version 1, because its devices do not answer a wrong version byte."""
         if self.version == 2:
             self._statistics.probes += 1
             self._queue(PROBE)

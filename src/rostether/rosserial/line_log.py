@@ -19,9 +19,8 @@ _KINDS = ("publisher", "subscriber", "service server", "service server", "servic
 
 @dataclass(frozen=True, slots=True)
 class LineEntry:
-    """A frame, or bytes outside of frames: then `topic_id` is None and `fault` says what they are.
-
-    `what` names it in words; `data` is its payload, or the bytes.
+    """A frame, or bytes outside frames: then `topic_id` is None and `fault` describes them. `what` is a
+    description; `data` is its payload, or the bytes.
     """
 
     time_s: float

@@ -71,7 +71,7 @@ MAX_UNANSWERED = 6
 
 
 class Phase(Enum):
-    """Where a negotiation stands."""
+    """The phase of a negotiation."""
 
     IDLE = auto()
     ASKED = auto()
@@ -138,7 +138,7 @@ class Negotiation:
 
     @property
     def is_listening(self) -> bool:
-        """Whether a burst goes on."""
+        """Whether a burst is in progress."""
         return self.phase is Phase.LISTENING
 
     @property
@@ -152,7 +152,7 @@ class Negotiation:
         return self._completeness.complete
 
     def ask(self, now_s: float, *, is_lossy: bool = False) -> None:
-        """Begin a negotiation, unless one goes on. `is_lossy`: something was lost before."""
+        """Start a negotiation, unless one is running. `is_lossy`: something was lost before."""
         if (self.phase, Input.ASK) in TRANSITIONS:
             self._begin(now_s, is_lossy=is_lossy)
             self._send(Input.ASK, now_s)
@@ -247,7 +247,7 @@ class Negotiation:
         return False
 
     def _hear(self, now_s: float) -> None:
-        """Note that the device answers, or goes on to."""
+        """Note that the device answers or continues to answer."""
         if self.phase is Phase.ASKED:
             self._unanswered = 0
             self._completeness.open_round()

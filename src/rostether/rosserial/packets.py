@@ -27,12 +27,14 @@ MAX_NAME_BYTES = 255
 """Longer names and types fit no board's buffer (150 to 512 bytes); one that claims more is damage."""
 
 MAX_BUFFER_BYTES = 1 << 20
-"""A frame holds at most 65535 bytes; devices with more memory may round up, none says more than 1 MiB."""
+"""A frame holds at most 65535 bytes; devices with more memory may round up, but none announces more than 1
+MiB.
+"""
 
 TIME_BYTES = 8
 
 TIME_REQUEST_BYTES = (0, TIME_BYTES)
-"""A request says nothing: some firmware sends it empty, and the established host answers that."""
+"""A request has no content: some firmware sends it empty, and the established host answers it."""
 
 _NAME = re.compile(r"(?!.*//)[A-Za-z~/][A-Za-z0-9_/]*\Z", re.ASCII)
 _TYPE = re.compile(r"[A-Za-z][A-Za-z0-9_]*/[A-Za-z][A-Za-z0-9_]*\Z", re.ASCII)
@@ -79,7 +81,7 @@ class TopicInfo:
 
     @classmethod
     def read(cls, payload: bytes) -> TopicInfo | None:
-        """Read an announcement, whatever it says; None if the payload does not have the layout of one."""
+        """Decode an announcement without checking its content; None if the payload has another layout."""
         reader = _Reader(payload)
         topic_id = reader.number(_ID)
         name, message_type, md5sum = (reader.text(MAX_NAME_BYTES, errors="replace") for _ in range(3))

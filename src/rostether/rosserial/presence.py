@@ -128,7 +128,7 @@ class Presence:
 
     @property
     def is_certain(self) -> bool:
-        """Whether the device is there and nothing says that it was reset."""
+        """Whether the device is present and there is no sign of a reset."""
         return self.state is State.PRESENT
 
     def frame_received(self, now_s: float) -> None:

@@ -23,7 +23,7 @@ MAX_HELD = 256
 
 
 class ProtocolDetector:
-    """Stands in for a FrameDecoder until `decoder` is known."""
+    """Replaces a FrameDecoder until `decoder` is known."""
 
     def __init__(
         self,

@@ -48,7 +48,7 @@ class Refusals:
         return self._report(announcement, reason)
 
     def refuse_lone_halves(self, halves: Iterable[tuple[int, TopicInfo]]) -> list[AnnouncementRefused]:
-        """Take the halves of services whose other half is certain not to come."""
+        """Record service halves whose other half will certainly not arrive."""
         return [event for half in halves for event in self._report(half, _half_reason(half[0]))]
 
     def forget(self, kind: int, info: TopicInfo) -> None:

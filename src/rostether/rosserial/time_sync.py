@@ -66,7 +66,7 @@ class AnswerGate:
         self._calls = 0
 
     def is_closed(self, now_s: float) -> bool:
-        """Whether what wants through must wait."""
+        """Whether a time answer must wait."""
         if self._calls == 0:
             return False
         return self._held_since_s is None or now_s < self._held_since_s + HOLD_LIMIT_S

@@ -54,7 +54,7 @@ def key_of(kind: int, info: TopicInfo) -> EndpointKey:
 
 
 class TopicTable:
-    """Endpoints of one device; says what each announcement changed, as events."""
+    """The endpoints of one device; returns the changes of each announcement as events."""
 
     def __init__(
         self, max_endpoints: int, fixed_size: Callable[[TopicInfo], int | None] | None = None
@@ -233,7 +233,7 @@ class TopicTable:
                         )
         gone = [service for key, service in self._services.items() if pairs.get(key) != service]
         names = {(service.role, service.name) for service in gone}
-        # What is left of a name under other ids comes first: who serves the name then goes on with those.
+        # Endpoints of the name with other ids come first: the server of the name then continues with them.
         events: list[HostEvent] = [
             pair
             for key, pair in pairs.items()

@@ -1,4 +1,4 @@
-"""From what a board announces to the endpoint that serves it, or the one line that says why there is none."""
+"""Creates the endpoint for a board's announcement, or the line that reports why there is none."""
 
 from __future__ import annotations
 

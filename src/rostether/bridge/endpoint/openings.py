@@ -146,7 +146,7 @@ class EndpointOpenings:
             await self._take_turn()
             await endpoint.close()
             self._log(endpoint, "closed")
-        except Exception as error:  # noqa: BLE001 - what waits for this closing goes on
+        except Exception as error:  # noqa: BLE001 - callers that wait for this closing continue
             self._notices.episode(
                 "withdraw", Level.WARN, f"{name_of(endpoint)} may still be listed: {reason_of(error)}"
             )

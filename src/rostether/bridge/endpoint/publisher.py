@@ -64,7 +64,7 @@ class PublisherEndpoint:
 
     @property
     def slow_count(self) -> int:
-        """How many messages slow subscribers have lost; the graph, which knows them, says who."""
+        """How many messages slow subscribers have lost; the graph reports which subscribers."""
         return self._publisher.dropped_count if self._publisher is not None else 0
 
     def attach(self, line: BoardLine, info: TopicInfo) -> None:

@@ -1,4 +1,4 @@
-"""A look into what passed for a message: noise that passes its checksum swallows the frames after it."""
+"""Searches accepted messages for frames: noise that passes the checksum covers the frames after it."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from rostether.rosserial.events import HostEvent
 from rostether.rosserial.host_link import HostLink
 
 MAX_DEPTH = 2
-"""Looks inside what a look found. Noise within noise passes its checksum once in 65,536 times, and a board
-that sends only noise makes the scanner read each byte that many more times.
+"""Nested searches. Noise within noise passes its checksum once in 65,536 times, and a board that sends only
+noise makes the scanner read each byte that many more times.
 """
 
 

@@ -64,7 +64,7 @@ class EndpointTable:
             yield key[0], endpoint
 
     def is_attached(self, endpoint: Endpoint) -> bool:
-        """Whether the board has announced it on the connection that stands now."""
+        """Whether the board has announced it on the current connection."""
         return any(self._endpoints.get(key) is endpoint for key in self._attached)
 
     def announced_topics(self) -> list[str]:
@@ -73,7 +73,7 @@ class EndpointTable:
         return sorted({*names, *self.refused})
 
     def announce_topic(self, event: TopicAnnounced, line: BoardLine) -> bool:
-        """Serve a topic through a connection; False, and a line that says why, if that is impossible."""
+        """Serve a topic through a connection; if that is impossible, report why and return False."""
         info = event.info
         key: _Key = (event.role, info.topic_name, info.topic_id)
         self._displaced.pop(key, None)
@@ -90,7 +90,7 @@ class EndpointTable:
         return made is not None
 
     def announce_service(self, event: ServiceAnnounced, line: BoardLine) -> bool:
-        """Serve a service through a connection; False, and a line that says why, if that is impossible."""
+        """Serve a service through a connection; if that is impossible, report why and return False."""
         key: _Key = (event.role, event.name, 0)
         found = self._endpoints.get(key)
         if isinstance(found, ServiceEndpoint):
@@ -117,7 +117,7 @@ class EndpointTable:
             return
         key = (event.role, event.name, 0)
         endpoint = self._endpoints.get(key)
-        # A service that came back under other ids, or with another type, stands here by now.
+        # A service that returned with other ids or another type is already in the table.
         if isinstance(endpoint, ServiceEndpoint) and _service_ids(endpoint.info) == _service_ids(event):
             self._retire(key)
 

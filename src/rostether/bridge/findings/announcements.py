@@ -33,7 +33,7 @@ class Announcements:
         self._refused: OrderedDict[tuple[str, str], AnnouncementRefused] = OrderedDict()
 
     def discarded(self, event: FrameDiscarded) -> None:
-        """Take a payload whose checksum was right and whose content was not."""
+        """Record a payload with a correct checksum and invalid content."""
         payload = event.data
         if event.reason is DiscardReason.REFUSED:
             info = TopicInfo.read(payload)

@@ -51,7 +51,7 @@ class BoardHealth:
         if self._was_closed:
             self._resets = Resets()
         elif self.connection_count and was_alive:
-            # A board with USB of its own takes its port along when it resets.
+            # The port of a board with built-in USB disappears when the board resets.
             self._resets.happened(now_s)
         self.connection_count += 1
         self.connected_at_s = now_s
@@ -77,7 +77,7 @@ class BoardHealth:
         return sorted(found, key=lambda each: -each.severity)
 
     def report(self, findings: list[Finding], now_s: float) -> None:
-        """Tell each finding once, in one line."""
+        """Report each finding once, in one line."""
         for finding in self._ledger.news(findings, now_s):
             if not finding.reported:
                 self._notices.report(_LEVELS[finding.severity], str(finding))

@@ -38,7 +38,7 @@ class EndpointFindings:
         self._losses: dict[str, tuple[int, float]] = {}
 
     def find(self, now_s: float, too_large_s: float, oversizes: Oversizes) -> list[Finding]:
-        """Judge; `too_large_s` is when the board said that a message of its own was too large."""
+        """Evaluate; `too_large_s` is the time when the board reported that its own message was too large."""
         found = _refusals(self._endpoints.refused)
         silent = []
         for _, endpoint in self._endpoints:

@@ -48,7 +48,7 @@ class Code(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """One thing that is wrong; `subject` tells findings of one code apart (a topic, a type), else empty.
+    """One problem; `subject` distinguishes findings with the same code (a topic, a type), else it is empty.
 
     `seen` and `next_step` are one line each, without a full stop. `reported`: it has already been reported.
     """

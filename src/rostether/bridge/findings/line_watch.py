@@ -93,7 +93,7 @@ class LineWatch:
         if isinstance(event, TimeRequested):
             self.loop_speed.request(now_s, self._statistics.topic_requests)
         elif isinstance(event, TopicAnnounced):
-            # Only our library sends without a buffer of its own.
+            # Only rostether's client library sends without a buffer.
             self.loop_speed.is_ours |= event.info.buffer_size >= MAX_PAYLOAD_BYTES
             self._is_listener |= event.role is TopicRole.SUBSCRIBER
         elif isinstance(event, DeviceReset):

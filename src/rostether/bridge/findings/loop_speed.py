@@ -25,7 +25,7 @@ OVERDUE_S = 0.4
 TOLERANCE_S = 0.1
 
 SURELY_OURS_S = 2.4
-"""Who mostly asks sooner than this is none that waits 2.5 s."""
+"""A board that usually requests the time sooner than this does not wait 2.5 s."""
 
 MAX_LATE_S = 9.0
 """Beyond 11 s a board was away, not slow."""

@@ -21,7 +21,7 @@ MIN_PIECES = 4
 PIECE_GAP_S = 0.1
 """The rest of one announcement comes within this at 9600 baud, a few bytes at a time."""
 
-# The words alone: with the line around them in the pattern, noise without an end of line takes 20 ms.
+# Only the words: with the whole line in the pattern, noise without a line end takes 20 ms.
 _CRASH = re.compile(
     rb"brown-?out|wdt reset|watchdog|guru meditation|fatal exception|stack smashing|abort\(\)"
     rb"|rst cause|rst:0x",
@@ -96,7 +96,7 @@ class Noise:
         self._line.clear()
 
     def crash_line(self) -> str | None:
-        """Return the line in which a board says why it started again, None if it said none."""
+        """Return the line in which a board reports why it restarted, or None."""
         lines = [line for line in _LINE_END.split(bytes(self._recent)) if _CRASH.search(line)]
         return lines[-1].decode("utf-8", "replace").strip()[:SHOWN_BYTES] if lines else None
 
@@ -112,7 +112,8 @@ class Noise:
             self.text = self.text or bytes(self._line[:KEPT_BYTES])
 
     def _note_version(self, data: bytes) -> None:
-        # Only a header whose length check fits: in noise one of 256 does, and not three times alike.
+        # Only a header with a correct length check: in noise one of 256 is correct, and not the same one
+        # three times.
         if len(data) >= 5 and data[1] >= 0xF0 and sum(data[2:5]) & 0xFF == 0xFF:
             version = data[1]
             self._versions[version] = self._versions.get(version, 0) + 1

@@ -43,7 +43,7 @@ class Resets:
 
 
 def reset_loop(seen: str, crash_line: str | None) -> Finding:
-    """Return the finding, with what the board itself says where it says something."""
+    """Return the finding, with the board's own explanation if there is one."""
     said = f", and printed {crash_line!r}" if crash_line else ""
     return error(
         Code.RESET_LOOP,

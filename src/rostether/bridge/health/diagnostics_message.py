@@ -83,7 +83,7 @@ class StatusWriter:
 
 
 def state_of(view: BoardView) -> str:
-    """Return where a board's connection stands, in one word."""
+    """Return the state of a board's connection, in one word."""
     if not view.is_connected:
         return "disconnected"
     if view.protocol_version is None:

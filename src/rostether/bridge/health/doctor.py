@@ -1,4 +1,5 @@
-"""Examines one link: looks at the port, opens it, bridges the board into a graph of its own, and judges.
+"""Diagnoses one link: checks the port, opens it, bridges the board into a private graph, and reports
+findings.
 
     port facts ── bad ──> findings
         │

@@ -113,7 +113,7 @@ class _Publication:
 
     @property
     def is_wanted(self) -> bool:
-        """Whether anybody listens."""
+        """Whether there is a subscriber."""
         return self._publisher is not None and self._publisher.subscriber_count > 0
 
     def publish(self, fields: dict[str, object]) -> None:

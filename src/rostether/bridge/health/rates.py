@@ -19,7 +19,7 @@ class Rates(Generic[Key]):
         self._looks: deque[tuple[float, dict[Key, int]]] = deque()
 
     def update(self, counts: Mapping[Key, int], now_s: float) -> dict[Key, float]:
-        """Take the counters as they stand and return their growth per second; none at the first look.
+        """Read the counters and return their growth per second; empty at the first call.
 
         A counter that went down belongs to a new connection, and has grown from zero.
         """

@@ -1,4 +1,4 @@
-"""Bridges one board into a graph of its own for a while, to see what is wrong with it."""
+"""Bridges one board into a private graph for a while, to find its problems."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ WATCH_S = 8.0
 """It includes three time requests, which show the speed of loop(), and enough frames for a percentage."""
 
 UNREST_S = 20.0
-"""How long to watch a board that was reset, or whose time request was late: the rule shows by then."""
+"""How long to watch a board that was reset or whose time request was late: by then a pattern is visible."""
 
 _LOOK_S = 0.1
 _FIND_PERIOD_S = 1.0

@@ -1,4 +1,5 @@
-"""What a board announces and sends while its types are searched on disk, so that the event loop goes on.
+"""Holds what a board announces and sends while its types are searched on disk, so that the event loop is
+free.
 
 Most types are at hand. For another one the search runs in a thread; from its announcement on, announcements
 and the messages of topics that are not served yet wait here, in their order.
@@ -44,7 +45,9 @@ class HeldEvents:
         self._wait: asyncio.Future[None] | None = None
 
     def hold_back(self, event: HostEvent) -> bool:
-        """Keep an announcement whose type must be searched, and what belongs behind it; else return False."""
+        """Keep an announcement whose type must be searched, and the events after it; otherwise return
+        False.
+        """
         if isinstance(event, (TopicAnnounced, ServiceAnnounced)):
             if self._wait is None:
                 if self._is_at_hand(event):

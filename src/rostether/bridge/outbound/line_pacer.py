@@ -1,4 +1,4 @@
-"""How much a serial line may be given now, so that little waits in buffers that nothing can overtake.
+"""Limits how much is written to a serial line, so that urgent frames wait behind little data.
 
 The operating system would take seconds of a slow line's backlog at once, and a time answer would stand behind
 all of it. Here at most 20 ms of line time is on its way; the rest waits in the outbox, where order is ours.
@@ -22,7 +22,7 @@ MAX_SPEED_FACTOR = 64.0
 
 
 class LinePacer:
-    """Models a line of `baud` bits a second; knows no clock."""
+    """Models a line of `baud` bits per second; does not read a clock."""
 
     def __init__(self, baud: int) -> None:
         self.bytes_per_s = baud / BITS_PER_BYTE

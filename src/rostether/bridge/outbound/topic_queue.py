@@ -47,7 +47,7 @@ class TopicQueue:
 
     @property
     def has_source(self) -> bool:
-        """Whether there is somebody to pause."""
+        """Whether there is a publisher to pause."""
         return self._source is not None
 
     def set_source(self, source: PausableSource | None) -> None:

@@ -1,4 +1,4 @@
-"""Finds boards on the serial ports as they are plugged in, and leaves all other ports alone."""
+"""Finds boards on the serial ports when they are plugged in; never opens other ports."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from rostether.ports.usb_boards import board_of
 from rostether.transports.serial_port import SerialPort
 
 MAX_OFFERS = 256
-"""Ports of which it was said that they are left alone."""
+"""Ports that were reported as not opened."""
 
 
 class Discovery:

@@ -37,7 +37,7 @@ MAX_ASK_AGAIN_S = 60.0
 """A board that answered before, or that the user named, is asked again; it may be without power."""
 
 LOOK_PERIOD_S = 1.0
-"""How often a port that is left alone is looked at (not opened) for signs that another program used it."""
+"""How often an ignored port is checked (not opened) for signs that another program used it."""
 
 AFTER_LOSS_S = 0.1
 """A port is gone from the list a moment after it is lost."""
@@ -49,7 +49,7 @@ RESETS_AT_CLOSE = sys.platform != "linux"
 class FoundPort:
     """Keeps one port, in a task that ends when the port is gone, at the latest by being cancelled.
 
-    `is_dismissed`: the board's node was shut down from outside, so the port is left alone.
+    `is_dismissed`: another node shut down the board's node, so the port is not opened.
     """
 
     def __init__(
@@ -93,7 +93,7 @@ class FoundPort:
                 self.is_dismissed = True
                 return
             except TransportError:
-                # It was unplugged while it was asked; the list of ports says so next.
+                # It was unplugged during the probe; the next list of ports shows this.
                 await asyncio.sleep(AFTER_LOSS_S)
                 continue
             finally:

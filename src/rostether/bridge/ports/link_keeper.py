@@ -22,8 +22,8 @@ from rostether.transports.address import Address, SerialAddress
 from rostether.transports.opening import list_serial_ports
 from rostether.transports.transport import Transport
 
-# Messages are to flow half a second after a board is back, and opening its port takes a part of that; a look
-# costs microseconds.
+# Messages should flow half a second after a board is back, including the time to open its port; a check costs
+# microseconds.
 PRESENCE_POLL_S = 0.1
 # For the same reason; an attempt that is refused costs 0.3 ms.
 MAX_RETRY_S = 0.4
@@ -96,7 +96,7 @@ class LinkKeeper:
             return address, identity, transport
 
     async def _wait_present(self) -> str | None:
-        """Return the path to open, None for what is no serial port with a path."""
+        """Return the path to open, None if it is not a serial port with a path."""
         if self._finder is None:
             return None
         reported = False
@@ -110,7 +110,7 @@ class LinkKeeper:
         return path
 
     async def _wait_gone(self, finder: PortFinder) -> None:
-        while finder.find() is not None:  # noqa: ASYNC110 - systems differ in how they would tell
+        while finder.find() is not None:  # noqa: ASYNC110 - systems report this in different ways
             await asyncio.sleep(PRESENCE_POLL_S)
 
     def _identify(self, path: str | None) -> tuple[Address, BoardIdentity | None]:
@@ -123,7 +123,7 @@ class LinkKeeper:
 
 
 def way_back(address: Address) -> str:
-    """Return when a board is served again whose node was shut down from outside; continues "until ..."."""
+    """Return when a board is served again after its node was shut down, as the end of "until ..."."""
     if address.listens:
         return "it reconnects"
     return "you unplug it and plug it in again" if _comes_and_goes(address) else "you restart rostether"

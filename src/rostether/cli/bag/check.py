@@ -1,4 +1,4 @@
-"""`rostether bag check`: a recording read whole, and what is wrong with it."""
+"""`rostether bag check`: reads a whole recording and lists its errors."""
 
 from __future__ import annotations
 

@@ -60,7 +60,7 @@ def bag_convert(
             reader = open_recording(source, is_native=True)
         if reader.damage:
             warn(f"{source}: {reader.damage}; only its complete part is read")
-        # Only what ROS 2 is to get of ROS 1 needs to be known; all else the recordings tell.
+        # Only types that go from ROS 1 to ROS 2 must be known; the recordings contain all others.
         types = native_types((), msg_paths) if msg_paths and target_form is Form.ROS2 else None
         count = copy(reader, target, compression=compression, form=target_form, storage=storage, types=types)
         unfit = sum(reader.counts.values()) - count

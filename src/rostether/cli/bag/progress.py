@@ -16,14 +16,14 @@ PROGRESS_PERIOD_S = 1.0
 
 
 def show(line: str) -> None:
-    """Write over the line that stands there, no wider than the terminal: a second line would stay."""
+    """Overwrite the current line, no wider than the terminal: a second line would stay."""
     columns = shutil.get_terminal_size().columns
     sys.stderr.write(f"\r\033[K{line[: columns - 1]}")
     sys.stderr.flush()
 
 
 class ProgressLine:
-    """The line that tells rates and sizes, on a terminal."""
+    """The line with rates and sizes, on a terminal."""
 
     def __init__(self, *, is_shown: bool) -> None:
         self._is_shown = is_shown

@@ -246,7 +246,7 @@ def bag_record(options: RecordOptions, topics: tuple[str, ...], graph: GraphOpti
     settings = _Settings(
         repeat_latched=options.repeat_latched,
         publishes_begin=options.publishes_begin,
-        # What is not compressed is written at once.
+        # Without compression, messages are written at once.
         buffer_bytes=(options.buffer_mb or MAX_BUFFER_MB) * MEGABYTE if options.bz2 or options.lz4 else None,
         is_quiet=options.quiet,
         msg_paths=options.msg_paths,

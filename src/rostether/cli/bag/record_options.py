@@ -63,7 +63,7 @@ _OPTIONS = (
 def _bag_recording(
     *, record: Path | None = None, record_size: float = 1000, record_keep: int | None = None
 ) -> BagRecording | None:
-    """Return what was typed, None without --record. Raises ConfigError for what is not a folder."""
+    """Return the options, None without --record. Raises ConfigError for what is not a folder."""
     if record is None:
         return None
     if record.suffix in (".jsonl", ".json", ".bag", ".mcap") or record.is_file():
@@ -88,7 +88,7 @@ async def bags_recorded(
 ) -> AsyncIterator[None]:
     """Record until the end of the block; a failure is reported and stops only the recording.
 
-    `types` are those of a graph of ROS 2 alone: what is recorded then is a ROS 2 bag.
+    `types` are those of a graph with ROS 2 only: then a ROS 2 bag is recorded.
     """
     if recording is None:
         yield

@@ -55,7 +55,7 @@ def bag_decompress(files: tuple[Path, ...], output_dir: Path | None, force: bool
 def _repack(path: Path, compression: str, output_dir: Path | None, *, force: bool, quiet: bool) -> None:
     from rostether.recording.reindexing import repack
 
-    before = _size_bytes(path)  # and no folder is made for what is no recording
+    before = _size_bytes(path)  # and no folder is created for a file that is not a recording
     output, backup = new_place(path, output_dir, force=force)
     count = repack(path, output, compression, keep_original=backup)
     if not quiet:

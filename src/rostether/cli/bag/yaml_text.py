@@ -44,7 +44,7 @@ def yaml_text(facts: Mapping[str, Any], reader: RecordingReader) -> str:
 
 
 def yaml_value(text: str, key: str) -> str:
-    """Return what stands at a key such as `duration` or `topics[0].messages`. Raises ConfigError."""
+    """Return the value of a key such as `duration` or `topics[0].messages`. Raises ConfigError."""
     value = whole = load(text)
     position = 0
     while position < len(key):

@@ -122,8 +122,8 @@ def board_run(  # noqa: PLR0913 - one for each option of the command
 ) -> None:
     """Run a sketch, or an ELF or HEX file, on a simulated Arduino board.
 
-    Its serial port is a pseudo-terminal, whose path is printed: `rostether serve` takes it. While it runs,
-    lines of standard input tell the board the same words as the options do (adc A0=2.5, range 0.5, pin D7=1,
+    Its serial port is a pseudo-terminal, whose path is printed: `rostether serve` accepts it. While it runs,
+    lines of standard input are commands with the same words as the options (adc A0=2.5, range 0.5, pin D7=1,
     fault none) and more (reset, power off, memory SYMBOL); see the reference of words and events.
     """
     if link is not None and tcp is not None:

@@ -21,7 +21,7 @@ class _Finding(NamedTuple):
 
 
 async def examine_ros2(ros2: str, *, as_json: bool) -> bool:
-    """Print what is found; returns whether all is well. Raises ConfigError."""
+    """Print the findings; return whether there are none. Raises ConfigError."""
     middleware = chosen_middleware(ros2=ros2) or Middleware.ZENOH
     is_well = True
     async for finding in _examine(middleware):

@@ -2,8 +2,8 @@
 
     serial-node [PORT | tcp [TCP_PORT]] [_port:=... _baud:=... _tcp_port:=...] [__name:=... __ns:=...] [a:=b]
 
-Private parameters may also stand on the parameter server: ~port, ~baud, ~tcp_port. As with serial_node.py,
-the node joins the graph before the board connects, and the process ends with its node.
+Private parameters may also be on the parameter server: ~port, ~baud, ~tcp_port. As with serial_node.py, the
+node joins the graph before the board connects, and the process ends with its node.
 """
 
 from __future__ import annotations
@@ -56,7 +56,9 @@ class ChooseLink(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class HostRole:
-    """A host of rosserial to stand in for: its usual node name, its parameters, and the board they select."""
+    """An established rosserial host to replace: its usual node name, its parameters, and the board they
+    select.
+    """
 
     node_name: str
     greeting: str

@@ -45,7 +45,7 @@ def read_links(text: str, hosts: Sequence[str] = (LOOPBACK,), allowed: tuple[str
 
 
 def loopback_lines(environment: RosEnvironment | None, links: Sequence[Address]) -> list[str]:
-    """Return a line for each listener that other machines would need and that is on loopback only.
+    """Return a line for each listener on loopback that other machines would need.
 
     `environment` is that of ROS 1, None where there is none.
     """
@@ -71,7 +71,7 @@ def loopback_lines(environment: RosEnvironment | None, links: Sequence[Address])
 def shortage_lines(connections: int | None, links: Sequence[Address]) -> list[str]:
     """Return a line when `connections` boards for each listener, as --limit wants, need too many open files.
 
-    `connections` is None where nothing was wanted; listeners then admit fewer boards.
+    `connections` is None without --limit; listeners then accept fewer boards.
     """
     listeners = sum(isinstance(link, TcpAddress | UdpAddress) and link.listens for link in links)
     line = shortage((connections or 0) * listeners)

@@ -127,7 +127,7 @@ async def open_browser(url: str) -> None:
 
 
 def _has_browser(environ: Mapping[str, str]) -> bool:
-    """Return whether a window can open: a text browser in our terminal would hide what is printed there."""
+    """Return whether a window can open: a text browser in this terminal would hide the output."""
     if not sys.stdout.isatty():
         return False
     if sys.platform in ("darwin", "win32"):

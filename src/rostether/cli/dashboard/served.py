@@ -177,7 +177,7 @@ def _free_port(host: str, wanted: int) -> int:
                 return port
         except OSError as error:
             if error.errno != errno.EADDRINUSE:
-                # The gateway says what is wrong with the address.
+                # The gateway reports the error in the address.
                 return wanted
     return 0
 

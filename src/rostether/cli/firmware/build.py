@@ -69,7 +69,7 @@ async def _build(
 
 
 async def refuse_too_large(built: BuiltFirmware, elf: ElfFile) -> None:
-    """Raise FirmwareError for what the board cannot take, naming what is largest in it."""
+    """Raise FirmwareError if the program does not fit the board, with its largest part."""
     board = built.board
     fits_flash = not board.flash_bytes or elf.flash_bytes <= board.flash_bytes
     fits_ram = not board.ram_bytes or elf.ram_bytes <= board.ram_bytes

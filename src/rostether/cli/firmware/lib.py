@@ -80,7 +80,7 @@ def firmware_lib(
 
 
 def _other_libraries(directory: Path) -> Iterator[Path]:
-    """Yield the header folders of the libraries beside ours: a sketch may include messages through them."""
+    """Yield the header folders of the other libraries: a sketch may include messages through them."""
     from rostether.codegen.arduino_library import LIBRARY_NAME
 
     directory = directory.expanduser()

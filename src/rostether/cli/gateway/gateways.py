@@ -1,4 +1,4 @@
-"""Running the gateways for web pages and viewers on a graph, each as a node of its own."""
+"""Runs the gateways for web pages and viewers on a graph, each as its own node."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ async def gateway_graph(
 
     assert options.ros2 is not None
     registry = NativeRegistry.from_environment(msg_paths)
-    # The router, if it is ours, is the boards' session.
+    # If this process has the router, it is the boards' session.
     reach = ZenohReach(options.zenoh.connect, (), "never")
     async with ros2_access(options.ros2, msg_paths, reach=reach, types=NativeTypes(registry)) as access:
         yield GatewayGraph(access.join, TypeStore(registry, NativeClasses(registry)), is_ros2=True)

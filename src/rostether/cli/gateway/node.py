@@ -29,7 +29,7 @@ class NodeWords:
     remappings: Mapping[str, str] = field(default_factory=dict)
 
     def name_for(self, own_name: str, port: int, default_port: int) -> str:
-        """Return the name: that of a gateway on a port of its own has the port in it."""
+        """Return the name: on another port than the default, it contains the port."""
         if self.name:
             return self.name
         # Port 0 is any free port, which is not known yet.

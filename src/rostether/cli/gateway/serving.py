@@ -1,4 +1,4 @@
-"""A gateway as a command of its own: on the graphs that were chosen, until its node ends."""
+"""A gateway as a separate command: on the chosen graphs, until its node ends."""
 
 from __future__ import annotations
 

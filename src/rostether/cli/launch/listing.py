@@ -1,4 +1,4 @@
-"""What `rostether launch` prints without starting anything, and its summary of what it is about to do."""
+"""The listings of `rostether launch`, which start nothing, and its summary before the start."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def command_words(node: LaunchNode, environ: Mapping[str, str], master_uri: str,
 
 
 def summary_lines(plan: LaunchPlan) -> Iterator[str]:
-    """Yield what is going to be done, as roslaunch sums it up."""
+    """Yield the summary of the launch, as roslaunch prints it."""
     yield from ("", "SUMMARY", "========", "")
     if plan.cleared:
         yield "CLEAR PARAMETERS"

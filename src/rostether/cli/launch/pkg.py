@@ -32,7 +32,7 @@ VERBS = {
         "rostether.cli.launch.pkg_make:make", "Check a workspace and list its contents; builds nothing."
     ),
 }
-# The distribution whose protocols and definitions ours are.
+# The distribution whose protocols and definitions rostether implements.
 _DISTRIBUTION = "noetic"
 
 

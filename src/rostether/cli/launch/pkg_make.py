@@ -1,4 +1,4 @@
-"""`rostether pkg make` and `init-workspace`: what catkin_make and catkin_init_workspace stand for here."""
+"""`rostether pkg make` and `init-workspace`: the replacements of catkin_make and catkin_init_workspace."""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ def python_for(script: Path, environ: Mapping[str, str]) -> list[str]:
 
 @functools.cache
 def _is_usable(python: str, python_path: str) -> bool:
-    """Return whether a Python has a real rospy, or can have ours."""
+    """Return whether a Python has a real rospy, or can use the built-in one."""
     if python == sys.executable:
         return True
     try:

@@ -92,7 +92,7 @@ def served_nodes() -> dict[tuple[str, str], list[str]]:
 
 def our_command(*words: str) -> list[str]:
     """Return the command line of one of our verbs, run by this very Python."""
-    # Without -P a file of the current folder could stand in for one of our modules.
+    # Without -P, a file in the current folder could replace one of rostether's modules.
     return [sys.executable, "-P", "-m", "rostether", *words]
 
 

@@ -1,4 +1,4 @@
-"""Programs that launch files run for a parameter's value, and that are ours: `$(find xacro)/xacro`."""
+"""Built-in programs that launch files run for a parameter's value: `$(find xacro)/xacro`."""
 
 from __future__ import annotations
 

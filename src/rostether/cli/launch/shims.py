@@ -2,7 +2,7 @@
 
     name in the shell -> words behind `rostether`
 
-A script is written for the Python that runs us. It never stands before a real ROS on PATH, unless asked to.
+A script is written for the Python that runs us. It never precedes a real ROS on PATH, unless requested.
 """
 
 from __future__ import annotations

@@ -52,7 +52,7 @@ def split_arguments(words: Sequence[str]) -> tuple[list[str], dict[str, str], li
 
 
 def find_sources(words: Sequence[str], packages: Mapping[str, Path]) -> LaunchSources:
-    """Find what is to be launched: `PACKAGE FILE`, or paths; `-` is standard input. Raises ConfigError."""
+    """Find the launch files: `PACKAGE FILE`, or paths; `-` is standard input. Raises ConfigError."""
     rest, arguments, empty = split_arguments(words)
     if not rest:
         raise ConfigError("give a launch file: `rostether launch PACKAGE FILE`, or a path")

@@ -141,7 +141,7 @@ def _type_argument(kind: _Kind, given: str | None) -> str:
 
 
 def _matches(kind: _Kind, registry: Registry, name: str) -> list[str]:
-    """Return the full names that a type name without its package stands for."""
+    """Return the full names that match a type name without its package."""
     names = kind.names(registry)
     found = [each for each in names if each.rpartition("/")[2] == name]
     if not found:

@@ -34,7 +34,7 @@ class Registrations:
 class Connection:
     """One connection of a node. `peer` is a node's name, `peer_uri` its address where it gave that instead.
 
-    `sockets` is (local port, remote address, descriptor), or None where the node does not tell.
+    `sockets` is (local port, remote address, descriptor), or None if the node does not report it.
     """
 
     topic: str

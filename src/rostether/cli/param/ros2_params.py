@@ -281,7 +281,7 @@ def _shown(value: TypedValue) -> str:
 
 
 def parse_value(name: str, text: str) -> TypedValue:
-    """Return what a text means as `ros2 param set` takes it: what is no other value in YAML is a text."""
+    """Return the value of a text as in `ros2 param set`: a string, unless YAML reads another value."""
     from rostether.bounded_yaml import YamlError, load
 
     try:

@@ -34,9 +34,8 @@ class Shown:
 
 
 def choose(snapshot: Snapshot, names: Iterable[str] = (), *, with_hidden: bool = False) -> Shown:
-    """Choose what is in the namespaces (or is) one of `names`, and what is connected to it.
-
-    Raises UnknownNameError for a name that is nothing of the graph's.
+    """Select the parts that are one of `names` or in such a namespace, and their neighbours. Raises
+    UnknownNameError for a name that is not in the graph.
     """
     nodes = [each for each in snapshot.nodes if with_hidden or not _is_hidden_node(each)]
     topics = [each for each in snapshot.topics.values() if with_hidden or not _is_hidden_topic(each.name)]

@@ -1,4 +1,4 @@
-"""`rostether tf echo`: where one frame stands in another, as tf_echo prints it."""
+"""`rostether tf echo`: prints the transform between two frames, like tf_echo."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rostether.cli.shell.verbs import Verb
 from rostether.mechanisms.text import escape_line
 
 MAX_RATE_HZ = 1_000.0
-"""Faster than anybody reads; a script that wants every message echoes /tf."""
+"""Faster than a person can read; a script that needs every message echoes /tf."""
 
 
 @click.command(

@@ -1,4 +1,4 @@
-"""`rostether urdf`: read a robot's description, say what is wrong with it, show its links and joints."""
+"""`rostether urdf`: checks a robot description, and shows its links and joints."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rostether.robot.joint_states import JointStates
 
 _READ_BYTES = 1024  # a held key repeats thirty times a second, three bytes each
-_ENTER, _LEAVE = "\033[?1049h\033[?25l", "\033[?25h\033[?1049l"  # a screen of its own, no cursor
+_ENTER, _LEAVE = "\033[?1049h\033[?25l", "\033[?25h\033[?1049l"  # the alternate screen, without a cursor
 _HOME, _CLEAR_LINE, _CLEAR_BELOW = "\033[H", "\033[K", "\033[J"
 
 _KEYS = {
@@ -72,7 +72,7 @@ class SliderScreen:
             sys.stdout.flush()
 
     def refresh(self) -> None:
-        """Show the sliders as they stand."""
+        """Show the current sliders."""
         size = shutil.get_terminal_size()
         lines = [escape_line(line) + _CLEAR_LINE for line in self._sliders.lines(size.columns, size.lines)]
         sys.stdout.write(_HOME + "\r\n".join(lines) + _CLEAR_BELOW)

@@ -1,4 +1,4 @@
-"""`rostether service list|type|uri|node|args|info|find`: which services there are, and what they take."""
+"""`rostether service list|type|uri|node|args|info|find`: lists and shows services."""
 
 from __future__ import annotations
 

@@ -72,7 +72,7 @@ def _report_usage(error: click.ClickException) -> int:
     text = fold_line(error.format_message()).rstrip(".")
     for clicks, ours in _PLAINER.items():
         text = text.replace(clicks, ours)
-    # Our own usage errors say what to do; click's say what is wrong.
+    # Rostether's usage errors say what to do; those of click only say what is wrong.
     if context is not None and (type(error) is not click.UsageError or "unexpected extra" in text):
         text = f"{text}; see `{context.command_path} --help`"
     print_error(text)

@@ -52,7 +52,7 @@ class TopicMeter:
         return len(payload if encode is None else encode(payload))
 
     def add_listener(self, name: str, add: Callable[[Any], None]) -> None:
-        """Call `add` with every decoded message; what it raises ends the reports."""
+        """Call `add` with every decoded message; an exception from it ends the reports."""
 
         async def listen() -> None:
             async with shown_messages(self.graph.messages(name)) as messages:

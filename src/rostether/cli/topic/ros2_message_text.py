@@ -80,7 +80,7 @@ class MessageText:
         return f"{definition.full_name.replace('/', '.')}({fields})"
 
     def python_value(self, value: Any, field_type: Ros2Type) -> str:
-        """Return what a field holds as `print` shows it: a text as it stands."""
+        """Return the value of a field as `print` shows it: a string without quotes."""
         return clean_text(value) if isinstance(value, str) else self._python_value(value, field_type)
 
     def _fields(self, message: Message, definition: Ros2Message) -> dict[str, Any]:
@@ -149,7 +149,7 @@ class MessageText:
 
 
 def array_summary(values: Any, field_type: Ros2Type) -> str:
-    """Return what stands for an array that is left out."""
+    """Return the text that replaces an omitted array."""
     base = field_type.base
     name = _IDL_NAMES.get(base, base) if base in PRIMITIVE_TYPES else base
     if field_type.length is not None:

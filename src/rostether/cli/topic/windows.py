@@ -26,7 +26,7 @@ class Spread:
 
     @property
     def rate_hz(self) -> float:
-        """The rate that a mean interval stands for; 0 when all came at once."""
+        """The rate of a mean interval; 0 if all messages arrived at once."""
         return 1.0 / self.mean_s if self.mean_s > 0 else 0.0
 
 

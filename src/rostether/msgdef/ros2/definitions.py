@@ -79,7 +79,7 @@ class Ros2Definitions:
         distro = environ.get("ROS_DISTRO", "") if environ.get("ROS_VERSION", "2") == "2" else ""
         if distro in ("noetic", "melodic", "kinetic", ""):
             distro = BUNDLED_DISTRO
-        # What pip installed is of a distribution of its own: it only adds types.
+        # Packages from pip may be of another distribution: they only add types.
         return cls(paths, prefixes=install_prefixes(environ), last_prefixes=python_prefixes(), distro=distro)
 
     @property
@@ -117,7 +117,7 @@ class Ros2Definitions:
         return found
 
     def text(self, name: str) -> str:
-        """Return a message's text by `package/msg/Name`, as it stands in its file. Raises as `message`."""
+        """Return the original text of a message, by `package/msg/Name`. Raises as `message`."""
         package, kind, short_name = split_name(name)
         file = self._file(kind, package, short_name) if kind is Kind.MESSAGE else None
         return message_text(self.message(name)) if file is None else read_definition(file)

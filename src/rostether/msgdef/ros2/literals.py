@@ -83,7 +83,7 @@ def _split_numbers(text: str) -> list[str]:
 
 
 def _split_strings(text: str) -> list[str]:
-    """Split at the commas that stand outside quotes."""
+    """Split at the commas outside quotes."""
     parts: list[str] = []
     start = 0
     mark = ""

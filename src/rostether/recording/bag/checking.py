@@ -1,4 +1,4 @@
-"""What is wrong with a ROS 1 bag as a file: its chunks against what its indexes say of them."""
+"""Checks the structure of a ROS 1 bag: its chunks against its indexes."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _ENTRY = struct.Struct("<III")
 
 
 def faults_of(data: Buffer) -> list[str]:
-    """Return what is wrong, one line each. Raises RecordingError when it is no bag."""
+    """Return the errors, one line each. Raises RecordingError if it is not a bag."""
     content = read_content(data)
     faults: list[str] = []
     if content.damage:

@@ -1,4 +1,4 @@
-"""Finding what a bag holds: by its index, or by walking over the file where there is none.
+"""Finds the contents of a bag: by its index, or by reading the whole file if it has none.
 
 A recorder that was killed leaves no index. What it wrote last may be a chunk without its size, when it writes
 messages before their chunk is whole (roscpp's does); its messages are then found one by one.
@@ -43,7 +43,7 @@ MAX_CONNECTIONS_BYTES = 256 << 20
 
 @dataclass(frozen=True, slots=True)
 class Chunk:
-    """Where a chunk's data lie in the file, and what is in them; `counts` by connection number."""
+    """The position of a chunk's data in the file, and its contents; `counts` by connection number."""
 
     data_start: int
     data_end: int
@@ -97,7 +97,7 @@ def read_content(data: Buffer, damage: str = "") -> BagContent:
     if damage:
         content = BagContent(damage=damage)
         with contextlib.suppress(RecordingError):
-            # Connections whose chunk is broken stand there too.
+            # Connections of broken chunks are there too.
             content.connections = _by_index(data, index_position, chunk_count).connections
         return search(data, data_end, damage, content)
     if index_position == 0:

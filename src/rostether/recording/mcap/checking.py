@@ -1,4 +1,4 @@
-"""What is wrong with an MCAP file as a file, record by record: sums, places, counts, and what refers to what.
+"""Checks the structure of an MCAP file, record by record: checksums, positions, counts and references.
 
 The order of the checks is that of the file: data section, summary, summary offsets, footer.
 """

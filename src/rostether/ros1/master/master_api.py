@@ -52,7 +52,7 @@ class _Method(NamedTuple):
 
 
 class MasterApi:
-    """The methods of one master over its tables; `on_shutdown` is called when somebody asks it to stop.
+    """The methods of one master over its tables; `on_shutdown` is called when a client asks it to stop.
 
     `work_later` exhausts the steps of long work in slices. `uri` is what getUri answers: set it once the
     server listens.
@@ -119,7 +119,7 @@ class MasterApi:
             return _refusal(error, method.error_value)
 
     def drop_node(self, name: str) -> None:
-        """Remove a node that is gone, with all its registrations, and tell its topics' subscribers."""
+        """Remove a dead node with all its registrations, and notify the subscribers of its topics."""
         if name in self.registrations.nodes:
             self._topic_notices.send_later(self.registrations.drop(name).topics)
 

@@ -1,4 +1,4 @@
-"""What a master tells nodes of changes, and in what order; without any I/O."""
+"""The notifications of changes from a master to nodes, and their order; without any I/O."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ class NodeCalls(Protocol):
     """How the master calls nodes: each call is queued for the node's URI, and the caller does not wait."""
 
     def publisher_update(self, api: str, topic: str, publishers: list[str]) -> None:
-        """Tell a subscriber the URIs of the topic's publishers."""
+        """Send a subscriber the URIs of the topic's publishers."""
 
     def param_update(self, api: str, key: str, value: XmlRpcValue) -> None:
-        """Tell a watcher a parameter's new value."""
+        """Send a watcher the new value of a parameter."""
 
     def ping(self, api: str) -> None:
         """Find out whether a node is there, and keep an eye on it."""
@@ -26,7 +26,9 @@ class NodeCalls(Protocol):
 
 
 class TopicNotices:
-    """Tells subscribers who publishes their topics; `work_later` exhausts the steps of long work."""
+    """Notifies subscribers of the publishers of their topics; `work_later` exhausts the steps of long
+    work.
+    """
 
     def __init__(
         self,
@@ -40,13 +42,13 @@ class TopicNotices:
         self._changed: dict[str, None] = {}
 
     def send(self, topic: str) -> None:
-        """Tell a topic's subscribers now."""
+        """Notify a topic's subscribers now."""
         publishers = self._registrations.apis(Kind.PUBLISHER, topic)
         for api in self._registrations.apis(Kind.SUBSCRIBER, topic):
             self._node_calls.publisher_update(api, topic, publishers)
 
     def send_later(self, topics: Iterable[str]) -> None:
-        """Tell the subscribers of many topics in slices: each receives the publishers of that moment."""
+        """Notify the subscribers of many topics in slices: each receives the current publishers."""
         is_working = bool(self._changed)
         self._changed.update(
             dict.fromkeys(topic for topic in topics if self._registrations.members(Kind.SUBSCRIBER, topic))

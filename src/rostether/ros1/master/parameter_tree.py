@@ -90,7 +90,7 @@ class ParameterTree:
                 spaces.pop()
 
     def set(self, name: str, value: XmlRpcValue) -> None:
-        """Set a parameter; values on the way become namespaces. Raises GraphError for what cannot be set."""
+        """Set a parameter; values above it become namespaces. Raises GraphError if it cannot be set."""
         run_at_once(self.set_steps(name, value))
 
     def set_steps(self, name: str, value: XmlRpcValue) -> Iterator[None]:

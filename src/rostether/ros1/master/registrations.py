@@ -1,7 +1,7 @@
-"""Who publishes, subscribes, serves and watches what: the Master's tables, without any I/O.
+"""The registrations of publishers, subscribers, services and watchers: the master's tables, without any I/O.
 
 A node is known while it has registrations. One that registers under a new URI replaces the old one with all
-its registrations; both facts come back to the caller, who tells the nodes concerned.
+its registrations; both facts are returned to the caller, which notifies the nodes.
 """
 
 from __future__ import annotations
@@ -12,7 +12,8 @@ from enum import Enum
 
 from rostether.errors import GraphError
 
-# A graph of a thousand nodes with a hundred registrations each; beyond, somebody registers in a loop.
+# A graph of a thousand nodes with a hundred registrations each; more come from a program that registers in a
+# loop.
 MAX_REGISTRATIONS = 100_000
 # Each change of a topic sends the list of its publishers to every subscriber. /rosout has one of each node.
 MAX_MEMBERS = 4096
@@ -75,7 +76,7 @@ class Registrations:
         self._watches = 0
 
     def keys(self, kind: Kind) -> list[str]:
-        """Return the topics, services or parameters that somebody is registered for, oldest first."""
+        """Return the topics, services or parameters with registrations, oldest first."""
         return list(self._tables[kind])
 
     def members(self, kind: Kind, key: str) -> dict[str, str]:

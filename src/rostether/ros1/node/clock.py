@@ -1,4 +1,4 @@
-"""ROS time: the wall clock, or what /clock says where the parameter /use_sim_time is set."""
+"""ROS time: the wall clock, or the time on /clock if the parameter /use_sim_time is set."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def _wall_time() -> Time:
 
 
 class Clock:
-    """Tells ROS time; whether it is simulated is decided once, when the node joins, as in rospy."""
+    """Returns ROS time; whether it is simulated is decided once, when the node joins, as in rospy."""
 
     def __init__(self, wall_time: Callable[[], Time] = _wall_time) -> None:
         self._wall_time = wall_time

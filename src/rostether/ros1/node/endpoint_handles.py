@@ -1,5 +1,6 @@
-"""The endpoints of one node: what it publishes, subscribes to and serves, and the two servers others reach
-it through. The slave API does not name its node, so each node has servers of its own."""
+"""The endpoints of one node: what it publishes, subscribes to and serves, and the two servers others reach it
+through. Requests in the slave API do not name the node, so each node has its own servers.
+"""
 
 from __future__ import annotations
 

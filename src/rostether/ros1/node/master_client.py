@@ -70,7 +70,7 @@ class MasterClient:
             raise GraphError(f"the ROS master at {self.uri} answered getSystemState with nonsense") from None
 
     async def topic_types(self) -> dict[str, str]:
-        """Return the type of each topic that somebody knows."""
+        """Return the known types of topics."""
         answer: Any = await self._call("getTopicTypes")
         try:
             return dict(answer)

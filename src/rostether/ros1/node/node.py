@@ -217,7 +217,7 @@ class Ros1Graph:
         return self._clock.now()
 
     async def snapshot(self) -> Snapshot:
-        """Return the whole graph as it stands. Raises MasterUnreachableError."""
+        """Return a snapshot of the whole graph. Raises MasterUnreachableError."""
         return await take_snapshot(self._master)
 
     def changes(self) -> AsyncIterator[Snapshot]:

@@ -1,4 +1,4 @@
-"""Watching parameters: the master tells us of changes at, above and below the names we subscribed to."""
+"""Watching parameters: the master sends changes at, above and below the subscribed names."""
 
 from __future__ import annotations
 

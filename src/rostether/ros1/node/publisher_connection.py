@@ -14,7 +14,7 @@ from rostether.ros1.xmlrpc_client import XmlRpcClient
 from rostether.tcpros.message_framing import MessageDecoder
 
 FIRST_RETRY_S = 0.1
-"""A publisher that restarts its server, or whose registration overtook it, is there again at once."""
+"""A publisher that restarts its server, or registered before it listens, is reachable again at once."""
 
 MAX_RETRY_S = 5.0
 """Each retry to a publisher that is gone costs one refused connection; longer waits annoy users."""

@@ -128,7 +128,7 @@ class Registrations:
     async def _watch_master(self, interval_s: float) -> None:
         _watching.add(self)
         is_away = False
-        # Each node at a moment of its own: a hundred boards that ask at once keep their messages waiting.
+        # Each node at a different time: a hundred boards that ask at once would delay their messages.
         wait_s = interval_s * crc32(self._master.caller_id.encode()) / 2**32
         while True:
             await asyncio.sleep(wait_s)

@@ -99,7 +99,7 @@ class ServiceConnection(asyncio.Protocol):
         self._is_lost = False
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Answer the header; somebody who only probed needs no more."""
+        """Answer the header; a probe ends here."""
         self._transport.write(self._greeting)
         if self._purpose is Purpose.PROBE:
             self._transport.close()

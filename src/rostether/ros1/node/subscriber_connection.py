@@ -12,7 +12,9 @@ from rostether.ros1.tcpros_connection import CLOSE_GRACE_S, ConnectionRecord, li
 from rostether.tcpros.message_framing import measure_oldest
 
 SLOW_REPORT_INTERVAL_S = 10.0
-"""Who falls behind and catches up all the time would fill the log; the line says how many are lost so far."""
+"""A subscriber that keeps falling behind and catching up would fill the log; the line has the total of lost
+messages.
+"""
 
 _WRITE_BYTES = 64 << 10
 """How much of a queue is joined for one write: more would only wait in the transport, undroppable, and a slow
@@ -94,7 +96,7 @@ class SubscriberConnection(asyncio.Protocol):
             await self._lost.wait()
 
     def data_received(self, data: bytes) -> None:
-        """Ignore what a subscriber says; the protocol has nothing for it to say."""
+        """Ignore data from a subscriber; the protocol defines none."""
 
     def pause_writing(self) -> None:
         """Queue from now on: the socket is full."""
@@ -132,7 +134,7 @@ class SubscriberConnection(asyncio.Protocol):
         return self._queued_bytes + self._transport.get_write_buffer_size()
 
     def _drop_oldest(self) -> int:
-        """Make the queue fit its limit again, or leave the newest message alone in it."""
+        """Drop messages until the queue is within its limit, but keep the newest."""
         dropped = 0
         excess_bytes = self._queued_bytes - self._limit_bytes
         while excess_bytes > 0:

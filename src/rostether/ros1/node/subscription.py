@@ -21,8 +21,8 @@ a thread for each."""
 class Subscription:
     """A `graph.ports.Subscriber`.
 
-    Each has connections of its own, even where one node subscribes twice to a topic: so each can pause, and
-    each new one gets the latched message.
+    Each has its own connections, even if one node subscribes to a topic twice: so each can pause, and each
+    new one receives the latched message.
     """
 
     def __init__(  # noqa: PLR0913 - the settings of Graph.subscribe
@@ -59,7 +59,7 @@ class Subscription:
 
     @property
     def connections(self) -> list[PublisherConnection]:
-        """The connections that stand now."""
+        """The open connections."""
         return [link.connection for link in self._links.values() if link.connection is not None]
 
     @property

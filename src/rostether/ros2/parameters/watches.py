@@ -110,7 +110,7 @@ class ParameterWatch:
         self._is_closed = False
 
     async def start(self) -> None:
-        """Tell the value now, and changes from now on."""
+        """Report the current value, and later changes."""
         with contextlib.suppress(GraphError, SerializationError):
             self._latest = await self._fetch(self.name)
         self._tell()

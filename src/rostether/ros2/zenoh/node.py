@@ -138,7 +138,7 @@ class ZenohGraph(ParameterMethods):
         return self._clock.now()
 
     async def snapshot(self) -> Snapshot:
-        """Return the whole graph as it stands."""
+        """Return a snapshot of the whole graph."""
         return self._session.graph.snapshot()
 
     async def endpoints(self) -> list[EndpointInfo]:

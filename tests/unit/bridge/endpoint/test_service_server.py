@@ -244,7 +244,7 @@ async def test_a_request_larger_than_the_boards_buffer_names_the_service_and_the
     info = replace(switch.info, request=replace(switch.info.request, buffer_size=0))
     switch.attach(line, info)
     with pytest.raises(
-        ServiceCallError, match="switch: the request has 1 byte, and the board's buffer has only 0; enlarge"
+        ServiceCallError, match="switch: the request has 1 byte, but the board's buffer has only 0; enlarge"
     ):
         await switch.call(YES)
     assert line.transport.written == b""
