@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 from rostether.errors import ConfigError
 from rostether.recording.bag.reader import BagReader
 from rostether.recording.bag.records import MAGIC
-from rostether.recording.bag.writer import DEFAULT_CHUNK_BYTES, BagWriter
+from rostether.recording.bag.writer import BagWriter
+from rostether.recording.chunked_writer import DEFAULT_CHUNK_BYTES
 from rostether.recording.compression import NONE
 from rostether.recording.file_lock import FileLock
 from rostether.recording.recorded import RecordingReader, RecordingWriter

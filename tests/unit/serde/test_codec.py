@@ -304,8 +304,8 @@ def test_bytes_of_an_array() -> None:
 
 
 def test_short_arrays_of_numbers_in_a_part() -> None:
-    store = store_of(Part="float64[3] x\nint8[] y\nstring z", Kind="test/Part[] parts")
-    parts = [{"x": [1.0, 2.0, 3.0], "y": [4, 5], "z": "six"}]
+    store = store_of(Part="float64[3] x\nint8[] y\nstring z", Kind="test/Part part\nstring name")
     codec = store.codec("test/Kind")
-    (part,) = codec.decode(codec.encode({"parts": parts})).parts
+    sent = {"part": {"x": [1.0, 2.0, 3.0], "y": [4, 5], "z": "six"}, "name": "seven"}
+    part = codec.decode(codec.encode(sent)).part
     assert (part.x, part.y, part.z) == ([1.0, 2.0, 3.0], [4, 5], "six")

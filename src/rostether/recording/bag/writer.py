@@ -1,7 +1,7 @@
 """Writes ROS 1 bags, format 2.0: chunks of messages with their index, straight bytes.
 
-A chunk goes to the file at once when it is full or flushed, so a killed process leaves whole chunks behind,
-which every reader finds by walking over the file. Index and counts of the file are written when it is closed.
+Every reader finds the chunks that a killed process leaves behind by walking over the file. Index and counts
+of the file are written when it is closed.
 """
 
 from __future__ import annotations
@@ -9,12 +9,11 @@ from __future__ import annotations
 import struct
 import sys
 from array import array
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
 
-from rostether.errors import RecordingError
 from rostether.recording.bag.records import (
     CHUNK_INFO_VERSION,
     INDEX_VERSION,
@@ -32,12 +31,9 @@ from rostether.recording.bag.records import (
     encode_record,
     encode_time,
 )
-from rostether.recording.compression import NONE, check_compression, compress
-from rostether.recording.output_file import OutputFile
+from rostether.recording.chunked_writer import DEFAULT_CHUNK_BYTES, ChunkedWriter
+from rostether.recording.compression import NONE, compress
 from rostether.recording.recorded import Connection
-
-DEFAULT_CHUNK_BYTES = 768 * 1024
-"""What rosbag writes: enough to compress well, little enough to read for one message."""
 
 # Length of the header, then conn (13 bytes with its length), op (8) and time (17) but for its value.
 _MESSAGE_HEAD = struct.Struct("<II5sII4sI5s")
@@ -52,42 +48,21 @@ class _ChunkInfo:
     counts: tuple[tuple[int, int], ...]
 
 
-class BagWriter:
+class BagWriter(ChunkedWriter):
     """A bag being written; see `recording.recorded.RecordingWriter`."""
+
+    _index_code = "I"
 
     def __init__(
         self, path: Path, *, compression: str = NONE, chunk_bytes: int = DEFAULT_CHUNK_BYTES
     ) -> None:
-        check_compression(compression)
-        self.path = path
-        self.message_count = 0
-        self._compression = compression
-        self._limit_bytes = chunk_bytes
         self._numbers: dict[Connection, int] = {}
         self._heads: list[bytes] = []
         self._records: list[bytes] = []
         self._infos: list[_ChunkInfo] = []
-        self._is_closed = False
-        self._file = OutputFile(path)
         # Connections whose record stands in a chunk that is in the file.
         self._known: set[int] = set()
-        self._parts: list[bytes] = []
-        self._chunk_bytes = 0
-        self._index: dict[int, array[int]] = {}
-        self._start_ns: int | None = None
-        self._end_ns = 0
-        self._is_sorted = True
-        try:
-            self._file.append(MAGIC + bag_header(0, 0, 0))
-        except RecordingError:
-            self._is_closed = True
-            self._file.close()
-            raise
-
-    @property
-    def size_bytes(self) -> int:
-        """The file's size and what waits to be written."""
-        return self._file.position + self._chunk_bytes
+        super().__init__(path, compression, chunk_bytes, MAGIC + bag_header(0, 0, 0))
 
     def add_connection(self, connection: Connection) -> int:
         """Return the connection's number; equal connections share one."""
@@ -102,45 +77,6 @@ class BagWriter:
                 encode_record(OP_CONNECTION, {b"conn": U32.pack(number), b"topic": fields[b"topic"]}, header)
             )
         return number
-
-    def write(self, number: int, time_ns: int, payloads: Sequence[bytes]) -> None:
-        """Take messages that came at one time. Raises RecordingError when the disk takes no more."""
-        if not payloads:
-            return
-        index = self._index.get(number)
-        if index is None:
-            index = self._index[number] = array("I")
-            if number not in self._known:
-                self._parts.append(self._records[number])
-                self._chunk_bytes += len(self._records[number])
-        stamp = encode_time(time_ns)
-        head = self._heads[number] + stamp
-        secs, nsecs = U32_PAIR.unpack(stamp)
-        sizes = [len(each) for each in payloads]
-        offset = self._chunk_bytes
-        if sizes.count(sizes[0]) == len(sizes):
-            # The usual case, a flood of one size: no step of Python for each message.
-            head += U32.pack(sizes[0])
-            step = len(head) + sizes[0]
-            self._parts.append(head + head.join(payloads))
-            self._chunk_bytes += step * len(sizes)
-            entries = array("I", bytes(12 * len(sizes)))
-            entries[0::3] = array("I", (secs,)) * len(sizes)
-            entries[1::3] = array("I", (nsecs,)) * len(sizes)
-            entries[2::3] = array("I", range(offset, self._chunk_bytes, step))
-            index.extend(entries)
-        else:
-            for size, payload in zip(sizes, payloads, strict=True):
-                index.extend((secs, nsecs, offset))
-                self._parts.append(head + U32.pack(size) + payload)
-                offset += len(head) + 4 + size
-            self._chunk_bytes = offset
-        self._is_sorted = self._is_sorted and time_ns >= self._end_ns
-        self._start_ns = time_ns if self._start_ns is None else min(self._start_ns, time_ns)
-        self._end_ns = max(self._end_ns, time_ns)
-        self.message_count += len(payloads)
-        if self._chunk_bytes >= self._limit_bytes:
-            self.flush()
 
     def flush(self) -> None:
         """End the chunk and write it. Raises RecordingError; the file then ends with the chunk before."""
@@ -161,37 +97,19 @@ class BagWriter:
         indexes = [_index_record(number, entries) for number, entries in self._index.items()]
         info = _ChunkInfo(position, self._start_ns, self._end_ns, counts)
         known = self._known | self._index.keys()
-        self._begin_chunk()
-        try:
-            self._file.append(b"".join((record, *indexes)))
-        except RecordingError:
-            self.message_count -= sum(count for _, count in counts)
-            raise
+        self._append_chunk(b"".join((record, *indexes)), sum(count for _, count in counts))
         self._known = known
         self._infos.append(info)
 
-    def close(self) -> None:
-        """Write the index and close the file. Idempotent. Raises RecordingError; the chunks are kept."""
-        if self._is_closed:
-            return
-        self._is_closed = True
-        try:
-            try:
-                self.flush()
-            finally:
-                self._write_index()
-        finally:
-            self._file.close()
+    def _pop_unwritten(self, number: int) -> Iterable[bytes]:
+        return () if number in self._known else (self._records[number],)
 
-    def _begin_chunk(self) -> None:
-        self._parts = []
-        self._chunk_bytes = 0
-        self._index = {}
-        self._start_ns = None
-        self._end_ns = 0
-        self._is_sorted = True
+    def _message_form(self, number: int, time_ns: int) -> tuple[tuple[int, ...], Callable[[int], bytes]]:
+        stamp = encode_time(time_ns)
+        head = self._heads[number] + stamp
+        return U32_PAIR.unpack(stamp), lambda size: head + U32.pack(size)
 
-    def _write_index(self) -> None:
+    def _write_end(self) -> None:
         position = self._file.position
         known = sorted(self._known)
         infos = (

@@ -1,6 +1,5 @@
 """Writes MCAP files with ROS 1 messages (profile `ros1`, schemas `ros1msg`): chunks with their indexes.
 
-A chunk goes to the file at once when it is full or flushed, so a killed process leaves whole chunks behind.
 Source: mcap.dev/spec
 """
 
@@ -9,11 +8,12 @@ from __future__ import annotations
 import sys
 import zlib
 from array import array
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 
 from rostether.errors import ConfigError, RecordingError
-from rostether.recording.compression import BZ2, NONE, check_compression, compress
+from rostether.recording.chunked_writer import DEFAULT_CHUNK_BYTES, ChunkedWriter
+from rostether.recording.compression import BZ2, NONE, compress
 from rostether.recording.mcap.records import (
     CHUNK_HEAD,
     FOOTER,
@@ -45,11 +45,7 @@ from rostether.recording.mcap.records import (
     encode_statistics,
     encode_text,
 )
-from rostether.recording.output_file import OutputFile
 from rostether.recording.recorded import Connection
-
-DEFAULT_CHUNK_BYTES = 768 * 1024
-"""As bags have them."""
 
 MAX_CHANNELS = 0xFFFF
 """The format numbers them in two bytes."""
@@ -57,24 +53,20 @@ MAX_CHANNELS = 0xFFFF
 _MAX_TIME_NS = (1 << 64) - 1
 
 
-class McapWriter:
+class McapWriter(ChunkedWriter):
     """An MCAP file being written; see `recording.recorded.RecordingWriter`.
 
     What differs for messages of another ROS stands in `profile`, `schema_of` and `channel_of`.
     """
 
     profile = "ros1"
+    _index_code = "Q"
 
     def __init__(
         self, path: Path, *, compression: str = NONE, chunk_bytes: int = DEFAULT_CHUNK_BYTES
     ) -> None:
         if compression == BZ2:
             raise ConfigError("MCAP does not support bz2; use lz4, or no compression")
-        check_compression(compression)
-        self.path = path
-        self.message_count = 0
-        self._compression = compression
-        self._limit_bytes = chunk_bytes
         self._numbers: dict[Connection, int] = {}
         self._schemas: dict[tuple[str, str, bytes], int] = {}
         self._schema_records: dict[int, bytes] = {}
@@ -86,25 +78,8 @@ class McapWriter:
         self._indexes: list[ChunkIndex] = []
         self._counts: dict[int, int] = {}
         self._data_crc = 0
-        self._is_closed = False
-        self._parts: list[bytes] = []
-        self._chunk_bytes = 0
-        self._index: dict[int, array[int]] = {}
-        self._start_ns: int | None = None
-        self._end_ns = 0
-        self._file = OutputFile(path)
-        try:
-            header = encode_text(self.profile) + encode_text("rostether")
-            self._append(MAGIC + encode_record(OP_HEADER, header))
-        except RecordingError:
-            self._is_closed = True
-            self._file.close()
-            raise
-
-    @property
-    def size_bytes(self) -> int:
-        """The file's size and what waits to be written."""
-        return self._file.position + self._chunk_bytes
+        header = encode_text(self.profile) + encode_text("rostether")
+        super().__init__(path, compression, chunk_bytes, MAGIC + encode_record(OP_HEADER, header))
 
     def schema_of(self, connection: Connection) -> tuple[str, str, bytes]:
         """Return name, encoding and definition of a connection's type."""
@@ -138,41 +113,7 @@ class McapWriter:
 
     def write(self, number: int, time_ns: int, payloads: Sequence[bytes]) -> None:
         """Take messages that came at one time. Raises RecordingError when the disk takes no more."""
-        if not payloads:
-            return
-        index = self._index.get(number)
-        if index is None:
-            index = self._index[number] = array("Q")
-            for record in self._unwritten(number):
-                self._written.add(record)
-                self._parts.append(record)
-                self._chunk_bytes += len(record)
-        time_ns = min(max(time_ns, 0), _MAX_TIME_NS)
-        # No sequence number (0): the order in the file tells as much, and heads of a batch are then equal.
-        inner = MESSAGE_HEAD.pack(number, 0, time_ns, time_ns)
-        sizes = [len(each) for each in payloads]
-        offset = self._chunk_bytes
-        if sizes.count(sizes[0]) == len(sizes):
-            # The usual case, a flood of one size: no step of Python for each message.
-            head = RECORD_HEAD.pack(OP_MESSAGE, len(inner) + sizes[0]) + inner
-            step = len(head) + sizes[0]
-            self._parts.append(head + head.join(payloads))
-            self._chunk_bytes += step * len(sizes)
-            entries = array("Q", bytes(16 * len(sizes)))
-            entries[0::2] = array("Q", (time_ns,)) * len(sizes)
-            entries[1::2] = array("Q", range(offset, self._chunk_bytes, step))
-            index.extend(entries)
-        else:
-            for size, payload in zip(sizes, payloads, strict=True):
-                index.extend((time_ns, offset))
-                self._parts.append(RECORD_HEAD.pack(OP_MESSAGE, len(inner) + size) + inner + payload)
-                offset += RECORD_HEAD.size + len(inner) + size
-            self._chunk_bytes = offset
-        self._start_ns = time_ns if self._start_ns is None else min(self._start_ns, time_ns)
-        self._end_ns = max(self._end_ns, time_ns)
-        self.message_count += len(payloads)
-        if self._chunk_bytes >= self._limit_bytes:
-            self.flush()
+        super().write(number, min(max(time_ns, 0), _MAX_TIME_NS), payloads)
 
     def flush(self) -> None:
         """End the chunk and write it. Raises RecordingError; the file then ends with the chunk before."""
@@ -204,43 +145,24 @@ class McapWriter:
             compressed_bytes=len(stored),
             size_bytes=len(plain),
         )
-        written = self._written
-        self._begin_chunk()
-        try:
-            self._append(b"".join((record, *indexes)))
-        except RecordingError:
-            self.message_count -= sum(counts.values())
-            raise
+        written, self._written = self._written, set()
+        self._append_chunk(b"".join((record, *indexes)), sum(counts.values()))
         self._known |= written
         self._indexes.append(index)
         for number, count in counts.items():
             self._counts[number] = self._counts.get(number, 0) + count
 
-    def close(self) -> None:
-        """Write the summary and close the file. Idempotent. Raises RecordingError; the chunks are kept."""
-        if self._is_closed:
-            return
-        self._is_closed = True
-        try:
-            try:
-                self.flush()
-            finally:
-                self._write_end()
-        finally:
-            self._file.close()
-
-    def _begin_chunk(self) -> None:
-        self._parts = []
-        self._chunk_bytes = 0
-        self._index = {}
-        self._written = set()
-        self._start_ns = None
-        self._end_ns = 0
-
-    def _unwritten(self, number: int) -> list[bytes]:
+    def _pop_unwritten(self, number: int) -> Iterable[bytes]:
         schema, channel = self._channels[number]
         records = (self._schema_records[schema], channel)
-        return [each for each in records if each not in self._known and each not in self._written]
+        missing = [each for each in records if each not in self._known and each not in self._written]
+        self._written.update(missing)
+        return missing
+
+    def _message_form(self, number: int, time_ns: int) -> tuple[tuple[int, ...], Callable[[int], bytes]]:
+        # No sequence number (0): the order in the file tells as much, and heads of a batch are then equal.
+        inner = MESSAGE_HEAD.pack(number, 0, time_ns, time_ns)
+        return (time_ns,), lambda size: RECORD_HEAD.pack(OP_MESSAGE, len(inner) + size) + inner
 
     def _append(self, data: bytes) -> None:
         self._file.append(data)
@@ -248,7 +170,7 @@ class McapWriter:
 
     def _write_end(self) -> None:
         for number in self._channels:
-            for record in self._unwritten(number):  # of topics without a message
+            for record in self._pop_unwritten(number):  # of topics without a message
                 self._append(record)
                 self._known.add(record)
         data_end = encode_record(OP_DATA_END, U32.pack(self._data_crc))

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Protocol
 
 from rostether.errors import RecordingError
+from rostether.recording.chunked_writer import DEFAULT_CHUNK_BYTES
 from rostether.recording.compression import NONE
-from rostether.recording.mcap.writer import DEFAULT_CHUNK_BYTES
 from rostether.recording.recorded import Connection, RecordingWriter
 from rostether.recording.ros2.channels import Ros2Channels
 from rostether.recording.ros2.metadata import FileFacts, describe, write_metadata

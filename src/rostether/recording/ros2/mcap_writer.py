@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from rostether.recording.chunked_writer import DEFAULT_CHUNK_BYTES
 from rostether.recording.compression import NONE
-from rostether.recording.mcap.writer import DEFAULT_CHUNK_BYTES, McapWriter
+from rostether.recording.mcap.writer import McapWriter
 from rostether.recording.recorded import Connection
 from rostether.recording.ros2.channels import Channel, Ros2Channels
 from rostether.recording.ros2.unfit_messages import UnfitMessages

@@ -1,0 +1,145 @@
+"""What writers of bags and of MCAP files share: messages gather in a chunk that goes to the file whole.
+
+A chunk goes to the file at once when it is full or flushed, so a killed process leaves whole chunks behind.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from array import array
+from collections.abc import Callable, Iterable, Sequence
+from itertools import accumulate, chain
+from pathlib import Path
+
+from rostether.errors import RecordingError
+from rostether.recording.compression import check_compression
+from rostether.recording.output_file import OutputFile
+
+DEFAULT_CHUNK_BYTES = 768 * 1024
+"""What rosbag writes: enough to compress well, little enough to read for one message."""
+
+
+class ChunkedWriter(ABC):
+    """A recording being written, but for its format; see `recording.recorded.RecordingWriter`.
+
+    `_index` has for each connection with messages in the chunk a row for each of them, one behind the other:
+    the columns of its time, and its offset in the chunk.
+    """
+
+    _index_code: str
+    """The type of the numbers of an index, as `array` names it."""
+
+    def __init__(self, path: Path, compression: str, chunk_bytes: int, file_head: bytes) -> None:
+        check_compression(compression)
+        self.path = path
+        self.message_count = 0
+        self._compression = compression
+        self._limit_bytes = chunk_bytes
+        self._is_closed = False
+        self._parts: list[bytes] = []
+        self._chunk_bytes = 0
+        self._index: dict[int, array[int]] = {}
+        self._start_ns: int | None = None
+        self._end_ns = 0
+        self._is_sorted = True
+        self._file = OutputFile(path)
+        try:
+            self._append(file_head)
+        except RecordingError:
+            self._is_closed = True
+            self._file.close()
+            raise
+
+    @property
+    def size_bytes(self) -> int:
+        """The file's size and what waits to be written."""
+        return self._file.position + self._chunk_bytes
+
+    def write(self, number: int, time_ns: int, payloads: Sequence[bytes]) -> None:
+        """Take messages that came at one time. Raises RecordingError when the disk takes no more."""
+        if not payloads:
+            return
+        index = self._index.get(number)
+        if index is None:
+            index = self._index[number] = array(self._index_code)
+            for record in self._pop_unwritten(number):
+                self._parts.append(record)
+                self._chunk_bytes += len(record)
+        time_columns, head_of = self._message_form(number, time_ns)
+        sizes = [len(each) for each in payloads]
+        offsets: Sequence[int]
+        if sizes.count(sizes[0]) == len(sizes):
+            # The usual case, a flood of one size: no step of Python for each message.
+            head = head_of(sizes[0])
+            step = len(head) + sizes[0]
+            end = self._chunk_bytes + step * len(sizes)
+            offsets = range(self._chunk_bytes, end, step)
+            self._parts.append(head + head.join(payloads))
+        else:
+            heads = [head_of(size) for size in sizes]
+            head_bytes = len(heads[0])
+            steps = (head_bytes + size for size in sizes)
+            *offsets, end = accumulate(steps, initial=self._chunk_bytes)
+            self._parts.extend(chain.from_iterable(zip(heads, payloads, strict=True)))
+        self._chunk_bytes = end
+        rows = array(self._index_code, (*time_columns, 0)) * len(sizes)
+        rows[len(time_columns) :: len(time_columns) + 1] = array(self._index_code, offsets)
+        index.extend(rows)
+        self._is_sorted = self._is_sorted and time_ns >= self._end_ns
+        self._start_ns = time_ns if self._start_ns is None else min(self._start_ns, time_ns)
+        self._end_ns = max(self._end_ns, time_ns)
+        self.message_count += len(payloads)
+        if self._chunk_bytes >= self._limit_bytes:
+            self.flush()
+
+    @abstractmethod
+    def flush(self) -> None:
+        """End the chunk and write it. Raises RecordingError; the file then ends with the chunk before."""
+
+    def close(self) -> None:
+        """Write the index and close the file. Idempotent. Raises RecordingError; the chunks are kept."""
+        if self._is_closed:
+            return
+        self._is_closed = True
+        try:
+            try:
+                self.flush()
+            finally:
+                self._write_end()
+        finally:
+            self._file.close()
+
+    @abstractmethod
+    def _pop_unwritten(self, number: int) -> Iterable[bytes]:
+        """Return the records that must be in the file before a message of a connection; once a chunk."""
+
+    @abstractmethod
+    def _message_form(self, number: int, time_ns: int) -> tuple[tuple[int, ...], Callable[[int], bytes]]:
+        """Return a time as columns of the index, and what makes a message's head from its size.
+
+        All heads have the same length.
+        """
+
+    @abstractmethod
+    def _write_end(self) -> None:
+        """Write what follows the last chunk."""
+
+    def _append(self, data: bytes) -> None:
+        self._file.append(data)
+
+    def _append_chunk(self, data: bytes, message_count: int) -> None:
+        """Write a chunk and begin the next one; the messages of a chunk that is not written do not count."""
+        self._begin_chunk()
+        try:
+            self._append(data)
+        except RecordingError:
+            self.message_count -= message_count
+            raise
+
+    def _begin_chunk(self) -> None:
+        self._parts = []
+        self._chunk_bytes = 0
+        self._index = {}
+        self._start_ns = None
+        self._end_ns = 0
+        self._is_sorted = True
