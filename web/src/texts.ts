@@ -114,6 +114,8 @@ export const texts = {
     noMatch: "No topic matches the search",
     topic: "Topic",
     type: "Type",
+    nodes: "Nodes",
+    nodesTitle: "Publishers → subscribers",
     rate: "Rate",
     bandwidth: "Bandwidth",
     lastValue: "Last value",

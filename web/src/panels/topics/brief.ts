@@ -4,16 +4,28 @@ import type { Message, Value } from "../../wire/decode.ts";
 
 const MAX_CHARACTERS = 120;
 
-export function brief(message: Message): string {
+/** `paths` are the fields to show; without them all but the header. */
+export function brief(message: Message, paths?: readonly string[]): string {
+  if (paths)
+    return briefFields(
+      paths.map((path) => [path.replaceAll("_", " "), valueAt(message, path)]),
+      ", ",
+    );
   const fields = Object.entries(message).filter(([name]) => name !== "header");
   const only = fields.length === 1 ? fields[0] : undefined;
   return only ? briefValue(only[1]) : briefFields(fields);
 }
 
-function briefFields(fields: [string, Value][]): string {
+function valueAt(message: Message, path: string): Value {
+  let value: Value | undefined = message;
+  for (const step of path.split(/[.[\]]+/).filter(Boolean)) value = (value as Message | undefined)?.[step];
+  return value ?? "–";
+}
+
+function briefFields(fields: [string, Value][], separator = " "): string {
   let text = "";
   for (const [name, value] of fields) {
-    text += `${text && " "}${name}: ${briefValue(value)}`;
+    text += `${text && separator}${name}: ${briefValue(value)}`;
     if (text.length > MAX_CHARACTERS) break;
   }
   return text.slice(0, MAX_CHARACTERS);

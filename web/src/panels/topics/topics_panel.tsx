@@ -5,6 +5,7 @@ import { formatBandwidth, formatRate } from "../../shell/format.ts";
 import { EmptyState, SearchField } from "../../shell/parts.tsx";
 import { texts } from "../../texts.ts";
 import { useTick } from "../hooks.ts";
+import { MAIN_FIELDS } from "../main_fields.ts";
 import type { PanelContext } from "../panel.ts";
 import { preactPanel } from "../preact_panel.tsx";
 import { brief } from "./brief.ts";
@@ -104,6 +105,9 @@ function TopicTable({ context, rows, chosen, scroll, onChoose }: TableProps) {
         <tr>
           <th>{texts.topics.topic}</th>
           <th class="wide">{texts.topics.type}</th>
+          <th class="number wide" title={texts.topics.nodesTitle}>
+            {texts.topics.nodes}
+          </th>
           <th class="number">{texts.topics.rate}</th>
           <th class="number wide">{texts.topics.bandwidth}</th>
           <th>{texts.topics.lastValue}</th>
@@ -114,7 +118,7 @@ function TopicTable({ context, rows, chosen, scroll, onChoose }: TableProps) {
           <>
             {isNewGroup(rows, index) && (
               <tr key={`group ${row.name}`} class="topics-group">
-                <td colSpan={5}>{group(row.name)}</td>
+                <td colSpan={6}>{group(row.name)}</td>
               </tr>
             )}
             <TopicRow
@@ -148,12 +152,13 @@ function TopicRow(props: {
   onChoose: (topic: string) => void;
 }) {
   const { name, typeName, isPublished } = props.row;
-  const feed = props.context.robot.feed(name);
+  const { robot } = props.context;
+  const feed = robot.feed(name);
   const now = performance.now();
   const message = feed.lastMessage();
   let value = isPublished ? texts.topics.waiting : texts.topics.subscribedOnly;
   if (message instanceof Error) value = message.message;
-  else if (message) value = brief(message);
+  else if (message) value = brief(message, MAIN_FIELDS[typeName]);
   const isFresh = message !== undefined && !feed.isStale(now);
   return (
     <tr data-topic={name} aria-selected={props.isChosen} onClick={() => props.onChoose(name)}>
@@ -163,6 +168,9 @@ function TopicRow(props: {
         </button>
       </td>
       <td class="topics-type wide">{typeName}</td>
+      <td class="number wide muted">
+        {robot.publishers.value.get(name)?.length ?? 0} → {robot.subscribers.value.get(name)?.length ?? 0}
+      </td>
       <td class="number">{formatRate(feed.rate.hertz(now))}</td>
       <td class="number wide">{formatBandwidth(feed.rate.bytesPerSecond(now))}</td>
       <td class={isFresh ? "topics-value" : "topics-value stale"}>{value}</td>
