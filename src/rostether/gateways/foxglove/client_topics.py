@@ -10,6 +10,7 @@ from rostether.errors import ConfigError, RostetherError, SerializationError, Un
 from rostether.gateways.foxglove.client_messages import ClientChannel
 from rostether.gateways.foxglove.json_messages import decode_json
 from rostether.gateways.foxglove.server_messages import JSON_ENCODING, ROS1_ENCODING
+from rostether.gateways.new_topic import DRAIN_S, wait_for_subscribers
 from rostether.gateways.rosbridge.type_names import short_type
 from rostether.graph.ports import Graph, Publisher
 from rostether.msgdef.registry import Registry
@@ -20,13 +21,6 @@ MAX_EARLY_BYTES = 32 << 20
 """What a client sends before the graph has taken its topic: a second of a flood, or two large images."""
 
 MAX_MISTAKES_TOLD = 20  # of one topic; each kind is told once
-
-MEETING_S = 1.0
-"""For subscribers to connect to a topic that is new; on a network a few round trips."""
-
-_LOOK_S = 0.01
-_DRAIN_S = 0.1
-"""As long as a slow subscriber may hold up the client, as with boards."""
 
 
 class ClientTopic:
@@ -80,7 +74,7 @@ class ClientTopic:
             self._early_bytes = MAX_EARLY_BYTES
             return
         try:
-            await _met(graph, publisher)
+            await wait_for_subscribers(graph, publisher)
         finally:
             self._publisher = publisher
         # A client that says one thing and leaves is heard, too.
@@ -102,21 +96,7 @@ class ClientTopic:
 
 async def drained(publisher: Publisher) -> None:
     """Wait until subscribers have caught up, or count as slow."""
-    await publisher.drained(_DRAIN_S)
-
-
-async def _met(graph: Graph, publisher: Publisher) -> None:
-    """Wait until one of the subscribers has connected: programs send as soon as they have advertised."""
-    try:
-        async with asyncio.timeout(MEETING_S):
-            topic = (await graph.snapshot()).topics.get(publisher.topic)
-            if topic is None or not topic.subscribers:
-                return
-            # The port announces no connections; looking is cheap.
-            while not publisher.subscriber_count:  # noqa: ASYNC110
-                await asyncio.sleep(_LOOK_S)
-    except (RostetherError, TimeoutError):
-        return
+    await publisher.drained(DRAIN_S)
 
 
 def knowing(store: TypeStore, type_name: str, definition: str) -> TypeStore:

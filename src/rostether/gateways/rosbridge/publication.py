@@ -5,20 +5,12 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Sequence
 
-from rostether.errors import GraphError
+from rostether.gateways.new_topic import DRAIN_S, wait_for_subscribers
 from rostether.graph.ports import Graph, Publisher
 from rostether.msgdef.interface import MessageType
 
-FIRST_WORDS_S = 1.0
-"""How long the first messages wait for the subscribers that the graph lists: they are still connecting."""
-
 MAX_FIRST_BYTES = 4 << 20
 """What waits meanwhile; a client that begins with more floods, and may lose its beginning."""
-
-DRAIN_S = 0.1
-"""How long a slow subscriber may hold up the client that floods it; then it loses the oldest itself."""
-
-_POLL_S = 0.005
 
 
 class Publication:
@@ -63,14 +55,7 @@ class Publication:
 
     async def _open(self, graph: Graph) -> None:
         try:
-            async with asyncio.timeout(FIRST_WORDS_S):
-                topic = (await graph.snapshot()).topics.get(self._publisher.topic)
-                expected = len(topic.subscribers) if topic is not None else 0
-                # The port announces no connections; looking is cheap.
-                while self._publisher.subscriber_count < expected:  # noqa: ASYNC110
-                    await asyncio.sleep(_POLL_S)
-        except (TimeoutError, GraphError):
-            pass
+            await wait_for_subscribers(graph, self._publisher)
         finally:
             self._speak()
 

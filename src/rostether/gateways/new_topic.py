@@ -1,0 +1,29 @@
+"""Waits for the subscribers of a topic that is new, so that its first messages reach them."""
+
+from __future__ import annotations
+
+import asyncio
+
+from rostether.errors import RostetherError
+from rostether.graph.ports import Graph, Publisher
+
+# For subscribers to connect to a topic that is new; on a network a few round trips.
+CONNECTING_S = 1.0
+
+# As long as a slow subscriber may hold up the client, as with boards; then it loses the oldest messages.
+DRAIN_S = 0.1
+
+_POLL_S = 0.005
+
+
+async def wait_for_subscribers(graph: Graph, publisher: Publisher) -> None:
+    """Wait until the subscribers that the graph lists have connected, but at most `CONNECTING_S`."""
+    try:
+        async with asyncio.timeout(CONNECTING_S):
+            topic = (await graph.snapshot()).topics.get(publisher.topic)
+            expected = len(topic.subscribers) if topic is not None else 0
+            # The port reports no connections; looking is cheap.
+            while publisher.subscriber_count < expected:  # noqa: ASYNC110
+                await asyncio.sleep(_POLL_S)
+    except (RostetherError, TimeoutError):
+        return
