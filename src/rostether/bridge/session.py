@@ -126,6 +126,11 @@ class Session:
         """Whether the transport is still open."""
         return not self._ended.done()
 
+    @property
+    def is_searching(self) -> bool:
+        """Whether announcements wait until their types are found on disk."""
+        return self._held.is_waiting
+
     def start(self) -> None:
         """Ask the board for its topics and begin to carry messages."""
         _LOG.debug("%r: started", self)

@@ -20,7 +20,7 @@ class Holder:
     name: str
 
     def __str__(self) -> str:
-        return f"{self.name} (pid {self.pid})"
+        return f"{self.name} (PID {self.pid})"
 
 
 def find_holders(path: str) -> list[Holder]:

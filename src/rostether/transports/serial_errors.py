@@ -60,7 +60,7 @@ def explain_open_error(
 
 
 def find_holder(path: str) -> str | None:
-    """Name the process that has a port open, where the system lets us see it: `screen (pid 4711)`."""
+    """Name the process that has a port open, where the system lets us see it: `screen (PID 4711)`."""
     holders = find_holders(path)
     if holders:
         return str(holders[0])

@@ -71,7 +71,11 @@ async def test_bystanders_are_answered_in_time() -> None:
             client = XmlRpcClient(uri)
             _, _, node = await client.call_status("lookupNode", "/x", "/board")
             node_client = XmlRpcClient(str(node))
-            _, _, place = await node_client.call_status("requestTopic", "/x", "/count", [["TCPROS"]])
+            place: object = []
+            async with asyncio.timeout(60):
+                # The node registers before its topics.
+                while not place:
+                    _, _, place = await node_client.call_status("requestTopic", "/x", "/count", [["TCPROS"]])
             await node_client.close()
             await client.close()
             assert isinstance(place, list)

@@ -24,4 +24,4 @@ def test_without_a_description_a_line_says_who_sets_it(graph: LiveGraph) -> None
         with started(graph.uri, "role", role) as process:
             _, said = process.communicate(timeout=60)
             assert process.returncode == 1
-            assert "no parameter robot_description holds a URDF; a launch file sets it" in said
+            assert "the parameter robot_description has no URDF; set it in a launch file" in said

@@ -12,7 +12,7 @@ INSTALL = "sudo apt install gcc-avr avr-libc arduino-core-avr"
 
 
 def test_a_missing_compiler_is_told_with_what_to_type(tmp_path: Path) -> None:
-    with pytest.raises(FirmwareError, match=f"no AVR compiler .*; type {INSTALL}"):
+    with pytest.raises(FirmwareError, match=f"no AVR compiler .*; run: {INSTALL}"):
         find_avr_toolchain({"PATH": str(tmp_path)})
 
 
@@ -20,7 +20,7 @@ def test_a_missing_core_is_told_with_what_to_type(tmp_path: Path) -> None:
     compiler = tmp_path / "avr-g++"
     compiler.write_text("#!/bin/sh\n")
     compiler.chmod(0o755)
-    with pytest.raises(FirmwareError, match=f"no Arduino core .*; type {INSTALL}"):
+    with pytest.raises(FirmwareError, match=f"no Arduino core .*; run: {INSTALL}"):
         find_avr_toolchain({"PATH": str(tmp_path)}, (str(tmp_path / "nowhere"),))
 
 

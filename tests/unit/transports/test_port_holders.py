@@ -59,7 +59,7 @@ def test_who_holds_a_port_is_named(pty: str) -> None:
         assert holder.pid == peer.pid
         assert holder.name.startswith("python")
         assert " " not in holder.name
-        assert str(holder).endswith(f"(pid {peer.pid})")
+        assert str(holder).endswith(f"(PID {peer.pid})")
     finally:
         peer.end()
     assert find_holders(pty) == []
@@ -108,4 +108,4 @@ def test_what_is_a_device(pty: str) -> None:
     assert is_character_device(pty)
     assert not is_character_device(__file__)
     assert not is_character_device("/nowhere")
-    assert str(Holder(7, "screen")) == "screen (pid 7)"
+    assert str(Holder(7, "screen")) == "screen (PID 7)"

@@ -143,7 +143,7 @@ input()
     ) as other:
         assert other.stdout is not None
         other.stdout.readline()
-        with pytest.raises(TransportOpenError, match=rf"in use by python.* \(pid {other.pid}\); close"):
+        with pytest.raises(TransportOpenError, match=rf"in use by python.* \(PID {other.pid}\); close"):
             await open_serial(SerialAddress(board.path))
         other.communicate(b"\n")
 

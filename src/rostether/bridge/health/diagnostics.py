@@ -49,6 +49,7 @@ class BoardView:
     damaged_frames: int = 0
     round_trip_s: float | None = None
     baud: int | None = None
+    is_searching: bool = False
 
 
 def view_board(node: BoardNode, session: Session | None) -> BoardView:
@@ -97,4 +98,5 @@ def view_board(node: BoardNode, session: Session | None) -> BoardView:
         statistics.damaged_frames,
         statistics.shortest_round_trip_s,
         session.baud,
+        session.is_searching,
     )

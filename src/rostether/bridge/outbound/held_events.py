@@ -44,6 +44,11 @@ class HeldEvents:
         self._bytes = 0
         self._wait: asyncio.Future[None] | None = None
 
+    @property
+    def is_waiting(self) -> bool:
+        """Whether a search is under way."""
+        return self._wait is not None
+
     def hold_back(self, event: HostEvent) -> bool:
         """Keep an announcement whose type must be searched, and the events after it; otherwise return
         False.

@@ -34,6 +34,9 @@ if TYPE_CHECKING:
 SUBSCRIBE_S = 0.5
 """The time for subscribers to connect to a new topic in a replay without pauses."""
 
+SEARCH_POLL_S = 0.005
+"""How often a replay without pauses checks whether the types of new topics are found."""
+
 AFTER_S = 1.0
 """How long the node stays after the last byte, so that subscribers receive everything."""
 
@@ -152,6 +155,9 @@ class _Settling:
     async def settle(self) -> None:
         """Wait."""
         await asyncio.sleep(0)
+        # The search of a type runs in a thread; the end of the capture would cancel it.
+        while any(board.is_searching for board in self._supervisor.boards()):  # noqa: ASYNC110
+            await asyncio.sleep(SEARCH_POLL_S)
         known = sum(len(board.endpoints) for board in self._supervisor.boards())
         if known > self._known:
             await asyncio.sleep(SUBSCRIBE_S)

@@ -53,7 +53,7 @@ def test_it_is_said_which_packets_are_damaged() -> None:
 
 def test_a_readable_name_that_is_wrong_is_the_sketch() -> None:
     announcements = Announcements()
-    reason = "a name begins with a letter; write my_topic in the sketch"
+    reason = "a name must start with a letter; write my_topic in the sketch"
     announcements.refused(AnnouncementRefused("my topic", "std_msgs/String", reason))
     (finding,) = announcements.find()
     assert finding.code is Code.NOT_BRIDGED
@@ -64,7 +64,7 @@ def test_a_readable_name_that_is_wrong_is_the_sketch() -> None:
 
 def test_a_damaged_name_is_not_told_twice() -> None:
     announcements = Announcements()
-    announcements.refused(AnnouncementRefused("te\x00mp", "std_msgs/String", "a name begins; write it"))
+    announcements.refused(AnnouncementRefused("te\x00mp", "std_msgs/String", "a name must; write it"))
     assert announcements.find() == []
 
 

@@ -38,7 +38,7 @@ def test_permission_with_the_exact_command() -> None:
 
 def test_who_has_it() -> None:
     line = told(PortFacts(PORT, holders=(Holder(4711, "screen"), Holder(4712, "cat"))))
-    assert "screen (pid 4711), cat (pid 4712)" in line
+    assert "screen (PID 4711), cat (PID 4712)" in line
     assert "kill 4711 4712" in line
 
 

@@ -261,10 +261,10 @@ async def test_a_speed_in_the_file_needs_no_probe(site: Site) -> None:
 
 async def test_a_port_in_use_is_left_alone_said_once_and_served_later(site: Site) -> None:
     machine = site.machine
-    machine.users[machine.path("ttyACM0")] = "screen (pid 4711)"
+    machine.users[machine.path("ttyACM0")] = "screen (PID 4711)"
     await site.start()
     async with machine.board("ttyACM0", chatter, serial_number="7533", **UNO):
-        await until(lambda: site.reporter.having("in use by screen (pid 4711)"), "the line")
+        await until(lambda: site.reporter.having("in use by screen (PID 4711)"), "the line")
         assert machine.opens == {}
         machine.users.clear()
         await until(lambda: site.connected(), "the board", limit_s=8.0)
@@ -286,7 +286,7 @@ async def test_a_program_that_really_has_the_port_open_is_not_disturbed(site: Si
             await asyncio.to_thread(program.stdout.readline)
             machine.mark("ttyACM0", serial_number="7533", **UNO)
             (machine.folder / "news").touch()
-            await until(lambda: site.reporter.having(f"(pid {program.pid})"), "the line")
+            await until(lambda: site.reporter.having(f"(PID {program.pid})"), "the line")
             assert machine.opens == {}
             program.kill()
             await until(lambda: site.connected(), "the board", limit_s=10)

@@ -44,14 +44,14 @@ def test_what_makes_no_sense_is_told_and_leaves_no_file(bag: Path, shell: Shell)
         "export", str(bag), "--topic", "/a", "-o", "-", "--format", "parquet"
     )
     assert "no topic /c" in shell.failure("export", str(bag), "--topic", "/c")
-    assert "is no bag" in shell.failure("export", __file__)
+    assert "is not a bag" in shell.failure("export", __file__)
     assert ".csv or .parquet" in shell.failure("export", str(bag), "--topic", "/a", "-o", "x.txt")
     assert not Path("x.txt").exists()
     assert "cannot create the folder" in shell.failure("export", str(bag), "-o", "drive.bag/x")
     data = bytearray(bag.read_bytes())
     data[data.index(b"size=") + 5] ^= 0xFF
     bag.write_bytes(data)
-    assert "in place of" in shell.failure("export", str(bag))
+    assert "instead of" in shell.failure("export", str(bag))
     assert not list(Path("drive_csv").glob("*"))
 
 

@@ -110,7 +110,7 @@ async def test_a_port_that_another_process_has() -> None:
     try:
         code, out, _ = await doctor(path)
         assert code == 1
-        assert f"error busy: {path} is in use by sleep (pid {holder.pid})" in out
+        assert f"error busy: {path} is in use by sleep (PID {holder.pid})" in out
         assert f"kill {holder.pid}" in out
     finally:
         holder.kill()
@@ -133,7 +133,7 @@ async def test_an_address_that_another_process_has() -> None:
         code, out, _ = await doctor(f"tcp://127.0.0.1:{port}")
         assert code == 1
         assert "error busy" in out
-        assert f"(pid {other.pid})" in out
+        assert f"(PID {other.pid})" in out
     finally:
         other.kill()
         other.communicate()

@@ -68,6 +68,6 @@ def test_a_port_that_may_not_be_used_names_the_group(
     monkeypatch.setattr("os.access", lambda path, mode: False)
     result = shell("ports")
     assert result.out == f"{path}  serial port  no permission\n"
-    assert result.err.startswith(f"no permission to open {path}, ")
+    assert result.err.startswith(f"no permission to open {path}")
     assert "sudo " in result.err
     assert shell("ports", "--json").records[0]["is_accessible"] is False

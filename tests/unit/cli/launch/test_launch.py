@@ -184,7 +184,7 @@ def test_packages_and_their_launch_files_complete(
 
 def test_launch_file_of_ros2_is_refused_by_name(arm: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (arm / "x.launch.py").write_text("def generate_launch_description(): pass")
-    assert "of ROS 2" in refused(capsys, "arm", "x.launch.py")
+    assert "a ROS 2 launch file" in refused(capsys, "arm", "x.launch.py")
 
 
 @contextmanager

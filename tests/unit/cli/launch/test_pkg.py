@@ -35,7 +35,7 @@ def test_create_says_what_catkin_create_pkg_says(
         f"Successfully created files in {workspace}/src/arm. Please adjust the values in package.xml.",
     ]
     assert "<version>0.1.0</version>" in (workspace / "src" / "arm" / "package.xml").read_text()
-    assert "is there already" in shell.failure("pkg", "create", "arm")
+    assert "already exists" in shell.failure("pkg", "create", "arm")
     assert shell("pkg", "create", "Arm").err.startswith("Arm: package names should have only")
     assert shell("pkg", "create", "leg", "--json").code == 0
 
@@ -125,7 +125,7 @@ def test_make_names_what_it_cannot_build(arm: Path, shell: Shell) -> None:
 def test_init_workspace(workspace: Path, shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(workspace / "src")
     assert shell.output("pkg", "init-workspace") == f"Created file {workspace / 'src' / 'CMakeLists.txt'}\n"
-    assert "is there already" in shell.failure("pkg", "init-workspace")
+    assert "already exists" in shell.failure("pkg", "init-workspace")
 
 
 def test_a_folder_that_is_no_workspace(tmp_path: Path, shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -67,7 +67,7 @@ def test_tree_for_programs(laser: None, shell: Shell) -> None:
 def test_tree_of_nothing_says_who_publishes(graph: LiveGraph, shell: Shell) -> None:
     result = shell("tf", "tree", "--time", "0.1")
     assert result.code == 1
-    assert "robot_state_publisher or `rostether tf static` publish them" in result.err
+    assert "robot_state_publisher or `rostether tf static` publish transforms" in result.err
 
 
 def test_monitor(laser: None, shell: Shell) -> None:

@@ -135,8 +135,8 @@ def test_pub_refuses_more_than_a_bound(world: ZenohWorld, shell: Shell, tmp_path
     folder.mkdir(parents=True)
     (folder / "Tag.msg").write_text("string<=3 name\nint32[<=2] numbers\n")
     command = ("topic", "pub", "-1", "-w", "0", "--msg-path", str(tmp_path), "/tag", "own_msgs/msg/Tag")
-    assert "field 'name', and ROS 2 takes 3 at most" in shell.failure(*command, "{name: long}")
-    assert "field 'numbers', and ROS 2 takes 2 at most" in shell.failure(*command, "{numbers: [1, 2, 3]}")
+    assert "in field 'name', but ROS 2 allows at most 3" in shell.failure(*command, "{name: long}")
+    assert "in field 'numbers', but ROS 2 allows at most 2" in shell.failure(*command, "{numbers: [1, 2, 3]}")
     assert "publishing #1" in shell.output(*command, "{name: arm, numbers: [1]}")
 
 
