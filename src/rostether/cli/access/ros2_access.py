@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 class Ros2Access:
     """A session on a ROS 2 graph: its node factory, its types, and a line for users.
 
-    Over zenoh, `listens_on` and `connects_to` are endpoints of the session.
+    Over zenoh, `listens_on` and `connects_to` are endpoints of the session, and
+    `is_router` tells whether it is the router of this machine.
     """
 
     join: JoinGraph
@@ -32,6 +33,7 @@ class Ros2Access:
     line: str
     listens_on: tuple[str, ...] = ()
     connects_to: tuple[str, ...] = ()
+    is_router: bool = False
 
 
 @asynccontextmanager
@@ -108,7 +110,7 @@ async def _over_zenoh(
 
     try:
         line = _zenoh_line(session, environment)
-        yield Ros2Access(join, types, line, session.listens_on, session.connects_to)
+        yield Ros2Access(join, types, line, session.listens_on, session.connects_to, session.is_router)
     finally:
         await session.close()
 

@@ -8,6 +8,7 @@ import os
 import sys
 from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager
+from dataclasses import replace
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
@@ -18,7 +19,7 @@ from rostether.bridge.reporter import Reporter
 from rostether.bridge.supervisor import Supervisor
 from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, graph_options
-from rostether.cli.access.master_choice import used_master
+from rostether.cli.access.master_choice import master_answers, used_master
 from rostether.cli.access.ros1_access import joining_ros1, read_environment
 from rostether.cli.access.ros_choice import Middleware
 from rostether.cli.access.served_graphs import ServedGraphs
@@ -35,7 +36,7 @@ from rostether.graph.joint_join import JointJoin
 from rostether.graph.ports import JoinGraph, Level, ParamValue
 from rostether.msgdef.registry import Registry
 from rostether.ports.device_book import DeviceBook
-from rostether.ros1.environment import RosEnvironment
+from rostether.ros1.environment import RosEnvironment, format_uri, is_loopback
 from rostether.ros1.node.master_client import MasterClient
 from rostether.serde.store import TypeStore
 from rostether.transports.address import parse_address
@@ -60,6 +61,7 @@ PLAIN_LINE_S = 1.0
     examples="""
     rostether demo                 run until Ctrl-C
     rostether demo --seconds 5     stop after 5 s; fails if no message arrived
+    rostether demo --join          show the board to the robot that runs here
     """,
 )
 @click.option(
@@ -69,12 +71,16 @@ PLAIN_LINE_S = 1.0
 )
 @config_option
 @click.option("--ros1", is_flag=True, help="Use only the ROS 1 graph.")
+@click.option("--join", is_flag=True, help="Join the ROS graph that runs here, instead of one of its own.")
 @click.option("--no-page", is_flag=True, help="Do not serve the dashboard.")
 @graph_options(master="", ros=False)
-def demo(seconds: float | None, config: Path | None, ros1: bool, no_page: bool, graph: GraphOptions) -> None:
+def demo(
+    seconds: float | None, config: Path | None, ros1: bool, join: bool, no_page: bool, graph: GraphOptions
+) -> None:
     """Run a simulated board and show its topics. Needs no hardware, no ROS and no setup.
 
     The board is a node on a ROS 1 graph, and also on a ROS 2 graph if zenoh is installed (unless --ros1).
+    Robots that run on this machine do not see it, unless you add --join.
 
     A browser shows it at the address of the dashboard. Settings are read only from a file given with
     --config; the board's name is virtual_board.
@@ -82,7 +88,7 @@ def demo(seconds: float | None, config: Path | None, ros1: bool, no_page: bool, 
     # The user's settings for real boards must not make the demo fail.
     devices = read_devices(config, ()) if config is not None else None
     run(
-        _demo(read_environment(graph), seconds, devices, only_ros1=ros1, has_page=not no_page),
+        _demo(read_environment(graph), seconds, devices, only_ros1=ros1, joins=join, has_page=not no_page),
         is_service=True,
     )
 
@@ -93,6 +99,7 @@ async def _demo(
     devices: DeviceBook | None,
     *,
     only_ros1: bool,
+    joins: bool,
     has_page: bool,
 ) -> None:
     is_live = sys.stdout.isatty() and os.environ.get("TERM") not in ("dumb", "unknown")
@@ -100,15 +107,16 @@ async def _demo(
     reporter = recent if is_live else ConsoleReporter()
     store = TypeStore(Registry())
     async with AsyncExitStack() as stack:
+        if not joins:
+            environment = await _with_own_master(environment)
         used = await stack.enter_async_context(used_master(environment))
         reporter.line(Level.INFO, used.line)
         board_name = await _free_name(used.environment)
         address = parse_address(f"tcp://127.0.0.1:0?name={board_name}")
-        joins = [joining_ros1(used.environment)]
-        ros2 = None if only_ros1 else await _joining_ros2(stack, reporter)
+        join: JoinGraph = joining_ros1(used.environment)
+        ros2 = None if only_ros1 else await _joining_ros2(stack, reporter, joins=joins)
         if ros2 is not None:
-            joins.append(ros2)
-        join = joins[0] if ros2 is None else JointJoin(joins)
+            join = JointJoin([join, ros2])
         supervisor = await stack.enter_async_context(
             bridge(join, [address], reporter, devices=devices, diagnostics=has_page)
         )
@@ -139,18 +147,34 @@ async def _demo(
         raise GraphError("no message of the simulated board arrived through the ROS graph; please report it")
 
 
-async def _joining_ros2(stack: AsyncExitStack, reporter: Reporter) -> JoinGraph | None:
+async def _with_own_master(environment: RosEnvironment) -> RosEnvironment:
+    """Return the environment with a master of our own: at the usual port, or at the next that has none."""
+    usual = environment.master if is_loopback(environment.master.host) else RosEnvironment().master
+    for port in range(usual.port, usual.port + MAX_DEMOS):
+        own = replace(environment, master_uri=format_uri(usual.host, port), master_uri_is_set=True)
+        if not await master_answers(own):
+            return own
+    raise GraphError(f"{MAX_DEMOS} ROS masters already run here; stop one first")
+
+
+async def _joining_ros2(stack: AsyncExitStack, reporter: Reporter, *, joins: bool) -> JoinGraph | None:
     """Return the factory of ROS 2 nodes over zenoh; None, with a line about the reason, if not possible."""
     if find_spec("zenoh") is None:
         reporter.line(Level.INFO, f"Not on ROS 2; to add it, run: {install_command('zenoh')}")
         return None
     from rostether.cli.access.ros2_access import ros2_access
 
-    try:
-        access = await stack.enter_async_context(ros2_access(Middleware.ZENOH))
-    except RostetherError as error:
-        reporter.line(Level.WARN, f"Not on ROS 2: {error}")
-        return None
+    async with AsyncExitStack() as joined:
+        try:
+            access = await joined.enter_async_context(ros2_access(Middleware.ZENOH))
+        except RostetherError as error:
+            reporter.line(Level.WARN, f"Not on ROS 2: {error}")
+            return None
+        # Without a router of its own it would be in a graph that runs already.
+        if not joins and not access.is_router:
+            reporter.line(Level.INFO, "Not on ROS 2: another graph runs here; --join joins it")
+            return None
+        stack.push_async_callback(joined.pop_all().aclose)
     reporter.line(
         Level.INFO, f"{access.line}; to watch it, run: {our_command()} topic echo --ros2 zenoh /ultrasound"
     )

@@ -10,6 +10,7 @@ from math import atan2, degrees
 from typing import TYPE_CHECKING, Any
 
 from rostether.graph.ports import Level
+from rostether.ros1.environment import DEFAULT_MASTER_PORT, parse_rpc_uri
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -144,12 +145,18 @@ class DemoView:
                 Text("\n".join(self._recent.lines), style="dim"),
                 "",
                 *((f"Dashboard: {self._dashboard_url}",) if self._dashboard_url else ()),
-                (NEXT_STEPS + (NEXT_STEP_ROS2 if self._is_in_ros2 else "")).format(us=our_command()),
+                (NEXT_STEPS + (NEXT_STEP_ROS2 if self._is_in_ros2 else "")).format(us=self._us()),
             ),
             title=f"a simulated board on the ROS graph at {self._master_uri}"
             + (" and on ROS 2" if self._is_in_ros2 else ""),
             subtitle="press Ctrl-C to stop",
         )
+
+    def _us(self) -> str:
+        """Return how to run us in a second terminal: with the graph's address, unless it is the usual one."""
+        uri = self._master_uri
+        is_usual = parse_rpc_uri(uri).port == DEFAULT_MASTER_PORT
+        return our_command() if is_usual else f"ROS_MASTER_URI={uri.rstrip('/')} {our_command()}"
 
     def _health(self) -> str:
         board = self._board

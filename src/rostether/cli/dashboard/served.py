@@ -7,7 +7,7 @@ import errno
 import socket
 import sys
 from collections.abc import AsyncIterator, Sequence
-from contextlib import asynccontextmanager
+from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass, field
 from importlib.metadata import version
 from pathlib import Path
@@ -23,6 +23,7 @@ from rostether.cli.gateway.node import NodeWords
 from rostether.cli.gateway.options import DEFAULT_PLACE, GatewayOptions, read_place
 from rostether.cli.shell.output import write_line
 from rostether.dashboard.authority_page import PAGE_FILE, authority_files
+from rostether.errors import TransportOpenError
 from rostether.graph.ports import Level
 from rostether.ports.config_paths import recordings_folder
 from rostether.ros1.environment import LOOPBACK, is_loopback
@@ -39,6 +40,7 @@ TELEOP_NODE = "web_teleop"
 
 # A second and third dashboard keep addresses that people can remember.
 _NEXT_PORTS = 20
+_PORT_TRIES = 5
 _EVERYWHERE = ("", "0.0.0.0", "::")  # noqa: S104 - what was typed
 
 
@@ -75,15 +77,40 @@ async def served_dashboard(
     settings: DashboardSettings, graphs: ServedGraphs, msg_paths: Sequence[Path], tell: Tell
 ) -> AsyncIterator[Dashboard]:
     """Serve the dashboard until the end of the block. Raises ConfigError, GraphError."""
+    from rostether.gateways.foxglove.settings import DEFAULT_PORT
+
+    host, port = read_place(settings.place, 0)
+    is_typed = settings.place != host and settings.place.strip("[]") != host
+    async with AsyncExitStack() as stack:
+        for tries_left in reversed(range(1 if is_typed else _PORT_TRIES)):
+            if not is_typed:
+                port = await asyncio.to_thread(_free_port, host, DEFAULT_PORT)
+            try:
+                dashboard = await stack.enter_async_context(
+                    _served_at(host, port, settings, graphs, msg_paths, tell)
+                )
+                break
+            except TransportOpenError:
+                # Another program may have taken the port since it was free.
+                if not tries_left:
+                    raise
+        yield dashboard
+
+
+@asynccontextmanager
+async def _served_at(
+    host: str,
+    port: int,
+    settings: DashboardSettings,
+    graphs: ServedGraphs,
+    msg_paths: Sequence[Path],
+    tell: Tell,
+) -> AsyncIterator[Dashboard]:
     from rostether.dashboard.recordings import Recordings
     from rostether.gateways.foxglove.dashboard_parts import DashboardParts
     from rostether.gateways.foxglove.settings import DEFAULT_PORT, FoxgloveSettings
     from rostether.mechanisms.anonymous import anonymous_name
 
-    host, port = read_place(settings.place, 0)
-    if settings.place == host or settings.place.strip("[]") == host:
-        # No port was typed.
-        port = await asyncio.to_thread(_free_port, host, DEFAULT_PORT)
     access = settings.access
     encryption = await asyncio.to_thread(read_encryption, access.tls, host)
     on = in_ros1_words(graphs, msg_paths)

@@ -13,7 +13,7 @@ from unit.cli.processes import read_until, started
 
 
 def test_the_demo_is_interrupted(graph: LiveGraph) -> None:
-    with started(graph.uri, "demo") as process:
+    with started(graph.uri, "demo", "--join") as process:
         read_until(process, "virtual board ready")
         process.send_signal(signal.SIGINT)
         text, said = process.communicate(timeout=60)
@@ -22,13 +22,21 @@ def test_the_demo_is_interrupted(graph: LiveGraph) -> None:
     assert not graph.master.api.registrations.nodes
 
 
+def test_the_demo_keeps_out_of_a_graph_that_runs(graph: LiveGraph) -> None:
+    with started(graph.uri, "demo", "--ros1", "--seconds", "20") as process:
+        lines = read_until(process, "virtual board ready")
+        assert not graph.master.api.registrations.nodes
+    own = next(line for line in lines if "Started a ROS master" in line)
+    assert graph.uri.rstrip("/") not in own
+
+
 def test_settings_are_tried_on_the_demo_s_board(graph: LiveGraph, tmp_path: Path) -> None:
     config = tmp_path / "devices.toml"
     config.write_text(
         '[devices.virtual_board]\naddress = "127.0.0.1"\n'
         'required_topics = ["odom"]\naccess = { publish = { deny = ["/tf"] } }\n'
     )
-    with started(graph.uri, "demo", "--config", str(config), "--seconds", "4") as process:
+    with started(graph.uri, "demo", "--join", "--config", str(config), "--seconds", "4") as process:
         _, said = process.communicate(timeout=60)
     assert "may not publish /tf" in said
     assert "does not announce odom, which devices.toml requires" in said
@@ -41,7 +49,7 @@ def test_the_user_s_own_settings_do_not_spoil_the_demo(
     config.parent.mkdir()
     config.write_text("[defaults]\naccess = { publish = { allow = [] } }\n")
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
-    with started(graph.uri, "demo", "--seconds", "3") as process:
+    with started(graph.uri, "demo", "--join", "--seconds", "3") as process:
         text, _ = process.communicate(timeout=60)
     assert process.returncode == 0, text
 

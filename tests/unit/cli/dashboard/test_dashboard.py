@@ -12,8 +12,11 @@ from websockets.asyncio.client import connect
 from websockets.typing import Subprotocol
 
 from interop.ros1_peers import Peer, free_port
-from rostether.cli.dashboard import dashboard
+from rostether.cli.access.ros1_access import joining_ros1
+from rostether.cli.access.served_graphs import ServedGraphs
+from rostether.cli.dashboard import dashboard, served
 from rostether.cli.dashboard.served import page_url
+from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.master.server import MasterServer
 from rostether.transports.own_names import outward_address
 from unit.cli.gateway.test_foxglove import offers
@@ -31,6 +34,22 @@ async def fetched(peer: Peer) -> tuple[str, str]:
     reply = await asyncio.to_thread(urllib.request.urlopen, match[1], timeout=60)
     with reply:
         return match[1], reply.read().decode()
+
+
+async def test_a_port_that_another_program_takes_first_is_not_used(monkeypatch: pytest.MonkeyPatch) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as other:
+        ports = [other.getsockname()[1], free_port()]
+        monkeypatch.setattr(served, "_free_port", lambda host, wanted: ports.pop(0))
+        master = await MasterServer.start(host="127.0.0.1", port=0)
+        environment = RosEnvironment(master_uri=master.uri)
+        graphs = ServedGraphs(joining_ros1(environment), environment, ())
+        try:
+            settings = served.DashboardSettings(has_page=False)
+            async with served.served_dashboard(settings, graphs, (), lambda level, text: None) as shown:
+                assert not ports
+                assert shown.gateway.port != other.getsockname()[1]
+        finally:
+            await master.close()
 
 
 async def test_it_serves_the_page_and_the_graph_until_its_node_ends() -> None:
