@@ -13,7 +13,6 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from rostether.codegen.keywords import with_classes
 from rostether.codegen.library_folder import is_ros_library, write_library_folder
 from rostether.codegen.library_source import SOURCE_FOLDER, client_library, library_files
 from rostether.codegen.message_headers import MessageHeaders, generate_headers
@@ -130,4 +129,12 @@ def _below_source(files: Iterable[str]) -> list[str]:
 
 
 def _keywords(files: Mapping[str, bytes], headers: MessageHeaders) -> bytes:
-    return with_classes(files.get(_KEYWORDS_FILE, b"").decode(), headers.classes).encode()
+    return keywords_with_classes(files.get(_KEYWORDS_FILE, b"").decode(), headers.classes).encode()
+
+
+def keywords_with_classes(library_keywords: str, classes: Iterable[str]) -> str:
+    """Return the library's keywords.txt, by which the Arduino IDE colours words, with further classes."""
+    lines = library_keywords.rstrip("\n").splitlines()
+    known = {line.partition("\t")[0] for line in lines}
+    lines.extend(f"{name}\tKEYWORD1" for name in sorted(set(classes) - known))
+    return "\n".join(lines) + "\n"

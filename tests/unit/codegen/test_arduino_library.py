@@ -10,7 +10,12 @@ from pathlib import Path
 
 import pytest
 
-from rostether.codegen.arduino_library import RenderedLibrary, render_library, write_library
+from rostether.codegen.arduino_library import (
+    RenderedLibrary,
+    keywords_with_classes,
+    render_library,
+    write_library,
+)
 from rostether.codegen.library_source import client_library, library_files
 from rostether.errors import CodegenError
 from rostether.msgdef.registry import Registry
@@ -142,3 +147,10 @@ def test_platformio_and_python_have_the_same_version(library: RenderedLibrary) -
 
 def test_there_are_no_files_that_only_linux_can_tell_apart(library: RenderedLibrary) -> None:
     assert len({path.casefold() for path in library.files}) == len(library.files)
+
+
+def test_classes_are_added_to_the_keywords_once_and_sorted() -> None:
+    library = "# words\nNodeHandle\tKEYWORD1\nString\tKEYWORD1\nadvertise\tKEYWORD2\n"
+    assert keywords_with_classes(library, ["String", "Range", "Imu", "Imu"]) == (
+        f"{library}Imu\tKEYWORD1\nRange\tKEYWORD1\n"
+    )

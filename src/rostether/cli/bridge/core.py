@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import asyncio
+from dataclasses import replace
+
 import click
 
-from rostether.cli.access.graph_options import SERVED_ALLOW, GraphOptions, graph_options
+from rostether.cli.access.graph_options import SERVED_ALLOW, GraphOptions, ZenohReach, graph_options
 from rostether.cli.access.master_choice import master_answers
 from rostether.cli.access.options import listen_option
 from rostether.cli.access.ros1_access import read_environment
+from rostether.cli.access.ros2_access import ros2_access
 from rostether.cli.access.ros_choice import (
     ANY_MIDDLEWARE,
     ROS2_OPTION,
@@ -16,7 +20,6 @@ from rostether.cli.access.ros_choice import (
     is_middleware,
 )
 from rostether.cli.bridge.limit_options import GRAPH_LIMITS, limit_option, read_graph_limits
-from rostether.cli.bridge.zenoh_router import serve_router
 from rostether.cli.shell.option_group import ignored_options
 from rostether.cli.shell.optional_value import OptionalValueOption
 from rostether.cli.shell.output import write_line
@@ -24,6 +27,9 @@ from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import GraphError
 from rostether.ros1.environment import RosEnvironment, format_uri
+
+# Where the nodes of this machine look for the router.
+_USUAL_PLACES = ("/localhost:7447", "/127.0.0.1:7447", "/[::1]:7447", "/0.0.0.0:7447", "/[::]:7447")
 
 # Scripts pass these options of roscore; they have no effect here.
 _roscore_options = ignored_options(
@@ -85,7 +91,7 @@ def core(
             )
         if port is not None or listen is not None or graph.allow or limits:
             raise click.UsageError("with --ros2, the router accepts only --zenoh-connect and --zenoh-listen")
-        run(serve_router(graph.zenoh), is_service=True)
+        run(_serve_router(graph.zenoh), is_service=True)
         return
     environment = read_environment(graph)
     if listen is not None:
@@ -114,3 +120,28 @@ async def _serve(environment: RosEnvironment, port: int) -> None:
         await roscore.wait_closed()
     finally:
         await roscore.close()
+
+
+async def _serve_router(reach: ZenohReach) -> None:
+    """Run the router until cancelled. Raises ConfigError, MasterUnreachableError if another one runs."""
+    async with ros2_access(Middleware.ZENOH, reach=replace(reach, router="always")) as access:
+        from rostether.ros2.zenoh.reachability import is_loopback
+
+        write_line("Started a zenoh router for RMW_IMPLEMENTATION=rmw_zenoh_cpp")
+        if access.connects_to:
+            write_line(
+                f"Connecting to other routers when they are available: {', '.join(access.connects_to)}"
+            )
+        others = [endpoint for endpoint in access.listens_on if not is_loopback(endpoint)]
+        if others:
+            write_line(f"Other machines can reach it at {', '.join(others)}")
+        else:
+            write_line(
+                "Only this machine can reach it; add --zenoh-listen tcp/0.0.0.0:7447 for other machines"
+            )
+        if not any(endpoint.endswith(_USUAL_PLACES) for endpoint in access.listens_on):
+            write_line(
+                "Nodes on this machine use tcp/localhost:7447: add --zenoh-listen tcp/localhost:7447 for them"
+            )
+        write_line("Press Ctrl-C to stop")
+        await asyncio.Event().wait()

@@ -258,8 +258,7 @@ def _load(
     sources: LaunchSources, packages: Mapping[str, Path], environ: Mapping[str, str], *, runs_commands: bool
 ) -> LaunchPlan:
     from rostether.cli.access.graph_options import ros_arguments
-    from rostether.cli.launch.served_nodes import served_nodes
-    from rostether.cli.launch.served_programs import served_programs
+    from rostether.cli.launch.served_nodes import served_nodes, served_programs
     from rostether.launch.loading import load_launch
 
     return load_launch(

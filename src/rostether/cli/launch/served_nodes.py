@@ -84,6 +84,9 @@ _WINDOWS = {
 # In a terminal these show the same at once.
 _TERMINAL_VIEWS = {"rqt_graph": ("graph",), "rqt_plot": ("role", "rqt-plot")}
 
+# Built-in programs that launch files run for a parameter's value: `$(find xacro)/xacro`.
+_PROGRAMS = {("xacro", "xacro"): ("xacro",)}
+
 
 def served_nodes() -> dict[tuple[str, str], list[str]]:
     """Map (package, type) of the nodes that we serve to whole command lines, without the node's arguments."""
@@ -137,3 +140,8 @@ def _exists(words: tuple[str, ...]) -> bool:
     from rostether.cli.verb_table import VERBS
 
     return words[1] in ROLES if words[0] == "role" else words[0] in VERBS
+
+
+def served_programs() -> dict[tuple[str, str], list[str]]:
+    """Map (package, program) to whole command lines, without the program's arguments."""
+    return {program: our_command(*words) for program, words in _PROGRAMS.items()}
