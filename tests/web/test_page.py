@@ -113,3 +113,16 @@ async def test_the_overview_is_arranged_and_keeps_it(robot: Robot, browser: Brow
     await browser.wait_for(page, f"{titles}.includes('/ultrasound, /count')")
     await browser.do("reload", page=page)
     await browser.wait_for(page, f"{titles}.includes('/ultrasound, /count') && !{titles}.includes('/led')")
+
+
+async def test_a_token_is_taken_from_the_address_and_hidden(robot: Robot, browser: Browser) -> None:
+    await robot.kill_dashboard()
+    await robot.start_dashboard("--token", "7f3c9a")
+    refused = await browser.do("open", url=robot.url)
+    await browser.wait_for(refused, "document.querySelector('.banner')?.innerText.includes('token')")
+    page = await browser.do("open", url=robot.url + "#token=7f3c9a")
+    await browser.wait_for(page, f"{RANGE}.last !== undefined")
+    assert await browser.do("evaluate", page=page, script="location.href") == robot.url
+    # The tab keeps it.
+    await browser.do("reload", page=page)
+    await browser.wait_for(page, f"{RANGE}.last !== undefined")

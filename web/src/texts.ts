@@ -27,6 +27,9 @@ export const texts = {
     connected: "Connected",
     connecting: "Connecting",
     lost: "Connection lost",
+    notConnected: "Not connected",
+    neverConnected:
+      "The robot does not answer, or it wants a token: open the address that it printed. This page tries again by itself.",
     lostDetail: "The values on this page are old. It connects again by itself.",
     dark: "Use dark colors",
     light: "Use light colors",

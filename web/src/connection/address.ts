@@ -7,7 +7,7 @@ export function keepToken(): void {
   const match = /(?:^#|[#&?])token=([^&]+)/.exec(location.hash);
   if (!match) return;
   sessionStorage.setItem(TOKEN_KEY, decodeURIComponent(match[1]!));
-  const rest = location.hash.replace(/([#&?])token=[^&]*&?/, "$1").replace(/[#&?]$/, "");
+  const rest = location.hash.replace(/([#&?])token=[^&]*&?/, "$1").replace(/[#&?]+$/, "");
   history.replaceState(null, "", location.pathname + location.search + rest);
 }
 

@@ -8,9 +8,8 @@ import { theme, toggleTheme } from "./theme.ts";
 export function Header({ robot }: { robot: Robot }) {
   const state = robot.connection.value;
   const level: Level = state === "open" ? "ok" : state === "lost" ? "error" : "stale";
-  const label = { open: texts.shell.connected, lost: texts.shell.lost, connecting: texts.shell.connecting }[
-    state
-  ];
+  const lost = robot.info.value ? texts.shell.lost : texts.shell.notConnected;
+  const label = { open: texts.shell.connected, lost, connecting: texts.shell.connecting }[state];
   const isDark = theme.value === "dark";
   return (
     <>
@@ -35,7 +34,9 @@ export function Header({ robot }: { robot: Robot }) {
       </header>
       {state === "lost" && (
         <div class="banner" role="alert">
-          {robot.lostReason.value || texts.shell.lost}. {texts.shell.lostDetail}
+          {robot.info.value
+            ? `${robot.lostReason.value || texts.shell.lost}. ${texts.shell.lostDetail}`
+            : texts.shell.neverConnected}
         </div>
       )}
     </>
