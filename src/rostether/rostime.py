@@ -1,4 +1,4 @@
-"""ROS time and duration: seconds and nanoseconds as they stand on the wire, and their arithmetic."""
+"""ROS time and duration: seconds and nanoseconds as on the wire, and their arithmetic."""
 
 from __future__ import annotations
 

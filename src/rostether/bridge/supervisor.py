@@ -273,7 +273,7 @@ class Supervisor:
             self._boards.lose(board, None)
 
     async def _give_node(self, address: Address, board: Board, device: DeviceSettings) -> BoardNode:
-        """Join the graph for a board, and obey from then on when the graph ends that."""
+        """Join the graph for a board, and stop serving it when the graph shuts down its node."""
         given = address.ns or device.namespace
         namespace = join_names("/", given or (board.name if self._ns_per_board else "/"))
         graph = await self._join_graph(board.name, namespace, {**self._remappings, **device.remap})

@@ -10,8 +10,8 @@ from rostether.rosserial.device_link import DeviceLink
 from rostether.rosserial.events import DeviceEvent
 from rostether.transports.transport import Transport
 
-# More than this on a line that is slower than us only makes every message late: new ones are refused
-# instead. At 57600 baud it is three seconds.
+# On a slow line, a longer queue only delays every message: new ones are rejected instead. At 57600 baud it is
+# three seconds.
 MAX_BACKLOG_BYTES = 16 * 1024
 
 

@@ -218,7 +218,7 @@ class _Source:
         return lambda payloads: self._take(connection, payloads)
 
     def _take_of_last(self, payloads: Sequence[bytes]) -> None:
-        # A graph that does not tell publishers apart.
+        # A graph that does not distinguish publishers.
         if self._last is not None:
             self._take(self._last, payloads)
 

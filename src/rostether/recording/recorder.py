@@ -148,7 +148,7 @@ class Recorder:
             return lambda payloads: self._take(connection, payloads)
 
         def take(payloads: Sequence[bytes]) -> None:
-            # A graph that does not tell publishers apart.
+            # A graph that does not distinguish publishers.
             connection = self._connections.get(topic)
             if connection is not None:
                 self._take(connection, payloads)

@@ -142,6 +142,6 @@ def _usual(reader: RecordingReader) -> str:
 
 
 def refuse_same(path: Path, output: Path) -> None:
-    """Raise RecordingError when a command would write over what it reads."""
+    """Raise RecordingError if a command would overwrite its input."""
     if output.exists() and path.exists() and output.samefile(path):
         raise RecordingError(f"{output} is the input file; give another file")

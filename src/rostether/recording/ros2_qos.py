@@ -23,7 +23,7 @@ _INFINITE = {"sec": 9223372036, "nsec": 854775807}
 MAX_CHARACTERS = 1 << 18
 """A publisher takes some 400."""
 MAX_PROFILES = 1000
-"""Files may come from anybody; a topic with more publishers says no more than its first ones."""
+"""Files are untrusted; of a topic with more publishers, only the first are read."""
 
 
 def offered(*, is_latching: bool, is_best_effort: bool = False) -> str:
@@ -58,7 +58,7 @@ def read_profiles(stored: object) -> list[dict[str, Any]]:
 
 
 def profiles_text(profiles: list[dict[str, Any]]) -> str:
-    """Return profiles as the text that stands in channels and tables; empty for none."""
+    """Return profiles as the text for channels and tables; empty without profiles."""
     return yaml.safe_dump(profiles, sort_keys=False).strip() if profiles else ""
 
 

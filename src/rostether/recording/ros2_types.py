@@ -1,4 +1,4 @@
-"""The types of ROS 2's recordings: by the definitions that stand in them, and how their messages convert."""
+"""The types of ROS 2 recordings, from the definitions in the files, and the conversion of their messages."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ class ReadTypes:
         if self._definitions is None or self._registry is None:
             self._definitions = Ros2Definitions.from_environment()
             self._registry = Registry.from_environment()
-        # Definitions of its own: another topic of the recording may mean something else by a name below.
+        # Separate definitions: another topic of the recording may use the same name for another type.
         definitions = RecordedDefinitions(self._definitions)
         definitions.learn(origin)
         if self._is_native:

@@ -14,7 +14,9 @@ DESCRIPTION = "robot_description"
 
 
 async def read_model(graph: TypedGraph) -> RobotModel:
-    """Return the robot in robot_description. Raises ConfigError when there is none, RobotModelError."""
+    """Return the robot in robot_description. Raises ConfigError if the parameter is missing,
+    RobotModelError.
+    """
     name = f"~{DESCRIPTION}"
     if not await graph.has_param(name):
         found = await graph.search_param(DESCRIPTION)

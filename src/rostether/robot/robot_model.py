@@ -45,7 +45,7 @@ class Mimic:
 
 @dataclass(frozen=True, slots=True)
 class Joint:
-    """One joint; `origin` is where the child stands at position zero, `axis` is in the child's frame."""
+    """One joint; `origin` is the pose of the child at position zero, `axis` is in the child's frame."""
 
     name: str
     type: JointType
@@ -96,7 +96,7 @@ class Link:
 class RobotModel:
     """A tree of links; mappings are in the order of the file.
 
-    `problems` are what was wrong with shapes and inertias, which do not matter for where links stand.
+    `problems` lists errors in shapes and inertias, which do not affect the poses of links.
     """
 
     name: str

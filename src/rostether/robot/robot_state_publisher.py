@@ -13,10 +13,10 @@ from rostether.robot.tf_messages import tf_publisher, tf_static_publisher, to_me
 from rostether.rostime import NS_PER_S
 
 WARNING_INTERVAL_S = 10.0
-"""As robot_state_publisher: joint states come fifty times a second, and so would what is wrong with them."""
+"""As robot_state_publisher: joint states arrive fifty times a second, and so would their error reports."""
 
 _FIXED_AHEAD_NS = NS_PER_S // 2  # so that fixed transforms on /tf hold until the next ones come
-_QUEUE_MESSAGES = 100  # two seconds of one source; several may each tell some of the joints
+_QUEUE_MESSAGES = 100  # two seconds of one source; several sources may each publish some joints
 
 
 async def publish_robot_state(graph: TypedGraph, warn: Callable[[str], None]) -> None:

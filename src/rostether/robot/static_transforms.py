@@ -27,7 +27,7 @@ _NORM_TOLERANCE = 10e-3  # what tf buffers accept, on the square of the length
 
 @dataclass(frozen=True, slots=True)
 class StaticTransform:
-    """What is to be published; with a period on /tf, again and again, without one on /tf_static."""
+    """The transform to publish: with a period, repeatedly on /tf; without one, on /tf_static."""
 
     parent: str
     child: str

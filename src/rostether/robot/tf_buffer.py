@@ -73,7 +73,8 @@ class TransformBuffer:
         return ""
 
     def lookup(self, target: str, source: str, time_ns: int = 0) -> StampedTransform:
-        """Return where `source` stands in `target`. Zero takes the latest moment that all steps know.
+        """Return the transform from `source` to `target`. Time zero means the latest common time of all
+        steps.
 
         Raises UnknownFrameError, UnconnectedFramesError, ExtrapolationError, TransformError.
         """
@@ -130,7 +131,7 @@ class TransformBuffer:
             cache = self._caches.get(source)
             return cache.latest_ns if cache is not None else 0
         passed = self.chain(target, source)
-        # The frame where both ways meet takes no step of its own.
+        # The common ancestor adds no step.
         meeting = self._meeting_frame(target, source)
         stamps = [self._caches[frame].latest_ns for frame in passed if frame != meeting]
         return min((stamp for stamp in stamps if stamp), default=0)
@@ -162,7 +163,7 @@ class TransformBuffer:
         return frame in self._frames
 
     def cache_of(self, frame: str) -> TimeCache | StaticCache | None:
-        """Return what is known of a frame over time; None for one without a parent."""
+        """Return the stored transforms of a frame; None for one without a parent."""
         return self._caches.get(frame)
 
     def clear(self) -> None:

@@ -1,4 +1,4 @@
-"""What is known of one frame over time: its transforms to its parent, sorted, forgotten after a while."""
+"""The stored transforms of one frame to its parent, sorted by time, and deleted after a while."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ _ACTIVE, _PREEMPTED, _REJECTED = 1, 2, 5
 
 @dataclass(slots=True)
 class Request:
-    """What a page asks for, and what it has got of each frame."""
+    """The request of a page, and the last transform sent for each frame."""
 
     target: str
     sources: tuple[str, ...]

@@ -55,7 +55,7 @@ NO_TRANSFORM = Transform()
 
 @dataclass(frozen=True, slots=True)
 class StampedTransform:
-    """Where the frame `child` stands in the frame `parent` at a moment, in nanoseconds since the epoch."""
+    """The pose of the frame `child` in the frame `parent` at a time, in nanoseconds since the epoch."""
 
     parent: str
     child: str

@@ -46,7 +46,7 @@ class Numbers:
         return numbers
 
     def origin(self, element: XmlElement, what: str) -> Transform:
-        """Return the transform of an element's <origin xyz rpy>; nothing said is none."""
+        """Return the transform of an element's <origin xyz rpy>; missing values are zero."""
         origin = element.first("origin")
         if origin is None:
             return Transform()

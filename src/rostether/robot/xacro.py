@@ -42,7 +42,7 @@ def parse_mappings(words: Iterable[str]) -> dict[str, str]:
 
 
 def expand_xacro(file: Path, mappings: Mapping[str, str], *, packages: Mapping[str, Path]) -> str:
-    """Return the URDF that a xacro file stands for.
+    """Return the URDF that a xacro file expands to.
 
     `packages` are the folders that $(find) answers with. Raises RobotModelError, also when the package xacro
     is not installed.

@@ -26,7 +26,7 @@ FIRST_BYTE_LIMIT_S = 15.0
 _CLOSE_GRACE_S = 1.0
 # How many of the largest requests may be received, and of the largest answers wait to be read, at once.
 _LARGEST_AT_ONCE = 4
-# Trying to get one free port on several addresses: a clash is rare, two in a row are no accident.
+# Trying to get one free port on several addresses: a clash is rare, and two in a row have another cause.
 _BIND_ATTEMPTS = 5
 
 

@@ -27,7 +27,7 @@ def _wall_time() -> Time:
 
 
 class NodeClock:
-    """Tells one node's time; use_sim_time may change at any time, as for a node of rclcpp."""
+    """Returns the time of one node; use_sim_time may change at any time, as in rclcpp."""
 
     def __init__(
         self, store: ParameterStore, membership: Membership, wall_time: Callable[[], Time] = _wall_time

@@ -22,7 +22,7 @@ class EndpointKind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class QosReport:
-    """Quality of service in rclpy's words; what the middleware does not tell is UNKNOWN."""
+    """Quality of service in rclpy's terms; UNKNOWN if the middleware does not report it."""
 
     reliability: str
     durability: str
@@ -36,7 +36,9 @@ class QosReport:
 
 @dataclass(frozen=True, slots=True)
 class EndpointInfo:
-    """One end. Empty and None is what the middleware does not tell; `type` is `std_msgs/msg/String`."""
+    """One endpoint. Fields that the middleware does not report are empty or None; `type` is
+    `std_msgs/msg/String`.
+    """
 
     node_name: str
     kind: EndpointKind

@@ -25,7 +25,7 @@ def dds_name(name: str) -> str:
 
 
 def type_of_dds_name(name: str) -> str:
-    """Return the type that middlewares call so, `` for what is no type's name: peers send it."""
+    """Return the type with this name in the middleware, or an empty string: peers may send invalid names."""
     found = _DDS_NAME.fullmatch(name)
     return "/".join(found.groups()) if found else ""
 

@@ -29,7 +29,9 @@ class History(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Qos:
-    """One end's quality of service; what is not here (deadline, lifespan, liveliness) is infinite."""
+    """The quality of service of one endpoint; other policies (deadline, lifespan, liveliness) are
+    infinite.
+    """
 
     reliability: Reliability = Reliability.RELIABLE
     durability: Durability = Durability.VOLATILE
@@ -51,9 +53,8 @@ SERVICES_QOS = Qos()
 
 
 def explain_mismatch(offered: Qos, requested: Qos) -> str:
-    """Say why a publisher that offers this and a subscriber that asks for that do not meet over DDS.
-
-    Empty when they do. The rule: who offers must promise at least what is asked for.
+    """Return why a publisher and a subscriber with these policies do not connect over DDS; empty if they do.
+    The rule: the publisher must offer at least what the subscriber requests.
     """
     reasons = []
     if offered.reliability is Reliability.BEST_EFFORT and requested.reliability is Reliability.RELIABLE:

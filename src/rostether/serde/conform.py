@@ -1,4 +1,4 @@
-"""Brings a value into the form of its type, or says which field does not fit and what it wants.
+"""Converts a value to the form of its type, or reports which field does not fit and what it needs.
 
 The slow, careful half of encoding: it takes mappings, lists, tuples and half-filled messages, and is the
 only place that words what is wrong with a value.

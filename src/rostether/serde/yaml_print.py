@@ -47,7 +47,7 @@ def format_value(value: Any, field_type: FieldType, style: EchoStyle | None = No
 
 
 class _Printer:
-    """Prints values in one style; `indent` is what stands before each line of a nested value."""
+    """Prints values in one style; `indent` precedes each line of a nested value."""
 
     def __init__(self, style: EchoStyle) -> None:
         self._style = style

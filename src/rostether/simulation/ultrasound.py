@@ -18,7 +18,7 @@ _LOST_ECHO_PROBABILITY = 0.01
 
 
 class Ultrasound:
-    """Measures the distance in metres to somebody who walks to and fro; noise from `rng`."""
+    """Simulates the distance in metres to a person who walks to and fro; noise from `rng`."""
 
     def __init__(self, rng: Random) -> None:
         self._rng = rng

@@ -104,7 +104,7 @@ class VirtualBoard:
         ]
 
     def step(self, now_s: float) -> float:
-        """Do what is due by `now_s` and return when to be called again; what was missed is left out."""
+        """Do the tasks due by `now_s` and return when to call again; missed tasks are skipped."""
         for task in self._tasks:
             if task.due_s <= now_s:
                 task.action(now_s)
@@ -127,7 +127,7 @@ class VirtualBoard:
                 await asyncio.gather(greeting, return_exceptions=True)
 
     async def read_parameters(self) -> None:
-        """Read `~blink_hz` and `~frame_id` from the host; what is unset or makes no sense changes nothing."""
+        """Read `~blink_hz` and `~frame_id` from the host; unset or invalid values have no effect."""
         blink_hz = await self._get_param("~blink_hz")
         if isinstance(blink_hz, int | float) and 0 <= blink_hz <= MAX_BLINK_HZ:
             self._blink.period_s = 0.5 / blink_hz if blink_hz else float("inf")

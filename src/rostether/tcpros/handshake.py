@@ -23,7 +23,7 @@ from rostether.msgdef.interface import ANY_MD5SUM, MessageType, ServiceType
 
 
 class Purpose(Enum):
-    """What the peer that connected wants."""
+    """The request of the connected peer."""
 
     SUBSCRIBE = "subscribe"
     PROBE = "probe"

@@ -28,7 +28,7 @@ _LENGTH = struct.Struct("<I")
 
 
 def encode_header(fields: Mapping[str, str]) -> bytes:
-    """Return the fields as they stand on the wire, length first and sorted by key as rospy sorts them."""
+    """Return the encoded fields, length first, sorted by key as in rospy."""
     parts: list[bytes] = []
     for key, value in sorted(fields.items()):
         field = f"{key}={value}".encode("utf-8", "surrogateescape")

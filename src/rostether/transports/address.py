@@ -48,7 +48,7 @@ class _Named:
 class SerialAddress(_Named):
     """A serial port or a pseudo-terminal's slave; `reset=False` leaves DTR and RTS alone.
 
-    `given` are the options that somebody wrote: they count more than a file of settings.
+    `given` are the options in the address: they override devices.toml.
     """
 
     path: str
@@ -168,7 +168,7 @@ def show_endpoint(host: str, port: int) -> str:
 
 
 def parse_address(text: str) -> Address:
-    """Read a link address. Raises ConfigError naming what is wrong and what is known."""
+    """Read a link address. Raises ConfigError with the error and the known options."""
     if not text.strip().isprintable():
         raise ConfigError(f"link address {text!r} has invisible characters; type it again")
     place, _, query = text.strip().partition("?")

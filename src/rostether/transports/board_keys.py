@@ -16,7 +16,7 @@ _NONE: Mapping[str, bytes] = MappingProxyType({})
 
 @dataclass(frozen=True, slots=True)
 class BoardKeys:
-    """By the file that they stand in: pre-shared keys, and certificates in DER form."""
+    """Pre-shared keys, and certificates in DER form, by their files."""
 
     keys: Mapping[str, bytes] = field(default_factory=lambda: _NONE)
     certificates: Mapping[str, bytes] = field(default_factory=lambda: _NONE)

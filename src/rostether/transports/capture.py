@@ -166,7 +166,7 @@ def _entry(line: Mapping[str, Any], last_s: float) -> Entry | None:
 
 
 def _short(value: object) -> str:
-    """Return a value of a file by anybody for one line of text."""
+    """Return a value of an untrusted file as one line of text."""
     try:
         text = repr(value)
     except ValueError:

@@ -62,7 +62,7 @@ class CaptureWriter:
         self._write(json.dumps({"capture": path.stem, **description}).encode() + b"\n")
 
     def tap(self, transport: Transport) -> Transport:
-        """Return the transport with all that goes over it noted as a link of its own."""
+        """Return a transport that records all its data as a separate link."""
         self._links += 1
         recorded = RecordedTransport(transport, self, self._links)
         self._note_event(self._links, {"event": "opened", "peer": transport.peer})
@@ -195,7 +195,7 @@ class RecordedTransport:
         self._inner.resume_reading()
 
     def close(self) -> None:
-        """Flush what is queued, for at most a second, then end the pipe. Idempotent."""
+        """Flush queued data for at most a second, then close. Idempotent."""
         self._inner.close()
         self._end(None)
 

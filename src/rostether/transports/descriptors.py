@@ -14,7 +14,7 @@ _OTHER_DESCRIPTORS = 128
 
 
 def allow_many_descriptors() -> None:
-    """Raise the soft limit, commonly 1024, to what the system permits; where there is none, do nothing."""
+    """Raise the soft limit, commonly 1024, to the hard limit; without limits, do nothing."""
     try:
         import resource
     except ImportError:

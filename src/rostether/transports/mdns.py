@@ -17,7 +17,7 @@ from rostether.errors import TransportOpenError
 from rostether.transports.sockets import explain_reason
 
 SERVICE_TYPE = "_rosserial._tcp.local."
-# Labels in DNS have 63 bytes, and ours say more than the name.
+# DNS labels have at most 63 bytes, and these contain more than the name.
 _MAX_MACHINE_BYTES = 48
 _ANY = ("0.0.0.0", "::", "")  # noqa: S104 - only compared with
 

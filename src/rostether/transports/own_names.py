@@ -75,7 +75,7 @@ def _plain(name: str) -> str:
 
 @cache
 def _machine_names() -> frozenset[str]:
-    """Return the machine's names as its own files have them; a resolver may be slow, or somebody else's."""
+    """Return the machine's names from its own files; a resolver may be slow or untrusted."""
     own = _plain(socket.gethostname())
     label = own.partition(".")[0]
     names = {own, label, f"{label}.local"}

@@ -1,4 +1,4 @@
-"""Many peers behind one medium (a UDP socket, a radio), each as a transport of its own."""
+"""Many peers on one medium (a UDP socket, a radio), each as its own transport."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ PeerKey = TypeVar("PeerKey", bound=Hashable)
 
 # A sender's address is easily forged, and each new one becomes a session: this bounds what that costs.
 MAX_PEERS = 64
-# A healthy board speaks every 2.5 s; one that was silent for so long frees its place.
+# A healthy board sends every 2.5 s; one that was silent for this long loses its place.
 IDLE_LIMIT_S = 30.0
 # What a paused or not yet started receiver may miss before bytes are lost: this medium cannot be slowed down.
 _HELD_LIMIT_BYTES = 64 * 1024
@@ -288,7 +288,7 @@ class PeerTable(Generic[PeerKey]):
         return peer
 
     def forget(self, peer: PeerTransport[PeerKey]) -> None:
-        """Drop a peer that ended; it becomes a new one when it speaks again."""
+        """Drop a closed peer; it becomes a new one when it sends again."""
         if self._peers.get(peer.key) is peer:
             del self._peers[peer.key]
             if self._on_forget is not None:
@@ -302,13 +302,13 @@ class PeerTable(Generic[PeerKey]):
                 peer.end(TransportClosedError(f"{silence}; check its power and its network"))
 
     def pause_writing(self) -> None:
-        """Tell every peer that the medium's write buffer is full."""
+        """Notify every peer that the medium's write buffer is full."""
         self._writing_paused = True
         for peer in list(self._peers.values()):
             peer.pause_writing()
 
     def resume_writing(self) -> None:
-        """Tell every peer that the medium's write buffer has drained."""
+        """Notify every peer that the medium's write buffer has drained."""
         self._writing_paused = False
         for peer in list(self._peers.values()):
             peer.resume_writing()

@@ -30,7 +30,7 @@ class NamedPort(Protocol):
 
     @property
     def description(self) -> str:
-        """What is plugged in there."""
+        """The device on the port."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ _LISTENING = "0A"
 
 @dataclass(frozen=True, slots=True)
 class Holder:
-    """A process; `name` is what it calls itself."""
+    """A process; `name` is its command name."""
 
     pid: int
     name: str

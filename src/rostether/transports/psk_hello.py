@@ -23,7 +23,7 @@ from pathlib import Path
 from rostether.errors import ConfigError, RemoteProtocolError
 
 PSK_LIMIT_S = 5.0
-"""A board on Wi-Fi answers within a second; who does not answer holds a connection."""
+"""A board on Wi-Fi answers within a second; a peer that does not answer takes a connection."""
 
 MIN_KEY_BYTES = 16
 """A shorter key can be guessed offline from one recorded hello."""
@@ -32,7 +32,7 @@ MAX_KEY_FILE_BYTES = 4096
 """More is another file, given by mistake."""
 
 MAX_LINE_BYTES = 160
-"""The longest line has 105: what is longer is no hello."""
+"""The longest line has 105 bytes: a longer one is not a hello."""
 
 _WORD = "RSPSK1"
 _ANSWER = re.compile(rb"RSPSK1 ([0-9a-f]{32}) ([0-9a-f]{64})")

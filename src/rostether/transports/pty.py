@@ -29,7 +29,7 @@ _OPENER_POLL_S = 0.05
 # all when twice in a row nothing was waiting.
 _UNREAD_POLL_S = 0.01
 _UNREAD_LOOKS = 2
-# Linux hands out at most 4 KiB or a flip buffer of 16 KiB at once; larger buffers only cost.
+# Linux hands out at most 4 KiB or a flip buffer of 16 KiB at once; larger buffers only need memory.
 _READ_BYTES = 16 * 1024
 # The same marks as asyncio's sockets.
 _HIGH_WATER_BYTES = 64 * 1024
@@ -147,7 +147,7 @@ class PtyTransport:
         self._apply_reading()
 
     def close(self) -> None:
-        """Flush what is queued, for at most a second, then end the pipe and remove the link. Idempotent."""
+        """Flush queued data for at most a second, then close and remove the link. Idempotent."""
         if self._closing:
             return
         self._closing = True
@@ -230,7 +230,7 @@ class PtyTransport:
         self._look_for_opener()
 
     def _look_for_opener(self) -> None:
-        # Bytes to read mean that somebody was here between two looks, perhaps with last words.
+        # Unread bytes mean that a program was connected between two checks.
         self._opened = not self._is_hung_up() or self._has_input()
         if self._opened:
             self._timer = None

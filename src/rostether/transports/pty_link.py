@@ -11,7 +11,7 @@ from rostether.transports.serial_errors import is_pseudo_terminal
 
 
 def check_link(link: Path) -> None:
-    """Refuse to put the link where something of the user's stands. Raises TransportOpenError."""
+    """Raise TransportOpenError if the link would replace a file of the user."""
     if link.is_symlink():
         if link.exists() and not is_pseudo_terminal(str(link)):
             raise TransportOpenError(f"{link} is a link to something else; choose another path for pty:")

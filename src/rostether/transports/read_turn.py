@@ -21,7 +21,7 @@ many at once; a pause of the garbage collector, which looks alike, is forgotten 
 
 
 class ReadTurn:
-    """The size of a connection's next read, at most `most_bytes`; knows no clock."""
+    """The size of a connection's next read, at most `most_bytes`; does not read a clock."""
 
     def __init__(self, most_bytes: int) -> None:
         self.size_bytes = min(FIRST_READ_BYTES, most_bytes)

@@ -1,4 +1,4 @@
-"""Saying that peers are refused, without letting them write our log."""
+"""Reports refused peers at a limited rate, so that they cannot fill the log."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ from rostether.transports.memory import MemoryTransport, memory_pair
 from rostether.transports.transport import Transport
 
 MAX_LINKS = 128
-"""As many as a TCP listener takes: a capture may come from anybody, and each link becomes a session."""
+"""As many as a TCP listener accepts: a capture is untrusted, and each link becomes a session."""
 
 # Only while a capture is played without pauses.
 _TAKEN_POLL_S = 0.001
@@ -41,7 +41,7 @@ class CaptureListener:
         self._boards: dict[int, _PlayedBoard] = {}
 
     async def play(self) -> None:
-        """Play the capture to its end and close. Raises ConfigError for what is no capture."""
+        """Play the capture to its end and close. Raises ConfigError if it is not a capture."""
         loop = asyncio.get_running_loop()
         began_s = loop.time()
         try:

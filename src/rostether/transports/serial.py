@@ -128,7 +128,7 @@ class SerialTransport(StreamTransport, asyncio.Protocol):
             super().write(data)
 
     def abort(self) -> None:
-        """End the pipe at once; what is queued is lost. Idempotent."""
+        """Close at once; queued data is lost. Idempotent."""
         port = self._port()
         if port is not None:
             with contextlib.suppress(OSError):

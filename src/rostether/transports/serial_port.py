@@ -1,4 +1,4 @@
-"""What the system knows of a serial port before anybody opens it."""
+"""The facts about a serial port before it is opened."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ _WITH_SETTINGS = ("adc", "fault", "hcsr04", "pin")
 
 
 def sim_words(options: Mapping[str, str]) -> tuple[str, ...]:
-    """Return the lines for the board that an address's options stand for, in the order of the options."""
+    """Return the commands for the board from an address's options, in the same order."""
     return tuple(_line(key, value) for key, value in options.items() if key in SIM_WORDS)
 
 

@@ -122,7 +122,7 @@ class StreamTransport(asyncio.BaseProtocol):
         self._apply_reading()
 
     def close(self) -> None:
-        """Flush what is queued, for at most a second, then end the pipe. Idempotent."""
+        """Flush queued data for at most a second, then close. Idempotent."""
         if self._closing:
             return
         self._closing = True
@@ -132,7 +132,7 @@ class StreamTransport(asyncio.BaseProtocol):
             self._end_wire(self._wire)
 
     def abort(self) -> None:
-        """End the pipe at once; what is queued is lost. Idempotent."""
+        """Close at once; queued data is lost. Idempotent."""
         self._closing = True
         if self._wire is not None and not self._lost:
             self._wire.abort()

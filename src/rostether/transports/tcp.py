@@ -86,7 +86,7 @@ class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
         """
         super().write(data)
         if self._socket is not None and _QUICKACK is not None:
-            # uvloop's stand-in for a socket that is closed raises ValueError; a `with` would cost twice this.
+            # uvloop's wrapper of a closed socket raises ValueError; a `with` would cost twice this.
             try:  # noqa: SIM105
                 self._socket.setsockopt(socket.IPPROTO_TCP, _QUICKACK, 1)
             except (OSError, ValueError):
@@ -143,10 +143,8 @@ class TcpListener:
         max_connections_per_host: int = MAX_CONNECTIONS_PER_HOST,
         board_keys: BoardKeys = NO_KEYS,
     ) -> TcpListener:
-        """Listen.
-
-        Raises TransportOpenError when the port is taken or the host is not ours, ConfigError for a key or
-        certificate that cannot be read.
+        """Listen. Raises TransportOpenError if the port is taken or the host is not of this machine,
+        ConfigError for a key or certificate that cannot be read.
         """
         allow = AllowList(address.allow)
         greeting = make_greeting(address, board_keys)

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     import ssl
 
 HANDSHAKE_LIMIT_S = 5.0
-"""Small boards take 2 s for their part of a handshake; who does not answer holds a connection."""
+"""Small boards take 2 s for their part of a handshake; a peer that does not answer takes a connection."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -63,7 +63,7 @@ class Transport(Protocol):
         """Deliver again. Idempotent."""
 
     def close(self) -> None:
-        """Flush what is queued, for at most a second, then end the pipe. Idempotent."""
+        """Flush queued data for at most a second, then close. Idempotent."""
 
     async def wait_closed(self) -> None:
         """Wait until the pipe has ended."""

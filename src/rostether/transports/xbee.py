@@ -103,11 +103,11 @@ class XbeeListener:
         self._reopening = asyncio.get_running_loop().create_task(self._reopen())
 
     def pause_writing(self) -> None:
-        """Tell every peer that the coordinator takes nothing more."""
+        """Notify every peer that the coordinator accepts no more bytes."""
         self.peers.pause_writing()
 
     def resume_writing(self) -> None:
-        """Tell every peer that the coordinator takes bytes again."""
+        """Notify every peer that the coordinator accepts bytes again."""
         self.peers.resume_writing()
 
     async def _open(self) -> None:

@@ -66,7 +66,7 @@ class XbeeFrameDecoder:
         self._escaped = False
 
     def feed(self, data: bytes) -> list[RadioPacket]:
-        """Return the packets that the chunk completes; frames of other kinds are passed over."""
+        """Return the packets that the chunk completes; frames of other kinds are skipped."""
         packets = []
         for frame_data in self._frames(data):
             if len(frame_data) >= _RX_HEADER_BYTES and frame_data[0] == _RX_16:

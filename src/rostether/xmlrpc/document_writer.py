@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from rostether.errors import SerializationError
 from rostether.xmlrpc.values import MAX_INT, MAX_NESTING, MIN_INT, NOT_XML, DateTime
 
-# What is written between two steps, whichever comes first: about a millisecond's work.
+# The limits of one step, about a millisecond of work.
 STEP_BYTES = 64 * 1024
 STEP_VALUES = 1024
 

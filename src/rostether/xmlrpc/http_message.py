@@ -20,7 +20,7 @@ MAX_BODY_BYTES = 16 * 1024 * 1024
 # Chunks are read one by one. A sender fills them; these leave room for a few small ones.
 MIN_CHUNK_BYTES = 64
 SMALL_CHUNKS = 1024
-# What is read of a request in one go: a head, some chunks, an end. Below a millisecond.
+# How many parts of a request are read in one step: a header, some chunks, an end. Below a millisecond.
 EVENTS_AT_ONCE = 64
 
 _XML_TYPES = (b"text/xml", b"application/xml")
@@ -37,7 +37,7 @@ _REASONS = {
 
 
 class HttpStatusError(RemoteProtocolError):
-    """The peer answered with another HTTP status than 200: it speaks HTTP, but not our XML-RPC."""
+    """The peer answered with another HTTP status than 200: it is an HTTP server, but not XML-RPC."""
 
 
 class HttpServerSide:
@@ -83,7 +83,7 @@ class HttpServerSide:
     def next_request(self) -> bytes | None:
         """Return the body of the next complete POST, or None while there is none.
 
-        What is no POST we serve is answered here, and ends the connection: see `ended`.
+        Other requests are answered here, and the connection is closed: see `ended`.
         """
         try:
             return self._next_request()

@@ -90,7 +90,7 @@ class Noise:
         return found
 
     def alive(self) -> None:
-        """A frame came that only a rosserial board sends."""
+        """Note a frame that only a rosserial board sends."""
         self.byte_count = 0
         self._first.clear()
         self._line.clear()

@@ -17,7 +17,7 @@ from rostether.serde.type_tree import Array, Number, Struct, Text
 from rostether.serde.values import Message
 
 TIME_COLUMNS = ("time_s", "time_ns")
-"""When a message was recorded; they stand before its fields."""
+"""The time columns of a message, before its fields."""
 
 
 class Table(Protocol):

@@ -33,7 +33,7 @@ class Storage(StrEnum):
 
 
 class FileStorage(RecordingWriter, Protocol):
-    """What writes one file, and knows what is in it."""
+    """The writer of one file, with its contents."""
 
     @property
     def channels(self) -> Ros2Channels:

@@ -58,7 +58,7 @@ class Db3Reader:
         except sqlite3.Error as error:
             raise RecordingError(f"cannot read {path}: {error}") from None
         try:
-            # Views and triggers in a file from anybody are not to be run.
+            # Views and triggers of an untrusted file must not run.
             self._database.execute("PRAGMA trusted_schema = OFF")
             self._database.text_factory = lambda data: data.decode("utf-8", "replace")
             self._database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, MAX_VALUE_BYTES)

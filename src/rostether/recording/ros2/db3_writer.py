@@ -148,7 +148,7 @@ class Db3Writer:
         try:
             self._database.execute("PRAGMA journal_mode = DELETE")
         except sqlite3.OperationalError:
-            # Somebody reads it just now: the log may stay, but nothing is in it that is not in the file.
+            # Another program is reading it: the log may stay, but all its content is also in the file.
             self._database.execute("PRAGMA wal_checkpoint(FULL)")
 
     def _add_topic(self, channel: Channel) -> None:

@@ -30,13 +30,13 @@ _NO_TIME = 9223372036854775807  # rosbag2's start of a bag without messages
 
 @dataclass(frozen=True, slots=True)
 class FileFacts:
-    """What one file holds; `start_ns` is None in one without messages."""
+    """The contents of one file; `start_ns` is None without messages."""
 
     name: str
     start_ns: int | None
     end_ns: int
     topics: Mapping[tuple[str, str], tuple[Ros2Origin, int]]
-    """By topic and type: what is known of it, and how many messages there are."""
+    """By topic and type: its description, and the number of messages."""
 
     @property
     def message_count(self) -> int:
@@ -46,7 +46,7 @@ class FileFacts:
 
 @dataclass(frozen=True, slots=True)
 class Metadata:
-    """What is read of metadata.yaml."""
+    """The content of metadata.yaml."""
 
     version: int
     storage: str
@@ -103,7 +103,7 @@ def describe(files: Sequence[FileFacts], storage: str, distro: str) -> dict[str,
 
 
 def text_of(content: Mapping[str, Any]) -> str:
-    """Return the content as it also stands within the files."""
+    """Return the content, as it is also stored in the files."""
     return yaml.safe_dump(dict(content), sort_keys=False)
 
 

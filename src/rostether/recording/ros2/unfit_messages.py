@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 
 class UnfitMessages:
-    """Counts what is left out by topic, over all files of a recording; `tell` gets a line for each topic."""
+    """Counts dropped messages by topic, over all files of a recording; `tell` gets a line for each topic."""
 
     def __init__(self, tell: Callable[[str], None]) -> None:
         self.counts: dict[str, int] = {}

@@ -20,7 +20,7 @@ class OwnParameters(Protocol):
     """The parameters of our own node; `store.ParameterStore` is one."""
 
     def get(self, name: str) -> TypedValue:
-        """Return a value, `NOT_SET` where there is none."""
+        """Return a value, or `NOT_SET`."""
 
     def names(self) -> list[str]:
         """Return the names of all parameters that are set."""
@@ -49,7 +49,9 @@ class GraphParameters:
         self._watches = ParameterWatches(own, membership, self._value_or_none)
 
     async def get(self, name: str) -> ParamValue:
-        """Return a value or tree; what is not set on our own node is declared. Raises UnknownNameError."""
+        """Return a value or tree; on the own node, an unset parameter is declared. Raises
+        UnknownNameError.
+        """
         place = await self._locate(name)
         values = await self._values(place)
         if not values:
@@ -96,7 +98,7 @@ class GraphParameters:
         return full_name(self._node, name) if is_there else None
 
     async def names(self) -> list[str]:
-        """Return the full names of what is set on all nodes that answer, sorted."""
+        """Return the full names of the parameters of all nodes that answer, sorted."""
         services = (await self._membership.snapshot()).services
         suffix = f"/{LIST_SERVICE}"
         others = {name.removesuffix(suffix) for name in services if name.endswith(suffix)} - {self._node}

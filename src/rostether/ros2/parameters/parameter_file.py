@@ -72,7 +72,7 @@ def read_parameter_files(paths: Iterable[Path]) -> ParameterRules:
 
 
 def parse_parameters(text: str, source: str) -> ParameterRules:
-    """Read the text of a file. Raises ConfigError naming `source` and what is wrong with it."""
+    """Read the text of a file. Raises ConfigError with `source` and the error."""
     entries: list[_Entry] = []
     try:
         if has_alias(text):

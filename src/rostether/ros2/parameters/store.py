@@ -14,7 +14,7 @@ from rostether.ros2.parameters.typed_value import NOT_SET, ParameterType, TypedV
 USE_SIM_TIME = "use_sim_time"
 
 MAX_PARAMETERS = 4096
-"""Anybody on the graph can set them; the largest nodes (navigation) have about a thousand."""
+"""Any node on the graph can set parameters; the largest nodes (navigation) have about a thousand."""
 
 MAX_ASKED_NAMES = 256
 """Names that a board asked for and that are not set; line noise can produce any number of names."""
@@ -54,7 +54,7 @@ class ParameterStore:
         self.apply({name: typed_value(name, value) for name, value in (initial or {}).items()})
 
     def get(self, name: str) -> TypedValue:
-        """Return a value, `NOT_SET` where there is none."""
+        """Return a value, or `NOT_SET`."""
         return self._values.get(name, NOT_SET)
 
     def names(self) -> list[str]:
@@ -66,7 +66,7 @@ class ParameterStore:
         return sorted({*self._values, *self._asked})
 
     def declare(self, name: str) -> None:
-        """Take notice that somebody here asks for a parameter that is not set, so that people find it."""
+        """Declare a requested parameter that is not set, so that it appears in lists."""
         if len(self._asked) < MAX_ASKED_NAMES and name not in self._values and not _name_fault(name):
             self._asked[name] = None
 

@@ -98,7 +98,7 @@ def value_of_message(message: Message) -> TypedValue:
 
 
 def flatten(path: str, value: ParamValue) -> dict[str, TypedValue]:
-    """Return the parameters that a value or mapping stands for, by their names with dots.
+    """Return the parameters of a value or mapping, by their names with dots.
 
     Raises SerializationError for what ROS 2 cannot hold.
     """

@@ -1,4 +1,4 @@
-"""Watches parameters of any node: our own store reports ours, /parameter_events those of other nodes."""
+"""Watches parameters of any node: those of this node in its store, others through /parameter_events."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is installed of ROS 2's Python: rclpy itself, and the packages of message types.
+"""Finds the installed rclpy and the installed packages of message types.
 
 rclpy is loaded when the first node joins: importing it costs half a second. It carries no types of its own:
 a type can be used when the package that has it is installed beside it.

@@ -25,11 +25,11 @@ class RclpyParameters:
         if add is not None:
             add(self._note)
         else:
-            # Humble tells only before it sets; the loop gets to it after that.
+            # Humble calls back only before it sets the value; the loop reads it afterwards.
             self._node.add_on_set_parameters_callback(self._note_and_agree)
 
     def get(self, name: str) -> TypedValue:
-        """Return a value, `NOT_SET` where there is none."""
+        """Return a value, or `NOT_SET`."""
         if not self._node.has_parameter(name):
             return NOT_SET
         return _typed(self._node.get_parameter(name))

@@ -149,7 +149,7 @@ class RclpyPublisher:
 
     @property
     def dropped_count(self) -> int:
-        """Zero: the middleware does not tell its publishers what slow subscribers lose."""
+        """Zero: the middleware does not report to publishers what slow subscribers lose."""
         return 0
 
     def publish_raw(self, payloads: Sequence[bytes]) -> bool:

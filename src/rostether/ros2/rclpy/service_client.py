@@ -24,7 +24,7 @@ LOOK_INTERVAL_S = 0.01
 """How often to look for a server that is being discovered."""
 
 SERVER_CHECK_INTERVAL_S = 0.25
-"""How often to look whether the server of a pending call lives: middlewares do not tell."""
+"""How often to check that the server of a pending call is alive: middlewares do not report it."""
 
 
 class RclpyServiceClient:

@@ -21,7 +21,7 @@ from rostether.serde.type_tree import TypeTrees
 
 
 class PairedDefinitions:
-    """ROS 2 definitions on this machine, and those derived from a registry's where there is none."""
+    """The ROS 2 definitions on this machine; missing ones are derived from a registry."""
 
     def __init__(self, registry: Registry, definitions: Ros2Definitions) -> None:
         self._registry = registry

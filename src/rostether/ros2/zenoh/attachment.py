@@ -29,7 +29,7 @@ class Attachment:
 
 
 def parse_attachment(data: bytes) -> Attachment | None:
-    """Read a peer's attachment; None when it is none of rmw_zenoh's."""
+    """Read a peer's attachment; None if it is not from rmw_zenoh."""
     if len(data) < ATTACHMENT.size:
         return None
     sequence, stamp_ns, size, gid = ATTACHMENT.unpack_from(data)

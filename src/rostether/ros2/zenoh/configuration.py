@@ -100,7 +100,7 @@ def router_configuration(environment: Ros2Environment, reach: Reach) -> zenoh.Co
     """Return the configuration of a session that is the router. Raises ConfigError."""
     if environment.zenoh_router_config is not None:
         return _override(_from_file(environment.zenoh_router_config), environment, reach)
-    # Who insists on being a router and says where may be one beside another, at a place of its own.
+    # With `always` and explicit endpoints, a second router may run beside another one.
     is_elsewhere = reach.router is RouterChoice.ALWAYS and reach.listen
     place = [] if is_elsewhere else [ROUTER_ENDPOINT]
     settings = {**_SHARED, **_ROUTER, "listen/endpoints": json.dumps(place)}

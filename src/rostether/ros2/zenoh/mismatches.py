@@ -11,7 +11,7 @@ from rostether.ros2.zenoh.tokens import Kind, Token
 
 
 class Mismatches:
-    """Tells once of every end of a topic whose type is not ours."""
+    """Reports every endpoint of a topic with another type, once."""
 
     def __init__(self, topic: str, support: MessageSupport, report: Callable[[Level, str], None]) -> None:
         self._topic = topic

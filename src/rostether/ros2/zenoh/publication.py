@@ -79,7 +79,8 @@ class Publication:
         )
         self._refusal_reported = False
         self._loss_reported = False
-        # zenoh's word comes when somebody subscribes, also who has no token; a token may come before it.
+        # zenoh's notification arrives for every subscriber, even one without a token; a token may arrive
+        # before it.
         self._is_matched = False
         self._subscribers: list[Token] = []
         self._declare()

@@ -40,7 +40,7 @@ WARY_S = 60.0
 """How long a thread puts after a put that would have held up the loop."""
 
 FINISH_LIMIT_S = 1.0
-"""How long a publication that ends waits for what it has still to put."""
+"""How long a closing publication waits for its remaining puts."""
 
 _log = logging.getLogger("rostether.ros2")
 
@@ -128,7 +128,7 @@ class PutQueue:
             async with asyncio.timeout(FINISH_LIMIT_S):
                 while self._job is not None:
                     await asyncio.wait([self._job])
-                    # Its callback stands behind us in the loop's queue.
+                    # Its callback is later in the loop's queue.
                     await asyncio.sleep(0)
         except TimeoutError:
             _log.debug("%d messages were dropped because a link is full", len(self._waiting))

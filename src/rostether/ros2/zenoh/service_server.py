@@ -103,7 +103,7 @@ class ServiceServer:
         await asyncio.get_running_loop().run_in_executor(self._threads, _finish, query, say)
 
     async def _work(self, query: zenoh.Query) -> Callable[[], object]:
-        """Handle a call; returns what tells the caller of it."""
+        """Handle a call; returns the function that sends the response."""
         attachment = None if query.attachment is None else parse_attachment(query.attachment.to_bytes())
         if attachment is None or query.payload is None:
             return _refusal(query, f"a call of {self.service} without rmw_zenoh's attachment or a request")
@@ -124,7 +124,7 @@ def _refusal(query: zenoh.Query, text: str) -> Callable[[], object]:
 
 
 def _finish(query: zenoh.Query, say: Callable[[], object]) -> None:
-    """Tell the caller, in a thread."""
+    """Send the response, in a thread."""
     with query:
         try:
             say()

@@ -196,7 +196,7 @@ class ZenohSession:
         self._watch = self._liveliness.declare_subscriber(
             key, zenoh.handlers.Callback(self._take_token, indirect=False), history=True
         )
-        # Who asks for a snapshot or a service right away is to see what is there already.
+        # A snapshot or service call right after the start must see the existing endpoints.
         started_s = time.monotonic()
         tokens = await self.look(key, FIRST_LOOK_TIMEOUT_S)
         await asyncio.sleep(0)
@@ -220,7 +220,7 @@ class ZenohSession:
         if self.is_router:
             await self._wait_for_link()
         if not faults and not self._is_linked():
-            # Of other protocols than TCP only a connection tells.
+            # For other protocols than TCP, only a connection shows this.
             faults = dict.fromkeys(named, "check that it is running and can be reached")
         for endpoint, fault in faults.items():
             _log.warning("no zenoh router answers at %s yet, still trying: %s", endpoint, fault)
@@ -262,7 +262,7 @@ async def _open(configuration: zenoh.Config) -> zenoh.Session:
     if any(each.startswith(("tls/", "quic/")) for each in endpoints_of(configuration, "listen")):
         report_refusals()
     try:
-        # Opening blocks until the first connections stand or are given up.
+        # Opening blocks until the first connections are established or have failed.
         return await asyncio.to_thread(zenoh.open, configuration)
     except zenoh.ZError as error:
         text = one_line(error)

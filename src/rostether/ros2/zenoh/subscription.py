@@ -128,7 +128,7 @@ class Subscription:
         self._taker.on_close(self)
 
     def _put(self, sample: zenoh.Sample) -> None:
-        # In a thread of zenoh's, or in ours while we publish.
+        # Called in a zenoh thread, or in this one during a publication.
         stay_known()
         data = sample.payload.to_bytes()
         self._queue.put(("", b"", data), len(data))

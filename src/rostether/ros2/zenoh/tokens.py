@@ -23,7 +23,7 @@ MAX_TOKEN_CHARACTERS = 4096
 
 
 class Kind(Enum):
-    """What a token stands for."""
+    """The endpoint or node of a token."""
 
     NODE = "NN"
     PUBLISHER = "MP"
@@ -76,7 +76,7 @@ class Token:
 
 
 def parse_token(text: str) -> Token | None:
-    """Read a peer's token; None when it is none of ROS 2's."""
+    """Read a peer's token; None if it is not from ROS 2."""
     if len(text) > MAX_TOKEN_CHARACTERS:
         return None
     parts = text.split("/")

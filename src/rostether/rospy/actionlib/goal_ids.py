@@ -13,7 +13,7 @@ _numbers = itertools.count(1)
 
 
 class GoalIDGenerator:
-    """Makes ids that begin with a name, the node's unless another is given."""
+    """Makes ids that start with a name (default: the node's name)."""
 
     def __init__(self, name: str | None = None) -> None:
         self.name = get_name() if name is None else name

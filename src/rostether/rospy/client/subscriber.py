@@ -84,7 +84,7 @@ class SubscribedTopic:
             _invoke(message, callback, arguments)
 
     def remove_callback(self, callback: Callable[..., object], arguments: Any) -> None:
-        """End that. Raises KeyError."""
+        """Remove the callback. Raises KeyError."""
         remaining = list(self.callbacks)
         try:
             remaining.remove((callback, arguments))

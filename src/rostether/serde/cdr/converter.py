@@ -56,7 +56,7 @@ class CdrConverter:
         raise SerializationError(f"the payload has {len(payload) - walk.at} bytes more than {self.ros1_name}")
 
     def _other_cdr(self, cdr: bytes) -> bytes:
-        """Convert big-endian CDR; say of all else why it is none."""
+        """Convert big-endian CDR; report why other data is not CDR."""
         if len(cdr) < len(LITTLE_ENDIAN):
             raise SerializationError(f"{len(cdr)} bytes are not CDR, which starts with a header of 4 bytes")
         if cdr[:2] not in (_BIG_ENDIAN, LITTLE_ENDIAN[:2]):

@@ -42,7 +42,7 @@ LITTLE_ENDIAN: Final = b"\0\1\0\0"
 """The encapsulation of what we write: plain CDR, little endian, no options."""
 
 ERRORS: Final = (struct.error, OverflowError, IndexError)
-"""What reading bytes of another layout raises."""
+"""The exceptions of reading bytes with another layout."""
 
 _PADS: Final = {
     f"{name}{alignment}": tuple(
@@ -70,7 +70,7 @@ def compile_conversion(tree: Record, target: Side, refuse: Callable[[bytes], byt
     if not cdr:
         lines.insert(0, f"if b[:2] != {LITTLE_ENDIAN[:2]!r}: return refuse(b)")
         if [slot.ros2_name for slot in tree.ros2_slots] == [DUMMY_NAME]:
-            # Some peers leave out the byte that stands for no field at all.
+            # Some peers omit the placeholder byte of an empty message.
             lines.pop()
     pieces = body.pieces.pop_all()
     if body.uses_out:

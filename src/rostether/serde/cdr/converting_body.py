@@ -13,7 +13,7 @@ from rostether.serde.cdr.wide_text import UNIT_BYTES
 from rostether.serde.generated_source import indented
 
 _MAX_LOOPS: Final = 2
-"""How many loops stand in each other; the elements of further ones have functions of their own."""
+"""The depth of nested loops; elements of deeper loops get separate functions."""
 
 
 class ConvertingBody(ReadingBody):
@@ -32,7 +32,7 @@ class ConvertingBody(ReadingBody):
         self.target_place = target_place
 
     def convert(self, node: Node) -> None:
-        """Convert one value, by a function of its own if this one has become long."""
+        """Convert one value, in a separate function if this one has become long."""
         if isinstance(node, Record) and node.block is None and self.is_long_with(node):
             self._call_converter(self.functions.converter(node))
         else:

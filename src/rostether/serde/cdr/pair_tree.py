@@ -84,7 +84,7 @@ class Text:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Array:
-    """An array of `length` elements, or of any length up to `bound` if it is None."""
+    """An array of `length` elements; if it is None, of any length up to `bound`."""
 
     element: Plain | Text | Record
     length: int | None
@@ -159,7 +159,7 @@ class Record:
 
     @property
     def is_ordered(self) -> bool:
-        """Whether the fields of both sides stand in the same order."""
+        """Whether the fields of both sides are in the same order."""
         shared = [slot for slot in self.ros1_slots if slot.side is Side.BOTH]
         return shared == [slot for slot in self.ros2_slots if slot.side is Side.BOTH]
 

@@ -75,7 +75,7 @@ class _Pairing:
         self._records: dict[tuple[str, str], Record] = {}
 
     def record(self, ros1: type_tree.Struct, ros2: Ros2Message, path: str) -> Record:
-        """Return two messages as one; `path` is where they stand, to say so."""
+        """Pair two messages; `path` is their position, for errors."""
         key = (ros1.name, ros2.full_name)
         if key not in self._records:
             self._records[key] = self._paired(ros1, ros2, path)

@@ -40,7 +40,7 @@ class Place:
         self.residue %= self.modulus
 
     def padding(self, alignment: int) -> int | None:
-        """Return how many bytes are missing to an alignment, None where only running code can tell."""
+        """Return the padding to an alignment, None if it is known only at run time."""
         if not self.aligned or alignment == 1:
             return 0
         return -self.residue % alignment if self.modulus >= alignment else None

@@ -44,7 +44,7 @@ class ReadingBody:
         self._count = 0
 
     def skip(self, node: Node) -> None:
-        """Read over one value, by a function of its own if this one has become long."""
+        """Skip one value, in a separate function if this one has become long."""
         if isinstance(node, Record) and self.is_long_with(node):
             place = self.source_place
             place.move(self.line("o", f"{self.functions.walker(node)}(b, {place.text()})"))

@@ -25,7 +25,7 @@ class BoardEvent:
 
 
 def parse_event(line: bytes) -> BoardEvent:
-    """Read a line of the runner. Raises BoardError for what is no event."""
+    """Read a line of the runner. Raises BoardError if it is not an event."""
     try:
         values = json.loads(line)
         name, time_us = values.pop("event"), values.pop("time_us")

@@ -209,7 +209,7 @@ class SimulatedBoard:
         return float((await self.ask(f"servo {pin}", "servo"))["pulse_us"])
 
     async def servo_angle(self, pin: str, *, timeout_s: float = DEFAULT_TIMEOUT_S) -> float:
-        """Return where a servo on a pin stands, in degrees from 0 to 180; waits for the first pulse."""
+        """Return the angle of a servo on a pin, in degrees from 0 to 180; waits for the first pulse."""
         return (await self.servo_pulse_us(pin, timeout_s=timeout_s) - 544.0) * 180.0 / (2400.0 - 544.0)
 
     async def set_faults(self, faults: str) -> None:
