@@ -98,7 +98,7 @@ class Notices:
         self._reporter.line(level, shown_line(text), node=self.node)
 
     def episode(self, kind: str, level: Level, text: LineText, *, count: int = 1) -> None:
-        """Report a line when `kind` begins, and nothing more of it until it was quiet for 10 s."""
+        """Report the first line of a `kind`; drop more of them until there was none for 10 s."""
         suppressed = self._episodes.admit(kind, self._clock(), count=count)
         if suppressed is None:
             return

@@ -18,7 +18,7 @@ MAX_WAYS = 50_000
 
 
 _KEPT_OF_A_SHAPE = 2
-# The node handle bounds how deep its own functions go into each other.
+# The node handle limits the recursion of its own functions.
 _BOUNDED = "_ZN3ros"
 
 

@@ -30,7 +30,9 @@ Handler: TypeAlias = Callable[[Message], MessageLike | Awaitable[MessageLike]]
 
 _SUBSCRIBER_POLL_S = 0.01
 SILENCE_WARNING_S = 5.0
-"""A program that waits for a topic that nobody publishes is told; publishers are found within a second."""
+"""After this time without a publisher, a waiting program gets a log line; publishers are found within a
+second.
+"""
 
 _LOG = logging.getLogger(__name__)
 

@@ -1,4 +1,4 @@
-"""XML files as a tree that knows its lines. DTDs and entities are refused before they are expanded."""
+"""XML files as a tree with line numbers. DTDs and entities are rejected before they are expanded."""
 
 from __future__ import annotations
 

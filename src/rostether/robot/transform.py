@@ -88,7 +88,7 @@ def rotate(rotation: Quaternion, vector: Vector) -> Vector:
 
 
 def slerp(start: Quaternion, end: Quaternion, ratio: float) -> Quaternion:
-    """Return the rotation a part of the way from one to another, along the shorter way (source: tf2)."""
+    """Interpolate two rotations along the shorter path (source: tf2)."""
     dot = sum(a * b for a, b in zip(start, end, strict=True))
     scale = math.sqrt(sum(a * a for a in start) * sum(b * b for b in end))
     angle = math.acos(min(abs(dot) / scale, 1.0)) if scale else 0.0

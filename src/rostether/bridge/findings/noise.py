@@ -40,7 +40,7 @@ def is_text(data: bytes) -> bool:
 
 
 def show(data: bytes) -> str:
-    """Write bytes for people: text in quotes, all else as numbers."""
+    """Format bytes for people: text in quotes, other bytes as numbers."""
     if is_text(data[:SHOWN_BYTES]) or (data and is_text(data)):
         return repr(data[:SHOWN_BYTES].decode("utf-8", "replace"))
     return data[:16].hex(" ")

@@ -28,7 +28,7 @@ class TVal:
 
     @classmethod
     def from_sec(cls: type[_T], float_secs: float) -> _T:
-        """Make one of seconds; what is below a nanosecond is cut off."""
+        """Create one from seconds; fractions of a nanosecond are cut off."""
         return cls(*_split_s(float_secs))
 
     def is_zero(self) -> bool:
