@@ -13,6 +13,9 @@ from rostether.msgdef.registry import Registry
 PACKAGES = {
     "actionlib",
     "actionlib_tutorials",
+    "arduino_control",
+    "sensing_platform",
+    "sensors",
     "move_base_msgs",
     "actionlib_msgs",
     "diagnostic_msgs",

@@ -56,6 +56,7 @@ SERVED_NODES: dict[tuple[str, str], tuple[str, ...]] = {
     ("rosapi", "rosapi_node"): ("role", "rosapi-node"),
     ("tf2_web_republisher", "tf2_web_republisher"): ("role", "tf2-web-republisher"),
     ("joy", "joy_node"): ("role", "joy-node"),
+    ("arduino_control", "arduino_control"): ("role", "arduino-control"),
     ("topic_tools", "relay"): ("role", "relay"),
     ("topic_tools", "throttle"): ("role", "throttle"),
     ("topic_tools", "mux"): ("role", "mux"),

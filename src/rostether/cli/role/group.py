@@ -49,6 +49,9 @@ ROLES = {
     "mux-delete": VerbEntry(f"{_TOPICS}:mux_delete", "Remove an input from a mux."),
     "mux-list": VerbEntry(f"{_TOPICS}:mux_list", "List the inputs of a mux."),
     "joy-node": VerbEntry("rostether.cli.role.joy:joy_node", "Publish a joystick's axes and buttons."),
+    "arduino-control": VerbEntry(
+        "rostether.cli.platform.arduino_control:arduino_control", "Turn a joystick into commands for a robot."
+    ),
     "foxglove-bridge": VerbEntry(
         "rostether.cli.gateway.foxglove:foxglove_bridge", "Serve Foxglove, like foxglove_bridge."
     ),

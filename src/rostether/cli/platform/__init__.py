@@ -1,0 +1,1 @@
+"""The nodes of the sensing platform as roles, and `rostether sensor`."""
