@@ -1,0 +1,101 @@
+"""The framed command: a datagram that a robot can check before it moves.
+
+Numbers are little-endian, as on the boards:
+
+    bytes   field
+    0-1     magic "rC"
+    2       version, 1
+    3       flags: 1 armed, 2 stop, 4 release, 8 the target is a mask of groups
+    4-7     target: a robot's id, or a mask of groups (bit 0 is group 0)
+    8-15    epoch: when the sender started, in microseconds since 1970
+    16-19   sequence: 1 for the sender's first frame of the epoch
+    20-21   time to live in milliseconds, counted from receipt
+    22-23   length of the payload in bytes
+    24-27   kind: the first four bytes of the MD5 sum of the payload's type
+    28-     payload: one message, in ROS 1 serialization
+    last 8  SipHash-2-4 of all bytes before it, under the fleet's key
+
+A fleet without a key uses a key of zeros: the tag then finds damage, but no forgery.
+"""
+
+from __future__ import annotations
+
+import hmac
+import struct
+from dataclasses import dataclass
+from enum import IntFlag
+
+from rostether.errors import RemoteProtocolError
+from rostether.platform.siphash import KEY_BYTES, TAG_BYTES, siphash_2_4
+
+NO_KEY = bytes(KEY_BYTES)
+ALL_GROUPS = 0xFFFF_FFFF
+DEFAULT_TTL_MS = 300
+MAX_TTL_MS = 1000
+"""A robot that has lost its sender drives on for this time at most."""
+
+MAX_PAYLOAD_BYTES = 1400
+"""With the header and the tag, it fits an Ethernet frame: fragments of a datagram are lost together."""
+
+_HEADER = struct.Struct("<2sBBIQIHH4s")
+_MAGIC = b"rC"
+_VERSION = 1
+HEADER_BYTES = _HEADER.size
+
+
+class Flags(IntFlag):
+    """What a frame asks for; a frame that is neither armed nor a stop only keeps the sender known."""
+
+    ARMED = 1
+    STOP = 2
+    RELEASE = 4
+    TO_GROUPS = 8
+
+
+@dataclass(frozen=True, slots=True)
+class CommandFrame:
+    """One framed command; the fields are those of the module's table."""
+
+    target: int
+    epoch_us: int
+    sequence: int
+    flags: Flags = Flags.ARMED
+    ttl_ms: int = DEFAULT_TTL_MS
+    kind: bytes = bytes(4)
+    payload: bytes = b""
+
+    def encode(self, key: bytes = NO_KEY) -> bytes:
+        """Return the datagram. The caller has checked the limits."""
+        head = _HEADER.pack(
+            _MAGIC,
+            _VERSION,
+            self.flags,
+            self.target,
+            self.epoch_us,
+            self.sequence,
+            self.ttl_ms,
+            len(self.payload),
+            self.kind,
+        )
+        return head + self.payload + siphash_2_4(key, head + self.payload)
+
+
+def decode_frame(datagram: bytes, key: bytes = NO_KEY) -> CommandFrame:
+    """Return the frame in a datagram. Raises RemoteProtocolError with the reason."""
+    size = len(datagram)
+    if size < HEADER_BYTES + TAG_BYTES or size > HEADER_BYTES + MAX_PAYLOAD_BYTES + TAG_BYTES:
+        raise RemoteProtocolError(f"a datagram of {size} bytes is not a framed command")
+    magic, version, flags, target, epoch_us, sequence, ttl_ms, length, kind = _HEADER.unpack_from(datagram)
+    if magic != _MAGIC:
+        raise RemoteProtocolError("the datagram is not a framed command")
+    if version != _VERSION:
+        raise RemoteProtocolError(f"the command has version {version}; this program knows version {_VERSION}")
+    if length != size - HEADER_BYTES - TAG_BYTES:
+        raise RemoteProtocolError(f"the command announces {length} bytes and has another length")
+    if not hmac.compare_digest(siphash_2_4(key, datagram[:-TAG_BYTES]), datagram[-TAG_BYTES:]):
+        raise RemoteProtocolError("the command's tag is wrong: it is damaged, or made with another key")
+    if not 0 < ttl_ms <= MAX_TTL_MS:
+        raise RemoteProtocolError(f"a time to live of {ttl_ms} ms is not from 1 to {MAX_TTL_MS}")
+    return CommandFrame(
+        target, epoch_us, sequence, Flags(flags), ttl_ms, kind, datagram[HEADER_BYTES:-TAG_BYTES]
+    )

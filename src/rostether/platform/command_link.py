@@ -1,0 +1,181 @@
+"""Both ends of framed commands, without sockets or clocks: `CommandSender` and `CommandReceiver`.
+
+A sender's state is sent again and again, so that a lost datagram costs 50 ms. A receiver obeys one sender at
+a time, and stops when the time to live of the last command has passed since its receipt.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from rostether.errors import RemoteProtocolError
+from rostether.platform.command_frame import (
+    DEFAULT_TTL_MS,
+    NO_KEY,
+    CommandFrame,
+    Flags,
+    decode_frame,
+)
+
+REPEAT_S = 0.05
+STOP_PERIOD_S = 0.02
+STOP_FRAMES = 10
+CHANGE_FRAMES = 3
+"""A changed command is sent once and twice more at once."""
+
+_LAST_SEQUENCE = 0xFFFF_FFFF
+
+
+@dataclass(frozen=True, slots=True)
+class SenderSettings:
+    """Who is commanded, and how: `target` is a robot's id, or with `to_groups` a mask of groups."""
+
+    target: int
+    to_groups: bool = True
+    kind: bytes = bytes(4)
+    ttl_ms: int = DEFAULT_TTL_MS
+    key: bytes = NO_KEY
+
+
+class CommandSender:
+    """Makes the datagrams of one sender; `epoch_us` is its start, in microseconds since 1970."""
+
+    def __init__(self, settings: SenderSettings, epoch_us: int) -> None:
+        self._settings = settings
+        self._epoch_us = epoch_us
+        self._sequence = 0
+        self._payload: bytes | None = None
+        self._stops_left = 0
+        self._due_s: float | None = None
+
+    @property
+    def due_s(self) -> float | None:
+        """When `repeat` is to be called next; None: not before the next command."""
+        return self._due_s
+
+    def command(self, payload: bytes, now_s: float) -> list[bytes]:
+        """Return the datagrams of a command: three if it differs from the last one."""
+        count = CHANGE_FRAMES if payload != self._payload else 1
+        self._payload = payload
+        self._stops_left = 0
+        self._due_s = now_s + REPEAT_S
+        return [self._frame(Flags.ARMED, payload) for _ in range(count)]
+
+    def stop(self, now_s: float) -> list[bytes]:
+        """Return the first datagram of a stop; `repeat` returns the others, then nothing more."""
+        self._payload = None
+        self._stops_left = STOP_FRAMES
+        return self.repeat(now_s)
+
+    def repeat(self, now_s: float) -> list[bytes]:
+        """Return what is to be sent again now."""
+        if self._stops_left:
+            self._stops_left -= 1
+            self._due_s = now_s + STOP_PERIOD_S if self._stops_left else None
+            return [self._frame(Flags.STOP)]
+        if self._payload is None:
+            self._due_s = None
+            return []
+        self._due_s = now_s + REPEAT_S
+        return [self._frame(Flags.ARMED, self._payload)]
+
+    def release(self) -> bytes:
+        """Return the last datagram: it stops the robot and lets another sender command it at once."""
+        self._payload, self._stops_left, self._due_s = None, 0, None
+        return self._frame(Flags.STOP | Flags.RELEASE)
+
+    def _frame(self, flags: Flags, payload: bytes = b"") -> bytes:
+        if self._sequence == _LAST_SEQUENCE:
+            self._sequence, self._epoch_us = 0, self._epoch_us + 1
+        self._sequence += 1
+        settings = self._settings
+        if settings.to_groups:
+            flags |= Flags.TO_GROUPS
+        return CommandFrame(
+            settings.target, self._epoch_us, self._sequence, flags, settings.ttl_ms, settings.kind, payload
+        ).encode(settings.key)
+
+
+@dataclass(frozen=True, slots=True)
+class ReceiverSettings:
+    """Who obeys: `robot_id` and the mask of its groups. `kind` None accepts every type."""
+
+    robot_id: int
+    groups: int = 1
+    kind: bytes | None = None
+    key: bytes = NO_KEY
+
+
+class CommandReceiver:
+    """One robot. It obeys one sender until that one releases it or is silent for its time to live.
+
+    A sender's start is its epoch. A later epoch is accepted then, or at once if its frame is a stop; an
+    earlier epoch is never accepted again, so that recorded frames have no effect.
+    """
+
+    def __init__(self, settings: ReceiverSettings) -> None:
+        self._settings = settings
+        self._epoch_us = 0
+        self._sequence = 0
+        self._deadline_s: float | None = None
+        self.is_moving = False
+        self.accepted_count = 0
+        self.lost_count = 0
+        self.refused_count = 0
+        self.last_refusal = ""
+
+    @property
+    def deadline_s(self) -> float | None:
+        """When `expired` is to be called next; None: the sender's time is over."""
+        return self._deadline_s
+
+    def receive(self, datagram: bytes, now_s: float) -> CommandFrame | None:
+        """Return the frame to obey, None for one that is for others or refused (`last_refusal` says why).
+
+        A frame with the flag STOP, or without ARMED, ends all motion.
+        """
+        self.expired(now_s)
+        try:
+            frame = decode_frame(datagram, self._settings.key)
+        except RemoteProtocolError as error:
+            return self._refuse(str(error))
+        if not self._is_meant(frame):
+            return None
+        if reason := self._objection(frame):
+            return self._refuse(reason)
+        if frame.epoch_us == self._epoch_us:
+            self.lost_count += frame.sequence - self._sequence - 1
+        self._epoch_us, self._sequence = frame.epoch_us, frame.sequence
+        self._deadline_s = None if Flags.RELEASE in frame.flags else now_s + frame.ttl_ms / 1000
+        self.is_moving = Flags.ARMED in frame.flags and Flags.STOP not in frame.flags
+        self.accepted_count += 1
+        return frame
+
+    def expired(self, now_s: float) -> bool:
+        """Return whether the robot must stop now because its sender is silent: True once for each silence."""
+        if self._deadline_s is None or now_s < self._deadline_s:
+            return False
+        self._deadline_s = None
+        was_moving, self.is_moving = self.is_moving, False
+        return was_moving
+
+    def _is_meant(self, frame: CommandFrame) -> bool:
+        if Flags.TO_GROUPS in frame.flags:
+            return bool(frame.target & self._settings.groups)
+        return frame.target == self._settings.robot_id
+
+    def _objection(self, frame: CommandFrame) -> str:
+        is_stop = Flags.STOP in frame.flags
+        if frame.epoch_us < self._epoch_us:
+            return "the sender started before the last one: restart it, or the command was recorded"
+        if frame.epoch_us == self._epoch_us and frame.sequence <= self._sequence:
+            return "the command is not newer than the last one"
+        if frame.epoch_us > self._epoch_us and self._deadline_s is not None and not is_stop:
+            return "another sender commands this robot"
+        if not is_stop and self._settings.kind not in (None, frame.kind):
+            return f"the command is of another type: {frame.kind.hex()} begins its MD5 sum"
+        return ""
+
+    def _refuse(self, reason: str) -> None:
+        self.refused_count += 1
+        self.last_refusal = reason
