@@ -138,11 +138,13 @@ class CommandReceiver:
         try:
             frame = decode_frame(datagram, self._settings.key)
         except RemoteProtocolError as error:
-            return self._refuse(str(error))
+            self._refuse(str(error))
+            return None
         if not self._is_meant(frame):
             return None
         if reason := self._objection(frame):
-            return self._refuse(reason)
+            self._refuse(reason)
+            return None
         if frame.epoch_us == self._epoch_us:
             self.lost_count += frame.sequence - self._sequence - 1
         self._epoch_us, self._sequence = frame.epoch_us, frame.sequence

@@ -32,10 +32,10 @@ async def test_one_command_for_each_message_and_one_warning() -> None:
     tasks.append(asyncio.ensure_future(publish_commands(node, StickSettings(), lines)))
     joy = await other.publisher("/joy", "sensor_msgs/Joy")
     await until(lambda: joy.subscriber_count)
-    sent = ([0.0, 1.0], [], [1.0], [math.nan, 0.0], [-1.0, 0.0], [1.0])
-    for count, axes in enumerate(sent, start=1):
+    sent: tuple[list[float], ...] = ([0.0, 1.0], [], [1.0], [math.nan, 0.0], [-1.0, 0.0], [1.0])
+    for axes in sent:
         joy.publish(axes=axes)
-        await until(lambda count=count: len(commands) == count)
+    await until(lambda: len(commands) == len(sent))
     for task in tasks:
         task.cancel()
     await asyncio.wait(tasks)

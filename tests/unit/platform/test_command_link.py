@@ -24,7 +24,6 @@ def robot() -> CommandReceiver:
 
 def test_a_command_is_repeated_until_it_stops(robot: CommandReceiver) -> None:
     sender = CommandSender(TO_ROBOT, 1_000)
-    assert sender.due_s is None
     first = sender.command(b"go", 0.0)
     assert [robot.receive(each, 0.0) is not None for each in first] == [True, True, True]
     assert (robot.is_moving, sender.due_s) == (True, 0.05)
