@@ -309,3 +309,42 @@ def test_short_arrays_of_numbers_in_a_part() -> None:
     sent = {"part": {"x": [1.0, 2.0, 3.0], "y": [4, 5], "z": "six"}, "name": "seven"}
     part = codec.decode(codec.encode(sent)).part
     assert (part.x, part.y, part.z) == ([1.0, 2.0, 3.0], [4, 5], "six")
+
+
+def test_a_single_value_is_that_of_the_only_field() -> None:
+    codec = STORE.codec("std_msgs/String")
+    assert codec.fields_of("hi") == {"data": "hi"}
+    assert codec.fields_of({"data": "hi"}) == {"data": "hi"}
+    message = codec.message_class()
+    assert codec.fields_of(message) is message
+    with pytest.raises(SerializationError, match=r"has 2 fields \(linear, angular\), so give values by name"):
+        STORE.codec("geometry_msgs/Twist").fields_of(1.0)
+
+
+def test_a_message_as_a_dictionary() -> None:
+    message = STORE.codec("tf2_msgs/TFMessage").conform({"transforms": [{"child_frame_id": "arm"}]})
+    (transform,) = message.to_dict()["transforms"]
+    assert transform["child_frame_id"] == "arm"
+    assert transform["transform"]["translation"] == {"x": 0.0, "y": 0.0, "z": 0.0}
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "stamp"),
+    [
+        ("time", "now", Time(7, 8)),
+        ("time", 1.5, Time(1, 500_000_000)),
+        ("duration", -1.5, Duration(-2, 500_000_000)),
+        ("duration", 2, Duration(2, 0)),
+    ],
+)
+def test_times_as_numbers_where_now_is_known(field: str, value: object, stamp: object) -> None:
+    codec = store_of(Kind=f"{field} stamp").codec("test/Kind")
+    sent = codec.encode({"stamp": value}, now=lambda: Time(7, 8))
+    assert codec.decode(sent).stamp == stamp
+
+
+@pytest.mark.parametrize("value", [-1.0, math.inf, True, "later"])
+def test_what_is_no_time(value: object) -> None:
+    codec = store_of(Kind="time stamp").codec("test/Kind")
+    with pytest.raises(SerializationError, match="stamp"):
+        codec.encode({"stamp": value}, now=lambda: Time(7, 8))
